@@ -1,0 +1,34 @@
+// Triangle meshes as they arrive: any set of triangles, open or closed, self-intersecting, non-manifold.
+#ifndef LATVOX_CORE_MESH_MESH_H_
+#define LATVOX_CORE_MESH_MESH_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/base/vec.h"
+
+namespace latvox {
+
+struct TriangleMesh {
+  std::vector<Vec3f> vertices;                     // world units
+  std::vector<std::array<uint32_t, 3>> triangles;  // indices into `vertices`
+};
+
+// World-space box, closed on both sides.
+struct Bounds {
+  Vec3d min, max;
+  // Length of the longest side, world units.
+  double LongestSide() const;
+};
+
+// INVALID_ARGUMENT, naming the element, for a mesh without triangles, an index out of range or a vertex that is not
+// finite.
+absl::Status Validate(const TriangleMesh& mesh);
+
+// Box of the vertices that triangles use. Precondition: Validate(mesh).
+Bounds BoundsOf(const TriangleMesh& mesh);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_MESH_MESH_H_

@@ -1,0 +1,59 @@
+// Bricks and tiles: the coordinates and units of sparse voxel sets.
+//
+//   voxel  ijk                lattice coordinates
+//   brick  brick_ijk = ijk>>3     8^3 voxels, one bit each
+//   tile   tile_ijk  = ijk>>6     8^3 bricks
+#ifndef LATVOX_CORE_TILE_BRICK_H_
+#define LATVOX_CORE_TILE_BRICK_H_
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/vec.h"
+
+namespace latvox {
+
+inline constexpr int kBrickBits = 3;  // log2 of a brick's side in voxels
+inline constexpr int kTileBits = 6;   // log2 of a tile's side in voxels
+inline constexpr int32_t kBrickSide = 1 << kBrickBits;
+inline constexpr int32_t kTileSide = 1 << kTileBits;
+
+// 512 voxels in OpenVDB's leaf order: voxel (x, y, z) of the brick is bit (y<<3 | z) of word x.
+using BrickMask = std::array<uint64_t, 8>;
+
+struct Brick {
+  Vec3i brick_ijk;
+  BrickMask mask;  // never empty
+};
+
+// The voxels of one tile.
+struct TileBricks {
+  Vec3i tile_ijk;
+  std::vector<Brick> bricks;  // lexicographic order of brick_ijk; never empty
+  uint64_t voxels = 0;
+  double progress = 0;  // estimated share of the whole work done with this tile, 0 to 1
+};
+
+// A half-open box of lattice points: min <= ijk < max on every axis.
+struct IndexBox {
+  Vec3i min, max;
+  bool operator==(const IndexBox&) const = default;
+  bool Contains(const Vec3i& ijk) const {
+    for (int m = 0; m < 3; ++m) {
+      if (ijk[m] < min[m] || ijk[m] >= max[m]) return false;
+    }
+    return true;
+  }
+};
+
+inline uint64_t CountVoxels(const BrickMask& mask) {
+  uint64_t count = 0;
+  for (uint64_t word : mask) count += static_cast<uint64_t>(std::popcount(word));
+  return count;
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_TILE_BRICK_H_

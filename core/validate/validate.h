@@ -1,0 +1,43 @@
+// Counts tunnels and redundant voxels of a finished voxel set.
+#ifndef LATVOX_CORE_VALIDATE_VALIDATE_H_
+#define LATVOX_CORE_VALIDATE_VALIDATE_H_
+
+#include <atomic>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/statusor.h"
+#include "core/lattice/lattice.h"
+#include "core/snap/snap.h"
+#include "core/tile/brick.h"
+
+namespace latvox {
+
+// A sparse voxel set that answers membership.
+class VoxelSet {
+ public:
+  void Add(const Brick& brick);
+  bool Contains(const Vec3i& ijk) const;
+  uint64_t size() const { return size_; }
+  const absl::flat_hash_map<Vec3i, BrickMask>& bricks() const { return bricks_; }
+
+ private:
+  absl::flat_hash_map<Vec3i, BrickMask> bricks_;
+  uint64_t size_ = 0;
+};
+
+struct Verdict {
+  uint64_t tunnels = 0;    // crossed lattice edges without an end in the set
+  uint64_t redundant = 0;  // voxels that could leave, one at a time, without a tunnel
+};
+
+// Scans the whole mesh in every direction, triangle by triangle, and holds each crossed edge against `voxels`.
+// Errors: CANCELLED once *cancelled is true.
+absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
+                                 const std::atomic<bool>& cancelled);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VALIDATE_VALIDATE_H_

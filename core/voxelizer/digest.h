@@ -1,0 +1,27 @@
+// A digest of voxel sets that does not depend on how, in what order or in how many parts they were computed.
+#ifndef LATVOX_CORE_VOXELIZER_DIGEST_H_
+#define LATVOX_CORE_VOXELIZER_DIGEST_H_
+
+#include <cstdint>
+#include <string>
+
+#include "core/tile/brick.h"
+
+namespace latvox {
+
+// The sum modulo 2^128, over all bricks, of XXH3-128 (seed 0) of 76 bytes: brick_ijk as three little-endian 32-bit
+// integers, then the mask's eight words, little-endian. Digests of sets without a common brick add up to their union's.
+class Digest {
+ public:
+  void Add(const Brick& brick);
+  void Add(const Digest& other);
+  std::string ToHex() const;  // 32 hexadecimal digits
+  bool operator==(const Digest&) const = default;
+
+ private:
+  uint64_t high_ = 0, low_ = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_DIGEST_H_

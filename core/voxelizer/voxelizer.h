@@ -1,0 +1,90 @@
+// The pipeline: mesh -> lattice coordinates -> tiles -> bricks.
+#ifndef LATVOX_CORE_VOXELIZER_VOXELIZER_H_
+#define LATVOX_CORE_VOXELIZER_VOXELIZER_H_
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "core/lattice/lattice.h"
+#include "core/mesh/mesh.h"
+#include "core/tile/brick.h"
+#include "core/validate/validate.h"
+#include "core/voxelizer/digest.h"
+
+namespace latvox {
+
+// Where lattice points lie in the world: world = origin + V * ijk.
+struct Grid {
+  Lattice lattice;
+  Vec3d origin;
+};
+
+// How finely to sample: nothing (the lattice as it is), a voxel size, or voxels along the longest side of the mesh.
+struct Density {
+  std::optional<double> voxel_size;     // world units, finite, > 0
+  std::optional<uint32_t> resolution;   // 2 .. kMaxExtent; voxel_size = longest side / (resolution - 1)
+};
+
+// The grid for a mesh with these bounds. Without an origin, lattice point 0 is the bounds' low corner.
+// Errors: INVALID_ARGUMENT naming field, value and limit.
+absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
+                                 const Bounds& bounds);
+
+struct VoxelizeOptions {
+  int separability = 0;            // k: 0, 1 or 2
+  bool minimal = true;             // thin to k-minimality
+  std::optional<IndexBox> region;  // only these voxels, as they are in the whole
+};
+
+struct JobFacts {
+  uint64_t triangles = 0, vertices = 0, degenerate_triangles = 0;
+  bool closed = false;              // every edge, by snapped position, in an even number of triangles
+  double snap_error_max = 0;        // voxels, per lattice coordinate
+  std::optional<IndexBox> index_box;  // no voxel lies outside; nullopt: no voxel at all
+  uint64_t tiles_in_box = 0;        // 64^3 tiles that meet index_box
+};
+
+struct JobTotals {
+  uint64_t voxels = 0, bricks = 0, tiles = 0;
+  Digest digest;
+};
+
+// One mesh being voxelized. Tiles come out in canonical order (see BrickBatch in the protocol), and are the same for any
+// number of threads and any order of triangles.
+//
+// Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
+// calling thread. Memory: the snapped mesh and a bounded number of tiles.
+class VoxelizeJob {
+ public:
+  // Snaps the mesh. Errors: INVALID_ARGUMENT (mesh invalid, separability, empty region), RESOURCE_EXHAUSTED never;
+  // extents over kMaxExtent are INVALID_ARGUMENT naming axis, value and limit.
+  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(const TriangleMesh& mesh, const Grid& grid,
+                                                             const VoxelizeOptions& options);
+  virtual ~VoxelizeJob() = default;
+
+  virtual const JobFacts& facts() const = 0;
+
+  // Receives one tile; returns false to pause. Called from one thread at a time.
+  using Sink = std::function<bool(TileBricks&&)>;
+
+  // Computes further tiles and hands them to `sink` until all are done (true) or the sink paused (false; a few more
+  // tiles may follow the pause). Errors: CANCELLED after Cancel.
+  virtual absl::StatusOr<bool> Advance(const Sink& sink) = 0;
+
+  // What the sink has received so far.
+  virtual const JobTotals& totals() const = 0;
+
+  // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
+  // Precondition: options.region was not set. Errors: CANCELLED.
+  virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
+
+  // Makes Advance and Verify return CANCELLED soon. Any thread, any time.
+  virtual void Cancel() = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_VOXELIZER_H_
