@@ -26,28 +26,30 @@ class Lattice {
   //   kHexagonal   (1,0,0) (1/2,sqrt(3)/2,0) (0,0,1)
   static Lattice Named(NamedLattice name);
 
-  // The lattice with columns V, world units. Errors: INVALID_ARGUMENT if an entry is not finite, if V is singular, or if
-  // it is too skew, which is to say that a frame needs a row with an absolute sum over kMaxFrameRow; the message then
-  // gives a basis of the same lattice that is not.
+  // The lattice with columns V, world units. Errors: INVALID_ARGUMENT if an entry is not finite, if V is singular, or
+  // if it is too skew, which is to say that a frame needs a row with an absolute sum over kMaxFrameRow; the message
+  // then gives a basis of the same lattice that is not.
   static absl::StatusOr<Lattice> FromBasis(const Mat3d& basis);
 
   // The same lattice scaled uniformly to voxel_size. Precondition: voxel_size is finite and > 0.
   absl::StatusOr<Lattice> Scaled(double voxel_size) const;
 
-  const Mat3d& basis() const { return basis_; }          // V, world units
-  const Mat3d& inverse() const { return inverse_; }      // V^-1, by columns
-  std::string_view name() const { return name_; }        // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
-  double voxel_size() const;                             // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2
+  const Mat3d& basis() const { return basis_; }      // V, world units
+  const Mat3d& inverse() const { return inverse_; }  // V^-1, by columns
+  std::string_view name() const { return name_; }    // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
+  double voxel_size() const;                         // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2
 
   // Every lattice vector whose Voronoi cell meets the origin's, with the dimension of the shared face.
   const std::vector<Neighbor<3>>& neighbors() const { return neighbors_; }
 
-  // The frames of one of each pair +-q of k-neighbours, in lexicographic order of q; q's first nonzero entry is positive.
-  // k in 0, 1, 2.
-  const std::vector<Frame>& frames(int k) const { return frames_[k]; }
+  // The frames of one of each pair +-q of k-neighbours, in lexicographic order of q; q's first nonzero entry is
+  // positive. k in 0, 1, 2.
+  const std::vector<Frame>& frames(int k) const { return frames_[static_cast<size_t>(k)]; }
 
  private:
-  Lattice(std::string_view name, const Mat3d& basis, const Mat3d& inverse) : name_(name), basis_(basis), inverse_(inverse) {}
+  Lattice(std::string_view name, const Mat3d& basis, const Mat3d& inverse)
+      : name_(name), basis_(basis), inverse_(inverse) {}
+  static absl::StatusOr<Lattice> Make(std::string_view name, const Mat3d& basis);
 
   std::string_view name_;
   Mat3d basis_, inverse_;

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_MESH_MESH_H_
 #define LATVOX_CORE_MESH_MESH_H_
 
+#include <array>
 #include <cstdint>
 #include <vector>
 

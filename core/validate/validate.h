@@ -4,7 +4,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <unordered_map>
+#include <optional>
+#include <tuple>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -19,12 +20,16 @@ namespace latvox {
 class VoxelSet {
  public:
   void Add(const Brick& brick);
-  bool Contains(const Vec3i& ijk) const;
+  bool Contains(const Vec3i& ijk) const { return Find(ijk).has_value(); }
   uint64_t size() const { return size_; }
-  const absl::flat_hash_map<Vec3i, BrickMask>& bricks() const { return bricks_; }
+
+  // A number below 64 * words() that is the voxel's alone, or nullopt if it is not in the set.
+  std::optional<uint64_t> Find(const Vec3i& ijk) const;
+  size_t words() const { return masks_.size() * std::tuple_size_v<BrickMask>; }
 
  private:
-  absl::flat_hash_map<Vec3i, BrickMask> bricks_;
+  absl::flat_hash_map<Vec3i, uint32_t> index_;  // of brick_ijk into masks_
+  std::vector<BrickMask> masks_;
   uint64_t size_ = 0;
 };
 

@@ -24,9 +24,11 @@ struct Grid {
 
 // How finely to sample: nothing (the lattice as it is), a voxel size, or voxels along the longest side of the mesh.
 struct Density {
-  std::optional<double> voxel_size;     // world units, finite, > 0
-  std::optional<uint32_t> resolution;   // 2 .. kMaxExtent; voxel_size = longest side / (resolution - 1)
+  std::optional<double> voxel_size;    // world units, finite, > 0
+  std::optional<uint32_t> resolution;  // 2 .. kMaxResolution; voxel_size = longest side / (resolution - 1)
 };
+
+inline constexpr uint32_t kMaxResolution = 65536;
 
 // The grid for a mesh with these bounds. Without an origin, lattice point 0 is the bounds' low corner.
 // Errors: INVALID_ARGUMENT naming field, value and limit.
@@ -41,10 +43,10 @@ struct VoxelizeOptions {
 
 struct JobFacts {
   uint64_t triangles = 0, vertices = 0, degenerate_triangles = 0;
-  bool closed = false;              // every edge, by snapped position, in an even number of triangles
-  double snap_error_max = 0;        // voxels, per lattice coordinate
+  bool closed = false;                // every edge, by snapped position, in an even number of triangles
+  double snap_error_max = 0;          // voxels, per lattice coordinate
   std::optional<IndexBox> index_box;  // no voxel lies outside; nullopt: no voxel at all
-  uint64_t tiles_in_box = 0;        // 64^3 tiles that meet index_box
+  uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
 };
 
 struct JobTotals {
@@ -52,16 +54,16 @@ struct JobTotals {
   Digest digest;
 };
 
-// One mesh being voxelized. Tiles come out in canonical order (see BrickBatch in the protocol), and are the same for any
-// number of threads and any order of triangles.
+// One mesh being voxelized. Tiles come out in canonical order (see BrickBatch in the protocol), and are the same for
+// any number of threads and any order of triangles.
 //
 // Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
 // calling thread. Memory: the snapped mesh and a bounded number of tiles.
 class VoxelizeJob {
  public:
-  // Snaps the mesh. Errors: INVALID_ARGUMENT (mesh invalid, separability, empty region), RESOURCE_EXHAUSTED never;
-  // extents over kMaxExtent are INVALID_ARGUMENT naming axis, value and limit.
-  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(const TriangleMesh& mesh, const Grid& grid,
+  // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
+  // separability, region.
+  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options);
   virtual ~VoxelizeJob() = default;
 

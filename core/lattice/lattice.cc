@@ -1,0 +1,91 @@
+#include "core/lattice/lattice.h"
+
+#include <cmath>
+
+#include "absl/strings/str_format.h"
+
+namespace latvox {
+namespace {
+
+Mat3d Scale(Mat3d m, double s) {
+  for (auto& column : m) column = column * s;
+  return m;
+}
+
+Mat3d Inverse(const Mat3d& m) {
+  const double det = Determinant(m);
+  const std::array<Vec3d, 3> rows{Cross(m[1], m[2]), Cross(m[2], m[0]), Cross(m[0], m[1])};
+  Mat3d inverse;
+  for (size_t c = 0; c < 3; ++c) {
+    for (size_t r = 0; r < 3; ++r) inverse[c][r] = rows[r][c] / det;
+  }
+  return inverse;
+}
+
+std::string ToString(const Mat3d& m) {
+  return absl::StrFormat("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", m[0][0], m[0][1], m[0][2], m[1][0], m[1][1],
+                         m[1][2], m[2][0], m[2][1], m[2][2]);
+}
+
+absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) {
+  Mat3d reduced;
+  for (size_t c = 0; c < 3; ++c) reduced[c] = Apply(basis, transform[c]);
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "basis: too skew for exact 64-bit arithmetic; this basis of the same lattice is not: %s", ToString(reduced)));
+}
+
+}  // namespace
+
+double Lattice::voxel_size() const { return std::cbrt(std::abs(Determinant(basis_))); }
+
+absl::StatusOr<Lattice> Lattice::FromBasis(const Mat3d& basis) { return Make("basis", basis); }
+
+absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis) {
+  const auto transform = ReduceBasis<3>(basis);
+  if (!transform.ok()) return transform.status();
+  const Mat3d inverse = Inverse(basis);
+  for (const auto& column : inverse) {
+    for (double x : column) {
+      if (!std::isfinite(x)) return absl::InvalidArgumentError("basis: its determinant over- or underflows");
+    }
+  }
+  Lattice lattice(name, basis, inverse);
+  auto neighbors = FindNeighbors<3>(basis);
+  if (!neighbors.ok()) return neighbors.status();
+  lattice.neighbors_ = *std::move(neighbors);
+  for (const auto& neighbor : lattice.neighbors_) {
+    if (!FirstNonzeroIsPositive(neighbor.w)) continue;
+    const auto frame = MakeFrame(neighbor.w);
+    if (!frame) return TooSkewError(basis, *transform);
+    for (int k = 0; k <= neighbor.face_dimension; ++k) lattice.frames_[static_cast<size_t>(k)].push_back(*frame);
+  }
+  return lattice;
+}
+
+Lattice Lattice::Named(NamedLattice name) {
+  struct Definition {
+    std::string_view name;
+    Mat3d basis;
+  };
+  const auto definition = [name]() -> Definition {
+    switch (name) {
+      case NamedLattice::kCartesian:
+        return {"cartesian", {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+      case NamedLattice::kBcc:
+        return {"bcc", {{{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}}};
+      case NamedLattice::kFcc:
+        return {"fcc", {{{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}}};
+      case NamedLattice::kHexagonal:
+        return {"hexagonal", {{{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 0, 1}}}};
+    }
+    return {};
+  }();
+  const double size = std::cbrt(std::abs(Determinant(definition.basis)));
+  return Make(definition.name, Scale(definition.basis, 1 / size)).value();
+}
+
+absl::StatusOr<Lattice> Lattice::Scaled(double voxel_size) const {
+  return Make(name_, Scale(basis_, voxel_size / this->voxel_size()));
+}
+
+}  // namespace latvox

@@ -1,0 +1,178 @@
+#include "core/lattice/neighbors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_format.h"
+
+// Why FindNeighbors is right. The face shared by the cells of 0 and w is centrally symmetric about w/2, so there is one
+// iff w/2 lies in the cell of 0, iff w is shortest among w + 2L. The lattice points nearest to w/2 are w/2 + u/2 with u
+// in M, the set of shortest vectors of the coset; the face is where their bisectors meet, so its dimension is
+// D - rank(M).
+//
+// Why a search over coefficients -3..3 in a reduced basis finds all of M. Let b_0 .. b_D be an obtuse superbase (sum 0,
+// p_ij = -b_i.b_j >= 0). Selling's formula gives |sum m_i b_i|^2 = sum_{i<j} p_ij (m_i - m_j)^2. Within a coset the
+// parities of m_i - m_j are fixed, and m in {0,1} attains the least value of every term at once; so a shortest vector
+// has |m_i - m_j| <= 1 wherever p_ij > 0. The p_ij > 0 connect all D + 1 indices (else the lattice would be singular),
+// hence |m_i - m_0| <= D.
+
+namespace latvox {
+namespace {
+
+constexpr int kMaxSellingSteps = 200;
+constexpr int64_t kMaxTransform = 1 << 20;
+// A reduced vector shorter than this part of the longest given one means that the basis is singular in doubles.
+constexpr double kSingular = 1e-10;
+
+template <size_t D>
+Vec<double, D> Combine(const Mat<double, D>& basis, const Vec<int32_t, D>& coefficients) {
+  return Apply(basis, coefficients);
+}
+
+template <size_t D>
+absl::Status SingularError() {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("basis: the %d vectors are linearly dependent (rank below %d)", D, D));
+}
+
+// Indices (i, j) of the superbase with the largest positive product, or i == j if there is none.
+template <size_t D>
+std::pair<size_t, size_t> MostAcutePair(const std::array<Vec<double, D>, D + 1>& b) {
+  std::pair<size_t, size_t> pair{0, 0};
+  double most = 0;
+  for (size_t i = 0; i <= D; ++i) {
+    for (size_t j = i + 1; j <= D; ++j) {
+      const double dot = Dot(b[i], b[j]);
+      // Only rounding is left below this; another step would not end.
+      const double noise = 1e-13 * std::sqrt(Dot(b[i], b[i]) * Dot(b[j], b[j]));
+      if (dot > noise && dot > most) {
+        most = dot;
+        pair = {i, j};
+      }
+    }
+  }
+  return pair;
+}
+
+size_t Rank(const std::vector<Vec<int32_t, 2>>& vectors) {
+  for (const auto& v : vectors) {
+    if (Determinant(Mat<int32_t, 2>{vectors[0], v}) != 0) return 2;
+  }
+  return 1;
+}
+
+size_t Rank(const std::vector<Vec<int32_t, 3>>& vectors) {
+  constexpr Vec<int32_t, 3> kZero{};
+  size_t rank = 1;
+  for (const auto& v : vectors) {
+    const auto normal = Cross(vectors[0], v);
+    if (normal == kZero) continue;
+    rank = 2;
+    for (const auto& u : vectors) {
+      if (Dot(normal, u) != 0) return 3;
+    }
+  }
+  return rank;
+}
+
+// Calls f for every vector with entries in -bound..bound.
+template <size_t D, class F>
+void ForEachInCube(int32_t bound, F f) {
+  Vec<int32_t, D> v;
+  v.fill(-bound);
+  while (true) {
+    f(v);
+    size_t m = D;
+    while (m > 0 && v[m - 1] == bound) v[--m] = -bound;
+    if (m == 0) return;
+    ++v[m - 1];
+  }
+}
+
+}  // namespace
+
+template <size_t D>
+absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
+  double largest = 0;
+  for (const auto& column : basis) {
+    for (double x : column) {
+      if (!std::isfinite(x)) return absl::InvalidArgumentError(absl::StrFormat("basis: entry %g is not finite", x));
+      largest = std::max(largest, std::abs(x));
+    }
+  }
+  if (largest == 0) return SingularError<D>();
+  Mat<double, D> unit = basis;  // keeps squares from over- and underflow
+  for (auto& column : unit) column = column * (1 / largest);
+
+  std::array<Vec<int32_t, D>, D + 1> t{};  // the superbase's integer combinations; rounding never accumulates
+  for (size_t i = 0; i < D; ++i) {
+    t[i][i] = 1;
+    t[D][i] = -1;
+  }
+  for (int step = 0; step < kMaxSellingSteps; ++step) {
+    std::array<Vec<double, D>, D + 1> b;
+    for (size_t i = 0; i <= D; ++i) {
+      b[i] = Combine(unit, t[i]);
+      if (Dot(b[i], b[i]) < kSingular * kSingular) return SingularError<D>();
+    }
+    const auto [i, j] = MostAcutePair<D>(b);
+    if (i == j) {
+      Mat<int32_t, D> reduced;
+      std::copy_n(t.begin(), D, reduced.begin());
+      return reduced;
+    }
+    for (size_t m = 0; m <= D; ++m) {
+      if (m != i && m != j) t[m] = t[m] + t[i] * static_cast<int32_t>(D == 2 ? 2 : 1);
+    }
+    t[i] = -t[i];
+    for (const auto& column : t) {
+      for (int32_t x : column) {
+        if (std::abs(static_cast<int64_t>(x)) > kMaxTransform) return SingularError<D>();
+      }
+    }
+  }
+  return SingularError<D>();
+}
+
+template <size_t D>
+absl::StatusOr<std::vector<Neighbor<D>>> FindNeighbors(const Mat<double, D>& basis) {
+  const auto transform = ReduceBasis<D>(basis);
+  if (!transform.ok()) return transform.status();
+
+  struct Candidate {
+    Vec<int32_t, D> w;
+    double length2;
+  };
+  std::array<std::vector<Candidate>, size_t{1} << D> cosets;
+  ForEachInCube<D>(static_cast<int32_t>(D), [&](const Vec<int32_t, D>& m) {
+    const Vec<int32_t, D> w = Apply(*transform, m);
+    size_t parity = 0;
+    for (int32_t x : w) parity = parity << 1 | static_cast<size_t>(x & 1);
+    const auto v = Combine(basis, w);
+    if (parity != 0) cosets[parity].push_back({w, Dot(v, v)});
+  });
+
+  std::vector<Neighbor<D>> neighbors;
+  for (size_t parity = 1; parity < cosets.size(); ++parity) {
+    double shortest = cosets[parity][0].length2;
+    for (const auto& c : cosets[parity]) shortest = std::min(shortest, c.length2);
+    std::vector<Vec<int32_t, D>> minimal;
+    for (const auto& c : cosets[parity]) {
+      // Twice the tolerance, since these are squares.
+      if (c.length2 <= shortest * (1 + 2 * kSymmetryTolerance)) minimal.push_back(c.w);
+    }
+    const int face_dimension = static_cast<int>(D - Rank(minimal));
+    for (const auto& w : minimal) neighbors.push_back({w, face_dimension});
+  }
+  std::sort(neighbors.begin(), neighbors.end(), [](const auto& a, const auto& b) { return a.w < b.w; });
+  return neighbors;
+}
+
+template absl::StatusOr<Mat<int32_t, 2>> ReduceBasis<2>(const Mat<double, 2>&);
+template absl::StatusOr<Mat<int32_t, 3>> ReduceBasis<3>(const Mat<double, 3>&);
+template absl::StatusOr<std::vector<Neighbor<2>>> FindNeighbors<2>(const Mat<double, 2>&);
+template absl::StatusOr<std::vector<Neighbor<3>>> FindNeighbors<3>(const Mat<double, 3>&);
+
+}  // namespace latvox

@@ -1,0 +1,48 @@
+#include "core/mesh/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_format.h"
+
+namespace latvox {
+
+double Bounds::LongestSide() const {
+  const Vec3d side = max - min;
+  return std::max({side[0], side[1], side[2]});
+}
+
+absl::Status Validate(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    for (float x : mesh.vertices[v]) {
+      if (!std::isfinite(x)) return absl::InvalidArgumentError(absl::StrFormat("mesh: vertex %d is not finite", v));
+    }
+  }
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (uint32_t v : mesh.triangles[t]) {
+      if (v >= mesh.vertices.size()) {
+        return absl::InvalidArgumentError(
+            absl::StrFormat("mesh: triangle %d uses vertex %d of %d", t, v, mesh.vertices.size()));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+Bounds BoundsOf(const TriangleMesh& mesh) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (const auto& triangle : mesh.triangles) {
+    for (uint32_t v : triangle) {
+      for (size_t m = 0; m < 3; ++m) {
+        bounds.min[m] = std::min(bounds.min[m], static_cast<double>(mesh.vertices[v][m]));
+        bounds.max[m] = std::max(bounds.max[m], static_cast<double>(mesh.vertices[v][m]));
+      }
+    }
+  }
+  return bounds;
+}
+
+}  // namespace latvox

@@ -1,0 +1,81 @@
+#include "core/validate/validate.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
+
+#include <limits>
+#include <memory>
+
+#include "core/digitize/crossing.h"
+
+namespace latvox {
+namespace {
+
+struct Place {
+  Vec3i brick_ijk;
+  uint32_t bit;
+};
+
+Place PlaceOf(const Vec3i& ijk) {
+  Place place{{}, 0};
+  for (size_t m = 0; m < 3; ++m) {
+    place.brick_ijk[m] = ijk[m] >> kBrickBits;
+    place.bit = place.bit << kBrickBits | static_cast<uint32_t>(ijk[m] & (kBrickSide - 1));
+  }
+  return place;
+}
+
+}  // namespace
+
+void VoxelSet::Add(const Brick& brick) {
+  const auto [entry, added] = index_.try_emplace(brick.brick_ijk, static_cast<uint32_t>(masks_.size()));
+  if (added) masks_.push_back({});
+  BrickMask& mask = masks_[entry->second];
+  size_ -= CountVoxels(mask);
+  for (size_t n = 0; n < mask.size(); ++n) mask[n] |= brick.mask[n];
+  size_ += CountVoxels(mask);
+}
+
+std::optional<uint64_t> VoxelSet::Find(const Vec3i& ijk) const {
+  const Place place = PlaceOf(ijk);
+  const auto entry = index_.find(place.brick_ijk);
+  if (entry == index_.end() || !(masks_[entry->second][place.bit >> 6] >> (place.bit & 63) & 1)) return std::nullopt;
+  return uint64_t{entry->second} << 9 | place.bit;
+}
+
+absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
+                                 const std::atomic<bool>& cancelled) {
+  constexpr int32_t kFar = 1 << 28;  // a box that leaves nothing out
+  constexpr IndexBox kEverywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+  constexpr size_t kGrain = 256;
+  std::vector<std::atomic<uint64_t>> essential(voxels.words());
+
+  using oneapi::tbb::blocked_range;
+  const uint64_t tunnels = oneapi::tbb::parallel_reduce(
+      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), uint64_t{0},
+      [&](const blocked_range<size_t>& part, uint64_t count) {
+        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
+          const auto& [v0, v1, v2] = mesh.triangles[t];
+          const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
+          for (const Frame& frame : frames) {
+            ForEachCrossing(triangle, frame, kEverywhere, [&](const Vec3i& nearer, const Vec3i& farther) {
+              const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
+              if (!a && !b) ++count;
+              if (a && b) return;
+              if (const auto only = a ? a : b) {
+                essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
+              }
+            });
+          }
+        }
+        return count;
+      },
+      std::plus<>());
+  if (cancelled) return absl::CancelledError("verification cancelled");
+
+  uint64_t kept = 0;
+  for (const auto& word : essential) kept += static_cast<uint64_t>(std::popcount(word.load(std::memory_order_relaxed)));
+  return Verdict{tunnels, voxels.size() - kept};
+}
+
+}  // namespace latvox

@@ -1,0 +1,198 @@
+#include "core/voxelizer/voxelizer.h"
+
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_format.h"
+#include "core/snap/snap.h"
+#include "core/tile/tile_tree.h"
+#include "core/voxelizer/tile_job.h"
+
+namespace latvox {
+namespace {
+
+// A subtree becomes one unit of parallel work when it is this small: enough to keep the serial part of the pipeline
+// small, little enough to keep threads busy and memory bounded.
+constexpr int kMaxUnitLevel = 2;  // 4^3 tiles
+constexpr size_t kMaxUnitTriangles = 4096;
+
+using Unit = std::vector<TileBricks>;
+
+IndexBox Intersection(IndexBox a, const IndexBox& b) {
+  for (size_t m = 0; m < 3; ++m) {
+    a.min[m] = std::max(a.min[m], b.min[m]);
+    a.max[m] = std::max(a.min[m], std::min(a.max[m], b.max[m]));
+  }
+  return a;
+}
+
+bool IsEmpty(const IndexBox& box) {
+  return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
+}
+
+IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
+
+uint64_t TilesIn(const IndexBox& box) {
+  uint64_t tiles = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    tiles *= static_cast<uint64_t>(((box.max[m] - 1) >> kTileBits) - (box.min[m] >> kTileBits) + 1);
+  }
+  return tiles;
+}
+
+class Job : public VoxelizeJob {
+ public:
+  Job(SnappedMesh mesh, std::vector<Frame> frames, const VoxelizeOptions& options, const IndexBox& region)
+      : mesh_(std::move(mesh)),
+        frames_(std::move(frames)),
+        context_{mesh_, frames_, ReachOf(frames_), options.minimal, region, cancelled_},
+        tree_(mesh_, context_.Margin(), region) {
+    const SurfaceFacts surface = FactsOf(mesh_);
+    facts_.triangles = mesh_.triangles.size();
+    facts_.vertices = mesh_.vertices_lat.size();
+    facts_.degenerate_triangles = surface.degenerate_triangles;
+    facts_.closed = surface.closed;
+    facts_.snap_error_max = kSnapErrorMax;
+    if (!IsEmpty(region)) {
+      facts_.index_box = Moved(region, mesh_.base_ijk);
+      facts_.tiles_in_box = TilesIn(*facts_.index_box);
+      if (auto root = tree_.Root()) todo_.push_back(*std::move(root));
+    }
+  }
+
+  const JobFacts& facts() const override { return facts_; }
+  const JobTotals& totals() const override { return totals_; }
+  void Cancel() override { cancelled_ = true; }
+  absl::StatusOr<bool> Advance(const Sink& sink) override;
+  absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
+    return Validate(mesh_, frames_, voxels, cancelled_);
+  }
+
+ private:
+  std::optional<TileNode> NextUnit();
+  void Process(const TileNode& node, Unit& out) const;
+  void Deliver(TileBricks tile, const Sink& sink, bool& paused);
+
+  const SnappedMesh mesh_;
+  const std::vector<Frame> frames_;
+  std::atomic<bool> cancelled_ = false;
+  const TileContext context_;
+  const TileTree tree_;
+  std::vector<TileNode> todo_;  // what is left of the tree, the next node last
+  JobFacts facts_;
+  JobTotals totals_;
+};
+
+// Takes the tree apart until its next part is one unit of work.
+std::optional<TileNode> Job::NextUnit() {
+  while (!todo_.empty() && !cancelled_) {
+    TileNode node = std::move(todo_.back());
+    todo_.pop_back();
+    if (node.level == 0 || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles)) return node;
+    std::vector<TileNode> children = tree_.Children(node);
+    std::move(children.rbegin(), children.rend(), std::back_inserter(todo_));
+  }
+  return std::nullopt;
+}
+
+void Job::Process(const TileNode& node, Unit& out) const {
+  if (cancelled_) return;
+  if (node.level > 0) {
+    for (const TileNode& child : tree_.Children(node)) Process(child, out);
+    return;
+  }
+  auto tile = DigitizeTile(context_, node.tile_ijk, node.triangles);
+  if (!tile) return;
+  tile->progress = std::min(1.0, node.progress + node.share);
+  out.push_back(*std::move(tile));
+}
+
+void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {
+  totals_.voxels += tile.voxels;
+  totals_.bricks += tile.bricks.size();
+  ++totals_.tiles;
+  for (const Brick& brick : tile.bricks) totals_.digest.Add(brick);
+  if (!sink(std::move(tile))) paused = true;
+}
+
+// Units enter and leave the pipeline in order, which makes the stream a function of the request; its tokens bound the
+// tiles in flight.
+absl::StatusOr<bool> Job::Advance(const Sink& sink) {
+  using oneapi::tbb::filter_mode;
+  using oneapi::tbb::flow_control;
+  const auto tokens = 2 * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
+  std::atomic<bool> stop = false;
+  oneapi::tbb::parallel_pipeline(
+      tokens, oneapi::tbb::make_filter<void, TileNode>(filter_mode::serial_in_order, [&](flow_control& flow) {
+                auto unit = stop ? std::nullopt : NextUnit();
+                if (unit) return *std::move(unit);
+                flow.stop();
+                return TileNode{};
+              }) & oneapi::tbb::make_filter<TileNode, Unit>(filter_mode::parallel, [&](const TileNode& node) {
+                Unit unit;
+                Process(node, unit);
+                return unit;
+              }) & oneapi::tbb::make_filter<Unit, void>(filter_mode::serial_in_order, [&](Unit unit) {
+                bool paused = false;
+                for (TileBricks& tile : unit) {
+                  if (!cancelled_) Deliver(std::move(tile), sink, paused);
+                }
+                if (paused) stop = true;
+              }));
+  if (cancelled_) return absl::CancelledError("voxelization cancelled");
+  return todo_.empty();
+}
+
+absl::Status OutOfRange(const char* field, double value, const char* limit) {
+  return absl::InvalidArgumentError(absl::StrFormat("%s: %g is not %s", field, value, limit));
+}
+
+}  // namespace
+
+absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
+                                 const Bounds& bounds) {
+  std::optional<double> voxel_size = density.voxel_size;
+  if (voxel_size && !(*voxel_size > 0 && std::isfinite(*voxel_size))) {
+    return OutOfRange("voxel_size", *voxel_size, "a finite number above 0");
+  }
+  if (density.resolution) {
+    if (voxel_size) return absl::InvalidArgumentError("resolution: not together with voxel_size");
+    if (*density.resolution < 2 || *density.resolution > kMaxResolution) {
+      return OutOfRange("resolution", *density.resolution, "within 2 to 65536");
+    }
+    voxel_size = bounds.LongestSide() / (*density.resolution - 1);
+    if (!(*voxel_size > 0))
+      return absl::InvalidArgumentError("resolution: the mesh is a single point; give voxel_size");
+  }
+  if (origin) {
+    for (double x : *origin) {
+      if (!std::isfinite(x)) return OutOfRange("origin", x, "a finite number");
+    }
+  }
+  auto scaled = voxel_size ? lattice.Scaled(*voxel_size) : lattice;
+  if (!scaled.ok()) return scaled.status();
+  return Grid{*std::move(scaled), origin.value_or(bounds.min)};
+}
+
+absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh mesh, const Grid& grid,
+                                                                 const VoxelizeOptions& options) {
+  if (options.separability < 0 || options.separability > 2) {
+    return OutOfRange("separability", options.separability, "0, 1 or 2");
+  }
+  if (options.region && IsEmpty(*options.region)) {
+    return absl::InvalidArgumentError("region: min is not below max on every axis");
+  }
+  if (auto status = Validate(mesh); !status.ok()) return status;
+  const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
+  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, ReachOf(frames));
+  if (!snapped.ok()) return snapped.status();
+  IndexBox region = snapped->box;
+  if (options.region)
+    region = Moved(Intersection(*options.region, Moved(region, snapped->base_ijk)), -snapped->base_ijk);
+  return std::make_unique<Job>(*std::move(snapped), frames, options, region);
+}
+
+}  // namespace latvox
