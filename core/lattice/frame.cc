@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <vector>
 
 namespace latvox {
 namespace {
@@ -50,6 +49,12 @@ std::optional<Frame> MakeFrame(const Vec3i& q) {
     }
   }
   return std::nullopt;
+}
+
+const Frame& PrincipalFrame(const std::vector<Frame>& frames, const Vec<int64_t, 3>& normal) {
+  return *std::max_element(frames.begin(), frames.end(), [&](const Frame& a, const Frame& b) {
+    return std::abs(Dot(normal, a.q)) < std::abs(Dot(normal, b.q));
+  });
 }
 
 }  // namespace latvox

@@ -3,6 +3,7 @@
 #define LATVOX_CORE_LATTICE_FRAME_H_
 
 #include <optional>
+#include <vector>
 
 #include "core/base/vec.h"
 
@@ -26,6 +27,11 @@ struct Frame {
 // The frame of q with the smallest rows, or nullopt if none is within the bounds. q must be primitive (no common
 // factor).
 std::optional<Frame> MakeFrame(const Vec3i& q);
+
+// The frame along a plane's principal direction (thesis Definition 2): the first with the largest |normal . q|.
+//   normal   covector in lattice coordinates, V^T times the world normal: then normal . q is the world inner product
+// Precondition: frames is not empty.
+const Frame& PrincipalFrame(const std::vector<Frame>& frames, const Vec<int64_t, 3>& normal);
 
 // Whether the first nonzero entry is positive. It picks one of each pair +-v.
 template <class T>

@@ -24,8 +24,9 @@ struct Grid {
 
 // How finely to sample: nothing (the lattice as it is), a voxel size, or voxels along the longest side of the mesh.
 struct Density {
-  std::optional<double> voxel_size;    // world units, finite, > 0
-  std::optional<uint32_t> resolution;  // 2 .. kMaxResolution; voxel_size = longest side / (resolution - 1)
+  std::optional<double> voxel_size = std::nullopt;  // world units, finite, > 0
+  std::optional<uint32_t> resolution =
+      std::nullopt;  // 2 .. kMaxResolution; voxel_size = longest side / (resolution - 1)
 };
 
 inline constexpr uint32_t kMaxResolution = 65536;
@@ -36,17 +37,17 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
                                  const Bounds& bounds);
 
 struct VoxelizeOptions {
-  int separability = 0;            // k: 0, 1 or 2
-  bool minimal = true;             // thin to k-minimality
-  std::optional<IndexBox> region;  // only these voxels, as they are in the whole
+  int separability = 0;                           // k: 0, 1 or 2
+  bool minimal = true;                            // thin to k-minimality
+  std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
 };
 
 struct JobFacts {
   uint64_t triangles = 0, vertices = 0, degenerate_triangles = 0;
-  bool closed = false;                // every edge, by snapped position, in an even number of triangles
-  double snap_error_max = 0;          // voxels, per lattice coordinate
-  std::optional<IndexBox> index_box;  // no voxel lies outside; nullopt: no voxel at all
-  uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
+  bool closed = false;                               // every edge, by snapped position, in an even number of triangles
+  double snap_error_max = 0;                         // voxels, per lattice coordinate
+  std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
+  uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
 };
 
 struct JobTotals {

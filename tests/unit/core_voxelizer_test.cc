@@ -1,0 +1,292 @@
+// What the pipeline promises of covers, order, threads, parts and cancellation.
+#include <gtest/gtest.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include "core/voxelizer/voxelizer.h"
+#include "tests/unit/core_exact.h"
+
+namespace latvox {
+namespace {
+
+// A bumpy sphere: `rings` x 2 `rings` quads, radius in world units.
+TriangleMesh Sphere(int rings, float radius) {
+  TriangleMesh mesh;
+  const auto vertex = [&](int ring, int segment) {
+    const double theta = M_PI * ring / rings, phi = M_PI * segment / rings;
+    const double r = radius * (1 + 0.1 * std::sin(5 * theta) * std::cos(4 * phi));
+    return Vec3f{static_cast<float>(r * std::sin(theta) * std::cos(phi)),
+                 static_cast<float>(r * std::sin(theta) * std::sin(phi)), static_cast<float>(r * std::cos(theta))};
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int segment = 0; segment < 2 * rings; ++segment) {
+      const auto n = static_cast<uint32_t>(mesh.vertices.size());
+      const int next = (segment + 1) % (2 * rings);
+      for (const Vec3f& p :
+           {vertex(ring, segment), vertex(ring + 1, segment), vertex(ring + 1, next), vertex(ring, next)}) {
+        mesh.vertices.push_back(p);
+      }
+      mesh.triangles.push_back({n, n + 1, n + 2});
+      mesh.triangles.push_back({n, n + 2, n + 3});
+    }
+  }
+  return mesh;
+}
+
+TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
+  constexpr unsigned kSeed = 99;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> coordinate(0, 150);
+  TriangleMesh soup;
+  for (uint32_t n = 0; n < 600; ++n) {
+    soup.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
+    if (n % 3 == 2) soup.triangles.push_back({n - 2, n - 1, n});
+  }
+  for (const ExactLattice& l : ExactLattices()) {
+    for (int k : {0, 2}) {
+      auto job = *VoxelizeJob::Create(soup, Unscaled(l.lattice), {.separability = k});
+      VoxelSet voxels;
+      ASSERT_TRUE(job->Advance([&](TileBricks&& tile) {
+                       for (const Brick& brick : tile.bricks) voxels.Add(brick);
+                       return true;
+                     })
+                      .ok());
+      const auto verdict = job->Verify(voxels);
+      ASSERT_TRUE(verdict.ok());
+      EXPECT_EQ(verdict->tunnels, 0U) << l.name << " seed " << kSeed;
+      EXPECT_EQ(verdict->redundant, 0U) << l.name << " seed " << kSeed;
+      EXPECT_EQ(voxels.size(), job->totals().voxels);
+    }
+  }
+}
+
+TEST(Verify, CountsTunnelsAndRedundantVoxelsOfADamagedSet) {
+  const Grid grid = Unscaled(ExactLattices()[0].lattice);
+  auto job = *VoxelizeJob::Create(Sphere(12, 20), grid, {.separability = 2});
+  std::vector<Brick> bricks;
+  ASSERT_TRUE(job->Advance([&](TileBricks&& tile) {
+                   bricks.insert(bricks.end(), tile.bricks.begin(), tile.bricks.end());
+                   return true;
+                 })
+                  .ok());
+  VoxelSet damaged;
+  Brick first = bricks[0];
+  for (uint64_t& word : first.mask) {
+    if (word != 0) {
+      word &= word - 1;  // one voxel less
+      break;
+    }
+  }
+  damaged.Add(first);
+  for (size_t n = 1; n < bricks.size(); ++n) damaged.Add(bricks[n]);
+  EXPECT_GT(job->Verify(damaged)->tunnels, 0U);
+  VoxelSet padded;
+  for (const Brick& brick : bricks) padded.Add(brick);
+  padded.Add({{100, 100, 100}, {7}});  // three voxels far from the surface
+  EXPECT_EQ(job->Verify(padded)->redundant, 3U);
+  EXPECT_EQ(job->Verify(padded)->tunnels, 0U);
+}
+
+TEST(Pipeline, GivesTheSameTilesForAnyThreadsAndTriangleOrder) {
+  TriangleMesh mesh = Sphere(40, 150);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
+  const Result one = Voxelize(mesh, grid, {}, 1);
+  EXPECT_GT(one.tiles.size(), 50U);
+  constexpr unsigned kSeed = 5;
+  std::mt19937 random(kSeed);
+  for (int threads : {1, 2, 5}) {
+    std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+    for (auto& t : mesh.triangles) std::rotate(t.begin(), t.begin() + random() % 3, t.end());
+    const Result other = Voxelize(mesh, grid, {}, threads);
+    EXPECT_EQ(other.totals.digest, one.totals.digest) << threads << " threads, seed " << kSeed;
+    ASSERT_EQ(other.tiles.size(), one.tiles.size());
+    for (size_t n = 0; n < one.tiles.size(); ++n) ASSERT_EQ(other.tiles[n].tile_ijk, one.tiles[n].tile_ijk);
+  }
+}
+
+uint64_t Morton(const Vec3i& relative) {
+  uint64_t code = 0;
+  for (int bit = 20; bit >= 0; --bit) {
+    for (int32_t x : relative) code = code << 1 | static_cast<uint64_t>(x >> bit & 1);
+  }
+  return code;
+}
+
+TEST(Pipeline, DeliversTilesInMortonOrderBricksInLexicographicOrderAndProgressRising) {
+  const TriangleMesh mesh = Sphere(30, 170);
+  auto job = *VoxelizeJob::Create(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {});
+  const IndexBox box = *job->facts().index_box;
+  Vec3i low;
+  for (size_t m = 0; m < 3; ++m) low[m] = box.min[m] >> kTileBits;
+  std::vector<TileBricks> tiles;
+  ASSERT_TRUE(job->Advance([&](TileBricks&& tile) {
+                   tiles.push_back(std::move(tile));
+                   return true;
+                 })
+                  .ok());
+  EXPECT_LE(tiles.size(), job->facts().tiles_in_box);
+  EXPECT_EQ(tiles.size(), job->totals().tiles);
+  for (size_t n = 0; n < tiles.size(); ++n) {
+    if (n > 0) {
+      EXPECT_LT(Morton(tiles[n - 1].tile_ijk - low), Morton(tiles[n].tile_ijk - low));
+      EXPECT_LE(tiles[n - 1].progress, tiles[n].progress);
+    }
+    uint64_t voxels = 0;
+    for (size_t b = 0; b < tiles[n].bricks.size(); ++b) {
+      const Brick& brick = tiles[n].bricks[b];
+      EXPECT_GT(CountVoxels(brick.mask), 0U);
+      voxels += CountVoxels(brick.mask);
+      for (size_t m = 0; m < 3; ++m) {
+        EXPECT_EQ(brick.brick_ijk[m] >> 3, tiles[n].tile_ijk[m]);
+        EXPECT_GE(brick.brick_ijk[m] * 8 + 7, box.min[m]);
+        EXPECT_LT(brick.brick_ijk[m] * 8, box.max[m]);
+      }
+      EXPECT_TRUE(b == 0 || tiles[n].bricks[b - 1].brick_ijk < brick.brick_ijk);
+    }
+    EXPECT_EQ(voxels, tiles[n].voxels);
+  }
+  EXPECT_GT(tiles.back().progress, 0.5);
+  EXPECT_LE(tiles.back().progress, 1);
+}
+
+TEST(Pipeline, PausesAndGoesOnWithoutLosingOrRepeatingATile) {
+  const TriangleMesh mesh = Sphere(30, 170);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kFcc));
+  const Result whole = Voxelize(mesh, grid, {});
+  auto job = *VoxelizeJob::Create(mesh, grid, {});
+  size_t tiles = 0, rounds = 0;
+  while (true) {
+    const auto done = job->Advance([&](TileBricks&& tile) {
+      EXPECT_EQ(tile.tile_ijk, whole.tiles[tiles].tile_ijk);
+      ++tiles;
+      return false;
+    });
+    ASSERT_TRUE(done.ok());
+    ++rounds;
+    if (*done) break;
+  }
+  EXPECT_EQ(tiles, whole.tiles.size());
+  EXPECT_GT(rounds, 3U);
+  EXPECT_EQ(job->totals().digest, whole.totals.digest);
+}
+
+TEST(Pipeline, RegionsArePartsOfTheWholeAndTheirDigestsAddUpOnBrickBorders) {
+  const TriangleMesh mesh = Sphere(20, 60);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
+  const auto whole = VoxelsOf(Voxelize(mesh, grid, {}));
+  std::set<oracle::Int3> joined;
+  size_t count = 0;
+  for (const IndexBox& region : {IndexBox{{-500, -500, -500}, {3, 500, 500}}, IndexBox{{3, -500, -500}, {500, -7, 500}},
+                                 IndexBox{{3, -7, -500}, {500, 500, 500}}}) {
+    const auto part = VoxelsOf(Voxelize(mesh, grid, {.region = region}));
+    count += part.size();
+    joined.insert(part.begin(), part.end());
+    for (const auto& z : part) {
+      EXPECT_TRUE(
+          region.Contains({static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])}));
+    }
+  }
+  EXPECT_EQ(count, whole.size());
+  EXPECT_EQ(joined, whole);
+
+  Digest sum;
+  for (const IndexBox& region :
+       {IndexBox{{-512, -512, -512}, {8, 512, 512}}, IndexBox{{8, -512, -512}, {512, 512, 512}}}) {
+    sum.Add(Voxelize(mesh, grid, {.region = region}).totals.digest);
+  }
+  EXPECT_EQ(sum, Voxelize(mesh, grid, {}).totals.digest);
+}
+
+TEST(Pipeline, RegionWithoutSurfaceIsEmptyNotAnError) {
+  const Result result = Voxelize(Sphere(10, 20), Unscaled(Lattice::Named(NamedLattice::kCartesian)),
+                                 {.region = IndexBox{{1000000, 0, 0}, {1000001, 1, 1}}});
+  EXPECT_TRUE(result.tiles.empty());
+  EXPECT_EQ(result.totals.digest.ToHex(), std::string(32, '0'));
+}
+
+TEST(Pipeline, CancelEndsAdvanceFromAnotherThreadAndFromTheSink) {
+  const TriangleMesh mesh = Sphere(40, 3000);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  auto job = *VoxelizeJob::Create(mesh, grid, {});
+  std::atomic<int> tiles = 0;
+  std::thread other([&] {
+    while (tiles < 3) std::this_thread::yield();
+    job->Cancel();
+  });
+  const auto done = job->Advance([&](TileBricks&&) {
+    ++tiles;
+    return true;
+  });
+  other.join();
+  EXPECT_EQ(done.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(job->Advance([](TileBricks&&) { return true; }).status().code(), absl::StatusCode::kCancelled);
+
+  auto second = *VoxelizeJob::Create(mesh, grid, {});
+  int after = 0;
+  EXPECT_EQ(second
+                ->Advance([&](TileBricks&&) {
+                  ++after;
+                  second->Cancel();
+                  return true;
+                })
+                .status()
+                .code(),
+            absl::StatusCode::kCancelled);
+  EXPECT_EQ(after, 1);
+}
+
+TEST(Pipeline, HugeLatticeCostsWhatTheRegionCosts) {
+  // 20 triangles over 65,536 voxels: a small region must not walk the whole.
+  const TriangleMesh mesh = Sphere(3, 30000);
+  const Vec3f& corner = mesh.vertices[1];
+  Vec3i low, high;
+  for (size_t m = 0; m < 3; ++m) {
+    low[m] = static_cast<int32_t>(corner[m]) - 300;
+    high[m] = low[m] + 600;
+  }
+  const IndexBox region{low, high};
+  const Result result =
+      Voxelize(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.separability = 2, .region = region});
+  EXPECT_GT(result.tiles.size(), 50U);
+  EXPECT_LE(result.tiles.size(), 1331U);
+}
+
+TEST(ResolveGrid, MapsTheLongestSideToOneVoxelLessThanTheResolution) {
+  const Bounds bounds{{-1, 0, 2}, {1, 8, 3}};
+  for (NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kHexagonal}) {
+    const auto grid = ResolveGrid(Lattice::Named(name), {.resolution = 17}, std::nullopt, bounds);
+    ASSERT_TRUE(grid.ok());
+    EXPECT_NEAR(grid->lattice.voxel_size(), 0.5, 1e-12);
+    EXPECT_EQ(grid->origin, bounds.min);
+  }
+}
+
+TEST(ResolveGrid, RefusesWhatIsOutOfRangeByName) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  const Bounds bounds{{0, 0, 0}, {1, 1, 1}}, point{{1, 1, 1}, {1, 1, 1}};
+  const auto message = [&](const Density& density, std::optional<Vec3d> origin, const Bounds& b) {
+    return std::string(ResolveGrid(lattice, density, origin, b).status().message());
+  };
+  EXPECT_EQ(message({.resolution = 0}, {}, bounds), "resolution: 0 is not within 2 to 65536");
+  EXPECT_EQ(message({.resolution = 70000}, {}, bounds), "resolution: 70000 is not within 2 to 65536");
+  EXPECT_EQ(message({.voxel_size = 0}, {}, bounds), "voxel_size: 0 is not a finite number above 0");
+  EXPECT_EQ(message({.voxel_size = NAN}, {}, bounds), "voxel_size: nan is not a finite number above 0");
+  EXPECT_EQ(message({.voxel_size = 1}, Vec3d{0, INFINITY, 0}, bounds), "origin: inf is not a finite number");
+  EXPECT_EQ(message({.resolution = 5}, {}, point), "resolution: the mesh is a single point; give voxel_size");
+  EXPECT_EQ(message({.voxel_size = 1, .resolution = 5}, {}, bounds), "resolution: not together with voxel_size");
+}
+
+TEST(VoxelizeJob, RefusesBadOptionsByName) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const TriangleMesh mesh = Sphere(5, 5);
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.separability = 3}).status().message(),
+            "separability: 3 is not 0, 1 or 2");
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.region = IndexBox{{0, 0, 0}, {1, 0, 1}}}).status().message(),
+            "region: min is not below max on every axis");
+}
+
+}  // namespace
+}  // namespace latvox
