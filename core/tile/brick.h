@@ -54,6 +54,18 @@ inline uint64_t CountVoxels(const BrickMask& mask) {
   return count;
 }
 
+// Clears the voxels of a brick that lie outside of the box.
+inline void ClipBrick(const IndexBox& box, Brick& brick) {
+  const Vec3i low = brick.brick_ijk * kBrickSide, high = low + Vec3i{kBrickSide, kBrickSide, kBrickSide};
+  bool inside = true;
+  for (size_t m = 0; m < 3; ++m) inside &= box.min[m] <= low[m] && high[m] <= box.max[m];
+  if (inside) return;
+  for (int32_t n = 0; n < 512; ++n) {
+    const Vec3i ijk = low + Vec3i{n >> 6, n >> 3 & 7, n & 7};
+    if (!box.Contains(ijk)) brick.mask[static_cast<size_t>(n >> 6)] &= ~(uint64_t{1} << (n & 63));
+  }
+}
+
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_TILE_BRICK_H_

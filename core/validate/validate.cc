@@ -3,45 +3,13 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_reduce.h>
 
-#include <limits>
+#include <bit>
+#include <functional>
 #include <memory>
 
 #include "core/digitize/crossing.h"
 
 namespace latvox {
-namespace {
-
-struct Place {
-  Vec3i brick_ijk;
-  uint32_t bit;
-};
-
-Place PlaceOf(const Vec3i& ijk) {
-  Place place{{}, 0};
-  for (size_t m = 0; m < 3; ++m) {
-    place.brick_ijk[m] = ijk[m] >> kBrickBits;
-    place.bit = place.bit << kBrickBits | static_cast<uint32_t>(ijk[m] & (kBrickSide - 1));
-  }
-  return place;
-}
-
-}  // namespace
-
-void VoxelSet::Add(const Brick& brick) {
-  const auto [entry, added] = index_.try_emplace(brick.brick_ijk, static_cast<uint32_t>(masks_.size()));
-  if (added) masks_.push_back({});
-  BrickMask& mask = masks_[entry->second];
-  size_ -= CountVoxels(mask);
-  for (size_t n = 0; n < mask.size(); ++n) mask[n] |= brick.mask[n];
-  size_ += CountVoxels(mask);
-}
-
-std::optional<uint64_t> VoxelSet::Find(const Vec3i& ijk) const {
-  const Place place = PlaceOf(ijk);
-  const auto entry = index_.find(place.brick_ijk);
-  if (entry == index_.end() || !(masks_[entry->second][place.bit >> 6] >> (place.bit & 63) & 1)) return std::nullopt;
-  return uint64_t{entry->second} << 9 | place.bit;
-}
 
 absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
                                  const std::atomic<bool>& cancelled) {

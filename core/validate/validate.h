@@ -4,34 +4,14 @@
 
 #include <atomic>
 #include <cstdint>
-#include <optional>
-#include <tuple>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
 #include "core/lattice/lattice.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
+#include "core/tile/voxel_set.h"
 
 namespace latvox {
-
-// A sparse voxel set that answers membership.
-class VoxelSet {
- public:
-  void Add(const Brick& brick);
-  bool Contains(const Vec3i& ijk) const { return Find(ijk).has_value(); }
-  uint64_t size() const { return size_; }
-
-  // A number below 64 * words() that is the voxel's alone, or nullopt if it is not in the set.
-  std::optional<uint64_t> Find(const Vec3i& ijk) const;
-  size_t words() const { return masks_.size() * std::tuple_size_v<BrickMask>; }
-
- private:
-  absl::flat_hash_map<Vec3i, uint32_t> index_;  // of brick_ijk into masks_
-  std::vector<BrickMask> masks_;
-  uint64_t size_ = 0;
-};
 
 struct Verdict {
   uint64_t tunnels = 0;    // crossed lattice edges without an end in the set

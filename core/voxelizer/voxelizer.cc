@@ -8,7 +8,10 @@
 
 #include "absl/strings/str_format.h"
 #include "core/snap/snap.h"
+#include "core/thesis/thesis.h"
 #include "core/tile/tile_tree.h"
+#include "core/voxelizer/job_facts.h"
+#include "core/voxelizer/thesis_job.h"
 #include "core/voxelizer/tile_job.h"
 
 namespace latvox {
@@ -29,38 +32,19 @@ IndexBox Intersection(IndexBox a, const IndexBox& b) {
   return a;
 }
 
-bool IsEmpty(const IndexBox& box) {
-  return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
-}
-
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
-
-uint64_t TilesIn(const IndexBox& box) {
-  uint64_t tiles = 1;
-  for (size_t m = 0; m < 3; ++m) {
-    tiles *= static_cast<uint64_t>(((box.max[m] - 1) >> kTileBits) - (box.min[m] >> kTileBits) + 1);
-  }
-  return tiles;
-}
 
 class Job : public VoxelizeJob {
  public:
   Job(SnappedMesh mesh, std::vector<Frame> frames, const VoxelizeOptions& options, const IndexBox& region)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
-        context_{mesh_, frames_, ReachOf(frames_), options.minimal, region, cancelled_},
-        tree_(mesh_, context_.Margin(), region) {
-    const SurfaceFacts surface = FactsOf(mesh_);
-    facts_.triangles = mesh_.triangles.size();
-    facts_.vertices = mesh_.vertices_lat.size();
-    facts_.degenerate_triangles = surface.degenerate_triangles;
-    facts_.closed = surface.closed;
-    facts_.snap_error_max = kSnapErrorMax;
-    if (!IsEmpty(region)) {
-      facts_.index_box = Moved(region, mesh_.base_ijk);
-      facts_.tiles_in_box = TilesIn(*facts_.index_box);
-      if (auto root = tree_.Root()) todo_.push_back(*std::move(root));
-    }
+        scan_frames_(MakeScanFrames(frames_)),
+        context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, region, cancelled_},
+        tree_(mesh_, context_.Margin(), region),
+        facts_(FactsOfJob(mesh_, region)) {
+    if (IsEmpty(region)) return;
+    if (auto root = tree_.Root()) todo_.push_back(*std::move(root));
   }
 
   const JobFacts& facts() const override { return facts_; }
@@ -78,11 +62,12 @@ class Job : public VoxelizeJob {
 
   const SnappedMesh mesh_;
   const std::vector<Frame> frames_;
+  const std::vector<ScanFrame> scan_frames_;
   std::atomic<bool> cancelled_ = false;
   const TileContext context_;
   const TileTree tree_;
+  const JobFacts facts_;
   std::vector<TileNode> todo_;  // what is left of the tree, the next node last
-  JobFacts facts_;
   JobTotals totals_;
 };
 
@@ -111,10 +96,7 @@ void Job::Process(const TileNode& node, Unit& out) const {
 }
 
 void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {
-  totals_.voxels += tile.voxels;
-  totals_.bricks += tile.bricks.size();
-  ++totals_.tiles;
-  for (const Brick& brick : tile.bricks) totals_.digest.Add(brick);
+  totals_.Add(tile);
   if (!sink(std::move(tile))) paused = true;
 }
 
@@ -152,6 +134,13 @@ absl::Status OutOfRange(const char* field, double value, const char* limit) {
 
 }  // namespace
 
+void JobTotals::Add(const TileBricks& tile) {
+  voxels += tile.voxels;
+  bricks += tile.bricks.size();
+  ++tiles;
+  for (const Brick& brick : tile.bricks) digest.Add(brick);
+}
+
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
                                  const Bounds& bounds) {
   std::optional<double> voxel_size = density.voxel_size;
@@ -187,11 +176,14 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   if (auto status = Validate(mesh); !status.ok()) return status;
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
-  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, ReachOf(frames));
+  const bool exact = options.algorithm == Algorithm::kExact;
+  const Vec3i reach = exact ? ReachOf(frames) : ThesisReach(grid.lattice, options.separability, options.algorithm);
+  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach);
   if (!snapped.ok()) return snapped.status();
   IndexBox region = snapped->box;
   if (options.region)
     region = Moved(Intersection(*options.region, Moved(region, snapped->base_ijk)), -snapped->base_ijk);
+  if (!exact) return MakeThesisJob(*std::move(snapped), grid.lattice, options, region);
   return std::make_unique<Job>(*std::move(snapped), frames, options, region);
 }
 

@@ -8,19 +8,14 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "core/lattice/lattice.h"
+#include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
 #include "core/tile/brick.h"
 #include "core/validate/validate.h"
+#include "core/voxelizer/algorithm.h"
 #include "core/voxelizer/digest.h"
 
 namespace latvox {
-
-// Where lattice points lie in the world: world = origin + V * ijk.
-struct Grid {
-  Lattice lattice;
-  Vec3d origin;
-};
 
 // How finely to sample: nothing (the lattice as it is), a voxel size, or voxels along the longest side of the mesh.
 struct Density {
@@ -38,8 +33,9 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
 
 struct VoxelizeOptions {
   int separability = 0;                           // k: 0, 1 or 2
-  bool minimal = true;                            // thin to k-minimality
+  bool minimal = true;                            // thin to k-minimality; only kExact does
   std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
+  Algorithm algorithm = Algorithm::kExact;
 };
 
 struct JobFacts {
@@ -53,13 +49,15 @@ struct JobFacts {
 struct JobTotals {
   uint64_t voxels = 0, bricks = 0, tiles = 0;
   Digest digest;
+  void Add(const TileBricks& tile);
 };
 
 // One mesh being voxelized. Tiles come out in canonical order (see BrickBatch in the protocol), and are the same for
 // any number of threads and any order of triangles.
 //
 // Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
-// calling thread. Memory: the snapped mesh and a bounded number of tiles.
+// calling thread. Memory: the snapped mesh and a bounded number of tiles; for the thesis's algorithms, which are jobs
+// with the same promises (core/voxelizer/thesis_job.h), the whole set.
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,

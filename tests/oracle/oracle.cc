@@ -161,6 +161,8 @@ class LineHitter {
   };
   std::optional<Hit> Meet(const Int3& z) const {
     const Vector p = ToVector(z) * mpz_class(kUnitsPerVoxel) - v0_;
+    // Most lines miss by more than the shift.
+    if (Dot(for_u_, p) < 0 || Dot(for_v_, p) < 0) return std::nullopt;
     const Polynomial u = DotShifted(for_u_, p);
     if (Strict(u) < 0) return std::nullopt;
     const Polynomial v = DotShifted(for_v_, p);

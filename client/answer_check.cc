@@ -1,0 +1,138 @@
+#include "client/answer_check.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/wire.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr size_t kMaskBytes = sizeof(Brick::mask);
+constexpr int kBrickBits = 3;         // log2 of a brick's side in voxels
+constexpr int kTileBitsInBricks = 3;  // log2 of a tile's side in bricks
+
+template <class... Parts>
+absl::Status Broken(const Parts&... parts) {
+  return absl::DataLossError(absl::StrCat("the server broke the protocol: ", parts...));
+}
+
+bool IsFinite(const Vec3d& v) {
+  return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+}
+
+bool IsUsable(const GridTransform& grid) {
+  const auto& [a, b, c] = grid.basis;
+  const double det =
+      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return IsFinite(a) && IsFinite(b) && IsFinite(c) && IsFinite(grid.origin) && std::isfinite(det) && det != 0 &&
+         std::isfinite(grid.voxel_size) && grid.voxel_size > 0;
+}
+
+Vec3i TileOf(const Vec3i& brick_ijk) {
+  return {brick_ijk[0] >> kTileBitsInBricks, brick_ijk[1] >> kTileBitsInBricks, brick_ijk[2] >> kTileBitsInBricks};
+}
+
+}  // namespace
+
+absl::Status AnswerCheck::Take(const v1::VoxelizeResponse& answer) {
+  if (summary_) return Broken("an answer after the summary");
+  if (!accepted_ && !answer.has_accepted()) return Broken("the first answer is not Accepted");
+  switch (answer.part_case()) {
+    case v1::VoxelizeResponse::kAccepted:
+      return TakeAccepted(answer.accepted());
+    case v1::VoxelizeResponse::kBricks:
+      return TakeBricks(answer.bricks());
+    case v1::VoxelizeResponse::kSummary:
+      return TakeSummary(answer.summary());
+    case v1::VoxelizeResponse::PART_NOT_SET:
+      break;
+  }
+  return Broken("an empty answer");
+}
+
+absl::Status AnswerCheck::TakeAccepted(const v1::Accepted& message) {
+  if (accepted_) return Broken("Accepted came twice");
+  accepted_ = FromProto(message);
+  if (!IsUsable(accepted_->grid)) return Broken("the grid is not finite or is singular");
+  if (const auto& box = accepted_->index_box) {
+    for (size_t m = 0; m < 3; ++m) {
+      if (box->min[m] >= box->max[m]) return Broken("index_box is empty on axis ", m);
+    }
+  }
+  return handlers_.on_accepted ? handlers_.on_accepted(*accepted_) : absl::OkStatus();
+}
+
+absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
+  const size_t coordinates = static_cast<size_t>(message.brick_ijk_size());
+  const size_t count = coordinates / 3;
+  if (coordinates % 3 != 0) return Broken("brick_ijk has ", coordinates, " numbers, not a multiple of 3");
+  if (message.masks().size() != count * kMaskBytes) {
+    return Broken("masks has ", message.masks().size(), " bytes for ", count, " bricks of ", kMaskBytes);
+  }
+  // Negated comparisons, so that NaN is caught.
+  if (!(message.progress() >= progress_ && message.progress() <= 1)) {
+    return Broken("progress ", message.progress(), " after ", progress_);
+  }
+  progress_ = message.progress();
+  batch_.resize(count);
+  for (size_t n = 0; n < count; ++n) {
+    Brick& brick = batch_[n];
+    for (size_t m = 0; m < 3; ++m) brick.brick_ijk[m] = message.brick_ijk(static_cast<int>(3 * n + m));
+    std::memcpy(brick.mask.data(), message.masks().data() + n * kMaskBytes, kMaskBytes);
+    if (auto status = CheckBrick(brick, n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
+  }
+  return handlers_.on_bricks ? handlers_.on_bricks({batch_, progress_}) : absl::OkStatus();
+}
+
+// Tiles are told apart by a set rather than by their Morton order: that order starts at the whole mesh's index box,
+// which a request with a region does not learn. Within a tile the order is strict, so no brick can come twice.
+absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) {
+  const auto where = [&brick] { return absl::StrJoin(brick.brick_ijk, ","); };
+  if (!accepted_->index_box) return Broken("brick ", where(), " although there is no index_box");
+  for (size_t m = 0; m < 3; ++m) {
+    const IndexBox& box = *accepted_->index_box;
+    if (brick.brick_ijk[m] < box.min[m] >> kBrickBits || brick.brick_ijk[m] > (box.max[m] - 1) >> kBrickBits) {
+      return Broken("brick ", where(), " lies outside of index_box");
+    }
+  }
+  uint64_t voxels = 0;
+  for (const uint64_t word : brick.mask) voxels += static_cast<uint64_t>(std::popcount(word));
+  if (voxels == 0) return Broken("brick ", where(), " is empty");
+  const Vec3i tile = TileOf(brick.brick_ijk);
+  if (previous != nullptr && TileOf(previous->brick_ijk) == tile) {
+    if (!(previous->brick_ijk < brick.brick_ijk)) return Broken("brick ", where(), " is out of order");
+  } else if (!tiles_.insert(tile).second) {
+    return Broken("tile ", absl::StrJoin(tile, ","), " came twice");
+  }
+  voxels_ += voxels;
+  ++bricks_;
+  digest_.Add(brick);
+  return absl::OkStatus();
+}
+
+absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
+  const Summary summary = FromProto(message);
+  if (summary.voxels != voxels_) return Broken("summary of ", summary.voxels, " voxels after ", voxels_);
+  if (summary.bricks != bricks_) return Broken("summary of ", summary.bricks, " bricks after ", bricks_);
+  if (summary.tiles != tiles_.size()) return Broken("summary of ", summary.tiles, " tiles after ", tiles_.size());
+  if (summary.mesh_bytes != mesh_bytes_) {
+    return Broken("summary of ", summary.mesh_bytes, " mesh bytes, sent were ", mesh_bytes_);
+  }
+  if (summary.certificate.digest != digest_.ToHex()) {
+    return Broken("digest ", summary.certificate.digest, ", the bricks' is ", digest_.ToHex());
+  }
+  summary_ = summary;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Summary> AnswerCheck::End() const {
+  if (!summary_) return Broken("the stream ended without a summary");
+  return *summary_;
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,41 @@
+// Stopping a call from anywhere.
+#ifndef LATVOX_CLIENT_CANCELLATION_H_
+#define LATVOX_CLIENT_CANCELLATION_H_
+
+#include <functional>
+#include <memory>
+
+namespace latvox::client {
+
+// A handle on one cancellation; copies share it. Cancelling is final and may come before, during or after the call
+// that it is given to. Threads: every method may be called from any thread, and from the call's own callbacks. Not
+// from a signal handler.
+class Cancellation {
+ public:
+  Cancellation();
+
+  void Cancel() const;
+  bool cancelled() const;
+
+  // While it lives, `action` runs on Cancel, at once if that has come already. Its destructor waits for a running
+  // action. The action must not use this Cancellation.
+  class Subscription {
+   public:
+    Subscription(const Cancellation& cancellation, std::function<void()> action);
+    ~Subscription();
+    Subscription(const Subscription&) = delete;
+    Subscription& operator=(const Subscription&) = delete;
+
+   private:
+    struct Entry;
+    std::shared_ptr<Entry> entry_;
+  };
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CANCELLATION_H_

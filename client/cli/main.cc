@@ -1,0 +1,104 @@
+// The command line tool `latvox`.
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "client/cli/commands.h"
+#include "client/cli/exit_status.h"
+#include "client/cli/interrupt.h"
+#include "client/cli/voxelize_command.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr char kDescription[] = "latvox: triangle meshes to exact sparse voxels on any 3D lattice";
+constexpr char kExample[] =
+    "Try:\n"
+    "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
+    "  latvox info bunny.vdb\n"
+    "  latvox voxelize --help\n"
+    "\n"
+    "Exit status: 0 done; 1 other; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled\n";
+
+ExitStatus Fail(const absl::Status& status) {
+  std::fprintf(stderr, "%s\n", ErrorLine(status).c_str());
+  return ExitStatusOf(status);
+}
+
+ExitStatus Print(const absl::StatusOr<std::string>& text) {
+  if (!text.ok()) return Fail(text.status());
+  if (std::fputs(text->c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
+    return Fail(absl::UnknownError("standard output cannot be written"));
+  }
+  return ExitStatus::kDone;
+}
+
+absl::StatusOr<std::string> Voxelize(const VoxelizeOptions& options, const Cancellation& cancellation) {
+  const auto report = RunVoxelize(options, cancellation);
+  if (!report.ok()) return report.status();
+  return options.json ? ToJson(*report) + "\n" : ToText(*report);
+}
+
+// The commands and what parsing them fills.
+struct Commands {
+  CLI::App app{kDescription, "latvox"};
+  VoxelizeWords words;
+  std::string info_path;
+  ServerChoice server;
+  bool json = false;
+  CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
+  CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
+  CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
+  CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
+
+  Commands() {
+    app.set_version_flag("--version", "latvox " LATVOX_VERSION);
+    app.require_subcommand(0, 1);
+    app.footer(kExample);
+    AddVoxelizeOptions(*voxelize, words);
+    info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
+    AddServerOptions(*health, server);
+    AddServerOptions(*limits, server);
+    limits->add_flag("--json", json, "as a JSON object");
+  }
+};
+
+ExitStatus Run(const Commands& commands) {
+  const Cancellation cancellation;
+  if (*commands.info) return Print(RunInfo(commands.info_path));
+  if (*commands.voxelize) {
+    const VoxelizeOptions options = Interpret(commands.words);
+    const Interrupt interrupt(cancellation);
+    return Print(Voxelize(options, cancellation));
+  }
+  const Interrupt interrupt(cancellation);
+  if (*commands.health) return Print(RunHealth(commands.server, cancellation));
+  if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));
+  return Print(commands.app.help());
+}
+
+ExitStatus Main(int argc, char** argv) {
+  // Writing to a pipe that nobody reads is an error of that write, not the end.
+  signal(SIGPIPE, SIG_IGN);
+  Commands commands;
+  try {
+    commands.app.parse(argc, argv);
+    return Run(commands);
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    commands.app.exit(wanted);
+    return ExitStatus::kDone;
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "latvox: %s\n", error.what());
+    return ExitStatus::kWrongUsage;
+  } catch (const std::exception& error) {
+    return Fail(absl::UnknownError(error.what()));
+  }
+}
+
+}  // namespace
+}  // namespace latvox::client
+
+int main(int argc, char** argv) { return static_cast<int>(latvox::client::Main(argc, argv)); }

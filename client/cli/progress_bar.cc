@@ -1,0 +1,29 @@
+#include "client/cli/progress_bar.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+#include "absl/time/clock.h"
+
+namespace latvox::client {
+
+ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) == 1) {}
+
+ProgressBar::~ProgressBar() {
+  if (terminal_) std::fputs("\r\x1b[K", stderr);
+}
+
+void ProgressBar::Show(double share, uint64_t bricks) {
+  constexpr size_t kCells = 30;
+  constexpr absl::Duration kInterval = absl::Milliseconds(100);
+  if (!terminal_ || absl::Now() < next_) return;
+  next_ = absl::Now() + kInterval;
+  const size_t full = static_cast<size_t>(share * kCells);
+  const std::string bar = std::string(full, '#') + std::string(kCells - full, '.');
+  std::fprintf(stderr, "\r[%s] %3.0f %%  %llu bricks\x1b[K", bar.c_str(), share * 100,
+               static_cast<unsigned long long>(bricks));
+}
+
+}  // namespace latvox::client

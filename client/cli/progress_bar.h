@@ -1,0 +1,29 @@
+// Progress, for people.
+#ifndef LATVOX_CLIENT_CLI_PROGRESS_BAR_H_
+#define LATVOX_CLIENT_CLI_PROGRESS_BAR_H_
+
+#include <cstdint>
+
+#include "absl/time/time.h"
+
+namespace latvox::client {
+
+// A bar on standard error if that is a terminal, else nothing at all. It is gone with its object.
+class ProgressBar {
+ public:
+  ProgressBar();
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  // `share` of the work is done, 0 to 1, with so many bricks so far. Draws ten times a second at most.
+  void Show(double share, uint64_t bricks);
+
+ private:
+  const bool terminal_;
+  absl::Time next_ = absl::InfinitePast();
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CLI_PROGRESS_BAR_H_

@@ -1,0 +1,111 @@
+#include "client/cli/report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Text from outside that is not UTF-8, a file's name for one, must not stop the report.
+std::string Dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
+
+std::array<double, 9> Flat(const Basis& basis) {
+  const auto& [a, b, c] = basis;
+  return {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
+}
+
+Json CertificateJson(const Certificate& certificate) {
+  return {{"tunnels", certificate.verified ? Json(certificate.tunnels) : Json()},
+          {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
+          {"tunnel_free", certificate.tunnel_free},
+          {"minimal", certificate.minimal},
+          {"closed", certificate.closed},
+          {"snap_error_max", certificate.snap_error_max},
+          {"quantization_bits", certificate.quantization_bits},
+          {"verified", certificate.verified},
+          {"algorithm", certificate.algorithm},
+          {"version", certificate.version}};
+}
+
+Json LimitsJson(const Limits& limits) {
+  return {{"max_mesh_bytes", limits.max_mesh_bytes},
+          {"max_triangles", limits.max_triangles},
+          {"max_vertices", limits.max_vertices},
+          {"max_extent", limits.max_extent},
+          {"max_jobs", limits.max_jobs},
+          {"max_message_bytes", limits.max_message_bytes},
+          {"subvoxel_bits", limits.subvoxel_bits},
+          {"version", limits.version}};
+}
+
+std::string VerificationText(const Certificate& certificate) {
+  if (!certificate.verified) return "";
+  return absl::StrCat("verified: ", certificate.tunnels, " tunnels, ", certificate.redundant, " redundant voxels\n");
+}
+
+}  // namespace
+
+std::string ToJson(const VoxelizeReport& report) {
+  const Summary& summary = report.summary;
+  const MeshFacts& mesh = report.accepted.mesh;
+  Json json = {{"voxels", summary.voxels},
+               {"bricks", summary.bricks},
+               {"tiles", summary.tiles},
+               {"lattice", summary.certificate.lattice},
+               {"basis", Flat(report.accepted.grid.basis)},
+               {"origin", report.accepted.grid.origin},
+               {"voxel_size", report.accepted.grid.voxel_size},
+               {"separability", summary.certificate.separability},
+               {"digest", summary.certificate.digest},
+               {"certificate", CertificateJson(summary.certificate)}};
+  json["timings_ms"] = {{"encode", report.encode_ms},          {"upload", summary.timings.upload_ms},
+                        {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
+                        {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};
+  json["bytes"] = {{"sent", summary.bytes_sent}, {"received", summary.bytes_received}};
+  json["mesh"] = {{"triangles", mesh.triangles},
+                  {"vertices", mesh.vertices},
+                  {"degenerate_triangles", mesh.degenerate_triangles},
+                  {"skipped_elements", report.skipped},
+                  {"encoded_bytes", summary.mesh_bytes},
+                  {"min", mesh.min},
+                  {"max", mesh.max}};
+  json["outputs"] = report.outputs;
+  return Dump(json);
+}
+
+std::string ToText(const VoxelizeReport& report) {
+  const Certificate& certificate = report.summary.certificate;
+  const MeshFacts& mesh = report.accepted.mesh;
+  const std::string bits = certificate.quantization_bits == 0
+                               ? "exact positions"
+                               : absl::StrCat("positions of ", certificate.quantization_bits, " bits");
+  std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
+                                  mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
+  if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
+  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %d-separating%s\n", certificate.lattice,
+                        report.accepted.grid.voxel_size, certificate.separability,
+                        certificate.minimal ? ", minimal" : "");
+  absl::StrAppend(&text, report.summary.voxels, " voxels in ", report.summary.bricks, " bricks, digest ",
+                  certificate.digest, "\n", VerificationText(certificate));
+  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
+  return text;
+}
+
+std::string ToJson(const Limits& limits) { return Dump(LimitsJson(limits)); }
+
+std::string ToText(const Limits& limits) {
+  std::string text;
+  const Json json = LimitsJson(limits);
+  for (const auto& [name, value] : json.items()) {
+    const std::string shown = value.is_string() ? value.get<std::string>() : value.dump();
+    absl::StrAppendFormat(&text, "%-18s %s\n", name, shown);
+  }
+  return text;
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,34 @@
+// What the tool says about a finished call, on standard output.
+#ifndef LATVOX_CLIENT_CLI_REPORT_H_
+#define LATVOX_CLIENT_CLI_REPORT_H_
+
+#include <string>
+#include <vector>
+
+#include "client/types.h"
+
+namespace latvox::client {
+
+struct VoxelizeReport {
+  std::string mesh_path;
+  std::vector<std::string> outputs;
+  Accepted accepted;
+  Summary summary;
+  uint64_t skipped = 0;  // points and lines of the mesh file
+  double encode_ms = 0;  // reading and encoding the mesh
+  double total_ms = 0;   // the whole command
+};
+
+// One object; scripts rely on its keys. Without verification, tunnels and redundant are null.
+std::string ToJson(const VoxelizeReport& report);
+
+// A few lines for people.
+std::string ToText(const VoxelizeReport& report);
+
+// One object, keys as in the protocol; a line for each.
+std::string ToJson(const Limits& limits);
+std::string ToText(const Limits& limits);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CLI_REPORT_H_

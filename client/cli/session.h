@@ -1,0 +1,41 @@
+// The server that a command talks to.
+#ifndef LATVOX_CLIENT_CLI_SESSION_H_
+#define LATVOX_CLIENT_CLI_SESSION_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/cli/private_server.h"
+#include "client/client.h"
+
+namespace latvox::client {
+
+// The options that every command with a server has.
+struct ServerChoice {
+  std::string address;         // empty: a private server
+  std::optional<int> threads;  // of a private server
+  std::optional<double> timeout_seconds;
+};
+
+class Session {
+ public:
+  // Connects, and starts a private server before if none was named, of which it tells on standard error.
+  // Errors: as PrivateServer::Start and Client::Connect.
+  static absl::StatusOr<Session> Open(const ServerChoice& choice, const CallOptions& options);
+
+  const Client& client() const { return *client_; }
+
+ private:
+  // In this order: the connection goes before its server.
+  std::unique_ptr<PrivateServer> server_;
+  std::optional<Client> client_;
+};
+
+// The deadline counts from now.
+CallOptions MakeCallOptions(const ServerChoice& choice, const Cancellation& cancellation);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CLI_SESSION_H_

@@ -1,0 +1,124 @@
+#include "client/cli/voxelize_command.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "absl/time/clock.h"
+#include "client/cli/progress_bar.h"
+#include "client/mesh/mesh_encoder.h"
+#include "client/mesh/mesh_file.h"
+#include "client/output/output.h"
+
+namespace latvox::client {
+namespace {
+
+using Outputs = std::vector<std::unique_ptr<Output>>;
+
+struct Upload {
+  std::string drc;
+  uint64_t skipped = 0;
+};
+
+// Voxels along the longest side of the mesh, as far as the request tells.
+double VoxelsAlong(double side, const VoxelizeRequest& request) {
+  if (request.resolution) return *request.resolution;
+  if (request.voxel_size) return side / *request.voxel_size + 1;
+  const auto& [a, b, c] = std::get<Basis>(request.lattice);
+  const double det =
+      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return side / std::cbrt(std::abs(det)) + 1;
+}
+
+absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options) {
+  if (IsDracoFile(options.mesh)) {
+    if (options.quantization_bits) {
+      std::fprintf(stderr, "latvox: --quantization does not apply to .drc, which is sent as it is\n");
+    }
+    auto drc = ReadBytes(options.mesh);
+    if (!drc.ok()) return drc.status();
+    return Upload{*std::move(drc), 0};
+  }
+  const auto mesh = ReadMeshFile(options.mesh);
+  if (!mesh.ok()) return mesh.status();
+  const int bits =
+      options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(*mesh), options.request)));
+  auto encoded = EncodeMesh(*mesh, bits);
+  if (!encoded.ok()) return encoded.status();
+  return Upload{std::move(encoded->drc), mesh->skipped};
+}
+
+absl::StatusOr<Outputs> OpenOutputs(const std::vector<std::string>& paths) {
+  Outputs outputs;
+  for (const std::string& path : paths) {
+    auto output = OpenOutput(path);
+    if (!output.ok()) return output.status();
+    outputs.push_back(*std::move(output));
+  }
+  return outputs;
+}
+
+// Calls `step` with every output until one fails.
+template <class Step>
+absl::Status ForEach(Outputs& outputs, const Step& step) {
+  for (auto& output : outputs) {
+    if (auto status = step(*output); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckTime(const CallOptions& call) {
+  if (call.cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (call.deadline && absl::Now() >= *call.deadline) return absl::DeadlineExceededError("the --timeout passed");
+  return absl::OkStatus();
+}
+
+// The call itself, into the outputs.
+absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call, Outputs& outputs,
+                  VoxelizeReport& report) {
+  auto session = Session::Open(options.server, call);
+  if (!session.ok()) return session.status();
+  ProgressBar bar;
+  VoxelizeHandlers handlers;
+  handlers.on_accepted = [&](const Accepted& accepted) {
+    report.accepted = accepted;
+    return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
+  };
+  uint64_t bricks = 0;
+  handlers.on_bricks = [&](const BrickBatch& batch) {
+    bricks += batch.bricks.size();
+    bar.Show(batch.progress, bricks);
+    return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
+  };
+  auto summary = session->client().Voxelize(options.request, drc, handlers, call);
+  if (!summary.ok()) return summary.status();
+  report.summary = *std::move(summary);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation) {
+  const absl::Time start = absl::Now();
+  const CallOptions call = MakeCallOptions(options.server, cancellation);
+  VoxelizeReport report;
+  report.mesh_path = options.mesh;
+  report.outputs = options.outputs;
+  // First of all, so that a place that cannot be written is found before any work.
+  auto outputs = OpenOutputs(options.outputs);
+  if (!outputs.ok()) return outputs.status();
+  const auto upload = Prepare(options);
+  if (!upload.ok()) return upload.status();
+  report.skipped = upload->skipped;
+  report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
+  if (auto status = CheckTime(call); !status.ok()) return status;
+  if (auto status = Call(options, upload->drc, call, *outputs, report); !status.ok()) return status;
+  const auto finish = [&](Output& output) { return output.Finish(report.summary); };
+  if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
+  if (auto status = CheckTime(call); !status.ok()) return status;
+  if (auto status = ForEach(*outputs, [](Output& output) { return output.Commit(); }); !status.ok()) return status;
+  report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
+  return report;
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,24 @@
+// Drawings: files of polylines.
+#ifndef LATVOX_CLIENT_CURVE_CURVE_FILE_H_
+#define LATVOX_CLIENT_CURVE_CURVE_FILE_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/plane_types.h"
+
+namespace latvox::client {
+
+struct Drawing {
+  std::vector<Polyline> polylines;  // at least one; none without points
+  bool y_down = false;              // as people look at it
+};
+
+// Reads .txt (client/curve/text_curves.h) or .svg (client/curve/svg_curves.h).
+// Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, not supported, no curve at all.
+absl::StatusOr<Drawing> ReadCurveFile(const std::string& path);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CURVE_CURVE_FILE_H_

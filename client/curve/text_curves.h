@@ -1,0 +1,20 @@
+// Polylines as plain text.
+#ifndef LATVOX_CLIENT_CURVE_TEXT_CURVES_H_
+#define LATVOX_CLIENT_CURVE_TEXT_CURVES_H_
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client/plane_types.h"
+
+namespace latvox::client {
+
+// One polyline a line: points "x,y" with white space between them, the nearest doubles to the decimal text. A "z" at
+// the end closes it. From a "#" on, a line is a comment; empty lines do not count.
+// Errors: INVALID_ARGUMENT naming line and text.
+absl::StatusOr<std::vector<Polyline>> ParseText(absl::string_view text);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CURVE_TEXT_CURVES_H_

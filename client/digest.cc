@@ -1,0 +1,33 @@
+#include "client/digest.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <bit>
+#include <cstdio>
+#include <cstring>
+
+namespace latvox::client {
+
+// Brick's words are copied to and from the wire as they lie in memory.
+static_assert(std::endian::native == std::endian::little, "bricks are little-endian on the wire");
+
+void Digest::Add(const Brick& brick) {
+  constexpr size_t kIjkBytes = sizeof(brick.brick_ijk), kMaskBytes = sizeof(brick.mask);
+  static_assert(kIjkBytes + kMaskBytes == 76);
+  char bytes[kIjkBytes + kMaskBytes];
+  std::memcpy(bytes, brick.brick_ijk.data(), kIjkBytes);
+  std::memcpy(bytes + kIjkBytes, brick.mask.data(), kMaskBytes);
+  const XXH128_hash_t hash = XXH3_128bits(bytes, sizeof(bytes));
+  low_ += hash.low64;
+  high_ += hash.high64 + (low_ < hash.low64 ? 1 : 0);
+}
+
+std::string Digest::ToHex() const {
+  char text[33];
+  std::snprintf(text, sizeof(text), "%016llx%016llx", static_cast<unsigned long long>(high_),
+                static_cast<unsigned long long>(low_));
+  return text;
+}
+
+}  // namespace latvox::client

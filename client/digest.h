@@ -1,0 +1,25 @@
+// The digest of a voxel set, computed from what arrived, to hold against what the server says it sent.
+#ifndef LATVOX_CLIENT_DIGEST_H_
+#define LATVOX_CLIENT_DIGEST_H_
+
+#include <cstdint>
+#include <string>
+
+#include "client/types.h"
+
+namespace latvox::client {
+
+// Certificate.digest of the protocol: the sum modulo 2^128, over all bricks, of XXH3-128 (seed 0) of 76 bytes, which
+// are brick_ijk and the mask's words, little-endian. The order of bricks does not matter.
+class Digest {
+ public:
+  void Add(const Brick& brick);
+  std::string ToHex() const;  // 32 hexadecimal digits
+
+ private:
+  uint64_t high_ = 0, low_ = 0;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_DIGEST_H_

@@ -1,0 +1,33 @@
+// What programs need to know about an error, besides its absl::Status code and its line for people.
+#ifndef LATVOX_CLIENT_ERROR_H_
+#define LATVOX_CLIENT_ERROR_H_
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+
+namespace latvox::client {
+
+// Empty strings: not known.
+struct ErrorDetails {
+  std::string reason;                         // UPPER_SNAKE_CASE, for example "RESOLUTION_OUT_OF_RANGE"
+  std::string field, value, limit;            // the offending field, what it was, what is allowed
+  std::optional<absl::Duration> retry_after;  // trying the same again can help, after this long
+};
+
+// The details that came with a status of this SDK: from the server's google.rpc.ErrorInfo and RetryInfo, or from the
+// client itself. All empty if there are none.
+ErrorDetails GetErrorDetails(const absl::Status& status);
+
+// Puts the details on the status, replacing those that are there. An OK status stays as it is.
+void SetErrorDetails(const ErrorDetails& details, absl::Status& status);
+
+// Takes ErrorInfo and RetryInfo out of a serialized google.rpc.Status, as grpc-status-details-bin carries it, and puts
+// them on the status. Bytes that are not one are ignored: they come from outside, and the status itself still holds.
+void AttachWireDetails(const std::string& serialized_rpc_status, absl::Status& status);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_ERROR_H_

@@ -1,0 +1,139 @@
+#include "client/grid/voxel_grid.h"
+
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/grid/openvdb_grid.h"
+
+namespace latvox::client {
+namespace {
+
+using Leaf = openvdb::BoolTree::LeafNodeType;
+static_assert(Leaf::LOG2DIM == 3 && Leaf::NodeMaskType::WORD_COUNT == 8, "a brick is a leaf");
+
+// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. simplify
+// makes a scale and a translation of what is no more, which some programs read faster.
+openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform) {
+  const auto& [a, b, c] = transform.basis;
+  const Vec3d& o = transform.origin;
+  const openvdb::Mat4d matrix(a[0], a[1], a[2], 0., b[0], b[1], b[2], 0., c[0], c[1], c[2], 0., o[0], o[1], o[2], 1.);
+  const auto affine = std::make_shared<openvdb::math::AffineMap>(matrix);
+  return std::make_shared<openvdb::math::Transform>(openvdb::math::simplify(affine));
+}
+
+GridTransform FromTransform(const openvdb::math::Transform& transform) {
+  const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
+  GridTransform out;
+  out.basis = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
+  out.origin = {m[3][0], m[3][1], m[3][2]};
+  out.voxel_size = std::cbrt(std::abs(m.getMat3().det()));
+  return out;
+}
+
+void Insert(openvdb::BoolGrid& grid, const char* name, const std::string& value) {
+  grid.insertMeta(name, openvdb::StringMetadata(value));
+}
+
+GridFileInfo Describe(const openvdb::GridBase& grid) {
+  GridFileInfo info;
+  info.name = grid.getName();
+  info.value_type = grid.valueType();
+  info.transform = FromTransform(grid.transform());
+  info.active_voxels = grid.activeVoxelCount();
+  if (info.active_voxels > 0) {
+    const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+    const openvdb::Coord end = box.max().offsetBy(1);
+    info.active_box = IndexBox{{box.min()[0], box.min()[1], box.min()[2]}, {end[0], end[1], end[2]}};
+  }
+  for (auto meta = grid.beginMeta(); meta != grid.endMeta(); ++meta) {
+    if (meta->second) info.metadata.emplace_back(meta->first, meta->second->str());
+  }
+  return info;
+}
+
+}  // namespace
+
+VoxelGrid::VoxelGrid(const GridTransform& transform) : content_(std::make_unique<Content>()) {
+  openvdb::initialize();
+  content_->grid = openvdb::BoolGrid::create(false);
+  openvdb::BoolGrid& grid = *content_->grid;
+  grid.setName("voxels");
+  grid.setTransform(MakeTransform(transform));
+  grid.insertMeta("latvox_voxel_size", openvdb::DoubleMetadata(transform.voxel_size));
+  const auto& [a, b, c] = transform.basis;
+  const std::vector<double> basis = {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
+  const auto exactly = [](std::string* out, double x) { absl::StrAppendFormat(out, "%.17g", x); };
+  Insert(grid, "latvox_basis", absl::StrJoin(basis, ",", exactly));
+  Insert(grid, "latvox_origin", absl::StrJoin(transform.origin, ",", exactly));
+}
+
+VoxelGrid::VoxelGrid(VoxelGrid&&) noexcept = default;
+VoxelGrid& VoxelGrid::operator=(VoxelGrid&&) noexcept = default;
+VoxelGrid::~VoxelGrid() = default;
+
+// A leaf's value mask and its boolean values are the same 512 bits, in the order of a brick's words.
+absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
+  openvdb::tree::ValueAccessor<openvdb::BoolTree> tree(content_->grid->tree());
+  for (const Brick& brick : batch.bricks) {
+    const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
+    Leaf* leaf = tree.touchLeaf(corner);
+    Leaf::NodeMaskType mask = leaf->getValueMask();
+    for (openvdb::Index word = 0; word < 8; ++word) mask.getWord<openvdb::Index64>(word) |= brick.mask[word];
+    leaf->setValueMask(mask);
+    for (openvdb::Index word = 0; word < 8; ++word) leaf->buffer().data()[word] = mask.getWord<openvdb::Index64>(word);
+  }
+  return absl::OkStatus();
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
+}
+
+void VoxelGrid::SetCertificate(const Certificate& certificate) {
+  openvdb::BoolGrid& grid = *content_->grid;
+  Insert(grid, "latvox_lattice", certificate.lattice);
+  Insert(grid, "latvox_digest", certificate.digest);
+  Insert(grid, "latvox_algorithm", certificate.algorithm);
+  Insert(grid, "latvox_version", certificate.version);
+  grid.insertMeta("latvox_separability", openvdb::Int32Metadata(static_cast<int32_t>(certificate.separability)));
+  grid.insertMeta("latvox_tunnel_free", openvdb::BoolMetadata(certificate.tunnel_free));
+  grid.insertMeta("latvox_minimal", openvdb::BoolMetadata(certificate.minimal));
+  grid.insertMeta("latvox_verified", openvdb::BoolMetadata(certificate.verified));
+  grid.insertMeta("latvox_closed", openvdb::BoolMetadata(certificate.closed));
+  grid.insertMeta("latvox_snap_error_max", openvdb::DoubleMetadata(certificate.snap_error_max));
+  grid.insertMeta("latvox_quantization_bits",
+                  openvdb::Int32Metadata(static_cast<int32_t>(certificate.quantization_bits)));
+}
+
+uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
+
+absl::Status VoxelGrid::Write(const std::string& path) const try {
+  openvdb::io::File file(path);
+  file.write({content_->grid});
+  file.close();
+  return absl::OkStatus();
+} catch (const std::exception& error) {
+  return absl::UnknownError(absl::StrCat(path, ": cannot be written (", error.what(), ")"));
+}
+
+absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) try {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  openvdb::initialize();
+  openvdb::io::File file(path);
+  file.open(/*delayLoad=*/false);
+  const openvdb::GridPtrVecPtr grids = file.getGrids();
+  if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
+  if (!grids->front()->transform().isLinear()) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine"));
+  }
+  return Describe(*grids->front());
+} catch (const std::exception& error) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,74 @@
+#include "client/output/output.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/grid/voxel_grid.h"
+#include "client/output/atomic_file.h"
+#include "client/output/picture_output.h"
+#include "client/output/table_output.h"
+
+namespace latvox::client {
+namespace {
+
+class VdbOutput final : public Output {
+ public:
+  explicit VdbOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+
+  absl::Status Begin(const Accepted& accepted) override {
+    grid_.emplace(accepted.grid);
+    return absl::OkStatus();
+  }
+  absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
+  absl::Status Finish(const Summary& summary) override {
+    grid_->SetCertificate(summary.certificate);
+    if (auto status = grid_->Write(file_->temporary()); !status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(file_->target(), ": ", status.message()));
+    }
+    return file_->Sync();
+  }
+  absl::Status Commit() override { return file_->Commit(); }
+
+ private:
+  std::unique_ptr<AtomicFile> file_;
+  std::optional<VoxelGrid> grid_;
+};
+
+std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file) {
+  return std::make_unique<VdbOutput>(std::move(file));
+}
+
+using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
+
+constexpr std::pair<const char*, NewOutput> kFormats[] = {
+    {".vdb", NewVdbOutput}, {".csv", NewCsvOutput},     {".npy", NewNpyOutput},
+    {".ply", NewPlyOutput}, {".png", NewPictureOutput},
+};
+
+}  // namespace
+
+const std::vector<std::string>& OutputExtensions() {
+  static const auto* const kExtensions = [] {
+    auto* extensions = new std::vector<std::string>;
+    for (const auto& [extension, unused] : kFormats) extensions->push_back(extension);
+    return extensions;
+  }();
+  return *kExtensions;
+}
+
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path) {
+  const std::string wanted = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  for (const auto& [extension, new_output] : kFormats) {
+    if (wanted != extension) continue;
+    auto file = AtomicFile::Create(path);
+    if (!file.ok()) return file.status();
+    return new_output(*std::move(file));
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": extension \"", wanted, "\" is not one of ", absl::StrJoin(OutputExtensions(), " ")));
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,42 @@
+// Where voxels go: one file of one format.
+#ifndef LATVOX_CLIENT_OUTPUT_OUTPUT_H_
+#define LATVOX_CLIENT_OUTPUT_OUTPUT_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/types.h"
+
+namespace latvox::client {
+
+// Receives what a call delivers, in the same order: Begin, any number of Add, Finish, Commit. The target file changes
+// in Commit only; without it nothing is left behind. Not thread-safe. Errors: FAILED_PRECONDITION, naming
+// the file and what the system says; RESOURCE_EXHAUSTED (memory).
+class Output {
+ public:
+  virtual ~Output() = default;
+  virtual absl::Status Begin(const Accepted& accepted) = 0;
+  virtual absl::Status Add(const BrickBatch& batch) = 0;
+  virtual absl::Status Finish(const Summary& summary) = 0;  // everything is on the disk afterwards
+  virtual absl::Status Commit() = 0;
+};
+
+// Extensions that OpenOutput knows, with the dot.
+const std::vector<std::string>& OutputExtensions();
+
+// Opens the output for the path's extension:
+//   .vdb   OpenVDB, see client/grid/voxel_grid.h
+//   .csv   header i,j,k,x,y,z; lattice coordinates, world position with 17 significant digits
+//   .npy   int32 array of shape (voxels, 3): lattice coordinates
+//   .ply   points, binary little-endian: double x, y, z, int i, j, k
+//   .png   picture
+// Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
+// voxels, .vdb aside. Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION (the file cannot be created).
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_OUTPUT_OUTPUT_H_

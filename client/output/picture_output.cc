@@ -1,0 +1,69 @@
+#include "client/output/picture_output.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "client/output/picture.h"
+
+namespace latvox::client {
+namespace {
+
+// The part of the mesh's box in which voxels can lie: with a region, less than the mesh.
+std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
+  Vec3d low = accepted.mesh.min, high = accepted.mesh.max;
+  if (!accepted.index_box) return {low, high};
+  Vec3d box_low{}, box_high{};
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3i ijk{};
+    for (size_t m = 0; m < 3; ++m)
+      ijk[m] = corner >> m & 1 ? accepted.index_box->max[m] - 1 : accepted.index_box->min[m];
+    const Vec3d world = accepted.grid.ToWorld(ijk);
+    for (size_t m = 0; m < 3; ++m) {
+      box_low[m] = corner == 0 ? world[m] : std::min(box_low[m], world[m]);
+      box_high[m] = corner == 0 ? world[m] : std::max(box_high[m], world[m]);
+    }
+  }
+  for (size_t m = 0; m < 3; ++m) {
+    low[m] = std::max(low[m], box_low[m]);
+    high[m] = std::max(low[m], std::min(high[m], box_high[m]));
+  }
+  return {low, high};
+}
+
+class PictureOutput final : public Output {
+ public:
+  explicit PictureOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+
+  absl::Status Begin(const Accepted& accepted) override {
+    const auto [low, high] = Visible(accepted);
+    picture_.emplace(accepted.grid, low, high);
+    return absl::OkStatus();
+  }
+
+  absl::Status Add(const BrickBatch& batch) override {
+    for (const Brick& brick : batch.bricks) picture_->Draw(brick);
+    return absl::OkStatus();
+  }
+
+  absl::Status Finish(const Summary&) override {
+    const auto png = picture_->ToPng();
+    if (!png.ok()) return png.status();
+    if (auto status = file_->Append(*png); !status.ok()) return status;
+    return file_->Sync();
+  }
+
+  absl::Status Commit() override { return file_->Commit(); }
+
+ private:
+  std::unique_ptr<AtomicFile> file_;
+  std::optional<Picture> picture_;
+};
+
+}  // namespace
+
+std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file) {
+  return std::make_unique<PictureOutput>(std::move(file));
+}
+
+}  // namespace latvox::client

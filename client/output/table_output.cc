@@ -1,0 +1,133 @@
+#include "client/output/table_output.h"
+
+#include <charconv>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/output/voxel_walk.h"
+
+namespace latvox::client {
+namespace {
+
+// A header, then a row for each voxel. The header holds the number of rows where the format wants it, and has the same
+// length for every number, so that it can be written again when the number is known.
+class TableOutput : public Output {
+ public:
+  explicit TableOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+
+  absl::Status Begin(const Accepted& accepted) final {
+    grid_ = accepted.grid;
+    return file_->Append(Header(0));
+  }
+
+  absl::Status Add(const BrickBatch& batch) final {
+    for (const Brick& brick : batch.bricks) {
+      rows_.clear();
+      ForEachVoxel(brick, [this](const Vec3i& ijk) {
+        AppendRow(ijk, grid_.ToWorld(ijk), rows_);
+        ++voxels_;
+      });
+      if (auto status = file_->Append(rows_); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Finish(const Summary&) final {
+    if (auto status = file_->WriteAtStart(Header(voxels_)); !status.ok()) return status;
+    return file_->Sync();
+  }
+
+  absl::Status Commit() final { return file_->Commit(); }
+
+ private:
+  virtual std::string Header(uint64_t rows) const = 0;
+  virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, std::string& rows) const = 0;
+
+  std::unique_ptr<AtomicFile> file_;
+  GridTransform grid_;
+  std::string rows_;
+  uint64_t voxels_ = 0;
+};
+
+template <class T>
+void AppendBinary(const T& value, std::string& rows) {
+  rows.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+class CsvOutput final : public TableOutput {
+ public:
+  using TableOutput::TableOutput;
+
+ private:
+  std::string Header(uint64_t) const override { return "i,j,k,x,y,z\n"; }
+
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, std::string& rows) const override {
+    char text[160];
+    char* end = text;
+    for (const int32_t index : ijk) {
+      end = std::to_chars(end, text + sizeof(text), index).ptr;
+      *end++ = ',';
+    }
+    for (size_t m = 0; m < 3; ++m) {
+      // As printf's %.17g in the C locale, whatever the locale.
+      end = std::to_chars(end, text + sizeof(text), world[m], std::chars_format::general, 17).ptr;
+      *end++ = m == 2 ? '\n' : ',';
+    }
+    rows.append(text, end);
+  }
+};
+
+// numpy.lib.format version 1.0: magic, header length, a Python dictionary padded with spaces to a multiple of 64 bytes.
+class NpyOutput final : public TableOutput {
+ public:
+  using TableOutput::TableOutput;
+
+ private:
+  static constexpr size_t kHeaderBytes = 128;
+
+  std::string Header(uint64_t rows) const override {
+    std::string header("\x93NUMPY\x01\x00", 8);
+    const uint16_t length = kHeaderBytes - 10;
+    AppendBinary(length, header);
+    absl::StrAppend(&header, "{'descr': '<i4', 'fortran_order': False, 'shape': (", rows, ", 3), }");
+    header.resize(kHeaderBytes - 1, ' ');
+    return header + "\n";
+  }
+
+  void AppendRow(const Vec3i& ijk, const Vec3d&, std::string& rows) const override { AppendBinary(ijk, rows); }
+};
+
+class PlyOutput final : public TableOutput {
+ public:
+  using TableOutput::TableOutput;
+
+ private:
+  std::string Header(uint64_t rows) const override {
+    const std::string count = absl::StrCat(rows);
+    // The comment makes up for the number's length.
+    return absl::StrCat("ply\nformat binary_little_endian 1.0\ncomment latvox voxel centres",
+                        std::string(20 - count.size(), ' '), "\nelement vertex ", count,
+                        "\nproperty double x\nproperty double y\nproperty double z\n"
+                        "property int i\nproperty int j\nproperty int k\nend_header\n");
+  }
+
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, std::string& rows) const override {
+    AppendBinary(world, rows);
+    AppendBinary(ijk, rows);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file) {
+  return std::make_unique<CsvOutput>(std::move(file));
+}
+std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file) {
+  return std::make_unique<NpyOutput>(std::move(file));
+}
+std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file) {
+  return std::make_unique<PlyOutput>(std::move(file));
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,153 @@
+#include "client/wire.h"
+
+#include "client/error.h"
+
+namespace latvox::client {
+namespace {
+
+v1::Vector3 ToProto(const Vec3d& v) {
+  v1::Vector3 out;
+  out.set_x(v[0]);
+  out.set_y(v[1]);
+  out.set_z(v[2]);
+  return out;
+}
+
+v1::Ijk ToProto(const Vec3i& v) {
+  v1::Ijk out;
+  out.set_i(v[0]);
+  out.set_j(v[1]);
+  out.set_k(v[2]);
+  return out;
+}
+
+Vec3d FromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3i FromProto(const v1::Ijk& v) { return {v.i(), v.j(), v.k()}; }
+
+v1::NamedLattice ToProto(NamedLattice lattice) {
+  switch (lattice) {
+    case NamedLattice::kCartesian:
+      return v1::NAMED_LATTICE_CARTESIAN;
+    case NamedLattice::kBcc:
+      return v1::NAMED_LATTICE_BCC;
+    case NamedLattice::kFcc:
+      return v1::NAMED_LATTICE_FCC;
+    case NamedLattice::kHexagonal:
+      return v1::NAMED_LATTICE_HEXAGONAL;
+  }
+  return v1::NAMED_LATTICE_UNSPECIFIED;
+}
+
+v1::Algorithm ToProto(Algorithm algorithm) {
+  switch (algorithm) {
+    case Algorithm::kExact:
+      return v1::ALGORITHM_EXACT;
+    case Algorithm::kBruteForce:
+      return v1::ALGORITHM_BRUTE_FORCE;
+    case Algorithm::kIncremental:
+      return v1::ALGORITHM_INCREMENTAL;
+    case Algorithm::kOptimizedIncremental:
+      return v1::ALGORITHM_OPTIMIZED_INCREMENTAL;
+  }
+  return v1::ALGORITHM_UNSPECIFIED;
+}
+
+MeshFacts FromProto(const v1::MeshFacts& mesh) {
+  return {.triangles = mesh.triangles(),
+          .vertices = mesh.vertices(),
+          .degenerate_triangles = mesh.degenerate_triangles(),
+          .closed = mesh.closed(),
+          .quantization_bits = mesh.quantization_bits(),
+          .snap_error_max = mesh.snap_error_max(),
+          .min = FromProto(mesh.min()),
+          .max = FromProto(mesh.max())};
+}
+
+Certificate FromProto(const v1::Certificate& certificate) {
+  return {.lattice = certificate.lattice(),
+          .separability = certificate.separability(),
+          .tunnel_free = certificate.tunnel_free(),
+          .minimal = certificate.minimal(),
+          .verified = certificate.verified(),
+          .tunnels = certificate.tunnels(),
+          .redundant = certificate.redundant(),
+          .closed = certificate.closed(),
+          .snap_error_max = certificate.snap_error_max(),
+          .quantization_bits = certificate.quantization_bits(),
+          .algorithm = certificate.algorithm(),
+          .version = certificate.version(),
+          .digest = certificate.digest()};
+}
+
+}  // namespace
+
+v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, uint64_t mesh_bytes) {
+  v1::VoxelizeSpec spec;
+  if (const Basis* basis = std::get_if<Basis>(&request.lattice)) {
+    *spec.mutable_lattice()->mutable_basis()->mutable_a() = ToProto(basis->a);
+    *spec.mutable_lattice()->mutable_basis()->mutable_b() = ToProto(basis->b);
+    *spec.mutable_lattice()->mutable_basis()->mutable_c() = ToProto(basis->c);
+  } else {
+    spec.mutable_lattice()->set_named(ToProto(std::get<NamedLattice>(request.lattice)));
+  }
+  if (request.voxel_size) spec.set_voxel_size(*request.voxel_size);
+  if (request.resolution) spec.set_resolution(*request.resolution);
+  if (request.origin) *spec.mutable_origin() = ToProto(*request.origin);
+  spec.set_separability(request.separability);
+  spec.set_minimal(request.minimal);
+  if (request.region) {
+    *spec.mutable_region()->mutable_min() = ToProto(request.region->min);
+    *spec.mutable_region()->mutable_max() = ToProto(request.region->max);
+  }
+  spec.set_verify(request.verify);
+  spec.set_mesh_bytes(mesh_bytes);
+  spec.set_algorithm(ToProto(request.algorithm));
+  return spec;
+}
+
+Accepted FromProto(const v1::Accepted& accepted) {
+  Accepted out;
+  out.request_id = accepted.request_id();
+  const v1::Grid& grid = accepted.grid();
+  out.grid.basis = {FromProto(grid.basis().a()), FromProto(grid.basis().b()), FromProto(grid.basis().c())};
+  out.grid.origin = FromProto(grid.origin());
+  out.grid.voxel_size = grid.voxel_size();
+  if (accepted.has_index_box()) {
+    out.index_box = IndexBox{FromProto(accepted.index_box().min()), FromProto(accepted.index_box().max())};
+  }
+  out.tiles_in_box = accepted.tiles_in_box();
+  out.mesh = FromProto(accepted.mesh());
+  return out;
+}
+
+Summary FromProto(const v1::Summary& summary) {
+  Summary out;
+  out.voxels = summary.voxels();
+  out.bricks = summary.bricks();
+  out.tiles = summary.tiles();
+  out.certificate = FromProto(summary.certificate());
+  out.timings = {summary.timings().upload_ms(), summary.timings().decode_ms(), summary.timings().voxelize_ms(),
+                 summary.timings().stream_ms()};
+  out.mesh_bytes = summary.mesh_bytes();
+  return out;
+}
+
+Limits FromProto(const v1::GetLimitsResponse& limits) {
+  return {.max_mesh_bytes = limits.max_mesh_bytes(),
+          .max_triangles = limits.max_triangles(),
+          .max_vertices = limits.max_vertices(),
+          .max_extent = limits.max_extent(),
+          .max_jobs = limits.max_jobs(),
+          .max_message_bytes = limits.max_message_bytes(),
+          .subvoxel_bits = limits.subvoxel_bits(),
+          .version = limits.version()};
+}
+
+absl::Status FromGrpc(const grpc::Status& status) {
+  // Both enumerations are the canonical codes, with the same numbers.
+  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  AttachWireDetails(status.error_details(), out);
+  return out;
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,25 @@
+// Plain values to protocol messages and back. Internal to the SDK.
+#ifndef LATVOX_CLIENT_WIRE_H_
+#define LATVOX_CLIENT_WIRE_H_
+
+#include <grpcpp/support/status.h>
+
+#include "absl/status/status.h"
+#include "client/types.h"
+#include "latvox/v1/voxelizer.pb.h"
+
+namespace latvox::client {
+
+// `mesh_bytes` is the length of the encoded mesh.
+v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, uint64_t mesh_bytes);
+
+Accepted FromProto(const v1::Accepted& accepted);
+Summary FromProto(const v1::Summary& summary);
+Limits FromProto(const v1::GetLimitsResponse& limits);
+
+// Code, message and the details of grpc-status-details-bin.
+absl::Status FromGrpc(const grpc::Status& status);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_WIRE_H_

@@ -1,0 +1,110 @@
+#include "core/plane/cover.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+#include "core/plane/crossing2.h"
+
+namespace latvox {
+namespace {
+
+constexpr uint32_t kOutside = std::numeric_limits<uint32_t>::max();
+
+// A pixel of the set, as its index, and the other end of one of its crossed edges.
+struct Incidence {
+  uint32_t pixel, other;  // other: an index, or kOutside
+  bool operator<(const Incidence& b) const { return std::tie(pixel, other) < std::tie(b.pixel, b.other); }
+};
+
+uint32_t IndexOf(const std::vector<Vec2i>& pixels, const Vec2i& ij) {
+  const auto found = std::lower_bound(pixels.begin(), pixels.end(), ij);
+  return found != pixels.end() && *found == ij ? static_cast<uint32_t>(found - pixels.begin()) : kOutside;
+}
+
+// By pixel. Edges without an end in the set are counted instead.
+std::vector<Incidence> IncidencesOf(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
+                                    uint64_t& uncovered) {
+  std::vector<Incidence> incidences;
+  uncovered = 0;
+  for (const PlaneEdge& edge : edges) {
+    const uint32_t low = IndexOf(pixels, edge.low), high = IndexOf(pixels, edge.high);
+    if (low != kOutside) incidences.push_back({low, high});
+    if (high != kOutside) incidences.push_back({high, low});
+    if (low == kOutside && high == kOutside) ++uncovered;
+  }
+  std::sort(incidences.begin(), incidences.end());
+  return incidences;
+}
+
+// Calls f(pixel, essential) for every pixel, in order: essential if it alone covers one of its edges.
+template <class F>
+void ForEachPixel(const std::vector<Incidence>& incidences, const std::vector<bool>& member, F f) {
+  auto next = incidences.begin();
+  for (uint32_t pixel = 0; pixel < member.size(); ++pixel) {
+    bool essential = false;
+    for (; next != incidences.end() && next->pixel == pixel; ++next) {
+      essential |= next->other == kOutside || !member[next->other];
+    }
+    f(pixel, essential);
+  }
+}
+
+template <class T>
+void SortUnique(std::vector<T>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+}  // namespace
+
+void MakeSet(std::vector<Vec2i>& pixels) { SortUnique(pixels); }
+
+PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames) {
+  PlaneCrossings crossings;
+  // Memory follows the distinct crossings, not the segments: duplicates leave before the lists double.
+  size_t limit = 1 << 20;
+  for (const Segment& segment : segments) {
+    for (const PlaneFrame& frame : frames) {
+      ForEachCrossing(segment, frame, [&](const Vec2i& nearer, const Vec2i& farther) {
+        crossings.edges.push_back({std::min(nearer, farther), std::max(nearer, farther)});
+        crossings.nearer.push_back(nearer);
+      });
+    }
+    if (crossings.edges.size() < limit) continue;
+    SortUnique(crossings.edges);
+    SortUnique(crossings.nearer);
+    limit = std::max(limit, 2 * crossings.edges.size());
+  }
+  SortUnique(crossings.edges);
+  SortUnique(crossings.nearer);
+  return crossings;
+}
+
+void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels) {
+  uint64_t uncovered;
+  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, uncovered);
+  std::vector<bool> member(pixels.size(), true);
+  for (int32_t parity = 0; parity < 4; ++parity) {
+    ForEachPixel(incidences, member, [&](uint32_t pixel, bool essential) {
+      const Vec2i& ij = pixels[pixel];
+      if (((ij[0] & 1) << 1 | (ij[1] & 1)) == parity && !essential) member[pixel] = false;
+    });
+  }
+  size_t kept = 0;
+  for (size_t pixel = 0; pixel < pixels.size(); ++pixel) {
+    if (member[pixel]) pixels[kept++] = pixels[pixel];
+  }
+  pixels.resize(kept);
+}
+
+PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels) {
+  PlaneVerdict verdict;
+  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, verdict.tunnels);
+  ForEachPixel(incidences, std::vector<bool>(pixels.size(), true), [&](uint32_t, bool essential) {
+    if (!essential) ++verdict.redundant;
+  });
+  return verdict;
+}
+
+}  // namespace latvox

@@ -1,0 +1,52 @@
+// The thesis's own algorithms for lines, on any lattice: the reference that the crossing rule is compared with.
+//
+// All work segment by segment, on local pixels, and return sets: sorted, without duplicates, not thinned.
+#ifndef LATVOX_CORE_PLANE_THESIS_LINES_H_
+#define LATVOX_CORE_PLANE_THESIS_LINES_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "core/plane/lattice2.h"
+#include "core/plane/polyline.h"
+
+namespace latvox {
+
+// The segments with both ends moved to their nearest pixels, as section 4.6 does with vertices. Half-way points go to
+// one of the nearest.
+std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const PlaneLattice& lattice);
+
+// Brute force (sections 3.1, 4.1, 4.2): in the bounding box and a margin, every pixel whose centre lies between the
+// segment's two ends with -t < n.z + D <= t, and every pixel within R of an end, R the largest interface distance |q|/2
+// of a k-neighbour.
+//   (1) contains the nearer end of every crossed edge: it is k-separating   (2) in general not k-minimal at ends
+// The slab is decided by integers. Discs are closed, and reach further by the lattice's symmetry tolerance; that a
+// pixel's foot lies between the ends is decided in doubles, where an error cannot matter: within t <= R of an end it is
+// in the disc.
+std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+
+// The number of pixels that BruteForceLines will test.
+uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+
+// The incremental form (sections 4.3, 4.4): on every lattice line along the principal direction C, from one end's to
+// the other's, the one pixel with -t < n.z + D <= t, found by adding delta k. A segment of length zero is its pixel.
+//   (1) exactly one pixel a lattice line along C
+//   (2) k-separating, seams between segments included, without the rule of section 4.5. For |r[0].q| <= 1 an edge
+//       along q that crosses the segment has both ends on lattice lines from one end's to the other's, so its nearer
+//       end is in the set. |r[0].q| is larger only if q and C are the two diagonals of a rectangle: then it is 2, the
+//       edge's middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer.
+// Precondition: both ends of every segment are pixels (RoundToPixels).
+std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+
+// The line of Ibanez, Hamitouche and Roux (section 4.6, reference 26): from one end to the other by steps between
+// (1-k)-neighbours, each time the one of two that stays nearer to the segment; Bresenham's octant is the cone between
+// the two steps. In the plane a curve of (1-k)-steps is what k-steps cannot pass, and the set is IncrementalLines'.
+// Precondition: as IncrementalLines.
+std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+
+// One such line, in order from one pixel to the other, both included.
+std::vector<Vec2i> IbanezLine(const Vec2i& from, const Vec2i& to, const PlaneLattice& lattice, int k);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_PLANE_THESIS_LINES_H_

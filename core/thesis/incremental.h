@@ -1,0 +1,42 @@
+// The thesis's incremental algorithms (sections 4.3 and 4.4): project the triangle along its principal direction,
+// scan-convert it there, lift each point back onto the plane.
+#ifndef LATVOX_CORE_THESIS_INCREMENTAL_H_
+#define LATVOX_CORE_THESIS_INCREMENTAL_H_
+
+#include <array>
+#include <atomic>
+#include <vector>
+
+#include "core/thesis/neighborhood.h"
+
+namespace latvox {
+
+// A triangle whose vertices are voxels: the thesis rounds them first (section 4.6).
+using VoxelTriangle = std::array<Vec3i, 3>;
+
+// The lattice point nearest to `point` in the world (Cartesian or not); of several, the lexicographically last.
+//   point   lattice coordinates
+Vec3i NearestLatticePoint(const Lattice& lattice, const Vec3d& point);
+
+// V^T times the triangle's world normal, up to a positive or negative factor, with positive first nonzero entry; zero
+// if the triangle has no area.
+Vec<int64_t, 3> NormalOf(const VoxelTriangle& triangle);
+
+// Emits, for each lattice line along the principal direction that meets the triangle or its border, the line's voxel
+// nearest to the plane (eqs 4.4-4.7): that is Theorem 4's voxel, with -t < d <= t. Halves go to the end with d = +t.
+//   frames   of N_k
+// Stops early once *cancelled is true. Precondition: the triangle has area.
+void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames,
+                         const std::atomic<bool>& cancelled, EmitVoxel emit);
+
+// The same with the offset k kept up by additions (figure 4.8): one addition a voxel instead of eq. 4.7. Rounding
+// accumulates, so halves may go to either end.
+//
+// Eqs 4.8-4.11 lack a sign: by eq. 4.6 k falls where P'.N rises, so the increments are
+//   dk_i = -N[1]/N[3],  dk_j = -N[2]/N[3].
+void OptimizedIncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames,
+                                  const std::atomic<bool>& cancelled, EmitVoxel emit);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_THESIS_INCREMENTAL_H_

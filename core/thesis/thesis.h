@@ -1,0 +1,43 @@
+// The thesis's algorithms on whole meshes.
+#ifndef LATVOX_CORE_THESIS_THESIS_H_
+#define LATVOX_CORE_THESIS_THESIS_H_
+
+#include <atomic>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/lattice/grid.h"
+#include "core/mesh/mesh.h"
+#include "core/snap/snap.h"
+#include "core/tile/voxel_set.h"
+#include "core/voxelizer/algorithm.h"
+
+namespace latvox {
+
+// Voxels as the algorithm gives them: neither thinned nor clipped. Coordinates ijk, not local.
+//   kBruteForce   section 4.2, on the snapped mesh
+//   kIncremental, kOptimizedIncremental
+//                 sections 4.3 and 4.4 on the mesh with its vertices rounded to lattice points (section 4.6), with the
+//                 seams of section 4.5, and points and 0-connected lines for triangles that rounding leaves without
+//                 area. Rounding moves the surface by up to the covering radius of the lattice, so the set is
+//                 separating for the rounded surface, not for the mesh.
+//   k             0, 1 or 2
+// Parallel over triangles in the oneTBB arena of the calling thread; the set does not depend on it. Memory: the set,
+// and 12 bytes for each edge of a triangle. Errors: CANCELLED once *cancelled is true. Precondition: algorithm is not
+// kExact.
+absl::StatusOr<VoxelSet> VoxelizeByThesis(const SnappedMesh& mesh, const Lattice& lattice, int k, Algorithm algorithm,
+                                          const std::atomic<bool>& cancelled);
+
+// The same from world coordinates. Further errors: as Snap. Precondition: Validate(mesh).
+absl::StatusOr<VoxelSet> VoxelizeByThesis(const TriangleMesh& mesh, const Grid& grid, int k, Algorithm algorithm,
+                                          const std::atomic<bool>& cancelled);
+
+// The nearest lattice points of the mesh's vertices, local.
+std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice);
+
+// For Snap: per axis, twice the distance from the mesh beyond which the algorithm sets no voxel.
+Vec3i ThesisReach(const Lattice& lattice, int k, Algorithm algorithm);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_THESIS_THESIS_H_

@@ -1,0 +1,35 @@
+#include "core/voxelizer/job_facts.h"
+
+namespace latvox {
+namespace {
+
+uint64_t TilesIn(const IndexBox& box) {
+  uint64_t tiles = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    tiles *= static_cast<uint64_t>(((box.max[m] - 1) >> kTileBits) - (box.min[m] >> kTileBits) + 1);
+  }
+  return tiles;
+}
+
+}  // namespace
+
+bool IsEmpty(const IndexBox& box) {
+  return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
+}
+
+JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region) {
+  const SurfaceFacts surface = FactsOf(mesh);
+  JobFacts facts;
+  facts.triangles = mesh.triangles.size();
+  facts.vertices = mesh.vertices_lat.size();
+  facts.degenerate_triangles = surface.degenerate_triangles;
+  facts.closed = surface.closed;
+  facts.snap_error_max = kSnapErrorMax;
+  if (!IsEmpty(region)) {
+    facts.index_box = IndexBox{region.min + mesh.base_ijk, region.max + mesh.base_ijk};
+    facts.tiles_in_box = TilesIn(*facts.index_box);
+  }
+  return facts;
+}
+
+}  // namespace latvox

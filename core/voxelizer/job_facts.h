@@ -1,0 +1,17 @@
+// What a job says of its mesh before it computes.
+#ifndef LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
+#define LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
+
+#include "core/snap/snap.h"
+#include "core/voxelizer/voxelizer.h"
+
+namespace latvox {
+
+// Facts of a job that delivers the voxels of `region` (local; empty if none).
+JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region);
+
+bool IsEmpty(const IndexBox& box);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_JOB_FACTS_H_

@@ -1,0 +1,109 @@
+#include "core/voxelizer/thesis_job.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/thesis/thesis.h"
+#include "core/voxelizer/job_facts.h"
+
+namespace latvox {
+namespace {
+
+// Whether tile a comes before tile b in Morton order, i the most significant axis. Coordinates are relative to `low`,
+// hence not negative. The axis whose highest differing bit is highest decides; of several, the first.
+bool ComesBefore(const Vec3i& a, const Vec3i& b, const Vec3i& low) {
+  size_t axis = 0;
+  uint32_t decisive = 0;
+  for (size_t m = 0; m < 3; ++m) {
+    const uint32_t difference = static_cast<uint32_t>(a[m] - low[m]) ^ static_cast<uint32_t>(b[m] - low[m]);
+    if (decisive < difference && decisive < (decisive ^ difference)) {
+      axis = m;
+      decisive = difference;
+    }
+  }
+  return a[axis] < b[axis];
+}
+
+Vec3i Shifted(Vec3i v, int bits) {
+  for (int32_t& x : v) x >>= bits;
+  return v;
+}
+
+// The set within `region` (ijk) as tiles; low_tile is the first of the order.
+std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const Vec3i& low_tile) {
+  std::vector<Brick> bricks = voxels.Bricks();
+  std::stable_sort(bricks.begin(), bricks.end(), [&](const Brick& a, const Brick& b) {
+    return ComesBefore(Shifted(a.brick_ijk, kTileBits - kBrickBits), Shifted(b.brick_ijk, kTileBits - kBrickBits),
+                       low_tile);
+  });
+  std::vector<TileBricks> tiles;
+  for (Brick& brick : bricks) {
+    ClipBrick(region, brick);
+    const uint64_t count = CountVoxels(brick.mask);
+    if (count == 0) continue;
+    const Vec3i tile_ijk = Shifted(brick.brick_ijk, kTileBits - kBrickBits);
+    if (tiles.empty() || tiles.back().tile_ijk != tile_ijk) tiles.push_back({tile_ijk, {}});
+    tiles.back().bricks.push_back(brick);
+    tiles.back().voxels += count;
+  }
+  for (size_t n = 0; n < tiles.size(); ++n) {
+    tiles[n].progress = static_cast<double>(n + 1) / static_cast<double>(tiles.size());
+  }
+  return tiles;
+}
+
+class ThesisJob : public VoxelizeJob {
+ public:
+  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region)
+      : mesh_(std::move(mesh)), lattice_(lattice), options_(options), facts_(FactsOfJob(mesh_, region)) {}
+
+  const JobFacts& facts() const override { return facts_; }
+  const JobTotals& totals() const override { return totals_; }
+  void Cancel() override { cancelled_ = true; }
+  absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
+    return Validate(mesh_, lattice_.frames(options_.separability), voxels, cancelled_);
+  }
+
+  absl::StatusOr<bool> Advance(const Sink& sink) override {
+    if (!computed_) {
+      if (auto status = Compute(); !status.ok()) return status;
+    }
+    for (bool paused = false; !paused && delivered_ < tiles_.size() && !cancelled_; ++delivered_) {
+      totals_.Add(tiles_[delivered_]);
+      paused = !sink(std::move(tiles_[delivered_]));
+    }
+    if (cancelled_) return absl::CancelledError("voxelization cancelled");
+    return delivered_ == tiles_.size();
+  }
+
+ private:
+  absl::Status Compute() {
+    if (facts_.index_box) {
+      const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, cancelled_);
+      if (!voxels.ok()) return voxels.status();
+      tiles_ = TilesOf(*voxels, *facts_.index_box, Shifted(mesh_.box.min + mesh_.base_ijk, kTileBits));
+    }
+    computed_ = true;
+    return absl::OkStatus();
+  }
+
+  const SnappedMesh mesh_;
+  const Lattice lattice_;
+  const VoxelizeOptions options_;
+  std::atomic<bool> cancelled_ = false;
+  bool computed_ = false;
+  std::vector<TileBricks> tiles_;  // in canonical order; moved away once delivered
+  size_t delivered_ = 0;
+  const JobFacts facts_;
+  JobTotals totals_;
+};
+
+}  // namespace
+
+std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
+                                           const IndexBox& region) {
+  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region);
+}
+
+}  // namespace latvox

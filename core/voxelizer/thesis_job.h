@@ -1,0 +1,21 @@
+// A job that runs one of the thesis's algorithms.
+#ifndef LATVOX_CORE_VOXELIZER_THESIS_JOB_H_
+#define LATVOX_CORE_VOXELIZER_THESIS_JOB_H_
+
+#include <memory>
+
+#include "core/snap/snap.h"
+#include "core/voxelizer/voxelizer.h"
+
+namespace latvox {
+
+// Computes the whole set at the first Advance, then delivers it like any other job, in canonical order. Verify holds
+// voxels against the snapped mesh, so that tunnels from rounding vertices to lattice points count.
+//   region   local voxels to deliver, within mesh.box
+// Memory: the whole set. Precondition: options.algorithm is not kExact.
+std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
+                                           const IndexBox& region);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_THESIS_JOB_H_

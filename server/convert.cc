@@ -1,0 +1,249 @@
+#include "server/convert.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/snap/snap.h"
+#include "server/errors.h"
+
+namespace latvox {
+namespace {
+
+Vec3d FromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3i FromProto(const v1::Ijk& ijk) { return {ijk.i(), ijk.j(), ijk.k()}; }
+
+void ToProto(const Vec3d& v, v1::Vector3& out) {
+  out.set_x(v[0]);
+  out.set_y(v[1]);
+  out.set_z(v[2]);
+}
+
+void ToProto(const Vec3i& ijk, v1::Ijk& out) {
+  out.set_i(ijk[0]);
+  out.set_j(ijk[1]);
+  out.set_k(ijk[2]);
+}
+
+absl::StatusOr<Lattice> NamedFromProto(v1::NamedLattice name) {
+  switch (name) {
+    case v1::NAMED_LATTICE_CARTESIAN:
+      return Lattice::Named(NamedLattice::kCartesian);
+    case v1::NAMED_LATTICE_BCC:
+      return Lattice::Named(NamedLattice::kBcc);
+    case v1::NAMED_LATTICE_FCC:
+      return Lattice::Named(NamedLattice::kFcc);
+    case v1::NAMED_LATTICE_HEXAGONAL:
+      return Lattice::Named(NamedLattice::kHexagonal);
+    default:
+      return BadSpec(absl::StrCat("lattice.named ", static_cast<int>(name), " is not a lattice"), "lattice.named",
+                     absl::StrCat(static_cast<int>(name)), "1 to 4");
+  }
+}
+
+absl::StatusOr<Lattice> LatticeFromProto(const v1::Lattice& lattice) {
+  switch (lattice.kind_case()) {
+    case v1::Lattice::kNamed:
+      return NamedFromProto(lattice.named());
+    case v1::Lattice::kBasis: {
+      const v1::Basis& basis = lattice.basis();
+      auto result = Lattice::FromBasis({FromProto(basis.a()), FromProto(basis.b()), FromProto(basis.c())});
+      if (!result.ok()) return WithCause(result.status(), {"BAD_SPEC", "lattice.basis", "", ""});
+      return result;
+    }
+    case v1::Lattice::KIND_NOT_SET:
+      break;
+  }
+  return BadSpec("lattice: neither named nor basis is set", "lattice", "");
+}
+
+absl::StatusOr<Density> DensityFromProto(const v1::VoxelizeSpec& spec) {
+  switch (spec.density_case()) {
+    case v1::VoxelizeSpec::kVoxelSize:
+      if (std::isfinite(spec.voxel_size()) && spec.voxel_size() > 0) return Density{spec.voxel_size(), std::nullopt};
+      return BadSpec(absl::StrCat("voxel_size ", spec.voxel_size(), " is not a finite number above 0"), "voxel_size",
+                     absl::StrCat(spec.voxel_size()), "0");
+    case v1::VoxelizeSpec::kResolution: {
+      const uint32_t resolution = spec.resolution();
+      if (resolution < 2) {
+        return BadSpec(absl::StrCat("resolution ", resolution, " is below 2"), "resolution", absl::StrCat(resolution),
+                       "2");
+      }
+      if (resolution > kMaxResolution) {
+        return BadSpec(absl::StrCat("resolution ", resolution, " exceeds ", kMaxResolution), "resolution",
+                       absl::StrCat(resolution), absl::StrCat(kMaxResolution));
+      }
+      return Density{std::nullopt, resolution};
+    }
+    case v1::VoxelizeSpec::DENSITY_NOT_SET:
+      break;
+  }
+  if (spec.lattice().has_basis()) return Density{};
+  return BadSpec("density: a named lattice needs voxel_size or resolution", "density", "");
+}
+
+absl::Status CheckOrigin(const Vec3d& origin) {
+  for (size_t m = 0; m < 3; ++m) {
+    if (std::isfinite(origin[m])) continue;
+    const std::string field = absl::StrCat("origin.", std::string(1, "xyz"[m]));
+    return BadSpec(absl::StrCat(field, " ", origin[m], " is not finite"), field, absl::StrCat(origin[m]));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRegion(const IndexBox& region) {
+  for (size_t m = 0; m < 3; ++m) {
+    if (region.min[m] < region.max[m]) continue;
+    const std::string field = absl::StrCat("region.max.", std::string(1, "ijk"[m]));
+    return BadSpec(absl::StrCat(field, " ", region.max[m], " is not above region.min's ", region.min[m]), field,
+                   absl::StrCat(region.max[m]), absl::StrCat(region.min[m]));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Algorithm> AlgorithmFromProto(v1::Algorithm algorithm) {
+  switch (algorithm) {
+    case v1::ALGORITHM_UNSPECIFIED:
+    case v1::ALGORITHM_EXACT:
+      return Algorithm::kExact;
+    case v1::ALGORITHM_BRUTE_FORCE:
+      return Algorithm::kBruteForce;
+    case v1::ALGORITHM_INCREMENTAL:
+      return Algorithm::kIncremental;
+    case v1::ALGORITHM_OPTIMIZED_INCREMENTAL:
+      return Algorithm::kOptimizedIncremental;
+    default:
+      return BadSpec(absl::StrCat("algorithm ", static_cast<int>(algorithm), " is not an algorithm"), "algorithm",
+                     absl::StrCat(static_cast<int>(algorithm)), "0 to 4");
+  }
+}
+
+absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
+  VoxelizeOptions options;
+  if (spec.separability() > 2) {
+    return BadSpec(absl::StrCat("separability ", spec.separability(), " exceeds 2"), "separability",
+                   absl::StrCat(spec.separability()), "2");
+  }
+  options.separability = static_cast<int>(spec.separability());
+  if (spec.has_minimal()) options.minimal = spec.minimal();
+  const absl::StatusOr<Algorithm> algorithm = AlgorithmFromProto(spec.algorithm());
+  if (!algorithm.ok()) return algorithm.status();
+  options.algorithm = *algorithm;
+  if (spec.has_region()) {
+    options.region = IndexBox{FromProto(spec.region().min()), FromProto(spec.region().max())};
+    if (absl::Status status = CheckRegion(*options.region); !status.ok()) return status;
+    if (spec.verify()) return BadSpec("verify: not together with region", "verify", "true");
+  }
+  return options;
+}
+
+// Whether nothing of the surface can lie outside of options.region. The box in `facts` is clipped to the region, so
+// that one which touches the region's border may have been longer.
+bool IsWhole(const VoxelizeOptions& options, const JobFacts& facts) {
+  if (!options.region) return true;
+  if (!facts.index_box) return false;
+  for (size_t m = 0; m < 3; ++m) {
+    if (facts.index_box->min[m] <= options.region->min[m] || facts.index_box->max[m] >= options.region->max[m]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void GridToProto(const Grid& grid, v1::Grid& out) {
+  const Mat3d& basis = grid.lattice.basis();
+  ToProto(basis[0], *out.mutable_basis()->mutable_a());
+  ToProto(basis[1], *out.mutable_basis()->mutable_b());
+  ToProto(basis[2], *out.mutable_basis()->mutable_c());
+  ToProto(grid.origin, *out.mutable_origin());
+  out.set_voxel_size(grid.lattice.voxel_size());
+}
+
+void MeshFactsToProto(const JobFacts& facts, const MeshSource& source, v1::MeshFacts& out) {
+  out.set_triangles(facts.triangles);
+  out.set_vertices(facts.vertices);
+  out.set_degenerate_triangles(facts.degenerate_triangles);
+  out.set_closed(facts.closed);
+  out.set_quantization_bits(source.quantization_bits);
+  out.set_snap_error_max(facts.snap_error_max);
+  ToProto(source.bounds.min, *out.mutable_min());
+  ToProto(source.bounds.max, *out.mutable_max());
+}
+
+}  // namespace
+
+absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits) {
+  if (spec.mesh_bytes() > limits.max_mesh_bytes) {
+    return LimitExceeded("mesh_bytes", spec.mesh_bytes(), limits.max_mesh_bytes);
+  }
+  absl::StatusOr<Lattice> lattice = LatticeFromProto(spec.lattice());
+  if (!lattice.ok()) return lattice.status();
+  const absl::StatusOr<Density> density = DensityFromProto(spec);
+  if (!density.ok()) return density.status();
+  const absl::StatusOr<VoxelizeOptions> options = OptionsFromProto(spec);
+  if (!options.ok()) return options.status();
+  std::optional<Vec3d> origin;
+  if (spec.has_origin()) {
+    origin = FromProto(spec.origin());
+    if (absl::Status status = CheckOrigin(*origin); !status.ok()) return status;
+  }
+  return JobSpec{*std::move(lattice), *density, origin, *options, spec.verify(), spec.mesh_bytes()};
+}
+
+v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, const JobFacts& facts,
+                             const MeshSource& source) {
+  v1::Accepted accepted;
+  accepted.set_request_id(request_id);
+  GridToProto(grid, *accepted.mutable_grid());
+  if (facts.index_box) {
+    ToProto(facts.index_box->min, *accepted.mutable_index_box()->mutable_min());
+    ToProto(facts.index_box->max, *accepted.mutable_index_box()->mutable_max());
+  }
+  accepted.set_tiles_in_box(facts.tiles_in_box);
+  MeshFactsToProto(facts, source, *accepted.mutable_mesh());
+  return accepted;
+}
+
+v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,
+                                   const Digest& digest, const std::optional<Verdict>& verdict) {
+  v1::Certificate certificate;
+  certificate.set_lattice(std::string{spec.lattice.name()});
+  certificate.set_separability(static_cast<uint32_t>(spec.options.separability));
+  const Verdict counted = verdict.value_or(Verdict{});
+  if (spec.options.algorithm == Algorithm::kExact) {
+    certificate.set_tunnel_free(true);
+    certificate.set_minimal(spec.options.minimal && IsWhole(spec.options, facts));
+  } else {
+    certificate.set_tunnel_free(verdict && counted.tunnels == 0);
+    certificate.set_minimal(verdict && counted.tunnels == 0 && counted.redundant == 0);
+  }
+  certificate.set_verified(verdict.has_value());
+  certificate.set_tunnels(counted.tunnels);
+  certificate.set_redundant(counted.redundant);
+  certificate.set_closed(facts.closed);
+  certificate.set_snap_error_max(facts.snap_error_max);
+  certificate.set_quantization_bits(source.quantization_bits);
+  certificate.set_algorithm(std::string{NameOf(spec.options.algorithm)});
+  certificate.set_version(LATVOX_VERSION);
+  certificate.set_digest(digest.ToHex());
+  return certificate;
+}
+
+v1::GetLimitsResponse LimitsToProto(const Limits& limits) {
+  v1::GetLimitsResponse response;
+  response.set_max_mesh_bytes(limits.max_mesh_bytes);
+  response.set_max_triangles(limits.max_triangles);
+  response.set_max_vertices(limits.max_vertices);
+  response.set_max_extent(kMaxExtent);
+  response.set_max_jobs(limits.max_jobs);
+  response.set_max_message_bytes(limits.max_message_bytes);
+  response.set_subvoxel_bits(kSubvoxelBits);
+  response.set_version(LATVOX_VERSION);
+  response.set_max_points(limits.max_points());
+  response.set_max_crossings(limits.max_crossings());
+  response.set_max_pixels(limits.max_pixels());
+  return response;
+}
+
+}  // namespace latvox

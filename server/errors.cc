@@ -1,0 +1,118 @@
+#include "server/errors.h"
+
+#include <google/protobuf/any.pb.h>
+
+#include "absl/strings/cord.h"
+#include "absl/strings/str_cat.h"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace latvox {
+namespace {
+
+constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
+constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
+
+google::rpc::ErrorInfo ToProto(const ErrorCause& cause) {
+  google::rpc::ErrorInfo info;
+  info.set_reason(cause.reason);
+  info.set_domain(std::string{kErrorDomain});
+  auto& metadata = *info.mutable_metadata();
+  if (!cause.field.empty()) metadata["field"] = cause.field;
+  if (!cause.value.empty()) metadata["value"] = cause.value;
+  if (!cause.limit.empty()) metadata["limit"] = cause.limit;
+  return info;
+}
+
+grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
+  switch (code) {
+    case absl::StatusCode::kOk:
+      return grpc::StatusCode::OK;
+    case absl::StatusCode::kInvalidArgument:
+      return grpc::StatusCode::INVALID_ARGUMENT;
+    case absl::StatusCode::kResourceExhausted:
+      return grpc::StatusCode::RESOURCE_EXHAUSTED;
+    case absl::StatusCode::kCancelled:
+      return grpc::StatusCode::CANCELLED;
+    case absl::StatusCode::kDeadlineExceeded:
+      return grpc::StatusCode::DEADLINE_EXCEEDED;
+    case absl::StatusCode::kUnavailable:
+      return grpc::StatusCode::UNAVAILABLE;
+    default:
+      return grpc::StatusCode::INTERNAL;
+  }
+}
+
+void AddDetail(absl::string_view url, const absl::Cord& bytes, google::rpc::Status& out) {
+  google::protobuf::Any& any = *out.add_details();
+  any.set_type_url(std::string{url});
+  any.set_value(std::string{bytes});
+}
+
+}  // namespace
+
+absl::Status MakeError(absl::StatusCode code, absl::string_view message, const ErrorCause& cause) {
+  return WithCause(absl::Status(code, message), cause);
+}
+
+absl::Status BadSpec(absl::string_view message, absl::string_view field, absl::string_view value,
+                     absl::string_view limit) {
+  return MakeError(absl::StatusCode::kInvalidArgument, message,
+                   {"BAD_SPEC", std::string{field}, std::string{value}, std::string{limit}});
+}
+
+absl::Status BadMesh(absl::string_view message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("mesh: ", message), {"BAD_MESH", "mesh", "", ""});
+}
+
+absl::Status BadStream(absl::string_view message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, message, {"BAD_STREAM", "part", "", ""});
+}
+
+absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit) {
+  return MakeError(absl::StatusCode::kResourceExhausted, absl::StrCat(field, " ", value, " exceeds ", limit),
+                   {"LIMIT_EXCEEDED", std::string{field}, absl::StrCat(value), absl::StrCat(limit)});
+}
+
+absl::Status WithCause(absl::Status status, const ErrorCause& cause) {
+  if (status.ok() || status.GetPayload(kErrorInfoUrl)) return status;
+  status.SetPayload(kErrorInfoUrl, absl::Cord(ToProto(cause).SerializeAsString()));
+  return status;
+}
+
+absl::Status WithCauseOfCore(absl::Status status) {
+  if (status.code() != absl::StatusCode::kInvalidArgument) return status;
+  const absl::string_view field = status.message().substr(0, status.message().find(':'));
+  return WithCause(status, {field == "mesh" ? "BAD_MESH" : "BAD_SPEC", std::string{field}, "", ""});
+}
+
+absl::Status WithRetry(absl::Status status, absl::Duration delay) {
+  google::rpc::RetryInfo info;
+  absl::Duration rest;
+  info.mutable_retry_delay()->set_seconds(absl::IDivDuration(delay, absl::Seconds(1), &rest));
+  info.mutable_retry_delay()->set_nanos(static_cast<int32_t>(absl::ToInt64Nanoseconds(rest)));
+  status.SetPayload(kRetryInfoUrl, absl::Cord(info.SerializeAsString()));
+  return status;
+}
+
+std::optional<absl::Duration> RetryDelayOf(const absl::Status& status) {
+  const auto payload = status.GetPayload(kRetryInfoUrl);
+  google::rpc::RetryInfo info;
+  if (!payload || !info.ParseFromString(std::string{*payload})) return std::nullopt;
+  return absl::Seconds(info.retry_delay().seconds()) + absl::Nanoseconds(info.retry_delay().nanos());
+}
+
+grpc::Status ToGrpcStatus(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  const grpc::StatusCode code = ToGrpcCode(status.code());
+  google::rpc::Status details;
+  details.set_code(static_cast<int32_t>(code));
+  details.set_message(std::string{status.message()});
+  const absl::Status complete = WithCause(status, {absl::StatusCodeToString(status.code()), "", "", ""});
+  for (const char* url : {kErrorInfoUrl, kRetryInfoUrl}) {
+    if (const auto payload = complete.GetPayload(url)) AddDetail(url, *payload, details);
+  }
+  return grpc::Status(code, details.message(), details.SerializeAsString());
+}
+
+}  // namespace latvox

@@ -1,0 +1,58 @@
+// Errors on their way out: absl::Status inside the server, grpc::Status with google.rpc details on the wire.
+#ifndef LATVOX_SERVER_ERRORS_H_
+#define LATVOX_SERVER_ERRORS_H_
+
+#include <grpcpp/support/status.h>
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "absl/time/time.h"
+
+namespace latvox {
+
+// ErrorInfo.domain of every error.
+inline constexpr absl::string_view kErrorDomain = "latvox";
+
+// The trailer by which gRPC's built-in retries learn how many milliseconds to wait.
+inline constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";
+
+// What a program needs to know about an error, besides its code. Empty members are not sent.
+struct ErrorCause {
+  std::string reason;  // UPPER_SNAKE_CASE, becomes ErrorInfo.reason
+  std::string field;
+  std::string value;
+  std::string limit;
+};
+
+absl::Status MakeError(absl::StatusCode code, absl::string_view message, const ErrorCause& cause);
+
+// INVALID_ARGUMENT with the reason BAD_<what>: BAD_SPEC, BAD_MESH, BAD_STREAM.
+absl::Status BadSpec(absl::string_view message, absl::string_view field, absl::string_view value,
+                     absl::string_view limit = {});
+absl::Status BadMesh(absl::string_view message);
+absl::Status BadStream(absl::string_view message);
+
+// RESOURCE_EXHAUSTED with the reason LIMIT_EXCEEDED and the message "field value exceeds limit". Trying again is
+// pointless.
+absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit);
+
+// The same status with `cause`, unless it is OK or has one already.
+absl::Status WithCause(absl::Status status, const ErrorCause& cause);
+
+// The same for an error of core, which knows no wire. Its messages begin with the field and a colon.
+absl::Status WithCauseOfCore(absl::Status status);
+
+// The same status with the advice to try again after `delay`.
+absl::Status WithRetry(absl::Status status, absl::Duration delay);
+std::optional<absl::Duration> RetryDelayOf(const absl::Status& status);
+
+// The table. Codes that the contract does not name become INTERNAL. grpc-status-details-bin holds a google.rpc.Status
+// with one ErrorInfo and, after WithRetry, one RetryInfo.
+grpc::Status ToGrpcStatus(const absl::Status& status);
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_ERRORS_H_

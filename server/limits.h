@@ -1,0 +1,31 @@
+// What requests are held against before they cost much.
+#ifndef LATVOX_SERVER_LIMITS_H_
+#define LATVOX_SERVER_LIMITS_H_
+
+#include <algorithm>
+#include <cstdint>
+
+namespace latvox {
+
+struct Limits {
+  uint64_t max_mesh_bytes = uint64_t{1} << 30;     // encoded mesh
+  uint64_t max_triangles = uint64_t{64} << 20;     // in one mesh
+  uint64_t max_vertices = uint64_t{64} << 20;      // points in one mesh, as the codec counts them
+  uint32_t max_jobs = 16;                          // at once
+  uint64_t max_message_bytes = uint64_t{4} << 20;  // one message, either direction
+
+  // Those of Pixelize follow from its one message each way.
+  //
+  // Points in all polylines. One takes 16 bytes, and 6 more if it is a polyline of its own, which leaves room for the
+  // rest: what has more points than this is refused by name, not as a message that gRPC does not receive.
+  uint64_t max_points() const { return max_message_bytes / 32; }
+  // Pixels in the answer: two integers of up to 5 bytes each, besides a few hundred bytes.
+  uint64_t max_pixels() const { return (std::max<uint64_t>(max_message_bytes, 1024) - 1024) / 10; }
+  // Crossings of segments with lattice edges, which take 24 bytes each. A curve that does not run over itself has up
+  // to four for each pixel; the rest is for those that do.
+  uint64_t max_crossings() const { return 16 * max_pixels(); }
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_LIMITS_H_

@@ -1,0 +1,85 @@
+#include "server/log.h"
+
+#include <grpc/support/log.h>
+#include <spdlog/async.h>
+#include <spdlog/async_logger.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+
+namespace latvox {
+namespace {
+
+constexpr size_t kQueuedLines = 8192;
+
+// Alive from StartLog to StopLog; spdlog owns it.
+std::atomic<spdlog::logger*> g_logger = nullptr;
+
+spdlog::level::level_enum ToSpdlog(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return spdlog::level::debug;
+    case LogLevel::kInfo:
+      return spdlog::level::info;
+    case LogLevel::kWarning:
+      return spdlog::level::warn;
+    case LogLevel::kError:
+      return spdlog::level::err;
+    case LogLevel::kOff:
+      break;
+  }
+  return spdlog::level::off;
+}
+
+bool NeedsQuotes(absl::string_view value) {
+  return value.empty() || std::any_of(value.begin(), value.end(), [](char c) {
+           return !absl::ascii_isgraph(static_cast<unsigned char>(c)) || c == '"' || c == '=' || c == '\\';
+         });
+}
+
+void AppendField(const LogField& field, std::string& line) {
+  absl::StrAppend(&line, " ", field.key, "=");
+  if (NeedsQuotes(field.value)) {
+    absl::StrAppend(&line, "\"", absl::Utf8SafeCEscape(field.value), "\"");
+  } else {
+    line += field.value;
+  }
+}
+
+void LogFromGrpc(gpr_log_func_args* args) { Log(LogLevel::kDebug, "grpc", {{"message", args->message}}); }
+
+}  // namespace
+
+void StartLog(LogLevel level) {
+  spdlog::init_thread_pool(kQueuedLines, 1);
+  auto logger =
+      std::make_shared<spdlog::async_logger>("latvoxd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                             spdlog::thread_pool(), spdlog::async_overflow_policy::overrun_oldest);
+  logger->set_level(ToSpdlog(level));
+  logger->set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l event=%v", spdlog::pattern_time_type::utc);
+  logger->flush_on(spdlog::level::debug);
+  spdlog::set_default_logger(logger);
+  g_logger = logger.get();
+  gpr_set_log_function(&LogFromGrpc);
+}
+
+void StopLog() {
+  g_logger = nullptr;
+  spdlog::shutdown();
+}
+
+void Log(LogLevel level, absl::string_view event, const std::vector<LogField>& fields) {
+  spdlog::logger* logger = g_logger;
+  if (logger == nullptr || !logger->should_log(ToSpdlog(level))) return;
+  std::string line(event);
+  for (const LogField& field : fields) AppendField(field, line);
+  logger->log(ToSpdlog(level), "{}", line);
+}
+
+}  // namespace latvox

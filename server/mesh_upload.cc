@@ -1,0 +1,55 @@
+#include "server/mesh_upload.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+
+namespace latvox {
+namespace {
+
+// Pieces are put together up to this size, so that a mesh sent byte by byte costs no more memory than its bytes.
+constexpr size_t kSmallPiece = size_t{64} << 10;
+
+absl::Status WrongLength(absl::string_view relation, uint64_t size, uint64_t declared) {
+  return BadSpec(absl::StrCat("mesh_bytes ", declared, " was declared, but ", relation, size, " bytes came"),
+                 "mesh_bytes", absl::StrCat(size), absl::StrCat(declared));
+}
+
+}  // namespace
+
+absl::Status MeshUpload::Append(std::string&& piece) {
+  last_ = std::chrono::steady_clock::now();
+  if (size_ == 0) first_ = last_;
+  size_ += piece.size();
+  if (size_ > limit_) return LimitExceeded("mesh_bytes", size_, limit_);
+  if (declared_ != 0 && size_ > declared_) return WrongLength("at least ", size_, declared_);
+  if (!pieces_.empty() && pieces_.back().size() + piece.size() <= kSmallPiece) {
+    pieces_.back() += piece;
+  } else {
+    pieces_.push_back(std::move(piece));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MeshUpload::CheckComplete() const {
+  if (declared_ != 0 && size_ != declared_) return WrongLength("only ", size_, declared_);
+  if (size_ == 0) return BadMesh("no bytes came");
+  return absl::OkStatus();
+}
+
+std::string MeshUpload::Join() && {
+  std::vector<std::string> pieces = std::exchange(pieces_, {});
+  if (pieces.size() == 1) return std::move(pieces.front());
+  std::string all;
+  all.reserve(size_);
+  for (std::string& piece : pieces) {
+    all += piece;
+    std::string().swap(piece);
+  }
+  return all;
+}
+
+double MeshUpload::milliseconds() const { return std::chrono::duration<double, std::milli>(last_ - first_).count(); }
+
+}  // namespace latvox

@@ -1,0 +1,76 @@
+#include "server/pixelization.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include "core/plane/pixelize.h"
+#include "core/plane/polyline.h"
+#include "server/errors.h"
+#include "server/exceptions.h"
+#include "server/plane_convert.h"
+
+namespace latvox {
+namespace {
+
+absl::Status CheckCancelled(const std::atomic<bool>& cancelled) {
+  return cancelled ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
+}
+
+// An upper estimate: a segment meets the lattice lines of a direction at most once more than it is long between them.
+uint64_t EstimateCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames) {
+  uint64_t crossings = 0;
+  for (const Segment& segment : segments) {
+    const Vec2l along{int64_t{segment.b_lat[0]} - segment.a_lat[0], int64_t{segment.b_lat[1]} - segment.a_lat[1]};
+    for (const PlaneFrame& frame : frames) {
+      const int64_t across = std::abs(Dot(frame.r[0], along));
+      if (across > 0) crossings += static_cast<uint64_t>(across / kLatticeUnit) + 1;
+    }
+  }
+  return crossings;
+}
+
+// Memory is held against its limit here, before it is taken.
+absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits& limits) {
+  const auto snapped = Snap(spec.polylines, grid.lattice, grid.origin);
+  if (!snapped.ok()) return WithCauseOfCore(snapped.status());
+  const uint64_t crossings = EstimateCrossings(snapped->segments, grid.lattice.frames(spec.options.separability));
+  if (crossings > limits.max_crossings()) return LimitExceeded("crossings", crossings, limits.max_crossings());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limits& limits,
+                                            const std::atomic<bool>& cancelled, PixelizationFacts& facts) {
+  if (absl::Status status = Validate(spec.polylines); !status.ok()) return WithCauseOfCore(status);
+  const auto grid = ResolvePlaneGrid(spec.lattice, spec.density, spec.origin, BoundsOf(spec.polylines));
+  if (!grid.ok()) return WithCauseOfCore(grid.status());
+  if (absl::Status status = Admit(spec, *grid, limits); !status.ok()) return status;
+  if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
+  const auto result = Pixelize(spec.polylines, *grid, spec.options);
+  if (!result.ok()) return WithCauseOfCore(result.status());
+  facts.pixels = result->pixels.size();
+  if (facts.pixels > limits.max_pixels()) return LimitExceeded("pixels", facts.pixels, limits.max_pixels());
+  if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
+  return PixelsToProto(spec, *grid, *result);
+}
+
+}  // namespace
+
+absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
+                                                       const std::atomic<bool>& cancelled, PixelizationFacts& facts) {
+  const auto began = std::chrono::steady_clock::now();
+  auto response = WithoutExceptions([&]() -> absl::StatusOr<v1::PixelizeResponse> {
+    facts.points = CountPoints(request);
+    const auto spec = PlaneJobSpecFromProto(request, limits);
+    if (!spec.ok()) return spec.status();
+    facts.lattice = std::string{spec->lattice.name()};
+    facts.separability = spec->options.separability;
+    return Answer(*spec, limits, cancelled, facts);
+  });
+  facts.pixelize_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+  if (response.ok()) response->set_pixelize_ms(facts.pixelize_ms);
+  return response;
+}
+
+}  // namespace latvox

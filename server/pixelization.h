@@ -1,0 +1,31 @@
+// One request's work for Pixelize. Knows no gRPC.
+#ifndef LATVOX_SERVER_PIXELIZATION_H_
+#define LATVOX_SERVER_PIXELIZATION_H_
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/limits.h"
+
+namespace latvox {
+
+// What a pixelization has come to so far.
+struct PixelizationFacts {
+  std::string lattice;  // empty: there was no good request
+  int separability = 0;
+  uint64_t points = 0, pixels = 0;
+  double pixelize_ms = 0;
+};
+
+// Answers the request. Once *cancelled is true it ends at the next step: digitizing itself goes on to its end.
+// Errors: as the contract; CANCELLED; INTERNAL; RESOURCE_EXHAUSTED also if memory runs out. `facts` are kept either
+// way.
+absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
+                                                       const std::atomic<bool>& cancelled, PixelizationFacts& facts);
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_PIXELIZATION_H_

@@ -1,0 +1,72 @@
+// The call Pixelize: gRPC's callbacks on one side, a task of the compute arena on the other.
+#ifndef LATVOX_SERVER_PIXELIZE_REACTOR_H_
+#define LATVOX_SERVER_PIXELIZE_REACTOR_H_
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/status.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/call.h"
+#include "server/call_registry.h"
+#include "server/pixelization.h"
+
+namespace latvox {
+
+// The object owns itself until OnDone; the task of the arena holds a share of its own. Finish follows once a status is
+// decided and the task is over, for until then the task reads the request and writes the response, which are gRPC's.
+class PixelizeReactor final : public grpc::ServerUnaryReactor,
+                              public LiveCall,
+                              public std::enable_shared_from_this<PixelizeReactor> {
+ public:
+  // `request` and `response` live until OnDone.
+  PixelizeReactor(grpc::CallbackServerContext& context, const v1::PixelizeRequest& request,
+                  v1::PixelizeResponse& response, std::string request_id, const CallEnvironment& environment);
+
+  // Has the answer computed if the registry admits the call, else refuses it. Once, before the reactor is handed to
+  // gRPC.
+  void Begin();
+
+  void OnCancel() override { End(CancellationOf(context_)); }
+  void OnDone() override;
+
+  void Stop(const absl::Status& status) override { End(status); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Compute();
+  void End(const absl::Status& status);
+  void SendStatus();
+
+  grpc::CallbackServerContext& context_;
+  const v1::PixelizeRequest& request_;
+  v1::PixelizeResponse& response_;
+  const CallEnvironment environment_;
+  const std::string request_id_, peer_;
+  const uint64_t bytes_in_;
+  const Clock::time_point began_ = Clock::now();
+  std::shared_ptr<PixelizeReactor> self_;
+
+  // The task's, until it is over.
+  PixelizationFacts facts_;
+  uint64_t bytes_out_ = 0;
+
+  std::atomic<bool> cancelled_ = false;
+  std::mutex mu_;
+  // All below is guarded by mu_.
+  bool computing_ = false;
+  bool finishing_ = false;  // status_ is final, and SendStatus called or about to be
+  absl::Status status_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_PIXELIZE_REACTOR_H_

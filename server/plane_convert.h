@@ -1,0 +1,35 @@
+// Protocol <-> core for the plane; see server/convert.h.
+#ifndef LATVOX_SERVER_PLANE_CONVERT_H_
+#define LATVOX_SERVER_PLANE_CONVERT_H_
+
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/plane/pixelize.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/limits.h"
+
+namespace latvox {
+
+struct PlaneJobSpec {
+  std::vector<Polyline> polylines;
+  PlaneLattice lattice;
+  PlaneDensity density;
+  std::optional<Vec2d> origin;
+  PixelizeOptions options;
+};
+
+// Checks everything but the points themselves. Errors: INVALID_ARGUMENT, and RESOURCE_EXHAUSTED for more points than
+// the limit; all with an ErrorCause.
+absl::StatusOr<PlaneJobSpec> PlaneJobSpecFromProto(const v1::PixelizeRequest& request, const Limits& limits);
+
+// The points of all polylines, as far as they are given in full.
+uint64_t CountPoints(const v1::PixelizeRequest& request);
+
+// Everything but the request's id and time.
+v1::PixelizeResponse PixelsToProto(const PlaneJobSpec& spec, const PlaneGrid& grid, const PixelizeResult& result);
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_PLANE_CONVERT_H_

@@ -1,0 +1,56 @@
+#include "server/request_log.h"
+
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "server/log.h"
+
+namespace latvox {
+namespace {
+
+using Fields = std::vector<LogField>;
+
+std::string Milliseconds(double ms) { return absl::StrFormat("%.3f", ms); }
+
+void AppendCounts(const ComputationFacts& facts, Fields& fields) {
+  fields.emplace_back("triangles", facts.triangles);
+  fields.emplace_back("voxels", facts.voxels);
+  fields.emplace_back("bricks", facts.bricks);
+}
+
+void AppendCounts(const PixelizationFacts& facts, Fields& fields) {
+  fields.emplace_back("points", facts.points);
+  fields.emplace_back("pixels", facts.pixels);
+}
+
+void AppendTimes(const ComputationFacts& facts, Fields& fields) {
+  fields.emplace_back("decode_ms", Milliseconds(facts.decode_ms));
+  fields.emplace_back("voxelize_ms", Milliseconds(facts.voxelize_ms));
+  fields.emplace_back("stream_ms", Milliseconds(facts.stream_ms));
+}
+
+void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
+  fields.emplace_back("pixelize_ms", Milliseconds(facts.pixelize_ms));
+}
+
+}  // namespace
+
+void LogRequest(const RequestRecord& record) {
+  Fields fields = {{"request_id", record.request_id},
+                   {"peer", record.peer},
+                   {"code", absl::StatusCodeToString(record.status.code())}};
+  if (!record.lattice.empty()) {
+    fields.emplace_back("lattice", record.lattice);
+    fields.emplace_back("k", record.separability);
+  }
+  std::visit([&](const auto& facts) { AppendCounts(facts, fields); }, record.work);
+  fields.emplace_back("bytes_in", record.bytes_in);
+  fields.emplace_back("bytes_out", record.bytes_out);
+  std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
+  fields.emplace_back("total_ms", Milliseconds(record.total_ms));
+  if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});
+  const bool ours = record.status.code() == absl::StatusCode::kInternal;
+  Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);
+}
+
+}  // namespace latvox

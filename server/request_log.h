@@ -1,0 +1,32 @@
+// The one line that the log has of each request.
+#ifndef LATVOX_SERVER_REQUEST_LOG_H_
+#define LATVOX_SERVER_REQUEST_LOG_H_
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "absl/status/status.h"
+#include "server/computation.h"
+#include "server/pixelization.h"
+
+namespace latvox {
+
+struct RequestRecord {
+  std::string request_id;
+  std::string peer;
+  absl::Status status;
+  std::string lattice;  // empty: there was no good specification
+  int separability = 0;
+  std::variant<ComputationFacts, PixelizationFacts> work;
+  uint64_t bytes_in = 0;   // encoded mesh; of Pixelize the message
+  uint64_t bytes_out = 0;  // messages
+  double total_ms = 0;
+};
+
+// At level info; errors that are ours, at level error.
+void LogRequest(const RequestRecord& record);
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_REQUEST_LOG_H_

@@ -1,0 +1,49 @@
+// The server as a whole: threads, listening addresses, services, and an orderly end.
+#ifndef LATVOX_SERVER_SERVER_H_
+#define LATVOX_SERVER_SERVER_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "server/limits.h"
+
+namespace latvox {
+
+struct ServerOptions {
+  std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
+  int threads = 0;                                        // for compute; 0: one for each core
+  Limits limits;
+
+  // A peer that does not answer a ping within `keepalive_timeout` is dead, and its calls are cancelled; it gets one
+  // after `keepalive_time` without a byte from it. A client that polls only while it is called answers within 5 s.
+  absl::Duration keepalive_time = absl::Seconds(5);
+  absl::Duration keepalive_timeout = absl::Seconds(10);
+};
+
+class VoxelServer {
+ public:
+  // Serves when it returns. Errors: INVALID_ARGUMENT (no address), UNAVAILABLE naming the address that cannot be
+  // listened on.
+  static absl::StatusOr<std::unique_ptr<VoxelServer>> Start(const ServerOptions& options);
+
+  // Precondition: Stop returned true, or was not called.
+  virtual ~VoxelServer() = default;
+
+  // As given, but with the ports that were chosen.
+  virtual const std::vector<std::string>& addresses() const = 0;
+
+  // Calls in progress.
+  virtual size_t calls() const = 0;
+
+  // Ends: reports NOT_SERVING and refuses new calls at once, lets those in progress go on for `grace`, then stops them.
+  // Returns whether all have ended. If not, for a decode under way can not be interrupted, the process has to exit
+  // without destructors. Idempotent; any thread but gRPC's.
+  virtual bool Stop(absl::Duration grace) = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_SERVER_H_

@@ -1,0 +1,35 @@
+// latvox.v1.Voxelizer on gRPC's callback API.
+#ifndef LATVOX_SERVER_SERVICE_H_
+#define LATVOX_SERVER_SERVICE_H_
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/call.h"
+
+namespace latvox {
+
+class VoxelizerService final : public v1::Voxelizer::CallbackService {
+ public:
+  explicit VoxelizerService(const CallEnvironment& environment);
+
+  grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* Voxelize(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* Pixelize(grpc::CallbackServerContext* context, const v1::PixelizeRequest* request,
+                                     v1::PixelizeResponse* response) override;
+  grpc::ServerUnaryReactor* GetLimits(grpc::CallbackServerContext* context, const v1::GetLimitsRequest* request,
+                                      v1::GetLimitsResponse* response) override;
+
+ private:
+  std::string NextRequestId();
+
+  const CallEnvironment environment_;
+  const std::string run_id_;  // random, so that request ids of different runs and servers differ
+  std::atomic<uint64_t> requests_ = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_SERVICE_H_

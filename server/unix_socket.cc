@@ -1,0 +1,56 @@
+#include "server/unix_socket.h"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+
+namespace latvox {
+namespace {
+
+bool SomebodyListens(const std::string& path) {
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) return false;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  // EAGAIN: there is a queue, though it is full.
+  const bool listens =
+      connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 || errno == EAGAIN;
+  close(fd);
+  return listens;
+}
+
+}  // namespace
+
+std::optional<std::string> SocketPathOf(const std::string& address) {
+  constexpr char kScheme[] = "unix:";
+  if (!absl::StartsWith(address, kScheme)) return std::nullopt;
+  const std::string path = address.substr(std::strlen(kScheme));
+  return absl::StartsWith(path, "///") ? path.substr(2) : path;
+}
+
+absl::Status CheckSocketPathIsFree(const std::string& path) {
+  constexpr size_t kLongest = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.empty() || path.size() > kLongest) {
+    return absl::UnavailableError(absl::StrCat("the path has ", path.size(), " bytes, not 1 to ", kLongest));
+  }
+  struct stat existing {};
+  if (lstat(path.c_str(), &existing) != 0) return absl::OkStatus();
+  if (!S_ISSOCK(existing.st_mode)) return absl::UnavailableError("the path exists and is not a socket");
+  if (SomebodyListens(path)) return absl::UnavailableError("another server listens there");
+  return absl::OkStatus();
+}
+
+void RemoveSocketFiles(const std::vector<std::string>& addresses) {
+  for (const std::string& address : addresses) {
+    if (const auto path = SocketPathOf(address)) unlink(path->c_str());
+  }
+}
+
+}  // namespace latvox

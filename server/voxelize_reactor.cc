@@ -1,0 +1,208 @@
+#include "server/voxelize_reactor.h"
+
+#include <utility>
+
+#include "server/errors.h"
+#include "server/request_log.h"
+
+namespace latvox {
+
+VoxelizeReactor::VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id,
+                                 const CallEnvironment& environment)
+    : context_(context), environment_(environment), request_id_(std::move(request_id)), peer_(context.peer()) {}
+
+void VoxelizeReactor::Begin() {
+  self_ = shared_from_this();
+  if (absl::Status status = environment_.registry.Admit(self_); !status.ok()) return End(status);
+  StartRead(&request_);
+}
+
+void VoxelizeReactor::OnReadDone(bool ok) {
+  if (!ok) return FinishReading();
+  if (absl::Status status = TakeRequest(); !status.ok()) return End(status);
+  const std::lock_guard lock(mu_);
+  if (!ended_) StartRead(&request_);
+}
+
+absl::Status VoxelizeReactor::TakeRequest() {
+  switch (request_.part_case()) {
+    case v1::VoxelizeRequest::kSpec:
+      if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");
+      return TakeSpec(request_.spec());
+    case v1::VoxelizeRequest::kMeshPiece: {
+      if (!upload_) return BadStream("mesh_piece came before spec");
+      absl::Status status = upload_->Append(std::move(*request_.mutable_mesh_piece()));
+      bytes_in_ = upload_->size();
+      return status;
+    }
+    case v1::VoxelizeRequest::PART_NOT_SET:
+      break;
+  }
+  return BadStream("a message has neither spec nor mesh_piece");
+}
+
+absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
+  absl::StatusOr<JobSpec> spec = JobSpecFromProto(proto, environment_.limits);
+  if (!spec.ok()) return spec.status();
+  upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
+  auto computation =
+      std::make_unique<Computation>(*std::move(spec), request_id_, environment_.decoder, environment_.limits);
+  const std::lock_guard lock(mu_);
+  computation_ = std::move(computation);
+  return absl::OkStatus();
+}
+
+// The client has half-closed, or the call is broken.
+void VoxelizeReactor::FinishReading() {
+  if (context_.IsCancelled()) return OnCancel();
+  if (!upload_) return End(BadStream("the stream ended before spec"));
+  if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  {
+    const std::lock_guard lock(mu_);
+    if (ended_) return;
+    computing_ = true;
+  }
+  Enqueue();
+}
+
+void VoxelizeReactor::Enqueue() {
+  environment_.arena.enqueue([self = shared_from_this()] { self->Compute(); });
+}
+
+void VoxelizeReactor::Compute() {
+  const absl::StatusOr<bool> done = ComputeSome();
+  {
+    const std::lock_guard lock(mu_);
+    computing_ = false;
+    if (!done.ok()) {
+      EndLocked(done.status());
+    } else if (*done) {
+      ended_ = true;
+    } else {
+      paused_ = true;
+    }
+  }
+  Proceed();
+}
+
+absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
+  const auto deliver = [this](v1::VoxelizeResponse&& response) { return Deliver(std::move(response)); };
+  if (upload_) {
+    absl::Status status = computation_->Start(*std::exchange(upload_, std::nullopt), deliver);
+    if (!status.ok()) return status;
+  }
+  return computation_->Advance(deliver);
+}
+
+bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
+  bool more = false;
+  {
+    const std::lock_guard lock(mu_);
+    unwritten_bytes_ += response.ByteSizeLong();
+    outbox_.push_back(std::move(response));
+    more = unwritten_bytes_ < kCredit;
+  }
+  Proceed();
+  return more;
+}
+
+void VoxelizeReactor::OnWriteDone(bool ok) {
+  {
+    const std::lock_guard lock(mu_);
+    writing_ = false;
+    unwritten_bytes_ -= writing_bytes_;
+    if (ok) {
+      bytes_out_ += writing_bytes_;
+    } else {
+      EndLocked(absl::CancelledError("the client is gone"));
+    }
+  }
+  Proceed();
+}
+
+void VoxelizeReactor::End(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mu_);
+    EndLocked(status);
+  }
+  Proceed();
+}
+
+// The first error stands. It also replaces a success that the client has not been told yet.
+void VoxelizeReactor::EndLocked(const absl::Status& status) {
+  if (!status_.ok()) return;
+  ended_ = true;
+  status_ = status;
+  if (computation_) computation_->Cancel();
+}
+
+VoxelizeReactor::Step VoxelizeReactor::NextStep() {
+  const std::lock_guard lock(mu_);
+  Step step;
+  if (finishing_) return step;
+  if (!status_.ok()) {
+    outbox_.clear();
+    if (computing_ || writing_) return step;  // their ends lead here again
+    finishing_ = true;
+    step.send = Send::kStatus;
+    return step;
+  }
+  // The summary, always the last message, leaves together with the status, once its task is over.
+  if (!writing_ && !outbox_.empty() && (ended_ || !outbox_.front().has_summary())) {
+    writing_ = true;
+    writing_message_ = std::move(outbox_.front());
+    writing_bytes_ = writing_message_.ByteSizeLong();
+    outbox_.pop_front();
+    finishing_ = ended_ && outbox_.empty();
+    if (finishing_) bytes_out_ += writing_bytes_;
+    step.send = finishing_ ? Send::kLastMessageAndStatus : Send::kMessage;
+  }
+  if (paused_ && unwritten_bytes_ <= kCredit / 2) {
+    paused_ = false;
+    computing_ = step.compute = true;
+  }
+  return step;
+}
+
+void VoxelizeReactor::Proceed() {
+  const Step step = NextStep();
+  if (step.send == Send::kLastMessageAndStatus || step.send == Send::kStatus) environment_.registry.Vacate(this);
+  switch (step.send) {
+    case Send::kNothing:
+      break;
+    case Send::kMessage:
+      StartWrite(&writing_message_);
+      break;
+    case Send::kLastMessageAndStatus:
+      StartWriteAndFinish(&writing_message_, grpc::WriteOptions(), grpc::Status::OK);
+      break;
+    case Send::kStatus:
+      Finish(StatusForClient(status_, context_));
+      break;
+  }
+  if (step.compute) Enqueue();
+}
+
+// Nothing else runs any more: no callback, no task.
+void VoxelizeReactor::OnDone() {
+  RequestRecord record;
+  record.request_id = request_id_;
+  record.peer = peer_;
+  record.bytes_in = bytes_in_;
+  {
+    const std::lock_guard lock(mu_);
+    record.status = status_;
+    record.bytes_out = bytes_out_;
+    if (computation_) {
+      record.lattice = std::string{computation_->spec().lattice.name()};
+      record.separability = computation_->spec().options.separability;
+      record.work = computation_->facts();
+    }
+  }
+  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  LogRequest(record);
+  environment_.registry.Remove(this);
+  self_.reset();
+}
+
+}  // namespace latvox

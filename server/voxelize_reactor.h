@@ -1,0 +1,102 @@
+// The call Voxelize: gRPC's callbacks on one side, the compute arena on the other.
+#ifndef LATVOX_SERVER_VOXELIZE_REACTOR_H_
+#define LATVOX_SERVER_VOXELIZE_REACTOR_H_
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/call.h"
+#include "server/call_registry.h"
+#include "server/computation.h"
+#include "server/mesh_upload.h"
+
+namespace latvox {
+
+// Life of a call:
+//   reading    spec, then pieces of the mesh, checked as they come            callbacks of gRPC
+//   computing  Computation::Start, then Advance again and again               tasks of the arena, one at a time
+//   paused     kCredit bytes wait to be written; no thread is held            until half of them are written
+//   ended      a status is decided; Finish follows once no task runs and no write is under way
+//
+// Callbacks neither compute nor wait: mu_ is held for a few instructions only. One write at most is under way. The
+// object owns itself until OnDone; a task of the arena holds a share of its own.
+class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>,
+                              public LiveCall,
+                              public std::enable_shared_from_this<VoxelizeReactor> {
+ public:
+  // Bytes that may be finished but not yet written. gRPC and the kernel hold some 4 MiB more for a slow client.
+  static constexpr size_t kCredit = size_t{4} << 20;
+
+  VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id, const CallEnvironment& environment);
+
+  // Starts to read if the registry admits the call, else refuses it. Once, before the reactor is handed to gRPC.
+  void Begin();
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override { End(CancellationOf(context_)); }
+  void OnDone() override;
+
+  void Stop(const absl::Status& status) override { End(status); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class Send { kNothing, kMessage, kLastMessageAndStatus, kStatus };
+
+  // What the caller of NextStep must do after it has released mu_.
+  struct Step {
+    Send send = Send::kNothing;
+    bool compute = false;
+  };
+
+  absl::Status TakeRequest();
+  absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
+  void FinishReading();
+  void Enqueue();
+  void Compute();
+  absl::StatusOr<bool> ComputeSome();
+  bool Deliver(v1::VoxelizeResponse&& response);
+  void End(const absl::Status& status);
+  void EndLocked(const absl::Status& status);
+  Step NextStep();
+  void Proceed();
+
+  grpc::CallbackServerContext& context_;
+  const CallEnvironment environment_;
+  const std::string request_id_, peer_;
+  const Clock::time_point began_ = Clock::now();
+  std::shared_ptr<VoxelizeReactor> self_;
+
+  // Used by whoever reads, then by whoever computes.
+  v1::VoxelizeRequest request_;
+  std::optional<MeshUpload> upload_;
+  uint64_t bytes_in_ = 0;
+
+  v1::VoxelizeResponse writing_message_;  // the write under way; nobody touches it meanwhile
+
+  std::mutex mu_;
+  // All below is guarded by mu_; computation_ is set once, and then thread-safe by its own rules.
+  std::unique_ptr<Computation> computation_;
+  std::deque<v1::VoxelizeResponse> outbox_;
+  size_t unwritten_bytes_ = 0;  // of outbox_ and writing_message_
+  size_t writing_bytes_ = 0;    // of writing_message_
+  uint64_t bytes_out_ = 0;
+  bool writing_ = false, computing_ = false, paused_ = false;
+  bool ended_ = false;      // status_ is decided; if it is OK, outbox_ still has to be written
+  bool finishing_ = false;  // gRPC has been given the status: no operation may follow
+  absl::Status status_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_VOXELIZE_REACTOR_H_

@@ -1,0 +1,66 @@
+"""The voxels are a function of mesh and specification alone."""
+
+import unittest
+
+from harness import BUNNY, Case, encode_drc, read_obj, rows, shuffled, write_obj, write_ply, write_stl
+
+LOSSLESS = ["--quantization", "0"]
+SEED = 20240229
+
+
+class Digest(Case):
+    def digests(self, meshes, *options):
+        return {self.voxelize(mesh, *LOSSLESS, *options)["digest"] for mesh in meshes}
+
+    def test_threads_do_not_matter(self):
+        options = [*LOSSLESS, "--lattice", "fcc", "--resolution", "256"]
+        digests = {self.voxelize(BUNNY, *options, "--threads", n)["digest"] for n in (1, 2, 7)}
+        self.assertEqual(len(digests), 1)
+
+    def test_the_order_of_triangles_and_corners_does_not_matter(self):
+        mesh = read_obj(BUNNY)
+        files = [write_obj(self.dir / f"{n}.obj", shuffled(mesh, SEED + n)) for n in range(2)]
+        for minimal in ("--minimal", "--no-minimal"):
+            found = self.digests([BUNNY, *files], "--lattice", "bcc", "--resolution", "128", minimal)
+            self.assertEqual(len(found), 1, f"{minimal}, seed {SEED}")
+
+    def test_the_file_format_does_not_matter(self):
+        mesh = read_obj(BUNNY)
+        obj = write_obj(self.dir / "bunny.obj", mesh)
+        files = [
+            obj,
+            write_ply(self.dir / "bunny.ply", mesh),
+            write_stl(self.dir / "bunny.stl", mesh),
+            encode_drc(self.dir / "edgebreaker.drc", obj, "-cl", "7"),
+            encode_drc(self.dir / "sequential.drc", obj, "-cl", "0"),
+        ]
+        found = self.digests(files, "--lattice", "cartesian", "--resolution", "128")
+        self.assertEqual(len(found), 1)
+
+    def test_the_digest_tells_different_sets_apart(self):
+        options = ["--lattice", "cartesian", "--resolution"]
+        found = {self.voxelize(BUNNY, *options, n)["digest"] for n in (40, 41, 42)}
+        self.assertEqual(len(found), 3)
+
+    def test_regions_are_exact_parts_of_the_whole(self):
+        options = [*LOSSLESS, "--lattice", "bcc", "--resolution", "96"]
+        whole = self.voxelize(BUNNY, *options)
+        everything = rows(self.dir / "out.csv")
+        low = [min(ijk[m] for ijk in everything) for m in range(3)]
+        high = [max(ijk[m] for ijk in everything) + 1 for m in range(3)]
+        cuts = [[low[m], 8 * ((low[m] + high[m]) // 16), high[m]] for m in range(3)]  # between bricks, not tiles
+        union, digest = {}, 0
+        for corner in ((i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)):
+            box = [cuts[m][corner[m]] for m in range(3)] + [cuts[m][corner[m] + 1] for m in range(3)]
+            part = self.voxelize(BUNNY, *options, "--region=" + ",".join(map(str, box)))
+            found = rows(self.dir / "out.csv")
+            self.assertEqual(len(found), part["voxels"])
+            self.assertFalse(union.keys() & found.keys())
+            union |= found
+            digest += int(part["digest"], 16)
+        self.assertEqual(union, everything)
+        self.assertEqual(f"{digest % 2**128:032x}", whole["digest"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,205 @@
+"""Every failure has its exit status and its one line, leaves files alone, and the server goes on serving."""
+
+import contextlib
+import os
+import pathlib
+import signal
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import BIN, BUNNY, Case, children, encode_drc, latvox, octahedron, write_obj
+
+OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED, STOPPED = range(7)
+GOOD = ["--lattice", "bcc", "--resolution", "16"]
+LONG = ["--lattice", "cartesian", "--separability", "0", "--resolution", "30000"]  # minutes of work
+
+
+class Failures(Case):
+    def setUp(self):
+        super().setUp()
+        self.mesh = write_obj(self.dir / "octahedron.obj", octahedron())
+        self.out = self.dir / "out.vdb"
+        self.lines = {}  # what was said, and about what
+
+    def good(self, *options):
+        done = latvox("voxelize", self.mesh, "-o", self.dir / "good.vdb", *GOOD, *options)
+        self.assertEqual(done.returncode, OK, done.stderr)
+
+    def bad(self, name, mesh, *options, code, says, out=None):
+        """The run fails with `code` and one line matching `says`; neither makes nor touches the output."""
+        out = out or self.out
+        for old in (None, b"what was here before"):
+            with self.subTest(name, output_exists=old is not None):
+                if old:
+                    out.write_bytes(old)
+                before = sorted(self.dir.iterdir())
+                done = latvox("voxelize", mesh, "-o", out, *options)
+                self.assertEqual(done.returncode, code, done.stderr)
+                line = self.one_line(done.stderr)
+                self.assertRegex(line, says)
+                self.assertEqual(self.lines.setdefault(line, name), name, "two failures with the same line")
+                self.assertEqual(sorted(self.dir.iterdir()), before)
+                if old:
+                    self.assertEqual(out.read_bytes(), old)
+        out.unlink(missing_ok=True)
+
+    def one_line(self, stderr):
+        """The error's line: the last one, and but for the embedded server's announcement the only one."""
+        lines = [line for line in stderr.splitlines() if "started a private" not in line]
+        self.assertEqual(len(lines), 1, stderr)
+        return lines[0]
+
+    def bad_meshes(self):
+        """name, file, what the line must say."""
+        vertices, triangles = octahedron()
+        text = self.mesh.read_text()
+
+        def write(name, content):
+            path = self.dir / name
+            path.write_bytes(content if isinstance(content, bytes) else content.encode())
+            return path
+
+        drc = encode_drc(self.dir / "whole.drc", self.mesh).read_bytes()
+        yield "truncated drc", write("truncated.drc", drc[: len(drc) * 2 // 3]), "(?i)draco|decod|mesh"
+        yield "drc header only", write("header.drc", drc[:11]), "(?i)draco|decod|mesh"
+        yield "empty drc", write("empty.drc", b""), "(?i)empty|draco|mesh"
+        yield "no drc", write("text.drc", "this is no mesh\n" * 20), "(?i)draco|mesh"
+        yield "no obj", write("text.obj", "this is no mesh\n"), "text.obj"
+        yield "no ply", write("text.ply", "this is no mesh\n"), "text.ply"
+        yield "NaN vertex", write("nan.obj", text.replace("v 1 0 0", "v nan 0 0")), "(?i)finite|nan"
+        yield "infinite vertex", write("inf.obj", text.replace("v 1 0 0", "v 1e999 0 0")), "(?i)finite|inf"
+        yield "index out of range", write("index.obj", text + "f 1 2 7\n"), "(?i)index|7|range|triang"
+        yield "no triangle", write("points.obj", "\n".join("v %g %g %g" % v for v in vertices)), "(?i)triangle|mesh"
+        yield "missing file", self.dir / "missing.obj", "missing.obj"
+        yield "directory", self.dir, "(?i)directory|regular|extension|format"
+
+    OPTIONS = [
+        ("resolution 0", ["--lattice", "bcc", "--resolution", "0"], "resolution.*0"),
+        ("resolution 70000", ["--lattice", "bcc", "--resolution", "70000"], "resolution.*70000.*65536"),
+        ("resolution -5", ["--lattice", "bcc", "--resolution=-5"], "(?i)resolution.*-5"),
+        ("voxel size 0", ["--lattice", "bcc", "--voxel-size", "0"], "(?i)voxel.size.*0"),
+        ("voxel size nan", ["--lattice", "bcc", "--voxel-size", "nan"], "(?i)voxel.size.*nan"),
+        ("density given twice", ["--lattice", "bcc", "--voxel-size", "1", "--resolution", "9"], "(?i)voxel-size.*resol|resol.*voxel-size"),
+        ("no density", ["--lattice", "bcc"], "(?i)voxel-size|resolution"),
+        ("unknown lattice", ["--lattice", "cubic", "--resolution", "16"], "cubic"),
+        ("separability 3", [*GOOD, "--separability", "3"], "(?i)separability.*3"),
+        ("rank 2 basis", ["--basis", "1,0,0,0,1,0,1,1,0"], "(?i)basis.*(singular|rank|determinant|depend|volume)"),
+        ("eight numbers", ["--basis", "1,0,0,0,1,0,0,0"], "(?i)basis"),
+        ("infinite basis", ["--basis", "1,0,0,0,1,0,0,0,inf"], "(?i)basis.*inf"),
+        ("origin of two numbers", [*GOOD, "--origin", "1,2"], "(?i)origin"),
+        ("empty region", [*GOOD, "--region", "0,0,0,0,1,1"], "(?i)region"),
+        ("region and verify", [*GOOD, "--region", "0,0,0,8,8,8", "--verify"], "(?i)region.*verify|verify.*region"),
+        ("quantization 31", [*GOOD, "--quantization", "31"], "(?i)quantization.*31"),
+        ("unknown option", [*GOOD, "--frobnicate"], "frobnicate"),
+    ]
+
+    def test_bad_meshes_are_named_and_the_server_goes_on(self):
+        with harness.server(self.dir) as server:
+            remote = ["--server", server.address]
+            for name, mesh, says in self.bad_meshes():
+                self.bad(name, mesh, *GOOD, *remote, code=BAD_INPUT, says=says)
+                self.good(*remote)
+
+    def test_bad_options_are_named_and_the_server_goes_on(self):
+        with harness.server(self.dir) as server:
+            remote = ["--server", server.address]
+            for name, options, says in self.OPTIONS:
+                self.bad(name, self.mesh, *options, *remote, code=USAGE, says=says)
+                self.good(*remote)
+
+    def test_an_unknown_extension_is_refused_before_any_work(self):
+        self.bad("unknown output", self.mesh, *GOOD, out=self.dir / "out.xyz", code=USAGE, says="xyz")
+        odd = self.dir / "mesh.xyz"
+        odd.write_text(self.mesh.read_text())
+        self.bad("unknown input", odd, *GOOD, code=BAD_INPUT, says="xyz")
+
+    def test_a_server_that_is_not_there_is_unreachable(self):
+        nowhere = f"unix:{self.dir}/nobody.socket"
+        self.bad("no socket", self.mesh, *GOOD, "--server", nowhere, code=UNREACHABLE, says="nobody.socket")
+        self.bad("no port", self.mesh, *GOOD, "--server", "127.0.0.1:1", code=UNREACHABLE, says="127.0.0.1:1")
+
+    def test_bad_input_without_a_server_leaves_none_behind(self):
+        self.bad("embedded", self.mesh, "--lattice", "bcc", "--resolution", "70000", code=USAGE, says="70000")
+        self.assert_no_process_left()
+
+
+class Interruptions(Case):
+    def start(self, *options):
+        """A run that would take minutes, once it is well under way."""
+        before = set(children())
+        command = [BIN / "latvox", "voxelize", BUNNY, "-o", self.dir / "out.vdb", *LONG, *options]
+        client = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(client.stderr.close)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        time.sleep(1.5)
+        self.assertIsNone(client.poll(), "the long run has ended already")
+        self.assertIn(client.pid, set(children()) - before)
+        return client
+
+    def assert_stopped(self, client, code):
+        stderr = client.communicate(timeout=15)[1]
+        self.assertEqual(client.returncode, code, stderr)
+        self.assertTrue(stderr.strip(), "nothing was said")
+        self.assertEqual([p.name for p in self.dir.iterdir() if p.name.startswith("out")], [])
+
+    def test_a_timeout_ends_with_6(self):
+        started = time.monotonic()
+        done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", *LONG, "--timeout", "1")
+        self.assertEqual(done.returncode, STOPPED, done.stderr)
+        self.assertRegex(done.stderr, "(?i)time|deadline")
+        self.assertLess(time.monotonic() - started, 10)
+        self.assertEqual(list(self.dir.iterdir()), [])
+
+    def test_sigint_ends_with_6(self):
+        client = self.start()
+        client.send_signal(signal.SIGINT)
+        self.assert_stopped(client, STOPPED)
+
+    def test_a_cancelled_call_frees_the_server(self):
+        with harness.server(self.dir) as server:
+            client = self.start("--server", server.address)
+            client.send_signal(signal.SIGINT)
+            self.assert_stopped(client, STOPPED)
+            mesh = write_obj(self.dir / "octahedron.obj", octahedron())
+            done = latvox("voxelize", mesh, "-o", self.dir / "good.vdb", *GOOD, "--server", server.address)
+            self.assertEqual(done.returncode, OK, done.stderr)
+            self.assert_becomes_idle(server.pid)
+
+    def assert_becomes_idle(self, pid):
+        """Uses next to no processor time within some second of the next ten."""
+        used = []
+        for _ in range(10):
+            fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+            used.append(int(fields[11]) + int(fields[12]))
+            if len(used) > 1 and used[-1] - used[-2] <= os.sysconf("SC_CLK_TCK") // 10:
+                return
+            time.sleep(1)
+        self.fail(f"the server goes on working: {used}")
+
+    def test_a_killed_client_leaves_no_server_behind(self):
+        client = self.start()
+        client.send_signal(signal.SIGKILL)
+        client.wait()
+        self.assert_no_process_left()
+
+    def test_sigterm_ends_an_idle_server(self):
+        with harness.server(self.dir):
+            pass  # server() asserts exit status 0
+
+    def test_sigterm_ends_a_busy_server_and_its_client_hears_of_it(self):
+        with contextlib.ExitStack() as stack:
+            server = stack.enter_context(harness.server(self.dir))
+            client = self.start("--server", server.address)
+            started = time.monotonic()
+            stack.close()
+            self.assertLess(time.monotonic() - started, 20)
+        stderr = client.communicate(timeout=15)[1]
+        self.assertIn(client.returncode, (UNREACHABLE, REFUSED, STOPPED), stderr)
+        self.assertFalse((self.dir / "out.vdb").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

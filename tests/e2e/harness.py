@@ -1,0 +1,166 @@
+"""Runs the programs of $LATVOX_BIN as a user does, and writes the meshes that the tests send them."""
+
+import contextlib
+import ctypes
+import json
+import os
+import pathlib
+import random
+import signal
+import struct
+import subprocess
+import tempfile
+import time
+import unittest
+
+BIN = pathlib.Path(os.environ["LATVOX_BIN"])
+BUNNY = pathlib.Path("/usr/share/glmark2/models/bunny.obj")
+PATIENCE = float(os.environ.get("LATVOX_PATIENCE", "60"))  # seconds that any one command may take
+
+PR_SET_CHILD_SUBREAPER = 36
+
+
+class Case(unittest.TestCase):
+    """A test with a directory of its own that must end without any process left over."""
+
+    def setUp(self):
+        # Orphans of our children become our children, so that none can hide.
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+        self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-")))
+        self.addCleanup(self.assert_no_process_left)
+
+    def assert_no_process_left(self, seconds=10):
+        deadline = time.monotonic() + seconds
+        while children():
+            if time.monotonic() > deadline:
+                self.fail(f"processes left over: {children()}")
+            time.sleep(0.02)
+
+    def voxelize(self, mesh, *options, out="out.csv"):
+        """The summary of a run that must succeed; its voxels are in self.dir / out."""
+        done = latvox("voxelize", mesh, "-o", self.dir / out, "--json", *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+
+def latvox(*arguments, **options):
+    command = [BIN / "latvox", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, **options)
+
+
+def children():
+    """Command lines of this process's living children, by pid."""
+    living = {}
+    for pid in pathlib.Path("/proc/thread-self/children").read_text().split():
+        with contextlib.suppress(OSError):
+            process = pathlib.Path("/proc") / pid
+            if process.joinpath("stat").read_text().rpartition(")")[2].split()[0] != "Z":
+                living[int(pid)] = process.joinpath("cmdline").read_bytes().replace(b"\0", b" ").decode().strip()
+    return living
+
+
+@contextlib.contextmanager
+def server(directory, *options):
+    """A latvoxd on a socket in `directory`. Ends with SIGTERM; must then exit with 0."""
+    address = f"unix:{directory}/latvoxd.socket"
+    with open(directory / "latvoxd.log", "ab") as log:
+        process = subprocess.Popen([BIN / "latvoxd", "--listen", address, *options], stderr=log, stdout=log)
+    process.address = address
+    try:
+        wait_until_healthy(process)
+        yield process
+        assert process.poll() is None, f"latvoxd ended by itself: {(directory / 'latvoxd.log').read_text()}"
+        process.send_signal(signal.SIGTERM)
+        code = process.wait(PATIENCE)
+        assert code == 0, f"latvoxd exited with {code}: {(directory / 'latvoxd.log').read_text()}"
+    finally:
+        process.kill()
+        process.wait()
+
+
+def wait_until_healthy(process):
+    deadline = time.monotonic() + PATIENCE
+    while latvox("health", "--server", process.address).returncode != 0:
+        assert process.poll() is None, "latvoxd did not start"
+        assert time.monotonic() < deadline, "latvoxd does not become healthy"
+        time.sleep(0.05)
+
+
+def rows(csv):
+    """(i, j, k) -> (x, y, z) of a .csv file."""
+    lines = csv.read_text().splitlines()
+    assert lines[0] == "i,j,k,x,y,z", lines[0]
+    voxels = {}
+    for line in lines[1:]:
+        i, j, k, x, y, z = line.split(",")
+        voxels[int(i), int(j), int(k)] = (float(x), float(y), float(z))
+    assert len(voxels) == len(lines) - 1, "a voxel stands twice"
+    return voxels
+
+
+# Meshes: a list of vertices (three float32-exact numbers) and a list of triangles (three indices).
+
+
+def float32(x):
+    return struct.unpack("<f", struct.pack("<f", x))[0]
+
+
+def read_obj(path):
+    vertices, triangles = [], []
+    for line in path.read_text().splitlines():
+        words = line.split()
+        if words and words[0] == "v":
+            vertices.append(tuple(float32(float(w)) for w in words[1:4]))
+        elif words and words[0] == "f":
+            triangles.append(tuple(int(w.split("/")[0]) - 1 for w in words[1:4]))
+    return vertices, triangles
+
+
+def octahedron(radius=1.0):
+    vertices = [(radius, 0, 0), (-radius, 0, 0), (0, radius, 0), (0, -radius, 0), (0, 0, radius), (0, 0, -radius)]
+    triangles = [(x, y, z) if (x + y + z) % 2 == 0 else (x, z, y) for x in (0, 1) for y in (2, 3) for z in (4, 5)]
+    return vertices, triangles
+
+
+def shuffled(mesh, seed):
+    """The same triangles in another order, each from another corner on."""
+    vertices, triangles = mesh
+    chance = random.Random(seed)
+    turned = [t[n:] + t[:n] for t in triangles for n in [chance.randrange(3)]]
+    chance.shuffle(turned)
+    return vertices, turned
+
+
+def write_obj(path, mesh):
+    vertices, triangles = mesh
+    lines = ["v %.9g %.9g %.9g" % v for v in vertices]
+    lines += ["f %d %d %d" % (a + 1, b + 1, c + 1) for a, b, c in triangles]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def write_ply(path, mesh):
+    vertices, triangles = mesh
+    header = (
+        "ply\nformat binary_little_endian 1.0\n"
+        f"element vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    body = b"".join(struct.pack("<3f", *v) for v in vertices)
+    body += b"".join(struct.pack("<B3i", 3, *t) for t in triangles)
+    path.write_bytes(header.encode() + body)
+    return path
+
+
+def write_stl(path, mesh):
+    vertices, triangles = mesh
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *vertices[a], *vertices[b], *vertices[c], 0) for a, b, c in triangles)
+    path.write_bytes(bytes(80) + struct.pack("<I", len(triangles)) + body)
+    return path
+
+
+def encode_drc(path, mesh_path, *options):
+    """Draco's own encoder, lossless unless `options` say otherwise."""
+    command = ["draco_encoder", "-i", mesh_path, "-o", path, "-qp", "0", *options]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return path

@@ -1,0 +1,15 @@
+// Foreign bytes -> mesh: whatever comes, a clean status or a mesh that core accepts.
+#include <cstdint>
+#include <cstdlib>
+
+#include "server/draco_decoder.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  latvox::Limits limits;
+  limits.max_triangles = 10000;
+  limits.max_vertices = 10000;
+  const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
+  const auto decoded = latvox::DracoDecoder().Decode(bytes, limits);
+  if (decoded.ok() && !latvox::Validate(decoded->mesh).ok()) std::abort();
+  return 0;
+}

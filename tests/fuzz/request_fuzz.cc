@@ -1,0 +1,60 @@
+// A whole request, from the bytes of its specification to voxels: validation, grid, snapping, tiles, thinning.
+#include <fuzzer/FuzzedDataProvider.h>
+
+#include <cstdint>
+#include <cstdlib>
+
+#include "server/convert.h"
+
+namespace {
+
+// Few triangles, with coordinates that collide often.
+latvox::TriangleMesh MakeMesh(FuzzedDataProvider& data) {
+  latvox::TriangleMesh mesh;
+  const auto vertices = data.ConsumeIntegralInRange<uint32_t>(1, 12);
+  for (uint32_t n = 0; n < vertices; ++n) {
+    latvox::Vec3f v;
+    for (float& x : v) {
+      x = data.ConsumeBool() ? static_cast<float>(data.ConsumeIntegralInRange(-64, 64)) / 4
+                             : data.ConsumeFloatingPoint<float>();
+    }
+    mesh.vertices.push_back(v);
+  }
+  const auto triangles = data.ConsumeIntegralInRange<uint32_t>(0, 20);
+  for (uint32_t n = 0; n < triangles; ++n) {
+    const auto vertex = [&] { return data.ConsumeIntegralInRange<uint32_t>(0, vertices); };  // one is out of range
+    mesh.triangles.push_back({vertex(), vertex(), vertex()});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+  FuzzedDataProvider data(bytes, size);
+  const latvox::TriangleMesh mesh = MakeMesh(data);
+  latvox::v1::VoxelizeSpec proto;
+  const std::string rest = data.ConsumeRemainingBytesAsString();
+  if (!proto.ParseFromString(rest)) return 0;
+  const auto spec = latvox::JobSpecFromProto(proto, latvox::Limits());
+  if (!spec.ok() || !latvox::Validate(mesh).ok()) return 0;
+  // The others promise neither separation nor a first tile soon.
+  if (spec->options.algorithm != latvox::Algorithm::kExact) return 0;
+  const auto grid = latvox::ResolveGrid(spec->lattice, spec->density, spec->origin, latvox::BoundsOf(mesh));
+  if (!grid.ok()) return 0;
+  const auto job = latvox::VoxelizeJob::Create(mesh, *grid, spec->options);
+  if (!job.ok()) return 0;
+
+  int tiles = 0;
+  latvox::VoxelSet voxels;
+  const auto done = (*job)->Advance([&](latvox::TileBricks&& tile) {
+    for (const latvox::Brick& brick : tile.bricks) voxels.Add(brick);
+    if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
+    return true;
+  });
+  if (!done.ok() || spec->options.region) return 0;
+  const auto verdict = (*job)->Verify(voxels);
+  if (!verdict.ok() || verdict->tunnels != 0) std::abort();
+  if (spec->options.minimal && verdict->redundant != 0) std::abort();
+  return 0;
+}

@@ -1,0 +1,24 @@
+# Tests of the programs as they are built, seen from outside; no C++ here.
+#   layering   who depends on whom
+#   node       a client of its own, from the protocol file alone
+#   e2e        command line tool, files, failures
+#   readme     the examples of README.md
+# A build with sanitizers runs the failures alone: the others are about results, and slow there.
+
+# Registers a command. Further arguments are test properties.
+function(latvox_add_system_test name command)
+  add_test(NAME ${name} COMMAND ${command} WORKING_DIRECTORY ${CMAKE_CURRENT_LIST_DIR})
+  set(environment "LATVOX_BIN=${PROJECT_BINARY_DIR}/bin;LATVOX_BUILD_DIR=${PROJECT_BINARY_DIR}")
+  set_tests_properties(${name} PROPERTIES ENVIRONMENT "${environment}" TIMEOUT 600 ${ARGN})
+endfunction()
+
+set(latvox_python /usr/bin/python3 -B) # Debian's own: python3-openvdb is for it
+latvox_add_system_test(e2e.errors "${latvox_python};e2e/errors_test.py")
+if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  latvox_add_system_test(e2e.counts "${latvox_python};e2e/counts_test.py" LABELS slow)
+  latvox_add_system_test(e2e.digest "${latvox_python};e2e/digest_test.py")
+  latvox_add_system_test(e2e.openvdb "${latvox_python};e2e/openvdb_test.py")
+  latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")
+  latvox_add_system_test(node "node;--test;node/voxelize.test.js")
+  latvox_add_system_test(readme "${latvox_python};readme/readme_test.py")
+endif()

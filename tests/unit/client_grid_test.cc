@@ -1,0 +1,114 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "client/grid/openvdb_grid.h"
+#include "client/grid/voxel_grid.h"
+#include "tests/unit/client_files.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::Contains;
+using testing::Pair;
+
+class Grid : public FilesTest {};
+
+const GridTransform kBcc = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, -2, 3}, 0.15874010519681994};
+const GridTransform kSkew = {{{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}}, {0.1, 0.2, 0.3}, 0.39};
+const GridTransform kCubes = {{{0.25, 0, 0}, {0, 0.25, 0}, {0, 0, 0.25}}, {-1, 0, 1}, 0.25};
+
+// Each of the 512 voxels of a brick alone.
+TEST_F(Grid, EveryBitOfAMaskIsTheVoxelThatTheContractSays) {
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        VoxelGrid grid(kBcc);
+        Brick brick{{-3, 0, 5}, {}};
+        brick.mask[static_cast<size_t>(x)] = uint64_t{1} << (y << 3 | z);
+        ASSERT_TRUE(grid.Add({{&brick, 1}, 1}).ok());
+        const openvdb::BoolGrid& vdb = *grid.content().grid;
+        ASSERT_EQ(vdb.activeVoxelCount(), 1u);
+        const openvdb::Coord ijk(-24 + x, y, 40 + z);
+        ASSERT_TRUE(vdb.tree().isValueOn(ijk));
+        ASSERT_TRUE(vdb.tree().getValue(ijk));
+      }
+    }
+  }
+}
+
+TEST_F(Grid, ActiveVoxelsAreTheBitsOfAllBricksAndInactiveOnesAreFalse) {
+  VoxelGrid grid(kBcc);
+  std::vector<Brick> bricks;
+  uint64_t bits = 0;
+  for (int n = 0; n < 100; ++n) {
+    Brick brick{{n % 5, n / 5 % 5, n / 25}, {}};
+    for (uint64_t& word : brick.mask) word = 0x9E3779B97F4A7C15 * (++bits);
+    bricks.push_back(brick);
+  }
+  bits = 0;
+  for (const Brick& brick : bricks) {
+    for (const uint64_t word : brick.mask) bits += static_cast<uint64_t>(__builtin_popcountll(word));
+  }
+  ASSERT_TRUE(grid.Add({bricks, 1}).ok());
+  EXPECT_EQ(grid.CountActiveVoxels(), bits);
+  EXPECT_EQ(grid.content().grid->tree().leafCount(), bricks.size());
+  for (auto value = grid.content().grid->cbeginValueAll(); value; ++value) {
+    ASSERT_EQ(value.isValueOn(), value.getValue());
+  }
+}
+
+TEST_F(Grid, IndexToWorldIsTheSamplingMatrixOnEveryLattice) {
+  for (const GridTransform& transform : {kBcc, kSkew, kCubes}) {
+    const VoxelGrid grid(transform);
+    for (const Vec3i& ijk : {Vec3i{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-7, 11, 1000}}) {
+      const openvdb::Vec3d world =
+          grid.content().grid->transform().indexToWorld(openvdb::Coord(ijk[0], ijk[1], ijk[2]));
+      const Vec3d expected = transform.ToWorld(ijk);
+      for (int m = 0; m < 3; ++m) {
+        EXPECT_NEAR(world[m], expected[static_cast<size_t>(m)], 1e-12 * (1 + std::abs(world[m])));
+      }
+    }
+  }
+}
+
+TEST_F(Grid, FilesKeepVoxelsTransformAndCertificate) {
+  VoxelGrid grid(kSkew);
+  Brick brick{{-1, 2, 3}, {}};
+  brick.mask[4] = 3;
+  ASSERT_TRUE(grid.Add({{&brick, 1}, 1}).ok());
+  Certificate certificate;
+  certificate.lattice = "basis";
+  certificate.separability = 1;
+  certificate.digest = "0123456789abcdef0123456789abcdef";
+  grid.SetCertificate(certificate);
+  ASSERT_TRUE(grid.Write(Path("g.vdb")).ok());
+  const auto info = ReadGridFileInfo(Path("g.vdb"));
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->name, "voxels");
+  EXPECT_EQ(info->value_type, "bool");
+  EXPECT_EQ(info->active_voxels, 2u);
+  EXPECT_EQ(info->active_box, (IndexBox{{-4, 16, 24}, {-3, 17, 26}}));
+  EXPECT_EQ(info->transform.basis, kSkew.basis);
+  EXPECT_EQ(info->transform.origin, kSkew.origin);
+  EXPECT_THAT(info->metadata, Contains(Pair("latvox_lattice", "basis")));
+  EXPECT_THAT(info->metadata, Contains(Pair("latvox_separability", "1")));
+  EXPECT_THAT(info->metadata, Contains(Pair("latvox_digest", certificate.digest)));
+}
+
+TEST_F(Grid, WhatIsNoGridFileIsAnErrorThatNamesIt) {
+  EXPECT_EQ(ReadGridFileInfo(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
+  for (const std::string& bytes : {std::string(), std::string("this is no grid"), std::string(1000, '\0')}) {
+    const auto info = ReadGridFileInfo(Write("bad.vdb", bytes));
+    EXPECT_EQ(info.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(info.status().message()), testing::HasSubstr("bad.vdb"));
+  }
+}
+
+TEST_F(Grid, WritingToNowhereIsAnErrorThatNamesThePath) {
+  const absl::Status status = VoxelGrid(kBcc).Write(Path("missing/g.vdb"));
+  EXPECT_THAT(std::string(status.message()), testing::HasSubstr("missing/g.vdb"));
+}
+
+}  // namespace
+}  // namespace latvox::client

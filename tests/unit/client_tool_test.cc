@@ -1,0 +1,257 @@
+// The command line: what options mean, how the tool ends.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/exit_status.h"
+#include "client/cli/private_server.h"
+#include "client/cli/report.h"
+#include "client/cli/voxelize_command.h"
+#include "client/cli/voxelize_options.h"
+#include "client/error.h"
+#include "tests/unit/client_files.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Parses as the tool does. Throws what it throws.
+VoxelizeOptions Parse(std::vector<std::string> arguments) {
+  CLI::App app;
+  VoxelizeWords words;
+  AddVoxelizeOptions(app, words);
+  arguments.insert(arguments.begin(), {"mesh.obj", "-o", "out.vdb"});
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants vectors
+  app.parse(arguments);
+  return Interpret(words);
+}
+
+std::string Refusal(const std::vector<std::string>& arguments) {
+  try {
+    Parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Options, DefaultsAreThoseOfTheContract) {
+  const VoxelizeOptions options = Parse({"--resolution", "64"});
+  EXPECT_EQ(options.mesh, "mesh.obj");
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb"));
+  EXPECT_EQ(std::get<NamedLattice>(options.request.lattice), NamedLattice::kCartesian);
+  EXPECT_EQ(options.request.resolution, 64u);
+  EXPECT_EQ(options.request.voxel_size, std::nullopt);
+  EXPECT_EQ(options.request.origin, std::nullopt);
+  EXPECT_EQ(options.request.separability, 0u);
+  EXPECT_TRUE(options.request.minimal);
+  EXPECT_FALSE(options.request.verify || options.json);
+  EXPECT_EQ(options.quantization_bits, std::nullopt);
+  EXPECT_EQ(options.server.address, "");
+}
+
+TEST(Options, EveryOptionArrivesWhereItBelongs) {
+  const VoxelizeOptions options = Parse({"--basis",
+                                         "1,0,0,-0.5,2,0,1e-1,.25,+3",
+                                         "--voxel-size=0.125",
+                                         "--origin",
+                                         "-1,-2.5,3",
+                                         "--separability",
+                                         "2",
+                                         "--no-minimal",
+                                         "--region",
+                                         "-1,-2,-3,4,5,6",
+                                         "--quantization",
+                                         "0",
+                                         "--json",
+                                         "--threads",
+                                         "3",
+                                         "--timeout",
+                                         "1.5",
+                                         "-o",
+                                         "b.csv",
+                                         "--out",
+                                         "c.png",
+                                         "--algorithm",
+                                         "exact",
+                                         "--fill",
+                                         "surface"});
+  EXPECT_EQ(std::get<Basis>(options.request.lattice), (Basis{{1, 0, 0}, {-0.5, 2, 0}, {0.1, 0.25, 3}}));
+  EXPECT_EQ(options.request.voxel_size, 0.125);
+  EXPECT_EQ(options.request.origin, (Vec3d{-1, -2.5, 3}));
+  EXPECT_EQ(options.request.separability, 2u);
+  EXPECT_FALSE(options.request.minimal);
+  EXPECT_EQ(options.request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
+  EXPECT_EQ(options.quantization_bits, 0);
+  EXPECT_TRUE(options.json);
+  EXPECT_EQ(options.server.threads, 3);
+  EXPECT_EQ(options.server.timeout_seconds, 1.5);
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png"));
+}
+
+TEST(Options, NeighbourCountsNameSeparabilitiesOnTheCartesianLatticeOnly) {
+  EXPECT_EQ(Parse({"--resolution", "9", "--separability", "26"}).request.separability, 0u);
+  EXPECT_EQ(Parse({"--resolution", "9", "--separability", "18"}).request.separability, 1u);
+  EXPECT_EQ(Parse({"--resolution", "9", "--separability", "6"}).request.separability, 2u);
+  EXPECT_THAT(Refusal({"--resolution", "9", "--separability", "6", "--lattice", "fcc"}),
+              HasSubstr("--separability: 6"));
+}
+
+TEST(Options, ABasisNeedsNoDensityButANamedLatticeDoes) {
+  EXPECT_NO_THROW(Parse({"--basis", "1,0,0,0,1,0,0,0,1"}));
+  EXPECT_THAT(Refusal({"--lattice", "bcc"}), HasSubstr("--voxel-size or --resolution is required"));
+}
+
+TEST(Options, RefusalsNameOptionValueAndLimit) {
+  const auto refuses = [](const std::vector<std::string>& arguments, const std::vector<std::string>& says) {
+    for (const std::string& text : says) EXPECT_THAT(Refusal(arguments), HasSubstr(text));
+  };
+  refuses({"--resolution", "0"}, {"--resolution", "\"0\"", "2 to 65536"});
+  refuses({"--resolution", "70000"}, {"--resolution", "70000", "65536"});
+  refuses({"--resolution", "-5"}, {"--resolution", "-5"});
+  refuses({"--resolution", "8.5"}, {"--resolution", "8.5"});
+  refuses({"--resolution", "8", "--voxel-size", "1"}, {"--resolution", "--voxel-size"});
+  refuses({"--voxel-size", "0"}, {"--voxel-size", "above 0"});
+  refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
+  refuses({"--voxel-size", "1e999"}, {"--voxel-size", "1e999"});
+  refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0,1,2,26,18,6"});
+  refuses({"--resolution", "9", "--lattice", "cubic"}, {"--lattice", "cubic", "hexagonal"});
+  refuses({"--lattice", "bcc", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--basis", "--lattice"});
+  refuses({"--basis", "1,0,0,0,1,0,0,0"}, {"--basis", "9 finite numbers"});
+  refuses({"--basis", "1,0,0,0,1,0,0,0,nan"}, {"--basis", "9 finite numbers"});
+  refuses({"--resolution", "9", "--origin", "1,2"}, {"--origin", "3 finite numbers"});
+  refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
+  refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
+  refuses({"--resolution", "9", "--region", "0,0,0,1,1,1", "--verify"}, {"--region", "--verify"});
+  refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
+  refuses({"--resolution", "9", "--algorithm", "incremental"}, {"--algorithm", "incremental", "exact"});
+  refuses({"--resolution", "9", "--fill", "solid"}, {"--fill", "solid", "surface"});
+  refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
+  refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
+  refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
+  refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
+  refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
+  refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
+  refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
+}
+
+TEST(Exit, EveryStatusCodeHasItsNumber) {
+  using absl::StatusCode;
+  const std::map<StatusCode, int> numbers = {{StatusCode::kOk, 0},
+                                             {StatusCode::kInvalidArgument, 3},
+                                             {StatusCode::kNotFound, 3},
+                                             {StatusCode::kUnavailable, 4},
+                                             {StatusCode::kResourceExhausted, 5},
+                                             {StatusCode::kCancelled, 6},
+                                             {StatusCode::kDeadlineExceeded, 6}};
+  for (int code = 0; code <= 16; ++code) {
+    const auto status_code = static_cast<StatusCode>(code);
+    const auto found = numbers.find(status_code);
+    EXPECT_EQ(static_cast<int>(ExitStatusOf(absl::Status(status_code, ""))), found == numbers.end() ? 1 : found->second)
+        << code;
+  }
+}
+
+TEST(Exit, TheLineNamesFieldAndLimitOnceAndIsOneLine) {
+  absl::Status status = absl::ResourceExhaustedError("too many\njobs: 5");
+  SetErrorDetails({"JOBS", "jobs", "5", "4", absl::Seconds(2)}, status);
+  EXPECT_EQ(ErrorLine(status), "latvox: too many jobs: 5 (limit 4) (try again in 2s)");
+}
+
+TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
+  VoxelizeReport report;
+  report.summary.certificate.lattice = "bcc";
+  const std::string plain = ToJson(report);
+  for (const char* key :
+       {"voxels", "bricks",      "lattice", "basis",     "origin",         "voxel_size", "separability",
+        "digest", "certificate", "minimal", "closed",    "snap_error_max", "verified",   "timings_ms",
+        "encode", "upload",      "decode",  "voxelize",  "stream",         "total",      "bytes",
+        "sent",   "received",    "mesh",    "triangles", "vertices"}) {
+    EXPECT_THAT(plain, HasSubstr("\"" + std::string(key) + "\":"));
+  }
+  EXPECT_THAT(plain, HasSubstr("\"tunnels\": null"));
+  EXPECT_THAT(plain, HasSubstr("\"redundant\": null"));
+  report.summary.certificate.verified = true;
+  EXPECT_THAT(ToJson(report), HasSubstr("\"tunnels\": 0"));
+  report.outputs = {"not utf-8 \xFF.vdb"};
+  EXPECT_THAT(ToJson(report), HasSubstr("not utf-8"));
+}
+
+class Command : public FilesTest {};
+
+TEST_F(Command, AServerThatCannotBeReachedLeavesNoFileAndKeepsOldOnes) {
+  VoxelizeOptions options;
+  options.mesh = Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  options.outputs = {Path("a.vdb"), Write("b.csv", "old")};
+  options.request.resolution = 4;
+  options.server.address = "unix:" + Path("nobody");
+  const auto report = RunVoxelize(options, Cancellation());
+  EXPECT_EQ(ExitStatusOf(report.status()), ExitStatus::kUnreachable);
+  EXPECT_THAT(Names(), ElementsAre("b.csv", "m.obj"));
+  EXPECT_EQ(Read("b.csv"), "old");
+}
+
+TEST_F(Command, ACancelledOneStopsBeforeTheServerIsNeeded) {
+  VoxelizeOptions options;
+  options.mesh = Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  options.outputs = {Path("a.vdb")};
+  options.request.resolution = 4;
+  options.server.address = "unix:" + Path("nobody");
+  const Cancellation cancellation;
+  cancellation.Cancel();
+  EXPECT_EQ(ExitStatusOf(RunVoxelize(options, cancellation).status()), ExitStatus::kCancelled);
+  EXPECT_THAT(Names(), ElementsAre("m.obj"));
+}
+
+// Puts a program in latvoxd's place, and the private directory where it can be seen.
+class Private : public FilesTest {
+ protected:
+  void Be(const std::string& script) const {
+    const std::string program = Write("fake", "#!/bin/sh\n" + script);
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    std::filesystem::create_directory(Path("run"));
+    setenv("LATVOX_LATVOXD", program.c_str(), 1);
+    setenv("XDG_RUNTIME_DIR", Path("run").c_str(), 1);
+  }
+  ~Private() override {
+    unsetenv("LATVOX_LATVOXD");
+    unsetenv("XDG_RUNTIME_DIR");
+  }
+};
+
+TEST_F(Private, AServerThatEndsEarlyIsReportedAndItsDirectoryRemoved) {
+  Be("exit 7\n");
+  const auto server = PrivateServer::Start(std::nullopt, {});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("status 7"));
+  EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
+}
+
+TEST_F(Private, AProgramThatIsMissingIsReported) {
+  Be("");
+  setenv("LATVOX_LATVOXD", Path("missing").c_str(), 1);
+  const auto server = PrivateServer::Start(std::nullopt, {});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("missing"));
+  EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
+}
+
+TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
+  Be("echo $$ \"$@\" > \"$0.words\"\ntrap '' TERM\nwhile :; do sleep 0.05; done\n");
+  CallOptions options;
+  options.deadline = absl::Now() + absl::Milliseconds(300);
+  EXPECT_EQ(PrivateServer::Start(5, options).status().code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
+  std::istringstream words(Read("fake.words"));
+  pid_t pid = 0;
+  words >> pid;
+  EXPECT_NE(kill(pid, 0), 0);
+  EXPECT_THAT(words.str(), HasSubstr("--listen unix:" + Path("run")));
+  EXPECT_THAT(words.str(), HasSubstr("--exit-with-parent --log-level warning --threads 5"));
+}
+
+}  // namespace
+}  // namespace latvox::client

@@ -1,0 +1,451 @@
+// Digitized polylines: exactness, covers, minimality, separation, and the thesis's own algorithms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/plane/cover.h"
+#include "core/plane/pixelize.h"
+#include "core/plane/thesis_lines.h"
+#include "tests/unit/core_plane_exact.h"
+
+namespace latvox {
+namespace {
+
+using plane_oracle::Int2;
+
+constexpr LineAlgorithm kAlgorithms[] = {LineAlgorithm::kCrossing, LineAlgorithm::kBruteForce,
+                                         LineAlgorithm::kIncremental, LineAlgorithm::kIbanez};
+
+PixelizeResult Digitized(const std::vector<Polyline>& polylines, const PlaneGrid& grid, int k, bool minimal,
+                         LineAlgorithm algorithm = LineAlgorithm::kCrossing) {
+  auto result = Pixelize(polylines, grid, {.separability = k, .minimal = minimal, .algorithm = algorithm});
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result) : PixelizeResult{};
+}
+
+PlaneGrid Unscaled(const PlaneLattice& lattice) { return {lattice, {0, 0}}; }
+
+TEST(Pixelize, EqualsTheOracleOnAdversarialDrawings) {
+  for (const auto& l : PlaneLattices()) {
+    for (const auto& [name, drawing] : plane_oracle::AdversarialDrawings(11, Directions(l.lattice, 0))) {
+      const auto polylines = ToWorld(drawing, l.lattice);
+      for (int k = 0; k < 2; ++k) {
+        const auto exact = plane_oracle::Digitize(CurveOf(drawing), Directions(l.lattice, k));
+        const auto thinned = plane_oracle::Thinned(exact.pixels, exact.edges);
+        ASSERT_EQ(plane_oracle::Tunnels(thinned, exact.edges), 0U);
+        ASSERT_EQ(plane_oracle::Redundant(thinned, exact.edges), 0U);
+        for (bool minimal : {false, true}) {
+          const PixelizeResult result = Digitized(polylines, Unscaled(l.lattice), k, minimal);
+          const auto pixels = ToOracle(result.pixels);
+          ASSERT_EQ(pixels, minimal ? thinned : exact.pixels) << l.name << " k " << k << " " << name;
+          EXPECT_TRUE(std::is_sorted(result.pixels.begin(), result.pixels.end()));
+          EXPECT_EQ(result.pixels.size(), pixels.size()) << "no duplicates";
+          EXPECT_EQ(result.crossed_edges, exact.edges.size());
+          EXPECT_EQ(result.tunnels, 0U);
+          EXPECT_EQ(result.redundant, minimal ? 0U : plane_oracle::Redundant(exact.pixels, exact.edges)) << name;
+        }
+      }
+    }
+  }
+}
+
+TEST(Pixelize, CountsTunnelsAndRedundantPixelsOfADamagedSetExactly) {
+  std::mt19937 random(17);
+  for (const auto& l : PlaneLattices()) {
+    const plane_oracle::Drawing drawing{plane_oracle::RandomContour(random, 9, 16, 1500, true)};
+    for (int k = 0; k < 2; ++k) {
+      const auto snapped = *Snap(ToWorld(drawing, l.lattice), l.lattice, {0, 0});
+      const PlaneCrossings crossings = FindCrossings(snapped.segments, l.lattice.frames(k));
+      std::vector<Vec2i> damaged;
+      for (const Vec2i& ij : crossings.nearer) {
+        if (random() % 4 != 0) damaged.push_back(ij);
+        if (random() % 4 == 0) damaged.push_back(ij + Vec2i{1, 2});
+      }
+      MakeSet(damaged);
+      plane_oracle::Edges edges;
+      for (const PlaneEdge& edge : crossings.edges) edges.insert({ToOracle(edge.low), ToOracle(edge.high)});
+      const auto pixels = ToOracle(damaged);
+      PlaneVerdict verdict = Judge(crossings.edges, damaged);
+      EXPECT_GT(verdict.tunnels, 0U);
+      EXPECT_GT(verdict.redundant, 0U);
+      EXPECT_EQ(verdict.tunnels, plane_oracle::Tunnels(pixels, edges)) << l.name;
+      EXPECT_EQ(verdict.redundant, plane_oracle::Redundant(pixels, edges)) << l.name;
+      const uint64_t tunnels = verdict.tunnels;
+      Thin(crossings.edges, damaged);
+      verdict = Judge(crossings.edges, damaged);
+      EXPECT_EQ(verdict.tunnels, tunnels) << "thinning opens no tunnel";
+      EXPECT_EQ(verdict.redundant, 0U) << l.name;
+    }
+  }
+}
+
+TEST(Pixelize, DoesNotDependOnOrderDirectionOrRepetition) {
+  for (const auto& l : PlaneLattices()) {
+    for (const auto& [name, drawing] : plane_oracle::AdversarialDrawings(12, Directions(l.lattice, 0))) {
+      plane_oracle::Drawing turned(drawing.rbegin(), drawing.rend());
+      for (auto& contour : turned) std::reverse(contour.points.begin(), contour.points.end());
+      turned.push_back(turned.front());
+      for (LineAlgorithm algorithm : kAlgorithms) {
+        for (int k = 0; k < 2; ++k) {
+          const auto one = Digitized(ToWorld(drawing, l.lattice), Unscaled(l.lattice), k, true, algorithm);
+          const auto other = Digitized(ToWorld(turned, l.lattice), Unscaled(l.lattice), k, true, algorithm);
+          EXPECT_EQ(one.pixels, other.pixels) << l.name << " " << name << " algorithm " << static_cast<int>(algorithm);
+          EXPECT_EQ(one.crossed_edges, other.crossed_edges);
+        }
+      }
+    }
+  }
+}
+
+// ---- Shapes ---------------------------------------------------------------------------------------------------------
+
+Polyline Circle(const Vec2d& center, double radius, int points) {
+  Polyline circle{{}, true};
+  for (int n = 0; n < points; ++n) {
+    const double angle = 2 * M_PI * n / points;
+    circle.points.push_back({center[0] + radius * std::cos(angle), center[1] + radius * std::sin(angle)});
+  }
+  return circle;
+}
+
+// The outline of a star with sharp spikes.
+Polyline Star() {
+  Polyline star{{}, true};
+  for (int n = 0; n < 18; ++n) {
+    const double angle = 2 * M_PI * n / 18 + 0.05, radius = n % 2 == 0 ? 1 : 0.15;
+    star.points.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  return star;
+}
+
+// "OK", bowls and holes, with thin serifs and shared points.
+std::vector<Polyline> Text() {
+  return {Circle({1, 1}, 1, 60),
+          Circle({1, 1}, 0.62, 40),
+          {{{2.4, 0},
+            {2.4, 2},
+            {2.8, 2},
+            {2.8, 1.2},
+            {3.6, 2},
+            {4.1, 2},
+            {3.05, 1},
+            {4.1, 0},
+            {3.6, 0},
+            {2.8, 0.8},
+            {2.8, 0}},
+           true},
+          {{{2.3, 0}, {2.9, 0}, {2.9, 0.01}, {2.3, 0.01}}, true}};
+}
+
+struct Shape {
+  std::string name;
+  std::vector<Polyline> outline;
+};
+
+std::vector<Shape> Shapes() {
+  return {{"circle", {Circle({0.3, -0.2}, 1, 200)}}, {"star", {Star()}}, {"text", Text()}};
+}
+
+// Whether p is in the even-odd inside of the drawing, in units of 1/256 pixel, shifted by the infinitesimal: counts
+// crossings with the ray from p along +i. Every term is a product of at most 2^20 each.
+bool Inside(const std::vector<Segment>& segments, const Vec2i& ij) {
+  const int64_t x = int64_t{ij[0]} * kLatticeUnit, y = int64_t{ij[1]} * kLatticeUnit;
+  bool inside = false;
+  for (const Segment& s : segments) {
+    Vec<int64_t, 2> a{s.a_lat[0], s.a_lat[1]}, b{s.b_lat[0], s.b_lat[1]};
+    if (a[1] > b[1]) std::swap(a, b);
+    // The shift moves y up by eps^2: the segment spans p's row iff a_y < y <= b_y.
+    if (!(a[1] < y && y <= b[1])) continue;
+    // x(row) + eps > x, as a[1] < b[1]: with equality the curve's shift to the right decides.
+    if ((a[0] - x) * (b[1] - a[1]) + (b[0] - a[0]) * (y - a[1]) >= 0) inside = !inside;
+  }
+  return inside;
+}
+
+TEST(Pixelize, OutlinesHaveNoTunnelAndNoRedundantPixelOnSquareAndHexagonalLattices) {
+  for (const Shape& shape : Shapes()) {
+    for (NamedPlaneLattice name : {NamedPlaneLattice::kSquare, NamedPlaneLattice::kHexagonal}) {
+      for (uint32_t resolution : {2U, 17U, 256U, 1500U}) {
+        const auto grid =
+            ResolvePlaneGrid(PlaneLattice::Named(name), {.resolution = resolution}, {}, BoundsOf(shape.outline));
+        ASSERT_TRUE(grid.ok()) << grid.status();
+        for (int k = 0; k < 2; ++k) {
+          const PixelizeResult result = Digitized(shape.outline, *grid, k, true);
+          EXPECT_GT(result.crossed_edges, 0U);
+          EXPECT_EQ(result.tunnels, 0U) << shape.name;
+          EXPECT_EQ(result.redundant, 0U) << shape.name;
+        }
+      }
+    }
+  }
+}
+
+TEST(Pixelize, ClosedCurvesKeepAFloodByKNeighborsOutside) {
+  for (const Shape& shape : Shapes()) {
+    for (const auto& l : PlaneLattices()) {
+      const auto grid = ResolvePlaneGrid(l.lattice, {.resolution = 60}, {}, BoundsOf(shape.outline));
+      ASSERT_TRUE(grid.ok()) << grid.status();
+      const auto snapped = *Snap(shape.outline, grid->lattice, grid->origin);
+      for (int k = 0; k < 2; ++k) {
+        std::set<Vec2i> wall;
+        Vec2i low{1 << 20, 1 << 20}, high = -low;
+        for (const Vec2i& ij : Digitized(shape.outline, *grid, k, true).pixels) {
+          wall.insert(ij - snapped.base_ij);
+          for (size_t m = 0; m < 2; ++m) {
+            low[m] = std::min(low[m], ij[m] - snapped.base_ij[m] - 5);
+            high[m] = std::max(high[m], ij[m] - snapped.base_ij[m] + 5);
+          }
+        }
+        std::set<Vec2i> reached{low};
+        for (std::vector<Vec2i> front{low}; !front.empty();) {
+          const Vec2i z = front.back();
+          front.pop_back();
+          for (const auto& neighbor : grid->lattice.neighbors()) {
+            const Vec2i next = z + neighbor.w;
+            if (neighbor.face_dimension < k || wall.contains(next)) continue;
+            if (next[0] < low[0] || next[1] < low[1] || next[0] > high[0] || next[1] > high[1]) continue;
+            if (reached.insert(next).second) front.push_back(next);
+          }
+        }
+        size_t inside = 0;
+        for (int32_t i = low[0]; i <= high[0]; ++i) {
+          for (int32_t j = low[1]; j <= high[1]; ++j) {
+            if (wall.contains({i, j}) || !Inside(snapped.segments, {i, j})) continue;
+            ++inside;
+            EXPECT_FALSE(reached.contains({i, j})) << shape.name << " " << l.name << " k " << k << " " << i << "," << j;
+          }
+        }
+        EXPECT_GT(inside, 50U) << shape.name << " " << l.name;
+        EXPECT_GT(reached.size(), 500U) << shape.name << " " << l.name;
+      }
+    }
+  }
+}
+
+// ---- The thesis's algorithms ----------------------------------------------------------------------------------------
+
+std::vector<Segment> RandomPixelSegments(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int32_t> coordinate(-20, 20);
+  std::vector<Segment> segments;
+  for (int n = 0; n < 300; ++n) {
+    const Vec2i a{coordinate(random), coordinate(random)}, b{coordinate(random), coordinate(random)};
+    segments.push_back({a * kLatticeUnit, b * kLatticeUnit});
+  }
+  segments.push_back({{256, 512}, {256, 512}});
+  return segments;
+}
+
+TEST(IncrementalLines, HaveExactlyOnePixelOnEveryLatticeLineAlongThePrincipalDirection) {
+  for (const auto& l : PlaneLattices()) {
+    for (int k = 0; k < 2; ++k) {
+      for (const Segment& segment : RandomPixelSegments(21)) {
+        const Vec2l d{segment.b_lat[0] - segment.a_lat[0], segment.b_lat[1] - segment.a_lat[1]};
+        const PlaneFrame& frame = PrincipalFrame(l.lattice.frames(k), {-d[1], d[0]});
+        std::multiset<int32_t> lines, expected;
+        const auto pixels = IncrementalLines({segment}, l.lattice, k);
+        for (const Vec2i& ij : pixels) lines.insert(Dot(frame.r[0], ij));
+        const auto [first, last] =
+            std::minmax({Dot(frame.r[0], segment.a_lat) / kLatticeUnit, Dot(frame.r[0], segment.b_lat) / kLatticeUnit});
+        for (int32_t a = first; a <= last; ++a) expected.insert(a);
+        EXPECT_EQ(lines, expected) << l.name << " k " << k;
+        // Theorem 1's inequality, for each of them.
+        Vec2l n{-d[1], d[0]};
+        if (!FirstNonzeroIsPositive(n)) n = -n;
+        const int64_t twice_t = std::abs(Dot(n, frame.q)) * kLatticeUnit;
+        for (const Vec2i& ij : pixels) {
+          const Vec2l from{ij[0] * kLatticeUnit - segment.a_lat[0], ij[1] * kLatticeUnit - segment.a_lat[1]};
+          EXPECT_TRUE(d == Vec2l{} || (-twice_t < 2 * Dot(n, from) && 2 * Dot(n, from) <= twice_t)) << l.name;
+        }
+      }
+    }
+  }
+}
+
+TEST(IncrementalLines, CoverEveryCrossedEdgeOfChainsWithoutASeamRule) {
+  for (const auto& l : PlaneLattices()) {
+    for (int k = 0; k < 2; ++k) {
+      for (const Segment& segment : RandomPixelSegments(22)) {
+        const auto edges = FindCrossings({segment}, l.lattice.frames(k)).edges;
+        EXPECT_EQ(Judge(edges, IncrementalLines({segment}, l.lattice, k)).tunnels, 0U) << l.name << " k " << k;
+      }
+    }
+  }
+}
+
+TEST(IbanezLine, StepsBetweenNeighborsFromEndToEndAndEqualsTheIncrementalLine) {
+  for (const auto& l : PlaneLattices()) {
+    for (int k = 0; k < 2; ++k) {
+      std::set<Vec2i> steps;
+      for (const auto& neighbor : l.lattice.neighbors()) {
+        if (neighbor.face_dimension >= 1 - k) steps.insert(neighbor.w);
+      }
+      for (const Segment& segment : RandomPixelSegments(23)) {
+        const Vec2i from{segment.a_lat[0] / kLatticeUnit, segment.a_lat[1] / kLatticeUnit};
+        const Vec2i to{segment.b_lat[0] / kLatticeUnit, segment.b_lat[1] / kLatticeUnit};
+        std::vector<Vec2i> line = IbanezLine(from, to, l.lattice, k);
+        EXPECT_EQ(line.front(), from);
+        EXPECT_EQ(line.back(), to);
+        for (size_t n = 1; n < line.size(); ++n) EXPECT_TRUE(steps.contains(line[n] - line[n - 1])) << l.name;
+        const size_t length = line.size();
+        MakeSet(line);
+        EXPECT_EQ(line.size(), length) << "no pixel twice";
+        EXPECT_EQ(line, IncrementalLines({segment}, l.lattice, k)) << l.name << " k " << k;
+      }
+    }
+  }
+}
+
+TEST(IbanezLine, IsBresenhamsOnTheSquareLattice) {
+  const PlaneLattice lattice = PlaneLattice::Named(NamedPlaneLattice::kSquare);
+  const std::vector<Vec2i> expected{{0, 0}, {1, 0}, {2, 1}, {3, 1}, {4, 2}, {5, 2}, {6, 3}, {7, 3}};
+  EXPECT_EQ(IbanezLine({0, 0}, {7, 3}, lattice, 1), expected);
+  EXPECT_EQ(IbanezLine({0, 0}, {7, 3}, lattice, 0).size(), 11U) << "steps along the axes only";
+}
+
+TEST(BruteForceLines, ContainTheNearerEndOfEveryCrossedEdgeAndOnlyPixelsWithinReach) {
+  for (const auto& l : PlaneLattices()) {
+    for (const auto& [name, drawing] : plane_oracle::AdversarialDrawings(13, Directions(l.lattice, 0))) {
+      const auto snapped = *Snap(ToWorld(drawing, l.lattice), l.lattice, {0, 0});
+      for (int k = 0; k < 2; ++k) {
+        double r = 0;
+        for (const PlaneFrame& frame : l.lattice.frames(k)) {
+          const Vec2d q = Apply(l.lattice.basis(), frame.q);
+          r = std::max(r, std::hypot(q[0], q[1]) / 2);
+        }
+        const auto pixels = BruteForceLines(snapped.segments, l.lattice, k);
+        const auto crossings = FindCrossings(snapped.segments, l.lattice.frames(k));
+        EXPECT_TRUE(std::includes(pixels.begin(), pixels.end(), crossings.nearer.begin(), crossings.nearer.end()))
+            << l.name << " k " << k << " " << name;
+        for (const Vec2i& ij : pixels) {
+          double nearest = INFINITY;
+          for (const Segment& s : snapped.segments) {
+            const auto world = [&](const Vec2i& p) {
+              return Apply(l.lattice.basis(), Vec2d{p[0] / 256., p[1] / 256.});
+            };
+            const Vec2d d = world(s.b_lat - s.a_lat), p = world(ij * kLatticeUnit - s.a_lat);
+            const double u = Dot(d, d) > 0 ? std::clamp(Dot(p, d) / Dot(d, d), 0., 1.) : 0;
+            nearest = std::min(nearest, std::hypot(p[0] - u * d[0], p[1] - u * d[1]));
+          }
+          EXPECT_LE(nearest, r * (1 + 1e-6)) << l.name << " k " << k << " " << name;
+        }
+      }
+    }
+  }
+}
+
+TEST(BruteForceLines, OfOnePointAreADisc) {
+  const std::vector<Polyline> point{{{{0, 0}}}};
+  const PlaneGrid grid = Unscaled(PlaneLattice::Named(NamedPlaneLattice::kSquare));
+  EXPECT_EQ(Digitized(point, grid, 0, false, LineAlgorithm::kBruteForce).pixels, (std::vector<Vec2i>{{0, 0}}));
+  const std::vector<Polyline> corner{{{{0.5, 0.5}}}};  // exactly R from four pixels
+  EXPECT_EQ(Digitized(corner, grid, 0, false, LineAlgorithm::kBruteForce).pixels,
+            (std::vector<Vec2i>{{0, 0}, {0, 1}, {1, 0}, {1, 1}}));
+  EXPECT_EQ(Digitized(corner, grid, 1, false, LineAlgorithm::kBruteForce).pixels, std::vector<Vec2i>{});
+}
+
+TEST(ThesisAlgorithms, NeverLeaveATunnelAndThinToMinimalSets) {
+  for (const auto& l : PlaneLattices()) {
+    for (const auto& [name, drawing] : plane_oracle::AdversarialDrawings(14, Directions(l.lattice, 0))) {
+      for (LineAlgorithm algorithm : kAlgorithms) {
+        for (int k = 0; k < 2; ++k) {
+          for (bool minimal : {false, true}) {
+            const auto result = Digitized(ToWorld(drawing, l.lattice), Unscaled(l.lattice), k, minimal, algorithm);
+            EXPECT_EQ(result.tunnels, 0U) << l.name << " " << name << " algorithm " << static_cast<int>(algorithm);
+            EXPECT_TRUE(!minimal || result.redundant == 0) << l.name << " " << name;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(ThesisAlgorithms, MovePointsToTheirNearestPixels) {
+  std::mt19937 random(31);
+  std::uniform_int_distribution<int32_t> coordinate(0, 2000);
+  for (const auto& l : PlaneLattices()) {
+    std::vector<Segment> segments;
+    for (int n = 0; n < 200; ++n) {
+      segments.push_back({{coordinate(random), coordinate(random)}, {coordinate(random), coordinate(random)}});
+    }
+    const auto rounded = RoundToPixels(segments, l.lattice);
+    for (size_t n = 0; n < segments.size(); ++n) {
+      const auto distance = [&](const Vec2i& ij) {
+        const Vec2i d_lat = ij * kLatticeUnit - segments[n].a_lat;
+        const Vec2d d = Apply(l.lattice.basis(), d_lat);
+        return std::hypot(d[0], d[1]);
+      };
+      const Vec2i z{rounded[n].a_lat[0] / kLatticeUnit, rounded[n].a_lat[1] / kLatticeUnit};
+      EXPECT_EQ(z * kLatticeUnit, rounded[n].a_lat) << "a pixel";
+      for (int32_t i = -9; i <= 9; ++i) {
+        for (int32_t j = -9; j <= 9; ++j) EXPECT_LE(distance(z) * (1 - 1e-9), distance(z + Vec2i{i, j})) << l.name;
+      }
+    }
+  }
+}
+
+TEST(ThesisAlgorithms, KeepASinglePointAsAPixelUnlessMinimal) {
+  const std::vector<Polyline> point{{{{3.2, -1.7}}}};
+  const PlaneGrid grid = Unscaled(PlaneLattice::Named(NamedPlaneLattice::kSquare));
+  for (LineAlgorithm algorithm : {LineAlgorithm::kIncremental, LineAlgorithm::kIbanez}) {
+    EXPECT_EQ(Digitized(point, grid, 0, false, algorithm).pixels, (std::vector<Vec2i>{{3, -2}}));
+    EXPECT_TRUE(Digitized(point, grid, 0, true, algorithm).pixels.empty());
+  }
+  EXPECT_TRUE(Digitized(point, grid, 0, false).pixels.empty()) << "a point crosses no edge";
+}
+
+// ---- Grids and errors -----------------------------------------------------------------------------------------------
+
+TEST(ResolvePlaneGrid, MapsTheLongerSideToOnePixelLessThanTheResolution) {
+  const PlaneLattice lattice = PlaneLattice::Named(NamedPlaneLattice::kHexagonal);
+  const auto grid = ResolvePlaneGrid(lattice, {.resolution = 101}, {}, {{-1, 2}, {4, 12}});
+  ASSERT_TRUE(grid.ok());
+  EXPECT_NEAR(grid->lattice.pixel_size(), 0.1, 1e-12);
+  EXPECT_EQ(grid->origin, (Vec2d{-1, 2}));
+  const auto given = ResolvePlaneGrid(lattice, {.pixel_size = 3.0}, Vec2d{7, 8}, {{-1, 2}, {4, 12}});
+  ASSERT_TRUE(given.ok());
+  EXPECT_NEAR(given->lattice.pixel_size(), 3, 1e-12);
+  EXPECT_EQ(given->origin, (Vec2d{7, 8}));
+}
+
+TEST(ResolvePlaneGrid, RefusesWhatIsOutOfRangeByName) {
+  const auto message = [](const PlaneDensity& density, const std::optional<Vec2d>& origin = {},
+                          const PlaneBounds& bounds = {{0, 0}, {1, 1}}) {
+    return std::string(
+        ResolvePlaneGrid(PlaneLattice::Named(NamedPlaneLattice::kSquare), density, origin, bounds).status().message());
+  };
+  EXPECT_EQ(message({.pixel_size = -1.0}), "pixel_size: -1 is not a finite number above 0");
+  EXPECT_EQ(message({.resolution = 1}), "resolution: 1 is not within 2 to 65536");
+  EXPECT_EQ(message({.resolution = 65537}), "resolution: 65537 is not within 2 to 65536");
+  EXPECT_EQ(message({.pixel_size = 1.0, .resolution = 9}), "resolution: not together with pixel_size");
+  EXPECT_EQ(message({.resolution = 9}, {}, {{3, 3}, {3, 3}}),
+            "resolution: the polylines are a single point; give pixel_size");
+  EXPECT_EQ(message({}, Vec2d{0, NAN}), "origin: nan is not a finite number");
+  EXPECT_EQ(message({.resolution = 65536}), "");
+}
+
+TEST(Pixelize, RefusesBadArgumentsByName) {
+  const PlaneGrid grid = Unscaled(PlaneLattice::Named(NamedPlaneLattice::kSquare));
+  const std::vector<Polyline> line{{{{0, 0}, {65535, 65535}}}};
+  EXPECT_EQ(Pixelize(line, grid, {.separability = 2}).status().message(), "separability: 2 is not 0 or 1");
+  EXPECT_EQ(Pixelize({}, grid, {}).status().message(), "polylines: there are none");
+  EXPECT_EQ(Pixelize(line, grid, {.algorithm = LineAlgorithm::kBruteForce}).status().message(),
+            "algorithm: brute force would test 4295491600 pixels, the limit is 1073741824");
+  EXPECT_EQ(Pixelize({{{{0, 0}, {0, 1e6}}}}, grid, {}).status().message(),
+            "pixel_size: the polylines extend over 1000001 pixels on lattice axis j, the limit is 131072");
+}
+
+TEST(Pixelize, TakesTheLargestResolutionOnBothNamedLattices) {
+  for (NamedPlaneLattice name : {NamedPlaneLattice::kSquare, NamedPlaneLattice::kHexagonal}) {
+    const auto grid = ResolvePlaneGrid(PlaneLattice::Named(name), {.resolution = 65536}, {}, BoundsOf({Star()}));
+    ASSERT_TRUE(grid.ok());
+    const PixelizeResult result = Digitized({Star()}, *grid, 0, true);
+    EXPECT_GT(result.pixels.size(), 65536U * 4);
+    EXPECT_EQ(result.tunnels, 0U);
+    EXPECT_EQ(result.redundant, 0U);
+  }
+}
+
+}  // namespace
+}  // namespace latvox

@@ -1,0 +1,15 @@
+# The server's tests: foreign bytes, the contract's rules, and whole calls through a real channel.
+find_package(draco CONFIG REQUIRED)
+
+add_library(latvox_server_meshes STATIC unit/server_meshes.cc)
+target_link_libraries(latvox_server_meshes PUBLIC latvox::core PRIVATE latvox_build draco::draco)
+
+latvox_add_test(server_decoder_test SOURCES unit/server_decoder_test.cc
+                LIBRARIES latvox::server latvox_server_meshes draco::draco GTest::gmock)
+latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_call_test SOURCES unit/server_call_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_process_test SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)
+target_compile_definitions(server_process_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
+add_dependencies(server_process_test latvoxd)

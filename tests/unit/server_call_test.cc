@@ -1,0 +1,617 @@
+// Whole calls through a real channel.
+#include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <bit>
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/draco_decoder.h"
+#include "server/server.h"
+#include "server/service.h"
+#include "tests/unit/server_meshes.h"
+
+namespace latvox {
+namespace {
+
+using ::testing::HasSubstr;
+using Stream = grpc::ClientReaderWriter<v1::VoxelizeRequest, v1::VoxelizeResponse>;
+
+constexpr auto kPatience = std::chrono::seconds(20);
+
+bool Eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+v1::VoxelizeSpec Spec(uint32_t resolution, v1::NamedLattice lattice = v1::NAMED_LATTICE_BCC) {
+  v1::VoxelizeSpec spec;
+  spec.mutable_lattice()->set_named(lattice);
+  spec.set_resolution(resolution);
+  return spec;
+}
+
+v1::VoxelizeRequest SpecMessage(const v1::VoxelizeSpec& spec) {
+  v1::VoxelizeRequest request;
+  *request.mutable_spec() = spec;
+  return request;
+}
+
+v1::VoxelizeRequest PieceMessage(std::string piece) {
+  v1::VoxelizeRequest request;
+  request.set_mesh_piece(std::move(piece));
+  return request;
+}
+
+const std::string& SphereBytes() {
+  static const auto& bytes = *new std::string(EncodeDraco(Sphere(40), {}));
+  return bytes;
+}
+
+// Everything that came back.
+struct Answer {
+  grpc::Status status;
+  std::vector<v1::VoxelizeResponse> messages;
+  std::map<std::string, std::string> trailers;
+
+  const v1::Accepted& accepted() const { return messages.front().accepted(); }
+  const v1::Summary& summary() const { return messages.back().summary(); }
+  std::string trailer(const std::string& key) const {
+    const auto found = trailers.find(key);
+    return found == trailers.end() ? "" : found->second;
+  }
+  std::vector<Brick> Bricks() const;
+};
+
+std::vector<Brick> Answer::Bricks() const {
+  std::vector<Brick> bricks;
+  for (const v1::VoxelizeResponse& message : messages) {
+    const v1::BrickBatch& batch = message.bricks();
+    EXPECT_EQ(batch.masks().size(), batch.brick_ijk_size() / 3 * sizeof(BrickMask));
+    for (int n = 0; n < batch.brick_ijk_size() / 3; ++n) {
+      Brick& brick = bricks.emplace_back();
+      for (int m = 0; m < 3; ++m) brick.brick_ijk[static_cast<size_t>(m)] = batch.brick_ijk(3 * n + m);
+      std::memcpy(brick.mask.data(), batch.masks().data() + n * sizeof(BrickMask), sizeof(BrickMask));
+    }
+  }
+  return bricks;
+}
+
+class VoxelizeCall {
+ public:
+  explicit VoxelizeCall(v1::Voxelizer::Stub& stub) : context_(new grpc::ClientContext), stub_(stub) {}
+
+  grpc::ClientContext& context() { return *context_; }
+  Stream& stream() {
+    if (!stream_) stream_ = stub_.Voxelize(context_.get());
+    return *stream_;
+  }
+
+  VoxelizeCall& Send(const v1::VoxelizeRequest& message) {
+    stream().Write(message);
+    return *this;
+  }
+
+  Answer Receive() {
+    Answer answer;
+    for (v1::VoxelizeResponse message; stream().Read(&message);) answer.messages.push_back(message);
+    answer.status = stream().Finish();
+    for (const auto& [key, value] : context_->GetServerTrailingMetadata()) {
+      answer.trailers.emplace(std::string(key.data(), key.size()), std::string(value.data(), value.size()));
+    }
+    return answer;
+  }
+
+  Answer HalfCloseAndReceive() {
+    stream().WritesDone();
+    return Receive();
+  }
+
+ private:
+  std::unique_ptr<grpc::ClientContext> context_;
+  v1::Voxelizer::Stub& stub_;
+  std::unique_ptr<Stream> stream_;
+};
+
+Answer Voxelize(v1::Voxelizer::Stub& stub, const v1::VoxelizeSpec& spec, const std::string& mesh,
+                size_t piece_bytes = 1000) {
+  VoxelizeCall call(stub);
+  call.Send(SpecMessage(spec));
+  for (size_t at = 0; at < mesh.size(); at += piece_bytes) call.Send(PieceMessage(mesh.substr(at, piece_bytes)));
+  return call.HalfCloseAndReceive();
+}
+
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() {
+    std::string pattern = testing::TempDir() + "latvoxXXXXXX";
+    directory_ = mkdtemp(pattern.data());
+    options_.listen = {"unix:" + directory_ + "/socket"};
+    options_.threads = 2;
+    options_.keepalive_time = absl::Seconds(1);
+    options_.keepalive_timeout = absl::Seconds(1);
+  }
+  ~ServerTest() override {
+    stub_.reset();
+    server_.reset();
+    std::filesystem::remove_all(directory_);
+  }
+
+  void Start() {
+    auto server = VoxelServer::Start(options_);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    stub_ = Connect();
+  }
+
+  std::unique_ptr<v1::Voxelizer::Stub> Connect() const {
+    grpc::ChannelArguments arguments;
+    arguments.SetMaxReceiveMessageSize(-1);
+    arguments.SetInt("grpc.use_local_subchannel_pool", 1);  // a connection of its own
+    return v1::Voxelizer::NewStub(
+        grpc::CreateCustomChannel(server_->addresses()[0], grpc::InsecureChannelCredentials(), arguments));
+  }
+
+  std::string directory_;
+  ServerOptions options_;
+  std::unique_ptr<VoxelServer> server_;
+  std::unique_ptr<v1::Voxelizer::Stub> stub_;
+};
+
+TEST_F(ServerTest, AnswersWithAcceptedThenBricksThenSummary) {
+  Start();
+  const Answer answer = Voxelize(*stub_, Spec(200), SphereBytes());
+  ASSERT_TRUE(answer.status.ok()) << answer.status.error_message();
+  ASSERT_GE(answer.messages.size(), 3);
+  double progress = 0;
+  for (size_t n = 0; n < answer.messages.size(); ++n) {
+    const v1::VoxelizeResponse& message = answer.messages[n];
+    EXPECT_EQ(message.has_accepted(), n == 0);
+    EXPECT_EQ(message.has_summary(), n + 1 == answer.messages.size());
+    if (!message.has_bricks()) continue;
+    EXPECT_GE(message.bricks().progress(), progress);
+    progress = message.bricks().progress();
+  }
+  EXPECT_FALSE(answer.accepted().request_id().empty());
+  EXPECT_EQ(answer.accepted().mesh().quantization_bits(), 14);
+  EXPECT_EQ(answer.summary().mesh_bytes(), SphereBytes().size());
+}
+
+TEST_F(ServerTest, SummaryCountsAndDigestAreThoseOfTheBricksSent) {
+  Start();
+  for (const auto lattice :
+       {v1::NAMED_LATTICE_CARTESIAN, v1::NAMED_LATTICE_BCC, v1::NAMED_LATTICE_FCC, v1::NAMED_LATTICE_HEXAGONAL}) {
+    const Answer answer = Voxelize(*stub_, Spec(150, lattice), SphereBytes());
+    ASSERT_TRUE(answer.status.ok()) << answer.status.error_message();
+    uint64_t voxels = 0;
+    Digest digest;
+    std::set<Vec3i> tiles;
+    const v1::IndexBox& box = answer.accepted().index_box();
+    for (const Brick& brick : answer.Bricks()) {
+      EXPECT_NE(brick.mask, BrickMask{});
+      EXPECT_LE(box.min().i(), (brick.brick_ijk[0] + 1) * kBrickSide);
+      EXPECT_GE(box.max().i(), brick.brick_ijk[0] * kBrickSide);
+      voxels += CountVoxels(brick.mask);
+      digest.Add(brick);
+      tiles.insert({brick.brick_ijk[0] >> 3, brick.brick_ijk[1] >> 3, brick.brick_ijk[2] >> 3});
+    }
+    EXPECT_GT(voxels, 10'000);
+    EXPECT_EQ(answer.summary().voxels(), voxels);
+    EXPECT_EQ(answer.summary().bricks(), answer.Bricks().size());
+    EXPECT_EQ(answer.summary().tiles(), tiles.size());
+    EXPECT_EQ(answer.summary().certificate().digest(), digest.ToHex());
+    EXPECT_TRUE(answer.summary().certificate().minimal());
+  }
+}
+
+TEST_F(ServerTest, GivesTheSameBricksForAnyPiecesAndUnderLoad) {
+  Start();
+  const Answer first = Voxelize(*stub_, Spec(100), SphereBytes());
+  ASSERT_TRUE(first.status.ok()) << first.status.error_message();
+  std::vector<std::thread> clients;
+  for (const size_t piece : {1u, 7u, 100u, 4096u, 1u << 20, 1u << 20, 1u << 20, 1u << 20}) {
+    clients.emplace_back([&, piece] {
+      const Answer answer = Voxelize(*stub_, Spec(100), SphereBytes(), piece);
+      ASSERT_TRUE(answer.status.ok()) << answer.status.error_message();
+      EXPECT_EQ(answer.summary().certificate().digest(), first.summary().certificate().digest());
+    });
+  }
+  for (std::thread& client : clients) client.join();
+}
+
+TEST_F(ServerTest, VerifiesWhatItDelivers) {
+  Start();
+  v1::VoxelizeSpec spec = Spec(80);
+  spec.set_verify(true);
+  const Answer answer = Voxelize(*stub_, spec, SphereBytes());
+  ASSERT_TRUE(answer.status.ok()) << answer.status.error_message();
+  EXPECT_TRUE(answer.summary().certificate().verified());
+  EXPECT_EQ(answer.summary().certificate().tunnels(), 0);
+  EXPECT_EQ(answer.summary().certificate().redundant(), 0);
+  spec.set_minimal(false);
+  const Answer thick = Voxelize(*stub_, spec, SphereBytes());
+  EXPECT_GT(thick.summary().certificate().redundant(), 0);
+  EXPECT_FALSE(thick.summary().certificate().minimal());
+}
+
+TEST_F(ServerTest, RefusesABadSpecBeforeTheMeshIsSent) {
+  Start();
+  VoxelizeCall call(*stub_);
+  const Answer answer = call.Send(SpecMessage(Spec(70000))).Receive();  // no half-close
+  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(answer.status.error_message(), "resolution 70000 exceeds 65536");
+  google::rpc::Status details;
+  google::rpc::ErrorInfo info;
+  ASSERT_TRUE(details.ParseFromString(answer.status.error_details()));
+  ASSERT_TRUE(details.details(0).UnpackTo(&info));
+  EXPECT_EQ(info.metadata().at("field"), "resolution");
+  EXPECT_EQ(info.metadata().at("value"), "70000");
+  EXPECT_EQ(info.metadata().at("limit"), "65536");
+}
+
+TEST_F(ServerTest, RefusesEveryOtherOrderOfMessages) {
+  Start();
+  const auto expect_refused = [](const Answer& answer, const std::string& message) {
+    EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_THAT(answer.status.error_message(), HasSubstr(message));
+    EXPECT_TRUE(answer.messages.empty());
+  };
+  expect_refused(VoxelizeCall(*stub_).HalfCloseAndReceive(), "the stream ended before spec");
+  expect_refused(VoxelizeCall(*stub_).Send(PieceMessage("x")).Receive(), "mesh_piece came before spec");
+  expect_refused(VoxelizeCall(*stub_).Send(SpecMessage(Spec(9))).Send(SpecMessage(Spec(9))).Receive(), "a second one");
+  expect_refused(VoxelizeCall(*stub_).Send({}).Receive(), "neither spec nor mesh_piece");
+  expect_refused(VoxelizeCall(*stub_).Send(SpecMessage(Spec(9))).HalfCloseAndReceive(), "mesh: no bytes came");
+}
+
+TEST_F(ServerTest, RefusesBadMeshes) {
+  Start();
+  const auto expect = [&](const v1::VoxelizeSpec& spec, const std::string& mesh, const std::string& message) {
+    const Answer answer = Voxelize(*stub_, spec, mesh);
+    EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_THAT(answer.status.error_message(), HasSubstr(message));
+  };
+  expect(Spec(9), "v 0 0 0\n", "mesh: not a Draco file");
+  expect(Spec(9), SphereBytes().substr(0, SphereBytes().size() / 2), "mesh: truncated or corrupt Draco data");
+  expect(Spec(9), EncodeDracoPointCloud(Sphere(4)), "mesh: a Draco point cloud");
+  v1::VoxelizeSpec spec = Spec(9);
+  spec.set_mesh_bytes(SphereBytes().size() + 1);
+  expect(spec, SphereBytes(), "was declared, but only");
+  spec.set_mesh_bytes(SphereBytes().size() - 1);
+  expect(spec, SphereBytes(), "was declared, but at least");
+  spec = Spec(9);
+  spec.set_voxel_size(1e-6);
+  expect(spec, SphereBytes(), "axis");
+}
+
+TEST_F(ServerTest, HoldsMeshesAgainstItsLimits) {
+  options_.limits.max_mesh_bytes = 2000;
+  options_.limits.max_triangles = 100;
+  Start();
+  const auto expect = [&](const v1::VoxelizeSpec& spec, const std::string& mesh, const std::string& message) {
+    const Answer answer = Voxelize(*stub_, spec, mesh);
+    EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_THAT(answer.status.error_message(), HasSubstr(message));
+    EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), "-1");
+  };
+  ASSERT_GT(SphereBytes().size(), 2000);
+  expect(Spec(9), SphereBytes(), "mesh_bytes");
+  expect(Spec(9), EncodeDraco(Sphere(8), {}), "mesh.triangles");
+  v1::VoxelizeSpec spec = Spec(9);
+  spec.set_mesh_bytes(3000);
+  expect(spec, "", "mesh_bytes 3000 exceeds 2000");
+}
+
+TEST_F(ServerTest, RefusesOversizedMessages) {
+  options_.limits.max_message_bytes = 1 << 16;
+  Start();
+  VoxelizeCall call(*stub_);
+  const Answer answer = call.Send(SpecMessage(Spec(9))).Send(PieceMessage(std::string(1 << 17, 'x'))).Receive();
+  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+}
+
+// A request for some 60 MB of bricks, of which the client has read Accepted.
+void StartBigJob(VoxelizeCall& call) {
+  v1::VoxelizeSpec spec = Spec(3000);
+  spec.set_minimal(false);
+  call.Send(SpecMessage(spec)).Send(PieceMessage(SphereBytes())).stream().WritesDone();
+  v1::VoxelizeResponse message;
+  EXPECT_TRUE(call.stream().Read(&message) && message.has_accepted());
+}
+
+// Whether this process, client and server, computes nothing.
+bool IsIdle() {
+  const auto cpu_seconds = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const double before = cpu_seconds();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  return cpu_seconds() - before < 0.01;
+}
+
+TEST_F(ServerTest, HoldsNoThreadForAClientThatStopsReadingAndEndsWithItsCancellation) {
+  Start();
+  VoxelizeCall call(*stub_);
+  StartBigJob(call);
+  EXPECT_TRUE(Eventually(IsIdle));
+  EXPECT_EQ(server_->calls(), 1);
+  call.context().TryCancel();
+  EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+}
+
+TEST_F(ServerTest, GoesOnWhenAClientReadsAgain) {
+  Start();
+  VoxelizeCall call(*stub_);
+  StartBigJob(call);
+  EXPECT_TRUE(Eventually(IsIdle));
+  const Answer rest = call.Receive();
+  ASSERT_TRUE(rest.status.ok()) << rest.status.error_message();
+  Digest digest;
+  for (const Brick& brick : rest.Bricks()) digest.Add(brick);
+  EXPECT_EQ(rest.summary().certificate().digest(), digest.ToHex());
+  EXPECT_GT(rest.summary().timings().stream_ms(), 100);
+}
+
+TEST_F(ServerTest, OtherClientsAreServedWhileOneStalls) {
+  Start();
+  std::vector<std::unique_ptr<v1::Voxelizer::Stub>> stubs;
+  std::vector<std::unique_ptr<VoxelizeCall>> stalled;
+  for (int n = 0; n < 4; ++n) {
+    stubs.push_back(Connect());
+    stalled.push_back(std::make_unique<VoxelizeCall>(*stubs.back()));
+    StartBigJob(*stalled.back());
+  }
+  EXPECT_TRUE(Voxelize(*stub_, Spec(50), SphereBytes()).status.ok());
+  for (auto& call : stalled) {
+    call->context().TryCancel();
+    call->Receive();
+  }
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+}
+
+TEST_F(ServerTest, CancelsAtAnyMomentEndCleanly) {
+  Start();
+  for (int n = 0; n < 60; ++n) {
+    VoxelizeCall call(*stub_);
+    call.context().set_deadline(std::chrono::system_clock::now() + kPatience);
+    std::thread canceller([&, n] {
+      std::this_thread::sleep_for(std::chrono::microseconds(n * 400));
+      call.context().TryCancel();
+    });
+    call.Send(SpecMessage(Spec(400))).Send(PieceMessage(SphereBytes()));
+    const grpc::StatusCode code = call.HalfCloseAndReceive().status.error_code();
+    EXPECT_TRUE(code == grpc::StatusCode::CANCELLED || code == grpc::StatusCode::OK) << code;
+    canceller.join();
+  }
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+}
+
+TEST_F(ServerTest, EndsACallAtItsDeadlineInUploadAndInStream) {
+  Start();
+  for (const bool streaming : {false, true}) {
+    VoxelizeCall call(*stub_);
+    call.context().set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(800));
+    if (streaming) {
+      StartBigJob(call);
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+    } else {
+      call.Send(SpecMessage(Spec(9)));
+    }
+    EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+    EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+  }
+}
+
+TEST_F(ServerTest, RefusesOneJobTooManyAndSaysWhenToTryAgain) {
+  options_.limits.max_jobs = 1;
+  Start();
+  VoxelizeCall first(*stub_);
+  first.Send(SpecMessage(Spec(50)));
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 1; }));
+  const Answer refused = Voxelize(*stub_, Spec(50), SphereBytes());
+  EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(refused.status.error_message(), HasSubstr("jobs: 1 of 1 are running"));
+  EXPECT_EQ(refused.trailer("grpc-retry-pushback-ms"), "1000");
+  google::rpc::Status details;
+  google::rpc::RetryInfo retry;
+  ASSERT_TRUE(details.ParseFromString(refused.status.error_details()));
+  ASSERT_EQ(details.details_size(), 2);
+  ASSERT_TRUE(details.details(1).UnpackTo(&retry));
+  EXPECT_EQ(retry.retry_delay().seconds(), 1);
+  EXPECT_TRUE(first.Send(PieceMessage(SphereBytes())).HalfCloseAndReceive().status.ok());
+}
+
+TEST_F(ServerTest, AClientThatRunsMaxJobsAtATimeIsNeverRefused) {
+  options_.limits.max_jobs = 2;
+  Start();
+  std::vector<std::thread> clients;
+  for (int client = 0; client < 2; ++client) {
+    clients.emplace_back([&] {
+      for (int n = 0; n < 100; ++n) {
+        const Answer answer = Voxelize(*stub_, Spec(n % 2 == 0 ? 4 : 70000), SphereBytes());
+        EXPECT_NE(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+      }
+    });
+  }
+  for (std::thread& client : clients) client.join();
+}
+
+TEST_F(ServerTest, LetsRunningJobsEndWithinTheGraceAndRefusesNewOnes) {
+  Start();
+  VoxelizeCall call(*stub_);
+  call.Send(SpecMessage(Spec(50)));
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 1; }));
+  std::thread stopper([&] { EXPECT_TRUE(server_->Stop(absl::Seconds(20))); });
+  ASSERT_TRUE(Eventually(
+      [&] { return Voxelize(*stub_, Spec(4), SphereBytes()).status.error_code() == grpc::StatusCode::UNAVAILABLE; }));
+  EXPECT_TRUE(call.Send(PieceMessage(SphereBytes())).HalfCloseAndReceive().status.ok());
+  stopper.join();
+}
+
+TEST_F(ServerTest, StopsRunningJobsAfterTheGrace) {
+  Start();
+  VoxelizeCall uploading(*stub_), streaming(*stub_);
+  uploading.Send(SpecMessage(Spec(50)));
+  StartBigJob(streaming);
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 2; }));
+  std::thread reader([&] { streaming.Receive(); });
+  EXPECT_TRUE(server_->Stop(absl::Milliseconds(10)));
+  EXPECT_EQ(uploading.Receive().status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  reader.join();
+}
+
+TEST_F(ServerTest, TellsItsLimits) {
+  options_.limits.max_jobs = 7;
+  Start();
+  grpc::ClientContext context;
+  v1::GetLimitsResponse limits;
+  ASSERT_TRUE(stub_->GetLimits(&context, {}, &limits).ok());
+  EXPECT_EQ(limits.max_jobs(), 7);
+  EXPECT_EQ(limits.version(), LATVOX_VERSION);
+}
+
+// A unary call whose messages are their bytes on the wire.
+std::string UnaryCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+                      const std::string& request) {
+  grpc::GenericStub stub(channel);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kPatience);
+  grpc::CompletionQueue queue;
+  const grpc::Slice slice(request);
+  const auto call = stub.PrepareUnaryCall(&context, method, grpc::ByteBuffer(&slice, 1), &queue);
+  call->StartCall();
+  grpc::ByteBuffer response;
+  grpc::Status status;
+  call->Finish(&response, &status, nullptr);
+  void* tag = nullptr;
+  bool ok = false;
+  queue.Next(&tag, &ok);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  grpc::Slice whole;
+  return response.DumpToSingleSlice(&whole).ok() ? std::string(whole.begin(), whole.end()) : "";
+}
+
+TEST_F(ServerTest, ReportsItsHealth) {
+  Start();
+  const auto channel = grpc::CreateChannel(server_->addresses()[0], grpc::InsecureChannelCredentials());
+  const std::string serving("\x08\x01", 2);
+  const std::string name = "latvox.v1.Voxelizer";
+  EXPECT_EQ(UnaryCall(channel, "/grpc.health.v1.Health/Check", ""), serving);
+  EXPECT_EQ(UnaryCall(channel, "/grpc.health.v1.Health/Check",
+                      absl::StrCat("\x0a", std::string(1, static_cast<char>(name.size())), name)),
+            serving);
+}
+
+TEST_F(ServerTest, ChoosesAFreePortAndReportsIt) {
+  options_.listen.push_back("127.0.0.1:0");
+  Start();
+  ASSERT_EQ(server_->addresses().size(), 2);
+  EXPECT_NE(server_->addresses()[1], "127.0.0.1:0");
+  const auto stub =
+      v1::Voxelizer::NewStub(grpc::CreateChannel(server_->addresses()[1], grpc::InsecureChannelCredentials()));
+  EXPECT_TRUE(Voxelize(*stub, Spec(9), SphereBytes()).status.ok());
+}
+
+TEST_F(ServerTest, NamesTheAddressThatIsInUse) {
+  options_.listen.push_back("127.0.0.1:0");
+  Start();
+  for (const std::string& address : server_->addresses()) {
+    ServerOptions second;
+    second.listen = {"127.0.0.1:0", address};
+    const auto result = VoxelServer::Start(second);
+    ASSERT_FALSE(result.ok());
+    EXPECT_THAT(std::string{result.status().message()}, HasSubstr("cannot listen on " + address));
+  }
+  EXPECT_TRUE(Voxelize(*stub_, Spec(9), SphereBytes()).status.ok());  // the first one keeps its socket
+}
+
+TEST_F(ServerTest, ReplacesSocketsOfDeadServersOnlyAndRemovesItsOwn) {
+  const std::string path = directory_ + "/socket";
+  std::ofstream(path) << "precious";
+  EXPECT_FALSE(VoxelServer::Start(options_).ok());
+  EXPECT_EQ(std::filesystem::file_size(path), 8);
+  std::filesystem::remove(path);
+  Start();
+  const std::string copy = path + "2";
+  std::filesystem::rename(path, copy);  // now it looks like one left behind
+  ASSERT_TRUE(server_->Stop(absl::ZeroDuration()));
+  std::filesystem::rename(copy, path);
+  Start();
+  EXPECT_TRUE(Voxelize(*stub_, Spec(9), SphereBytes()).status.ok());
+  ASSERT_TRUE(server_->Stop(absl::ZeroDuration()));
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+// Decodes when it is told to.
+class GatedDecoder : public MeshDecoder {
+ public:
+  absl::StatusOr<DecodedMesh> Decode(absl::string_view bytes, const Limits& limits) const override {
+    std::unique_lock lock(mu_);
+    ++waiting_;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return open_; });
+    return DracoDecoder().Decode(bytes, limits);
+  }
+  void AwaitDecode() {
+    std::unique_lock lock(mu_);
+    changed_.wait(lock, [this] { return waiting_ > 0; });
+  }
+  void Open() {
+    const std::lock_guard lock(mu_);
+    open_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  mutable std::mutex mu_;
+  mutable std::condition_variable changed_;
+  mutable int waiting_ = 0;
+  bool open_ = false;
+};
+
+TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheServerAfterIt) {
+  const Limits limits;
+  GatedDecoder decoder;
+  oneapi::tbb::task_arena arena(1, 0);
+  CallRegistry registry(limits.max_jobs);
+  VoxelizerService service({limits, decoder, arena, registry});
+  grpc::ServerBuilder builder;
+  builder.RegisterService(&service);
+  const auto server = builder.BuildAndStart();
+  const auto stub = v1::Voxelizer::NewStub(server->InProcessChannel({}));
+
+  VoxelizeCall call(*stub);
+  call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
+  decoder.AwaitDecode();
+  call.context().TryCancel();
+  EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(registry.size(), 1);
+  decoder.Open();
+  EXPECT_TRUE(registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
+  server->Shutdown();
+}
+
+}  // namespace
+}  // namespace latvox

@@ -1,0 +1,210 @@
+// latvoxd as a process: options, exit status, signals.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "latvox/v1/voxelizer.grpc.pb.h"
+
+namespace latvox {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Starts a program whose standard error can be read.
+class Process {
+ public:
+  explicit Process(std::vector<std::string> command) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) return;
+    std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
+    for (std::string& argument : command) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(ends[1], STDOUT_FILENO);
+      dup2(ends[1], STDERR_FILENO);
+      execvp(arguments[0], arguments.data());
+      _exit(127);
+    }
+    close(ends[1]);
+    output_ = ends[0];
+  }
+  ~Process() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      Wait();
+    }
+    close(output_);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  pid_t pid() const { return pid_; }
+
+  // Output so far, after `text` has come, or all.
+  std::string ReadUntil(const std::string& text) {
+    char byte = 0;
+    while (all_.find(text) == std::string::npos && read(output_, &byte, 1) == 1) all_ += byte;
+    return all_;
+  }
+  std::string ReadLineWith(const std::string& text) {
+    ReadUntil(text);
+    char byte = 0;
+    while (all_.back() != '\n' && read(output_, &byte, 1) == 1) all_ += byte;
+    const size_t at = all_.find(text);
+    return at == std::string::npos ? "" : all_.substr(at + text.size(), all_.find('\n', at) - at - text.size());
+  }
+  std::string ReadAll() { return ReadUntil("\n\n\n"); }
+
+  // Exit status, or minus the signal.
+  int Wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int output_ = -1;
+  std::string all_;
+};
+
+std::vector<std::string> Latvoxd(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), LATVOXD);
+  return arguments;
+}
+
+std::string TemporaryDirectory() {
+  std::string pattern = testing::TempDir() + "latvoxdXXXXXX";
+  return mkdtemp(pattern.data());
+}
+
+TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const std::string path = TemporaryDirectory() + "/socket";
+    Process server(Latvoxd({"--listen", "unix:" + path}));
+    server.ReadUntil("event=listening address=unix:" + path);
+    EXPECT_TRUE(std::filesystem::exists(path));
+    kill(server.pid(), signal);
+    EXPECT_THAT(server.ReadAll(), HasSubstr("event=stopped"));
+    EXPECT_EQ(server.Wait(), 0);
+    EXPECT_FALSE(std::filesystem::exists(path));
+  }
+}
+
+TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
+  const std::string path = TemporaryDirectory() + "/socket";
+  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60"}));
+  server.ReadUntil("event=listening");
+  const auto stub = v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + path, grpc::InsecureChannelCredentials()));
+  grpc::ClientContext context;
+  context.set_wait_for_ready(true);
+  const auto stream = stub->Voxelize(&context);
+  v1::VoxelizeRequest request;
+  request.mutable_spec()->mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
+  request.mutable_spec()->set_resolution(9);
+  ASSERT_TRUE(stream->Write(request));
+  v1::GetLimitsResponse limits;
+  grpc::ClientContext unary;
+  ASSERT_TRUE(stub->GetLimits(&unary, {}, &limits).ok());  // the call before has arrived by now
+  kill(server.pid(), SIGTERM);
+  EXPECT_EQ(server.ReadLineWith("event=stopping reason="), "SIGTERM calls=1 grace=1m");
+  kill(server.pid(), SIGTERM);
+  EXPECT_EQ(server.Wait(), 1);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST(Latvoxd, SaysInOneLineWhichAddressIsInUse) {
+  Process first(Latvoxd({"--listen", "127.0.0.1:0"}));
+  const std::string address = first.ReadLineWith("event=listening address=");
+  Process second(Latvoxd({"--listen", address}));
+  EXPECT_EQ(second.ReadAll(), "latvoxd: cannot listen on " + address +
+                                  ": the address is in use, not of this machine, or not permitted\n");
+  EXPECT_EQ(second.Wait(), 1);
+}
+
+TEST(Latvoxd, TakesOptionsFromTheCommandLineThenTheEnvironmentThenTheFile) {
+  const std::string directory = TemporaryDirectory();
+  std::ofstream(directory + "/latvoxd.toml") << "listen = [\"unix:" << directory << "/file\"]\n"
+                                             << "max-jobs = 1\nmax-triangles = 2\nlog-level = \"info\"\n"
+                                             << "max-mesh-bytes = \"3MiB\"\n";
+  Process server({"env", "LATVOX_LISTEN=unix:" + directory + "/environment", "LATVOX_MAX_TRIANGLES=5", LATVOXD,
+                  "--config", directory + "/latvoxd.toml", "--listen", "unix:" + directory + "/flag"});
+  EXPECT_EQ(server.ReadLineWith("event=listening address="), "unix:" + directory + "/flag");
+  const auto stub =
+      v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + directory + "/flag", grpc::InsecureChannelCredentials()));
+  grpc::ClientContext context;
+  context.set_wait_for_ready(true);
+  v1::GetLimitsResponse limits;
+  ASSERT_TRUE(stub->GetLimits(&context, {}, &limits).ok());
+  EXPECT_EQ(limits.max_jobs(), 1);
+  EXPECT_EQ(limits.max_triangles(), 5);
+  EXPECT_EQ(limits.max_mesh_bytes(), 3 << 20);
+}
+
+TEST(Latvoxd, RefusesWrongUsageWithStatusTwo) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--no-such-option"}, {"--max-jobs", "0"}, {"--log-level", "loud"}, {"--grace", "-1"}, {"extra"}}) {
+    Process server(Latvoxd(arguments));
+    EXPECT_FALSE(server.ReadAll().empty());
+    EXPECT_EQ(server.Wait(), 2) << arguments[0];
+  }
+}
+
+TEST(Latvoxd, RefusesUnknownKeysOfItsFile) {
+  const std::string path = TemporaryDirectory() + "/latvoxd.toml";
+  std::ofstream(path) << "max-jbs = 3\n";
+  Process server(Latvoxd({"--config", path}));
+  EXPECT_THAT(server.ReadAll(), HasSubstr("max-jbs"));
+  EXPECT_EQ(server.Wait(), 2);
+}
+
+TEST(Latvoxd, TellsItsVersion) {
+  Process server(Latvoxd({"--version"}));
+  EXPECT_EQ(server.ReadAll(), "latvoxd " LATVOX_VERSION "\n");
+  EXPECT_EQ(server.Wait(), 0);
+}
+
+TEST(Latvoxd, EndsWithItsParentIfItWasAskedTo) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // so that the orphan becomes a child of this process
+  const std::string path = TemporaryDirectory() + "/socket";
+  Process shell({"sh", "-c", std::string(LATVOXD) + " --exit-with-parent --listen unix:" + path + " & sleep 60"});
+  shell.ReadUntil("event=listening");
+  kill(shell.pid(), SIGKILL);
+  EXPECT_THAT(shell.ReadUntil("event=stopped"), HasSubstr("event=stopping reason=parent-exit"));
+  shell.Wait();
+  for (int status = 0; waitpid(-1, &status, WNOHANG) > 0;) {
+  }
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+TEST(Latvoxd, EndsCleanlyAsProcessOne) {
+  Process outer({"unshare", "--pid", "--fork", "--kill-child", LATVOXD, "--listen", "127.0.0.1:0"});
+  if (outer.ReadUntil("event=listening").find("event=started") == std::string::npos) {
+    GTEST_SKIP() << "no permission to make a process namespace: " << outer.ReadAll();
+  }
+  EXPECT_THAT(outer.ReadUntil("event=listening"), HasSubstr("pid=1\n"));
+  const std::string pid = std::to_string(outer.pid());
+  pid_t server = 0;
+  std::ifstream("/proc/" + pid + "/task/" + pid + "/children") >> server;
+  ASSERT_GT(server, 0);
+  kill(server, SIGTERM);
+  EXPECT_THAT(outer.ReadAll(), HasSubstr("event=stopped"));
+  EXPECT_EQ(outer.Wait(), 0);
+}
+
+}  // namespace
+}  // namespace latvox

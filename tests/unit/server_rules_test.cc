@@ -1,0 +1,438 @@
+// The contract's rules, one by one: specifications, errors on the wire, batches, uploads, admission.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/snap/snap.h"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "server/brick_batch.h"
+#include "server/call_registry.h"
+#include "server/computation.h"
+#include "server/convert.h"
+#include "server/draco_decoder.h"
+#include "server/errors.h"
+#include "server/mesh_upload.h"
+#include "tests/unit/server_meshes.h"
+
+namespace latvox {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+v1::VoxelizeSpec GoodSpec() {
+  v1::VoxelizeSpec spec;
+  spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
+  spec.set_resolution(64);
+  return spec;
+}
+
+google::rpc::Status DetailsOf(const grpc::Status& status) {
+  google::rpc::Status details;
+  EXPECT_TRUE(details.ParseFromString(status.error_details()));
+  return details;
+}
+
+google::rpc::ErrorInfo ErrorInfoOf(const grpc::Status& status) {
+  google::rpc::ErrorInfo info;
+  const google::rpc::Status details = DetailsOf(status);
+  EXPECT_TRUE(details.details_size() > 0 && details.details(0).UnpackTo(&info));
+  return info;
+}
+
+struct BadSpecCase {
+  std::string name;
+  std::function<void(v1::VoxelizeSpec&)> spoil;
+  std::string message, field;
+};
+
+std::vector<BadSpecCase> BadSpecs() {
+  using Spec = v1::VoxelizeSpec;
+  const auto set_region = [](Spec& s, int low, int high) {
+    s.mutable_region()->mutable_min()->set_j(low);
+    v1::Ijk& max = *s.mutable_region()->mutable_max();
+    max.set_i(5);
+    max.set_j(high);
+    max.set_k(5);
+  };
+  return {
+      {"no lattice", [](Spec& s) { s.clear_lattice(); }, "lattice: neither named nor basis", "lattice"},
+      {"empty lattice", [](Spec& s) { s.mutable_lattice()->clear_kind(); }, "lattice: neither", "lattice"},
+      {"unspecified", [](Spec& s) { s.mutable_lattice()->set_named(v1::NAMED_LATTICE_UNSPECIFIED); },
+       "lattice.named 0 is not a lattice", "lattice.named"},
+      {"unknown", [](Spec& s) { s.mutable_lattice()->set_named(static_cast<v1::NamedLattice>(9)); },
+       "lattice.named 9 is not a lattice", "lattice.named"},
+      {"singular", [](Spec& s) { s.mutable_lattice()->mutable_basis()->mutable_a()->set_x(1); }, "", "lattice.basis"},
+      {"no density", [](Spec& s) { s.clear_density(); }, "density: a named lattice needs", "density"},
+      {"resolution 0", [](Spec& s) { s.set_resolution(0); }, "resolution 0 is below 2", "resolution"},
+      {"resolution 1", [](Spec& s) { s.set_resolution(1); }, "resolution 1 is below 2", "resolution"},
+      {"resolution 70000", [](Spec& s) { s.set_resolution(70000); }, "resolution 70000 exceeds 65536", "resolution"},
+      {"voxel_size 0", [](Spec& s) { s.set_voxel_size(0); }, "voxel_size 0 is not a finite number above 0",
+       "voxel_size"},
+      {"voxel_size -1", [](Spec& s) { s.set_voxel_size(-1); }, "voxel_size -1 is not", "voxel_size"},
+      {"voxel_size inf", [](Spec& s) { s.set_voxel_size(kInfinity); }, "voxel_size inf is not", "voxel_size"},
+      {"voxel_size nan", [](Spec& s) { s.set_voxel_size(std::nan("")); }, "voxel_size nan is not", "voxel_size"},
+      {"separability 3", [](Spec& s) { s.set_separability(3); }, "separability 3 exceeds 2", "separability"},
+      {"origin", [](Spec& s) { s.mutable_origin()->set_y(kInfinity); }, "origin.y inf is not finite", "origin.y"},
+      {"region without max", [](Spec& s) { s.mutable_region(); }, "region.max.i 0 is not above", "region.max.i"},
+      {"empty region", [=](Spec& s) { set_region(s, 4, 4); }, "region.max.j 4 is not above region.min's 4",
+       "region.max.j"},
+      {"region backwards", [=](Spec& s) { set_region(s, 4, -4); }, "region.max.j -4 is not above", "region.max.j"},
+      {"verify and region",
+       [=](Spec& s) {
+         set_region(s, 0, 9);
+         s.set_verify(true);
+       },
+       "verify: not together with region", "verify"},
+  };
+}
+
+TEST(JobSpecFromProto, NamesTheFieldOfEveryBadSpec) {
+  for (const BadSpecCase& bad : BadSpecs()) {
+    SCOPED_TRACE(bad.name);
+    v1::VoxelizeSpec spec = GoodSpec();
+    bad.spoil(spec);
+    const auto result = JobSpecFromProto(spec, {});
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string{result.status().message()}, HasSubstr(bad.message));
+    const google::rpc::ErrorInfo info = ErrorInfoOf(ToGrpcStatus(result.status()));
+    EXPECT_EQ(info.reason(), "BAD_SPEC");
+    EXPECT_EQ(info.metadata().at("field"), bad.field);
+  }
+}
+
+TEST(JobSpecFromProto, FillsInTheContractsDefaults) {
+  const auto spec = JobSpecFromProto(GoodSpec(), {});
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->lattice.name(), "bcc");
+  EXPECT_EQ(spec->density.resolution, 64);
+  EXPECT_FALSE(spec->density.voxel_size || spec->origin || spec->options.region || spec->verify);
+  EXPECT_TRUE(spec->options.minimal);
+  EXPECT_EQ(spec->options.separability, 0);
+}
+
+TEST(JobSpecFromProto, TakesEveryField) {
+  v1::VoxelizeSpec proto = GoodSpec();
+  proto.set_voxel_size(0.25);
+  proto.mutable_origin()->set_z(-3);
+  proto.set_separability(2);
+  proto.set_minimal(false);
+  proto.mutable_region()->mutable_min()->set_i(-7);
+  for (const auto set : {&v1::Ijk::set_i, &v1::Ijk::set_j, &v1::Ijk::set_k}) {
+    (proto.mutable_region()->mutable_max()->*set)(9);
+  }
+  proto.set_mesh_bytes(77);
+  const auto spec = JobSpecFromProto(proto, {});
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->density.voxel_size, 0.25);
+  EXPECT_FALSE(spec->density.resolution);
+  EXPECT_EQ(spec->origin, (Vec3d{0, 0, -3}));
+  EXPECT_EQ(spec->options.separability, 2);
+  EXPECT_FALSE(spec->options.minimal);
+  EXPECT_EQ(spec->options.region, (IndexBox{{-7, 0, 0}, {9, 9, 9}}));
+  EXPECT_EQ(spec->mesh_bytes, 77);
+}
+
+TEST(JobSpecFromProto, LetsABasisStandForItself) {
+  v1::VoxelizeSpec proto = GoodSpec();
+  proto.clear_density();
+  v1::Basis& basis = *proto.mutable_lattice()->mutable_basis();
+  basis.mutable_a()->set_x(2);
+  basis.mutable_b()->set_y(2);
+  basis.mutable_c()->set_z(2);
+  const auto spec = JobSpecFromProto(proto, {});
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_DOUBLE_EQ(spec->lattice.voxel_size(), 2);
+  EXPECT_FALSE(spec->density.resolution || spec->density.voxel_size);
+}
+
+TEST(JobSpecFromProto, RefusesAnOversizedMeshBeforeItIsSent) {
+  v1::VoxelizeSpec proto = GoodSpec();
+  proto.set_mesh_bytes(2000);
+  const auto result = JobSpecFromProto(proto, {.max_mesh_bytes = 1000});
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(result.status().message(), "mesh_bytes 2000 exceeds 1000");
+}
+
+TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
+  JobSpec spec = *JobSpecFromProto(GoodSpec(), {});
+  JobFacts facts;
+  facts.index_box = IndexBox{{0, 0, 0}, {10, 10, 10}};
+  const auto minimal = [&] { return CertificateToProto(spec, facts, {}, {}, std::nullopt).minimal(); };
+  EXPECT_TRUE(minimal());
+  spec.options.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
+  EXPECT_TRUE(minimal());
+  spec.options.region->max[2] = 10;  // the box may have been cut here
+  EXPECT_FALSE(minimal());
+  facts.index_box.reset();
+  EXPECT_FALSE(minimal());
+  spec.options.region.reset();
+  spec.options.minimal = false;
+  EXPECT_FALSE(minimal());
+}
+
+TEST(Limits, AreReportedAsTheyAreSet) {
+  const v1::GetLimitsResponse limits = LimitsToProto({1, 2, 3, 4, 5});
+  EXPECT_EQ(limits.max_mesh_bytes(), 1);
+  EXPECT_EQ(limits.max_triangles(), 2);
+  EXPECT_EQ(limits.max_vertices(), 3);
+  EXPECT_EQ(limits.max_jobs(), 4);
+  EXPECT_EQ(limits.max_message_bytes(), 5);
+  EXPECT_EQ(limits.max_extent(), kMaxExtent);
+  EXPECT_EQ(limits.subvoxel_bits(), kSubvoxelBits);
+  EXPECT_EQ(limits.version(), LATVOX_VERSION);
+}
+
+TEST(ErrorTable, MapsEveryCodeToOneOfTheContracts) {
+  using grpc::StatusCode;
+  const std::vector<std::pair<absl::StatusCode, StatusCode>> table = {
+      {absl::StatusCode::kOk, StatusCode::OK},
+      {absl::StatusCode::kCancelled, StatusCode::CANCELLED},
+      {absl::StatusCode::kUnknown, StatusCode::INTERNAL},
+      {absl::StatusCode::kInvalidArgument, StatusCode::INVALID_ARGUMENT},
+      {absl::StatusCode::kDeadlineExceeded, StatusCode::DEADLINE_EXCEEDED},
+      {absl::StatusCode::kNotFound, StatusCode::INTERNAL},
+      {absl::StatusCode::kAlreadyExists, StatusCode::INTERNAL},
+      {absl::StatusCode::kPermissionDenied, StatusCode::INTERNAL},
+      {absl::StatusCode::kResourceExhausted, StatusCode::RESOURCE_EXHAUSTED},
+      {absl::StatusCode::kFailedPrecondition, StatusCode::INTERNAL},
+      {absl::StatusCode::kAborted, StatusCode::INTERNAL},
+      {absl::StatusCode::kOutOfRange, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnimplemented, StatusCode::INTERNAL},
+      {absl::StatusCode::kInternal, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnavailable, StatusCode::UNAVAILABLE},
+      {absl::StatusCode::kDataLoss, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnauthenticated, StatusCode::INTERNAL},
+  };
+  for (const auto& [ours, wire] : table) {
+    const grpc::Status status = ToGrpcStatus(absl::Status(ours, "message"));
+    EXPECT_EQ(status.error_code(), wire) << ours;
+    if (status.ok()) continue;
+    EXPECT_EQ(status.error_message(), "message");
+    EXPECT_EQ(DetailsOf(status).code(), wire);
+    EXPECT_EQ(DetailsOf(status).message(), "message");
+    EXPECT_EQ(ErrorInfoOf(status).domain(), "latvox");
+    EXPECT_FALSE(ErrorInfoOf(status).reason().empty());
+  }
+}
+
+TEST(ErrorTable, CarriesCauseAndRetryDelay) {
+  const absl::Status status = WithRetry(LimitExceeded("mesh.triangles", 12, 10), absl::Milliseconds(1250));
+  EXPECT_EQ(status.message(), "mesh.triangles 12 exceeds 10");
+  EXPECT_EQ(RetryDelayOf(status), absl::Milliseconds(1250));
+  const grpc::Status wire = ToGrpcStatus(status);
+  const google::rpc::ErrorInfo info = ErrorInfoOf(wire);
+  EXPECT_EQ(info.reason(), "LIMIT_EXCEEDED");
+  EXPECT_EQ(info.metadata().at("field"), "mesh.triangles");
+  EXPECT_EQ(info.metadata().at("value"), "12");
+  EXPECT_EQ(info.metadata().at("limit"), "10");
+  google::rpc::RetryInfo retry;
+  ASSERT_EQ(DetailsOf(wire).details_size(), 2);
+  ASSERT_TRUE(DetailsOf(wire).details(1).UnpackTo(&retry));
+  EXPECT_EQ(retry.retry_delay().seconds(), 1);
+  EXPECT_EQ(retry.retry_delay().nanos(), 250'000'000);
+}
+
+TEST(ErrorTable, KeepsTheFirstCause) {
+  const absl::Status status = WithCause(BadMesh("no triangles"), {"OTHER", "other", "", ""});
+  EXPECT_EQ(ErrorInfoOf(ToGrpcStatus(status)).reason(), "BAD_MESH");
+  EXPECT_TRUE(WithCause(absl::OkStatus(), {"OTHER", "", "", ""}).ok());
+  EXPECT_EQ(RetryDelayOf(status), std::nullopt);
+}
+
+TileBricks Tile(int32_t i, size_t bricks, double progress) {
+  TileBricks tile;
+  tile.tile_ijk = {i, 0, 0};
+  for (size_t n = 0; n < bricks; ++n) {
+    Brick brick{{8 * i, -1, static_cast<int32_t>(n)}, {}};
+    brick.mask[n % 8] = 0x0123456789abcdef + n;
+    tile.bricks.push_back(brick);
+  }
+  tile.progress = progress;
+  return tile;
+}
+
+TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
+  BrickBatcher batcher;
+  EXPECT_TRUE(batcher.empty());
+  batcher.Add(Tile(-2, 3, 0.5));
+  EXPECT_FALSE(batcher.empty());
+  const v1::BrickBatch batch = batcher.Take();
+  EXPECT_TRUE(batcher.empty());
+  EXPECT_THAT(batch.brick_ijk(), ::testing::ElementsAre(-16, -1, 0, -16, -1, 1, -16, -1, 2));
+  ASSERT_EQ(batch.masks().size(), 3 * 64);
+  const std::string second = batch.masks().substr(64 + 8, 8);
+  EXPECT_EQ(second, std::string("\xf0\xcd\xab\x89\x67\x45\x23\x01", 8));
+  EXPECT_EQ(batch.progress(), 0.5);
+}
+
+TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyte) {
+  BrickBatcher batcher;
+  int batches = 0;
+  for (int n = 0; n < 200; ++n) {
+    batcher.Add(Tile(n, 512, n / 200.0));
+    if (!batcher.full()) continue;
+    const size_t bytes = batcher.Take().ByteSizeLong();
+    EXPECT_GE(bytes, 256 << 10);
+    EXPECT_LE(bytes, 1 << 20);
+    ++batches;
+  }
+  EXPECT_GT(batches, 5);
+}
+
+TEST(BrickBatcher, NeverTakesProgressBack) {
+  BrickBatcher batcher;
+  double last = 0;
+  for (const double progress : {0.3, 0.2, 0.9, 0.1, 1.5, 0.4}) {
+    batcher.Add(Tile(0, 1, progress));
+    const double told = batcher.Take().progress();
+    EXPECT_GE(told, last);
+    EXPECT_LE(told, 1);
+    last = told;
+  }
+}
+
+TEST(MeshUpload, JoinsPiecesOfAnySize) {
+  std::string all;
+  for (const size_t piece : {1u, 70000u, 5u, 65536u, 0u, 3u, 200000u}) {
+    MeshUpload upload(0, 1 << 30);
+    all.clear();
+    for (int n = 0; n < 20; ++n) {
+      std::string bytes(n % 3 == 0 ? piece : 10, static_cast<char>('a' + n));
+      all += bytes;
+      ASSERT_TRUE(upload.Append(std::move(bytes)).ok());
+    }
+    EXPECT_EQ(upload.size(), all.size());
+    EXPECT_EQ(std::move(upload).Join(), all);
+  }
+}
+
+TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
+  MeshUpload limited(0, 10);
+  EXPECT_TRUE(limited.Append("0123456789").ok());
+  EXPECT_TRUE(limited.CheckComplete().ok());
+  const absl::Status over = limited.Append("x");
+  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(over.message(), "mesh_bytes 11 exceeds 10");
+
+  MeshUpload declared(5, 10);
+  EXPECT_TRUE(declared.Append("0123").ok());
+  EXPECT_EQ(declared.CheckComplete().message(), "mesh_bytes 5 was declared, but only 4 bytes came");
+  EXPECT_TRUE(declared.Append("4").ok());
+  EXPECT_TRUE(declared.CheckComplete().ok());
+  EXPECT_EQ(declared.Append("5").message(), "mesh_bytes 5 was declared, but at least 6 bytes came");
+  EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
+}
+
+// The bricks of every message, and the summary, of a computation that is paused after every `stride` messages.
+std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
+  const DracoDecoder decoder;
+  const Limits limits;
+  Computation computation(spec, "id", decoder, limits);
+  MeshUpload upload(0, 1 << 30);
+  EXPECT_TRUE(upload.Append(EncodeDraco(Sphere(20), {})).ok());
+  std::vector<v1::VoxelizeResponse> messages;
+  const auto deliver = [&](v1::VoxelizeResponse&& message) {
+    messages.push_back(std::move(message));
+    return static_cast<int>(messages.size()) % stride != 0;
+  };
+  EXPECT_TRUE(computation.Start(std::move(upload), deliver).ok());
+  for (;;) {
+    const absl::StatusOr<bool> done = computation.Advance(deliver);
+    EXPECT_TRUE(done.ok()) << done.status();
+    if (!done.ok() || *done) return messages;
+  }
+}
+
+TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
+  const JobSpec spec = *JobSpecFromProto(GoodSpec(), {});
+  std::vector<std::string> digests;
+  for (const int stride : {1, 2, 1000}) {
+    const auto messages = Compute(spec, stride);
+    ASSERT_TRUE(messages.front().has_accepted() && messages.back().has_summary());
+    digests.push_back(messages.back().summary().certificate().digest());
+    uint64_t bricks = 0;
+    for (const auto& message : messages) bricks += message.bricks().masks().size() / 64;
+    EXPECT_EQ(messages.back().summary().bricks(), bricks);
+  }
+  EXPECT_THAT(digests, ::testing::Each(digests.front()));
+}
+
+TEST(Computation, IsCancelledBeforeItStartsAndBetweenItsSteps) {
+  const DracoDecoder decoder;
+  const Limits limits;
+  const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
+  for (const bool before : {true, false}) {
+    Computation computation(*JobSpecFromProto(GoodSpec(), {}), "id", decoder, limits);
+    MeshUpload upload(0, 1 << 30);
+    ASSERT_TRUE(upload.Append(EncodeDraco(Sphere(20), {})).ok());
+    if (before) computation.Cancel();
+    const absl::Status started = computation.Start(std::move(upload), ignore);
+    EXPECT_EQ(started.code(), before ? absl::StatusCode::kCancelled : absl::StatusCode::kOk);
+    if (before) continue;
+    computation.Cancel();
+    EXPECT_EQ(computation.Advance(ignore).status().code(), absl::StatusCode::kCancelled);
+  }
+}
+
+TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
+  const DracoDecoder decoder;
+  const Limits limits;
+  v1::VoxelizeSpec proto = GoodSpec();
+  proto.set_voxel_size(1e-6);
+  Computation computation(*JobSpecFromProto(proto, {}), "id", decoder, limits);
+  MeshUpload upload(0, 1 << 30);
+  ASSERT_TRUE(upload.Append(EncodeDraco(Sphere(20), {})).ok());
+  const absl::Status status = computation.Start(std::move(upload), [](v1::VoxelizeResponse&&) { return true; });
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  const google::rpc::ErrorInfo info = ErrorInfoOf(ToGrpcStatus(status));
+  EXPECT_EQ(info.reason(), "BAD_SPEC");
+  EXPECT_EQ(info.metadata().at("field"), "voxel_size");
+}
+
+class FakeCall : public LiveCall {
+ public:
+  void Stop(const absl::Status& status) override { stopped = status; }
+  absl::Status stopped;
+};
+
+TEST(CallRegistry, AdmitsUpToItsLimitAndAgainOnceAPlaceIsVacated) {
+  CallRegistry registry(2);
+  const auto a = std::make_shared<FakeCall>(), b = std::make_shared<FakeCall>(), c = std::make_shared<FakeCall>();
+  EXPECT_TRUE(registry.Admit(a).ok());
+  EXPECT_TRUE(registry.Admit(b).ok());
+  const absl::Status full = registry.Admit(c);
+  EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(RetryDelayOf(full));
+  registry.Vacate(a.get());
+  EXPECT_TRUE(registry.Admit(c).ok());
+  EXPECT_EQ(registry.size(), 3);
+  for (const auto& call : {a, b, c}) registry.Remove(call.get());
+  registry.Remove(a.get());
+  EXPECT_TRUE(registry.WaitUntilEmpty(absl::ZeroDuration()));
+}
+
+TEST(CallRegistry, StopsItsCallsAndAdmitsNoneAfterClose) {
+  CallRegistry registry(2);
+  const auto call = std::make_shared<FakeCall>();
+  ASSERT_TRUE(registry.Admit(call).ok());
+  registry.Close();
+  const absl::Status closed = registry.Admit(std::make_shared<FakeCall>());
+  EXPECT_EQ(closed.code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(RetryDelayOf(closed));
+  EXPECT_FALSE(registry.WaitUntilEmpty(absl::Milliseconds(1)));
+  registry.StopAll();
+  EXPECT_EQ(call->stopped.code(), absl::StatusCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace latvox
