@@ -1,6 +1,7 @@
 #include "core/thin/thin.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace latvox {
 namespace {
@@ -10,42 +11,40 @@ uint64_t PassOrder(const CrossedEdge& edge) {
   return (uint64_t{ParityClass(edge.end)} << 32 | edge.end) << 29 | edge.other;
 }
 
-IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
-
 }  // namespace
 
-TileBox PossiblyRedundant(const TileBox& set, const std::vector<CrossedEdge>& edges) {
-  TileBox rest = set;
+Doubtful FindDoubtful(const TileBox& set, const std::vector<CrossedEdge>& edges, const IndexBox& complete) {
+  Doubtful doubtful{set, set.EmptyLike()};
   for (const CrossedEdge& edge : edges) {
-    if (!set.Test(edge.other)) rest.Clear(edge.end);
+    if (!set.Test(edge.other)) doubtful.rest.Clear(edge.end);
   }
-  return rest;
+  for (size_t n = 0; n < set.words().size(); ++n) {
+    for (uint64_t bits = doubtful.rest.words()[n]; bits != 0; bits &= bits - 1) {
+      const auto voxel = static_cast<uint32_t>(n * 64) + static_cast<uint32_t>(std::countr_zero(bits));
+      if (complete.Contains(set.VoxelAt(voxel))) continue;
+      doubtful.rest.Clear(voxel);
+      doubtful.unsure.Set(voxel);
+    }
+  }
+  return doubtful;
 }
 
-// Within `reach` of the border of `known` a voxel's other ends may be unknown. Such a voxel is kept for certain if a
-// known edge shows it essential; else, once its pass has come, it is `unsure`, and so is what depends on it.
-bool Thin(TileBox& set, std::vector<CrossedEdge> edges, const IndexBox& known, const Vec3i& reach,
-          const IndexBox& wanted) {
+// An unsure voxel may have left by the time of a later pass; in earlier ones it is still there.
+bool Thin(TileBox& set, Doubtful doubtful, std::vector<CrossedEdge> edges, const IndexBox& wanted) {
   std::sort(edges.begin(), edges.end(),
             [](const CrossedEdge& a, const CrossedEdge& b) { return PassOrder(a) < PassOrder(b); });
-  const IndexBox complete = Shrunk(known, reach);
-  TileBox unsure = set.EmptyLike();
   bool decided = true;
   for (auto first = edges.begin(); first != edges.end();) {
     const uint32_t voxel = first->end;
-    const Vec3i ijk = set.VoxelAt(voxel);
-    bool keep = false, may_keep = !complete.Contains(ijk);
+    bool keep = false, may_keep = false;
     for (; first != edges.end() && first->end == voxel; ++first) {
-      if (unsure.Test(first->other)) {
-        may_keep = true;
-      } else if (!set.Test(first->other) && known.Contains(set.VoxelAt(first->other))) {
-        keep = true;
-      }
+      keep |= !set.Test(first->other);
+      may_keep |= doubtful.unsure.Test(first->other) && ParityClass(first->other) < ParityClass(voxel);
     }
     if (keep) continue;
     if (may_keep) {
-      unsure.Set(voxel);
-      decided &= !wanted.Contains(ijk);
+      doubtful.unsure.Set(voxel);
+      decided &= !wanted.Contains(set.VoxelAt(voxel));
     } else {
       set.Clear(voxel);
     }

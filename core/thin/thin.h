@@ -26,19 +26,24 @@ struct CrossedEdge {
   uint32_t end, other;
 };
 
-// The members of `set` that none of `edges` shows essential, by having its other end outside of the set.
-//   edges   some crossed edges; `end` is in the set, and whether `other` is, is known
-TileBox PossiblyRedundant(const TileBox& set, const std::vector<CrossedEdge>& edges);
+// Voxels that nothing yet shows essential.
+struct Doubtful {
+  TileBox rest;    // those of which all crossed edges can be had
+  TileBox unsure;  // those too near to the border of what is known
+};
 
-// Thins `set` in place.
-//   set     all voxels within `known`
-//   edges   of every possibly redundant voxel, as `end`, all crossed edges that meet `known`; any order, duplicates
-//   allowed known   local voxels reach   per axis, the longest neighbour step wanted  local voxels, inside of `known`,
-//   whose fate matters
-// Returns whether the fate of all voxels in `wanted` could be decided from what is known. It always can if `known`
-// exceeds `wanted` by kThinHalo * reach: a voxel's fate depends on others at most eight steps away.
-bool Thin(TileBox& set, std::vector<CrossedEdge> edges, const IndexBox& known, const Vec3i& reach,
-          const IndexBox& wanted);
+// The members of `set` that none of `edges` shows essential by having its other end outside of the set.
+//   edges     some crossed edges; `end` is in the set, and whether `other` is, is known
+//   complete  local voxels whose neighbours' membership is known
+Doubtful FindDoubtful(const TileBox& set, const std::vector<CrossedEdge>& edges, const IndexBox& complete);
+
+// Thins `set` in place, and returns whether that was decided for all voxels in `wanted`. It always is if what is known
+// exceeds `wanted` by kThinHalo steps: a voxel's fate depends on others at most eight steps away.
+//   edges   of every voxel in doubtful.rest, as `end`, all crossed edges; or none, if one shows it essential. Any
+//   order,
+//           duplicates allowed
+//   wanted  local voxels
+bool Thin(TileBox& set, Doubtful doubtful, std::vector<CrossedEdge> edges, const IndexBox& wanted);
 inline constexpr int32_t kThinHalo = kParityClasses;
 
 }  // namespace latvox

@@ -43,6 +43,7 @@ class Basin {
     const auto rows = static_cast<int32_t>(open.size() / row_words_);
     stale_.assign(static_cast<size_t>(rows), false);
     stale_[0] = true;
+    MarkAround(0, 0);
     for (int32_t first = 0, step = 1; std::find(stale_.begin(), stale_.end(), true) != stale_.end(); step = -step) {
       for (int32_t row = first; 0 <= row && row < rows; row += step) {
         if (!stale_[static_cast<size_t>(row)]) continue;
@@ -90,11 +91,18 @@ class Basin {
     return static_cast<size_t>(x * padded_[1] + y);
   }
 
+  // Marks the rows that may draw from row (x, y).
+  void MarkAround(int32_t x, int32_t y) {
+    for (const auto& [dx, dy] : offsets_) {
+      if (const auto row = RowAt(x + dx, y + dy)) stale_[*row] = true;
+    }
+  }
+
   void Draw(const Bits& open, Bits& water, int32_t row) {
     const int32_t x = row / padded_[1], y = row % padded_[1];
     const uint64_t* const open_row = open.data() + static_cast<size_t>(row) * row_words_;
     uint64_t* const water_row = water.data() + static_cast<size_t>(row) * row_words_;
-    if (std::equal(open_row, open_row + row_words_, water_row) && row != 0) return;  // full
+    if (std::equal(open_row, open_row + row_words_, water_row)) return;  // full
     std::copy_n(water_row, row_words_, reached_.begin());
     for (const auto& [shift, offsets] : draws_) {
       std::fill(drawn_.begin(), drawn_.end(), 0);
@@ -107,11 +115,9 @@ class Basin {
       Pour(shift, open_row);
     }
     for (const int32_t stride : strides_) Spread(stride, open_row);
-    if (row != 0 && std::equal(reached_.begin(), reached_.end(), water_row)) return;
+    if (std::equal(reached_.begin(), reached_.end(), water_row)) return;
     std::copy(reached_.begin(), reached_.end(), water_row);
-    for (const auto& [dx, dy] : offsets_) {
-      if (const auto reached = RowAt(x + dx, y + dy)) stale_[*reached] = true;
-    }
+    MarkAround(x, y);
   }
 
   // Adds `drawn_`, moved, to `reached_`.

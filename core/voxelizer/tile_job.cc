@@ -15,15 +15,15 @@ constexpr std::array<int32_t, 2> kHalos{2, kThinHalo};
 TileBox ThinnedSet(const TileContext& context, const Vec3i& tile_ijk, const IndexBox& tile,
                    const std::vector<uint32_t>& triangles) {
   const int32_t longest = *std::max_element(context.reach.begin(), context.reach.end());
-  std::vector<CrossedEdge> edges;
   for (const int32_t halo : kHalos) {
+    std::vector<CrossedEdge> edges;
     const IndexBox known{tile.min - context.reach * halo, tile.max + context.reach * halo};
     TileBox set(tile_ijk, longest * (halo + 1));
-    edges.clear();
     ScanBox(context, triangles, known, set, edges);
-    TileBox rest = PossiblyRedundant(set, edges);
-    const bool decided = Thin(set, EdgesAtRest(context, triangles, known, set, rest), known, context.reach, tile);
-    if (decided || halo == kHalos.back()) return set;
+    const IndexBox complete{known.min + context.reach, known.max - context.reach};
+    Doubtful doubtful = FindDoubtful(set, edges, complete);
+    edges = EdgesAtRest(context, triangles, known, set, doubtful.rest);
+    if (Thin(set, std::move(doubtful), std::move(edges), tile) || halo == kHalos.back()) return set;
   }
   std::abort();  // the last halo returns
 }

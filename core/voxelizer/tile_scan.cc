@@ -97,7 +97,7 @@ std::vector<CrossedEdge> EdgesAtRest(const TileContext& context, const std::vect
         Vec3i step;
         if (!star.IsEnd(scan.frame.q, step)) continue;
         const uint32_t other = set.IndexOf(z + step);
-        if (!set.Test(other) && box.Contains(z + step)) return rest.Clear(end);
+        if (!set.Test(other)) return rest.Clear(end);
         edges.push_back({end, other});
       }
     });

@@ -34,9 +34,10 @@ struct TileContext {
 void ScanBox(const TileContext& context, const std::vector<uint32_t>& triangles, const IndexBox& box, TileBox& set,
              std::vector<CrossedEdge>& edges);
 
-// Takes out of `rest`, a part of `set`, the voxels that a crossed edge into `box` shows essential, and returns all
-// crossed edges at those that stay.
+// Takes out of `rest`, a part of `set`, the voxels that a crossed edge shows essential, and returns all crossed edges
+// at those that stay.
 //   set, triangles   as ScanBox leaves and takes them
+//   rest             a step inside of `box`, or more
 std::vector<CrossedEdge> EdgesAtRest(const TileContext& context, const std::vector<uint32_t>& triangles,
                                      const IndexBox& box, const TileBox& set, TileBox& rest);
 
