@@ -15,6 +15,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/answer_check.h"
+#include "client/plane_wire.h"
 #include "client/wire.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 
@@ -139,6 +140,22 @@ absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::st
     summary->bytes_received = received;
   }
   return summary;
+}
+
+absl::StatusOr<Pixelization> Client::Pixelize(const PixelizeRequest& request, const CallOptions& options) const {
+  grpc::ClientContext context;
+  SetDeadline(options, context);
+  const Cancellation::Subscription on_cancel(options.cancellation, [&context] { context.TryCancel(); });
+  const v1::PixelizeRequest message = ToProto(request);
+  v1::PixelizeResponse response;
+  const grpc::Status status = connection_->stub->Pixelize(&context, message, &response);
+  if (absl::Status error = Explain(status, options); !error.ok()) return error;
+  absl::StatusOr<Pixelization> pixelization = FromProto(response);
+  if (pixelization.ok()) {
+    pixelization->bytes_sent = message.ByteSizeLong();
+    pixelization->bytes_received = response.ByteSizeLong();
+  }
+  return pixelization;
 }
 
 absl::StatusOr<Limits> Client::GetLimits(const CallOptions& options) const {

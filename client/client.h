@@ -1,4 +1,4 @@
-// The latvox SDK: voxelizes meshes through a latvox server.
+// The latvox SDK: voxelizes meshes, and pixelizes polylines, through a latvox server.
 //
 //   auto client = latvox::client::Client::Connect("127.0.0.1:50151");
 //   if (!client.ok()) return client.status();
@@ -27,6 +27,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client/cancellation.h"
+#include "client/plane_types.h"
 #include "client/types.h"
 
 namespace latvox::client {
@@ -61,6 +62,9 @@ class Client {
   // Bricks that were handed on before an error are correct as far as checked, but not all.
   absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,
                                    const VoxelizeHandlers& handlers, const CallOptions& options = {}) const;
+
+  // Pixelizes polylines. The answer is checked before it is returned: the order of its pixels, and their digest.
+  absl::StatusOr<Pixelization> Pixelize(const PixelizeRequest& request, const CallOptions& options = {}) const;
 
   absl::StatusOr<Limits> GetLimits(const CallOptions& options = {}) const;
 

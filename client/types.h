@@ -43,8 +43,8 @@ struct VoxelizeRequest {
   std::optional<Vec3d> origin;         // world position of lattice point 0; default: the mesh's low corner
   uint32_t separability = 0;           // k: 0, 1 or 2
   bool minimal = true;                 // applies to kExact only
-  std::optional<IndexBox> region;  // only these voxels, as they are in the whole
-  bool verify = false;             // count tunnels and redundant voxels independently; not with region
+  std::optional<IndexBox> region;      // only these voxels, as they are in the whole
+  bool verify = false;                 // count tunnels and redundant voxels independently; not with region
   Algorithm algorithm = Algorithm::kExact;
 };
 
@@ -130,6 +130,7 @@ struct Limits {
   uint64_t max_message_bytes = 0;
   uint32_t subvoxel_bits = 0;
   std::string version;
+  uint64_t max_points = 0, max_crossings = 0, max_pixels = 0;  // of Pixelize
 };
 
 }  // namespace latvox::client

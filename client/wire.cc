@@ -140,7 +140,10 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
           .max_jobs = limits.max_jobs(),
           .max_message_bytes = limits.max_message_bytes(),
           .subvoxel_bits = limits.subvoxel_bits(),
-          .version = limits.version()};
+          .version = limits.version(),
+          .max_points = limits.max_points(),
+          .max_crossings = limits.max_crossings(),
+          .max_pixels = limits.max_pixels()};
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {

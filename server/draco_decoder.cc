@@ -54,9 +54,12 @@ absl::Status ReadVertices(const draco::PointAttribute& positions, uint32_t point
   return absl::OkStatus();
 }
 
-absl::Status ReadPositions(const draco::Mesh& mesh, DecodedMesh& out) {
-  const draco::PointAttribute* positions = mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-  if (positions == nullptr) return BadMesh("no POSITION attribute");
+absl::Status ReadPositions(draco::Mesh& mesh, DecodedMesh& out) {
+  const int id = mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
+  if (id < 0) return BadMesh("no POSITION attribute");
+  draco::PointAttribute* positions = mesh.attribute(id);
+  // Whole numbers stand for themselves. Draco takes this flag from the stream unchecked, as a bool of any value.
+  positions->set_normalized(false);
   const int components = positions->num_components();
   if (components != 3) return BadMesh(absl::StrCat("POSITION has ", components, " components, not 3"));
 
@@ -101,7 +104,7 @@ absl::StatusOr<DecodedMesh> DecodeChecked(absl::string_view bytes, const Limits&
   if (absl::Status status = CheckDracoHeader(bytes, limits); !status.ok()) return status;
   absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
   if (!mesh.ok()) return mesh.status();
-  const draco::Mesh& draco_mesh = **mesh;
+  draco::Mesh& draco_mesh = **mesh;
   // Decoders split points, so that the header's counts are not the last word.
   if (draco_mesh.num_faces() == 0) return BadMesh("no triangles");
   if (draco_mesh.num_faces() > limits.max_triangles) {

@@ -30,6 +30,7 @@ void PixelizeReactor::Begin() {
 
 void PixelizeReactor::Compute() {
   absl::StatusOr<v1::PixelizeResponse> response = PixelizePolylines(request_, environment_.limits, cancelled_, facts_);
+  const absl::Status computed = response.status();
   if (response.ok()) {
     response_ = *std::move(response);
     response_.set_request_id(request_id_);
@@ -39,7 +40,7 @@ void PixelizeReactor::Compute() {
     const std::lock_guard lock(mu_);
     computing_ = false;
     finishing_ = true;
-    if (status_.ok()) status_ = response.status();
+    if (status_.ok()) status_ = computed;
   }
   SendStatus();
 }

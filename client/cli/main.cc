@@ -7,8 +7,10 @@
 #include <string>
 
 #include "client/cli/commands.h"
+#include "client/cli/common_options.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
+#include "client/cli/pixelize_command.h"
 #include "client/cli/voxelize_command.h"
 
 namespace latvox::client {
@@ -19,6 +21,7 @@ constexpr char kExample[] =
     "Try:\n"
     "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
     "  latvox info bunny.vdb\n"
+    "  latvox pixelize drawing.svg --lattice hexagonal --resolution 64 -o drawing.csv -o drawing.png\n"
     "  latvox voxelize --help\n"
     "\n"
     "Exit status: 0 done; 1 other; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled\n";
@@ -42,14 +45,22 @@ absl::StatusOr<std::string> Voxelize(const VoxelizeOptions& options, const Cance
   return options.json ? ToJson(*report) + "\n" : ToText(*report);
 }
 
+absl::StatusOr<std::string> Pixelize(const PixelizeOptions& options, const Cancellation& cancellation) {
+  const auto report = RunPixelize(options, cancellation);
+  if (!report.ok()) return report.status();
+  return options.json ? ToJson(*report) + "\n" : ToText(*report);
+}
+
 // The commands and what parsing them fills.
 struct Commands {
   CLI::App app{kDescription, "latvox"};
   VoxelizeWords words;
+  PixelizeWords pixelize_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
+  CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
@@ -59,6 +70,7 @@ struct Commands {
     app.require_subcommand(0, 1);
     app.footer(kExample);
     AddVoxelizeOptions(*voxelize, words);
+    AddPixelizeOptions(*pixelize, pixelize_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
@@ -73,6 +85,11 @@ ExitStatus Run(const Commands& commands) {
     const VoxelizeOptions options = Interpret(commands.words);
     const Interrupt interrupt(cancellation);
     return Print(Voxelize(options, cancellation));
+  }
+  if (*commands.pixelize) {
+    const PixelizeOptions options = Interpret(commands.pixelize_words);
+    const Interrupt interrupt(cancellation);
+    return Print(Pixelize(options, cancellation));
   }
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));

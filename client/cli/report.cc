@@ -40,7 +40,17 @@ Json LimitsJson(const Limits& limits) {
           {"max_jobs", limits.max_jobs},
           {"max_message_bytes", limits.max_message_bytes},
           {"subvoxel_bits", limits.subvoxel_bits},
+          {"max_points", limits.max_points},
+          {"max_crossings", limits.max_crossings},
+          {"max_pixels", limits.max_pixels},
           {"version", limits.version}};
+}
+
+// What is certain of the set. For another algorithm than the exact one, only what was counted is.
+std::string SeparationText(const Certificate& certificate) {
+  const std::string k = absl::StrCat(certificate.separability);
+  if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
+  return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");
 }
 
 std::string VerificationText(const Certificate& certificate) {
@@ -87,11 +97,46 @@ std::string ToText(const VoxelizeReport& report) {
   std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
                                   mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
   if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
-  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %d-separating%s\n", certificate.lattice,
-                        report.accepted.grid.voxel_size, certificate.separability,
-                        certificate.minimal ? ", minimal" : "");
+  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %s\n", certificate.lattice,
+                        report.accepted.grid.voxel_size, SeparationText(certificate));
   absl::StrAppend(&text, report.summary.voxels, " voxels in ", report.summary.bricks, " bricks, digest ",
                   certificate.digest, "\n", VerificationText(certificate));
+  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
+  return text;
+}
+
+std::string ToJson(const PixelizeReport& report) {
+  const Pixelization& answer = report.answer;
+  const auto& [a, b] = answer.grid.basis;
+  Json json = {{"pixels", answer.pixels.size()},
+               {"lattice", answer.lattice},
+               {"basis", {a[0], a[1], b[0], b[1]}},
+               {"origin", answer.grid.origin},
+               {"pixel_size", answer.grid.pixel_size},
+               {"separability", report.separability},
+               {"digest", answer.digest},
+               {"certificate",
+                {{"tunnels", answer.tunnels},
+                 {"redundant", answer.redundant},
+                 {"crossed_edges", answer.crossed_edges},
+                 {"snap_error_max", answer.snap_error_max},
+                 {"algorithm", answer.algorithm},
+                 {"version", answer.version}}}};
+  json["timings_ms"] = {{"read", report.read_ms}, {"pixelize", answer.pixelize_ms}, {"total", report.total_ms}};
+  json["bytes"] = {{"sent", answer.bytes_sent}, {"received", answer.bytes_received}};
+  json["drawing"] = {{"polylines", report.polylines}, {"points", report.points}};
+  json["outputs"] = report.outputs;
+  return Dump(json);
+}
+
+std::string ToText(const PixelizeReport& report) {
+  const Pixelization& answer = report.answer;
+  std::string text = absl::StrCat(report.input_path, ": ", report.points, " points in ", report.polylines,
+                                  report.polylines == 1 ? " polyline\n" : " polylines\n");
+  absl::StrAppendFormat(&text, "%s lattice, pixel size %.6g, %d-separating, %s\n", answer.lattice,
+                        answer.grid.pixel_size, report.separability, answer.algorithm);
+  absl::StrAppend(&text, answer.pixels.size(), " pixels on ", answer.crossed_edges, " crossed edges: ", answer.tunnels,
+                  " tunnels, ", answer.redundant, " redundant pixels\n");
   absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
   return text;
 }

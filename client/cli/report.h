@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "client/plane_types.h"
 #include "client/types.h"
 
 namespace latvox::client {
@@ -24,6 +25,19 @@ std::string ToJson(const VoxelizeReport& report);
 
 // A few lines for people.
 std::string ToText(const VoxelizeReport& report);
+
+struct PixelizeReport {
+  std::string input_path;
+  std::vector<std::string> outputs;
+  uint64_t polylines = 0, points = 0;  // of the drawing
+  uint32_t separability = 0;
+  Pixelization answer;
+  double read_ms = 0;   // reading the drawing
+  double total_ms = 0;  // the whole command
+};
+
+std::string ToJson(const PixelizeReport& report);
+std::string ToText(const PixelizeReport& report);
 
 // One object, keys as in the protocol; a line for each.
 std::string ToJson(const Limits& limits);

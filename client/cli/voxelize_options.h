@@ -33,9 +33,6 @@ struct VoxelizeWords {
 // Adds the options to a command. Parsing checks each option by itself.
 void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words);
 
-// Adds --server, --timeout and --threads.
-void AddServerOptions(CLI::App& command, ServerChoice& choice);
-
 // What the words mean together. Throws CLI::ValidationError, as parsing does, naming option, value and limit: options
 // that exclude or need each other, an output of unknown extension, twice, or in the place of the mesh.
 VoxelizeOptions Interpret(const VoxelizeWords& words);

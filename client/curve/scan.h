@@ -48,7 +48,7 @@ inline std::string Shown(absl::string_view rest) {
   constexpr size_t kMost = 20;
   size_t end = 0;
   while (end < rest.size() && end < kMost && !absl::ascii_isspace(static_cast<unsigned char>(rest[end]))) ++end;
-  return std::string(rest.substr(0, end));
+  return std::string{rest.substr(0, end)};
 }
 
 }  // namespace latvox::client

@@ -199,8 +199,10 @@ class SvgReader {
   absl::StatusOr<std::vector<Polyline>> FlattenAll() const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec2d low = {kInfinity, kInfinity}, high = {-kInfinity, -kInfinity};
+    bool finite = true;
     const auto extend = [&](const Vec2d& p) {
       for (size_t m = 0; m < 2; ++m) {
+        finite = finite && std::isfinite(p[m]);
         low[m] = std::min(low[m], p[m]);
         high[m] = std::max(high[m], p[m]);
       }
@@ -212,7 +214,9 @@ class SvgReader {
       }
     }
     const double side = std::max(high[0] - low[0], high[1] - low[1]);
-    if (!outlines_.empty() && !std::isfinite(side)) return absl::InvalidArgumentError("a coordinate is not finite");
+    if (!outlines_.empty() && !(finite && std::isfinite(side))) {
+      return absl::InvalidArgumentError("coordinates are not finite once transformed");
+    }
     std::vector<Polyline> polylines;
     for (const Outline& outline : outlines_) {
       polylines.push_back(Flatten(outline, std::max(side * kFlatness, std::numeric_limits<double>::min())));

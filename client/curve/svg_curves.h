@@ -10,8 +10,8 @@
 
 namespace latvox::client {
 
-// Curves are flattened to polylines that leave them by at most this share of the drawing's longer side: one pixel at
-// the finest resolution there is.
+// Curves are flattened to polylines that leave them by at most this share of the longer side of the drawing's control
+// points' box: about one pixel at the finest resolution there is.
 inline constexpr double kFlatness = 1.0 / 65536;
 
 // Reads the elements polyline, polygon, line, rect (with sharp corners) and path (see client/curve/svg_path.h), also

@@ -1,12 +1,10 @@
 #include "client/output/picture.h"
 
-#include <png.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "absl/strings/str_cat.h"
+#include "client/output/png.h"
 #include "client/output/voxel_walk.h"
 
 namespace latvox::client {
@@ -200,17 +198,7 @@ absl::StatusOr<std::string> Picture::ToPng() const {
       for (const float component : sum) pixels.push_back(static_cast<uint8_t>(component * 255 + 0.5F));
     }
   }
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = image.height = kSide;
-  image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-  std::string png(size, '\0');
-  if (!png_image_write_to_memory(&image, png.data(), &size, 0, pixels.data(), 0, nullptr)) {
-    return absl::InternalError(absl::StrCat("the picture cannot be encoded (", image.message, ")"));
-  }
-  png.resize(size);
-  return png;
+  return EncodePng(kSide, kSide, pixels);
 }
 
 }  // namespace latvox::client

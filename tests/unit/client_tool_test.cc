@@ -17,6 +17,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 // Parses as the tool does. Throws what it throws.
 VoxelizeOptions Parse(std::vector<std::string> arguments) {
@@ -49,6 +50,7 @@ TEST(Options, DefaultsAreThoseOfTheContract) {
   EXPECT_EQ(options.request.separability, 0u);
   EXPECT_TRUE(options.request.minimal);
   EXPECT_FALSE(options.request.verify || options.json);
+  EXPECT_EQ(options.request.algorithm, Algorithm::kExact);
   EXPECT_EQ(options.quantization_bits, std::nullopt);
   EXPECT_EQ(options.server.address, "");
 }
@@ -76,7 +78,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "--out",
                                          "c.png",
                                          "--algorithm",
-                                         "exact",
+                                         "optimized-incremental",
                                          "--fill",
                                          "surface"});
   EXPECT_EQ(std::get<Basis>(options.request.lattice), (Basis{{1, 0, 0}, {-0.5, 2, 0}, {0.1, 0.25, 3}}));
@@ -86,6 +88,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_FALSE(options.request.minimal);
   EXPECT_EQ(options.request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
   EXPECT_EQ(options.quantization_bits, 0);
+  EXPECT_EQ(options.request.algorithm, Algorithm::kOptimizedIncremental);
   EXPECT_TRUE(options.json);
   EXPECT_EQ(options.server.threads, 3);
   EXPECT_EQ(options.server.timeout_seconds, 1.5);
@@ -127,7 +130,7 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
   refuses({"--resolution", "9", "--region", "0,0,0,1,1,1", "--verify"}, {"--region", "--verify"});
   refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
-  refuses({"--resolution", "9", "--algorithm", "incremental"}, {"--algorithm", "incremental", "exact"});
+  refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
   refuses({"--resolution", "9", "--fill", "solid"}, {"--fill", "solid", "surface"});
   refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
@@ -178,6 +181,17 @@ TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
   EXPECT_THAT(ToJson(report), HasSubstr("\"tunnels\": 0"));
   report.outputs = {"not utf-8 \xFF.vdb"};
   EXPECT_THAT(ToJson(report), HasSubstr("not utf-8"));
+}
+
+TEST(Report, TextClaimsNoSeparationThatIsNotCertain) {
+  VoxelizeReport report;
+  report.summary.certificate.algorithm = "incremental";
+  report.summary.certificate.separability = 1;
+  EXPECT_THAT(ToText(report), AllOf(HasSubstr("k = 1, incremental"), Not(HasSubstr("separating"))));
+  report.summary.certificate.tunnel_free = true;
+  EXPECT_THAT(ToText(report), AllOf(HasSubstr("1-separating"), Not(HasSubstr("minimal"))));
+  report.summary.certificate.minimal = true;
+  EXPECT_THAT(ToText(report), HasSubstr("1-separating, minimal"));
 }
 
 class Command : public FilesTest {};

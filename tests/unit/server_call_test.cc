@@ -3,6 +3,7 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
+#include <oneapi/tbb/task_arena.h>
 #include <unistd.h>
 
 #include <bit>
@@ -22,9 +23,12 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/tile/brick.h"
+#include "core/voxelizer/digest.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/call_registry.h"
 #include "server/draco_decoder.h"
 #include "server/server.h"
 #include "server/service.h"
@@ -447,7 +451,8 @@ TEST_F(ServerTest, AClientThatRunsMaxJobsAtATimeIsNeverRefused) {
   options_.limits.max_jobs = 2;
   Start();
   std::vector<std::thread> clients;
-  for (int client = 0; client < 2; ++client) {
+  clients.reserve(options_.limits.max_jobs);
+  for (uint32_t client = 0; client < options_.limits.max_jobs; ++client) {
     clients.emplace_back([&] {
       for (int n = 0; n < 100; ++n) {
         const Answer answer = Voxelize(*stub_, Spec(n % 2 == 0 ? 4 : 70000), SphereBytes());

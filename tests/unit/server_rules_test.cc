@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -9,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -81,6 +84,8 @@ std::vector<BadSpecCase> BadSpecs() {
       {"voxel_size inf", [](Spec& s) { s.set_voxel_size(kInfinity); }, "voxel_size inf is not", "voxel_size"},
       {"voxel_size nan", [](Spec& s) { s.set_voxel_size(std::nan("")); }, "voxel_size nan is not", "voxel_size"},
       {"separability 3", [](Spec& s) { s.set_separability(3); }, "separability 3 exceeds 2", "separability"},
+      {"algorithm 5", [](Spec& s) { s.set_algorithm(static_cast<v1::Algorithm>(5)); },
+       "algorithm 5 is not an algorithm", "algorithm"},
       {"origin", [](Spec& s) { s.mutable_origin()->set_y(kInfinity); }, "origin.y inf is not finite", "origin.y"},
       {"region without max", [](Spec& s) { s.mutable_region(); }, "region.max.i 0 is not above", "region.max.i"},
       {"empty region", [=](Spec& s) { set_region(s, 4, 4); }, "region.max.j 4 is not above region.min's 4",
@@ -118,6 +123,19 @@ TEST(JobSpecFromProto, FillsInTheContractsDefaults) {
   EXPECT_FALSE(spec->density.voxel_size || spec->origin || spec->options.region || spec->verify);
   EXPECT_TRUE(spec->options.minimal);
   EXPECT_EQ(spec->options.separability, 0);
+  EXPECT_EQ(spec->options.algorithm, Algorithm::kExact);
+}
+
+TEST(JobSpecFromProto, KnowsEveryAlgorithmByTheNameOfItsNumber) {
+  v1::VoxelizeSpec proto = GoodSpec();
+  for (const auto& [algorithm, name] : kAlgorithms) {
+    std::string number = absl::StrCat("ALGORITHM_", absl::AsciiStrToUpper(std::string{name}));
+    std::replace(number.begin(), number.end(), '-', '_');
+    v1::Algorithm value = v1::ALGORITHM_UNSPECIFIED;
+    ASSERT_TRUE(v1::Algorithm_Parse(number, &value)) << number;
+    proto.set_algorithm(value);
+    EXPECT_EQ(JobSpecFromProto(proto, {})->options.algorithm, algorithm);
+  }
 }
 
 TEST(JobSpecFromProto, TakesEveryField) {
@@ -180,6 +198,26 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   EXPECT_FALSE(minimal());
 }
 
+TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {
+  JobSpec spec = *JobSpecFromProto(GoodSpec(), {});
+  spec.options.algorithm = Algorithm::kIncremental;
+  const auto claims = [&](const std::optional<Verdict>& verdict) {
+    const v1::Certificate certificate = CertificateToProto(spec, {}, {}, {}, verdict);
+    EXPECT_EQ(certificate.algorithm(), "incremental");
+    EXPECT_EQ(certificate.verified(), verdict.has_value());
+    return std::pair(certificate.tunnel_free(), certificate.minimal());
+  };
+  Verdict verdict;
+  EXPECT_EQ(claims(std::nullopt), std::pair(false, false));
+  EXPECT_EQ(claims(verdict), std::pair(true, true));
+  verdict.redundant = 1;
+  EXPECT_EQ(claims(verdict), std::pair(true, false));
+  verdict.tunnels = 1;
+  EXPECT_EQ(claims(verdict), std::pair(false, false));
+  verdict.redundant = 0;
+  EXPECT_EQ(claims(verdict), std::pair(false, false));
+}
+
 TEST(Limits, AreReportedAsTheyAreSet) {
   const v1::GetLimitsResponse limits = LimitsToProto({1, 2, 3, 4, 5});
   EXPECT_EQ(limits.max_mesh_bytes(), 1);
@@ -190,6 +228,9 @@ TEST(Limits, AreReportedAsTheyAreSet) {
   EXPECT_EQ(limits.max_extent(), kMaxExtent);
   EXPECT_EQ(limits.subvoxel_bits(), kSubvoxelBits);
   EXPECT_EQ(limits.version(), LATVOX_VERSION);
+  EXPECT_EQ(LimitsToProto({}).max_points(), 131072);
+  EXPECT_EQ(LimitsToProto({}).max_pixels(), 419328);
+  EXPECT_EQ(LimitsToProto({}).max_crossings(), 16 * 419328);
 }
 
 TEST(ErrorTable, MapsEveryCodeToOneOfTheContracts) {

@@ -15,7 +15,7 @@
 
 namespace tbb {
 
-inline constexpr int kSanitizedThreads = 4;
+inline constexpr int kSanitizedThreads = 2;
 
 // Runs work(thread) on every thread.
 template <class Work>

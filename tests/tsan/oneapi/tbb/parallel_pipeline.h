@@ -47,7 +47,7 @@ Filters<Filters<First, Second>, Filter<B, C, F>> operator&(Filters<First, Second
   return {std::move(first), std::move(second)};
 }
 
-// At most kSanitizedThreads items are on their way, which is never more than core asks for.
+// At most kSanitizedThreads items are on their way, as many as core asks for or fewer.
 template <class Source, class Work, class Sink>
 void parallel_pipeline(size_t, const Filters<Filters<Source, Work>, Sink>& filters) {
   std::mutex source, sink;

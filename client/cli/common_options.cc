@@ -1,0 +1,74 @@
+#include "client/cli/common_options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr int kMaxThreads = 1024;
+
+std::filesystem::path Place(const std::string& path) {
+  std::error_code error;
+  const auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  return error ? std::filesystem::path(path) : place;
+}
+
+}  // namespace
+
+std::string CheckPositive(const std::string& text) {
+  double number = 0;
+  if (ParseNumber(text, number) && number > 0) return "";
+  return absl::StrCat("\"", text, "\" is not a finite number above 0");
+}
+
+CLI::Validator Whole(int low, int high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) -> std::string {
+        int64_t number = 0;
+        if (ParseNumber(text, number) && number >= low && number <= high) return "";
+        return absl::StrCat("\"", text, "\" is not a whole number from ", low, " to ", high);
+      },
+      "");
+}
+
+void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs) {
+  const std::string known = absl::StrJoin(extensions, " ");
+  const auto check = [extensions, known](const std::string& path) -> std::string {
+    const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return "";
+    return absl::StrCat("\"", path, "\": extension \"", extension, "\" is not one of ", known);
+  };
+  command.add_option("-o,--out", outputs, absl::StrCat("output by extension: ", known, "; may be repeated"))
+      ->type_name("OUT")
+      ->required()
+      ->take_all()
+      ->expected(1)
+      ->check(check);
+}
+
+void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what) {
+  std::set<std::filesystem::path> places;
+  for (const std::string& output : outputs) {
+    if (!places.insert(Place(output)).second) Refuse("--out: \"", output, "\" is given twice");
+    if (Place(output) == Place(input)) Refuse("--out: \"", output, "\" is the ", what, " itself");
+  }
+}
+
+void AddServerOptions(CLI::App& command, ServerChoice& choice) {
+  command.add_option("--server", choice.address, "the server, as HOST:PORT or unix:PATH (default: a private latvoxd)")
+      ->type_name("ADDRESS");
+  command.add_option("--timeout", choice.timeout_seconds, "give up after S seconds")
+      ->type_name("S")
+      ->check(CheckPositive);
+  command.add_option("--threads", choice.threads, "threads of a private latvoxd")
+      ->type_name("N")
+      ->check(Whole(1, kMaxThreads))
+      ->excludes("--server");
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,19 @@
+// Pictures of pixel sets.
+#ifndef LATVOX_CLIENT_OUTPUT_PIXEL_PICTURE_H_
+#define LATVOX_CLIENT_OUTPUT_PIXEL_PICTURE_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/curve/curve_file.h"
+#include "client/plane_types.h"
+
+namespace latvox::client {
+
+// The bytes of a PNG file, 1024 samples on its longer side: every pixel as its Voronoi cell, a rectangle or a hexagon,
+// and the curve over it. Errors: INTERNAL (libpng).
+absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_OUTPUT_PIXEL_PICTURE_H_

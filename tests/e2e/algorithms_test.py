@@ -1,0 +1,56 @@
+"""Every algorithm runs, says its name, and claims no more than was counted; the exact one has nothing to count."""
+
+import unittest
+
+from harness import BUNNY, Case, latvox
+
+ALGORITHMS = ("exact", "brute-force", "incremental", "optimized-incremental")
+LATTICES = (("cartesian", 0), ("cartesian", 1), ("cartesian", 2), ("bcc", 0), ("fcc", 0))
+
+
+class Algorithms(Case):
+    def run_one(self, algorithm, lattice, k, *options, out="out.vdb"):
+        options = ["--lattice", lattice, "--separability", k, "--resolution", 64, "--algorithm", algorithm, *options]
+        return self.voxelize(BUNNY, *options, out=out)
+
+    def test_every_algorithm_on_every_lattice_with_its_counts(self):
+        for lattice, k in LATTICES:
+            exact = self.run_one("exact", lattice, k, "--verify")
+            for algorithm in ALGORITHMS:
+                with self.subTest(lattice=lattice, separability=k, algorithm=algorithm):
+                    summary = self.run_one(algorithm, lattice, k, "--verify")
+                    certificate = summary["certificate"]
+                    self.assertEqual(certificate["algorithm"], algorithm)
+                    self.assertTrue(certificate["verified"])
+                    tunnels, redundant = certificate["tunnels"], certificate["redundant"]
+                    self.assertEqual(certificate["tunnel_free"], tunnels == 0)
+                    self.assertEqual(certificate["minimal"], tunnels == redundant == 0)
+                    if algorithm == "exact":
+                        self.assertEqual((tunnels, redundant), (0, 0))
+                        self.assertEqual(summary["digest"], exact["digest"])
+                    else:
+                        # Each digitizes the whole bunny, and none thins.
+                        self.assertGreater(summary["voxels"], 0.8 * exact["voxels"])
+                        self.assertLess(summary["voxels"], 2 * exact["voxels"])
+                        self.assertGreater(redundant, 0)
+                    if algorithm == "brute-force":
+                        self.assertEqual(tunnels, 0, "it holds every voxel of the crossing rule")
+
+    def test_what_was_not_counted_is_claimed_of_the_exact_one_alone(self):
+        for algorithm in ALGORITHMS:
+            with self.subTest(algorithm):
+                certificate = self.run_one(algorithm, "bcc", 0)["certificate"]
+                self.assertEqual((certificate["tunnels"], certificate["redundant"]), (None, None))
+                claimed = algorithm == "exact"
+                self.assertEqual((certificate["tunnel_free"], certificate["minimal"]), (claimed, claimed))
+
+    def test_the_file_and_the_text_name_the_algorithm(self):
+        out = self.dir / "out.vdb"
+        done = latvox("voxelize", BUNNY, "-o", out, "--resolution", 32, "--algorithm", "incremental")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("k = 0, incremental", done.stdout)
+        self.assertIn("latvox_algorithm = incremental", latvox("info", out).stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

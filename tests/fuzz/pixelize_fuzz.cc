@@ -1,0 +1,21 @@
+// A whole Pixelize request, from its bytes to pixels: whatever comes, a clean status, or pixels without tunnels.
+#include <cstdint>
+#include <cstdlib>
+
+#include "server/pixelization.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  latvox::v1::PixelizeRequest request;
+  if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
+  // Brute force may take minutes for a request within all limits.
+  if (request.algorithm() == latvox::v1::LINE_ALGORITHM_BRUTE_FORCE) return 0;
+  latvox::Limits limits;
+  limits.max_message_bytes = 1 << 16;
+  const std::atomic<bool> cancelled = false;
+  latvox::PixelizationFacts facts;
+  const auto response = latvox::PixelizePolylines(request, limits, cancelled, facts);
+  if (!response.ok()) return 0;
+  if (response->tunnels() != 0 || response->ByteSizeLong() > limits.max_message_bytes) std::abort();
+  if ((!request.has_minimal() || request.minimal()) && response->redundant() != 0) std::abort();
+  return 0;
+}

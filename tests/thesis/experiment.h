@@ -1,0 +1,45 @@
+// The thesis's experiment (its section 5.2): a tetrahedron at many angles, in lattices of equally many points.
+#ifndef LATVOX_TESTS_THESIS_EXPERIMENT_H_
+#define LATVOX_TESTS_THESIS_EXPERIMENT_H_
+
+#include <string>
+#include <vector>
+
+#include "core/lattice/grid.h"
+#include "core/mesh/mesh.h"
+#include "core/validate/water.h"
+
+namespace latvox::thesis {
+
+// A lattice with the neighbourhood that is asked for. On BCC all k are the same.
+struct LatticeCase {
+  std::string name;  // "cartesian" or "bcc", as in the tables that are written
+  int k;
+  Lattice lattice;
+  Numbering numbering;
+};
+std::vector<LatticeCase> LatticeCases();
+
+// A cube in the world with one corner at 0, and the lattice points in it.
+struct Experiment {
+  Grid grid;
+  int k;
+  Volume volume;
+  double side;  // world units
+};
+
+// A volume of D^3 points, on BCC of D' x D' x 2D', D' = D / cbrt(2) rounded (eq. 5.2). The points lie as far from the
+// cube's low sides as from the high ones.
+Experiment MakeExperiment(const LatticeCase& lattice_case, int32_t resolution);
+
+// 0, 5 .. 355 degrees, each with a jitter of 0 to 4 degrees added: always the same.
+std::vector<double> Angles();
+inline constexpr unsigned kAngleSeed = 2006;
+
+// The corner of a cube (figure 5.1) turned about the X axis, amid the cube of the given side. Its longest edge is as
+// long as the side (figure 5.5), so it fits at every angle.
+TriangleMesh RotatedTetrahedron(double degrees, double side);
+
+}  // namespace latvox::thesis
+
+#endif  // LATVOX_TESTS_THESIS_EXPERIMENT_H_

@@ -1,0 +1,179 @@
+"""Line charts as SVG text."""
+
+import html
+import math
+from dataclasses import dataclass, field
+
+FONT = "font-family='Helvetica, Arial, sans-serif'"
+INK, FAINT, GRID = "#222", "#666", "#e3e3e3"
+LEFT, RIGHT, TOP, BOTTOM = 62, 14, 30, 42  # room around the axes
+
+
+@dataclass
+class Series:
+    name: str
+    color: str
+    points: list  # (x, y), ascending x
+    dash: str = ""  # as SVG's stroke-dasharray
+    marker: str = "circle"  # circle, square, diamond, none
+    band: list = field(default_factory=list)  # (x, low, high)
+
+
+@dataclass
+class Chart:
+    title: str
+    x_label: str
+    y_label: str
+    series: list
+    level: tuple = None  # (y, name) of a horizontal line
+    log: bool = False  # y axis
+    y_range: tuple = None  # else from the data
+
+    def svg(self, x0, y0, width, height):
+        """The chart with its corner at (x0, y0)."""
+        return _Drawing(self, x0, y0, width, height).text()
+
+
+def figure(charts, columns=2, width=470, height=290):
+    """Charts in rows, below one legend, as a whole SVG document."""
+    charts = list(charts)
+    entries = {series.name: series for chart in charts for series in chart.series}
+    levels = {chart.level[1]: chart.level for chart in charts if chart.level}
+    rows = math.ceil(len(charts) / columns)
+    total_width, legend = width * min(columns, len(charts)), 30
+    body, x = [], LEFT
+    for series in entries.values():
+        body.append(_stroke([(x, 15), (x + 28, 15)], series))
+        body.append(_marker(x + 14, 15, series))
+        body.append(_text(x + 34, 19, series.name, size=13))
+        x += 54 + 7 * len(series.name)
+    for name in levels:
+        body.append(f"<path d='M{x} 15h28' stroke='{INK}' stroke-width='1.5'/>")
+        body.append(_text(x + 34, 19, name, size=13))
+        x += 54 + 7 * len(name)
+    for n, chart in enumerate(charts):
+        body.append(chart.svg(width * (n % columns), legend + height * (n // columns), width, height))
+    total_width = max(total_width, x)
+    total_height = legend + height * rows
+    return (
+        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {total_width} {total_height}' "
+        f"width='{total_width}' height='{total_height}' {FONT}>\n"
+        f"<rect width='{total_width}' height='{total_height}' fill='white'/>\n" + "\n".join(body) + "\n</svg>\n"
+    )
+
+
+class _Drawing:
+    def __init__(self, chart, x0, y0, width, height):
+        self.chart = chart
+        self.left, self.right = x0 + LEFT, x0 + width - RIGHT
+        self.top, self.bottom = y0 + TOP, y0 + height - BOTTOM
+        xs = [x for series in chart.series for x, _ in series.points]
+        self.x_low, self.x_high = 0, max(xs, default=1)
+        self.y_low, self.y_high = chart.y_range or self.range_of_data()
+
+    def range_of_data(self):
+        ys = [y for series in self.chart.series for _, y in series.points]
+        ys += [y for series in self.chart.series for _, low, high in series.band for y in (low, high)]
+        if self.chart.level:
+            ys.append(self.chart.level[0])
+        if self.chart.log:
+            ys = [y for y in ys if y > 0] or [1]
+            return 10 ** math.floor(math.log10(min(ys))), 10 ** math.ceil(math.log10(max(ys)) + 1e-9)
+        low, high = min(ys + [0]), max(ys + [0])
+        step = _step(low, high or 1)
+        return math.floor(low / step) * step, math.ceil((high + (high - low) * 0.04 + 1e-12) / step) * step
+
+    def x(self, value):
+        return self.left + (value - self.x_low) / (self.x_high - self.x_low) * (self.right - self.left)
+
+    def y(self, value):
+        if self.chart.log:
+            low, high = math.log10(self.y_low), math.log10(self.y_high)
+            share = (math.log10(max(value, self.y_low)) - low) / (high - low)
+        else:
+            share = (value - self.y_low) / (self.y_high - self.y_low)
+        return self.bottom - min(max(share, 0), 1) * (self.bottom - self.top)
+
+    def text(self):
+        chart, out = self.chart, self.axes()
+        for series in chart.series:
+            if series.band:
+                edge = [(x, high) for x, _, high in series.band] + [(x, low) for x, low, _ in reversed(series.band)]
+                path = "L".join(f"{self.x(x):.1f} {self.y(y):.1f}" for x, y in edge)
+                out.append(f"<path d='M{path}Z' fill='{series.color}' opacity='0.15'/>")
+        if chart.level:
+            out.append(f"<path d='M{self.left} {self.y(chart.level[0]):.1f}H{self.right}' stroke='{INK}' stroke-width='1.5'/>")
+        for series in chart.series:
+            places = [(self.x(x), self.y(y)) for x, y in series.points]
+            out.append(_stroke(places, series))
+            for (px, py), (x, y) in zip(places, series.points):
+                out.append(_marker(px, py, series, f"{series.name}, {chart.x_label} {x:g}: {y:.4g}"))
+        return "\n".join(out)
+
+    def axes(self):
+        chart, out = self.chart, []
+        for value, label in self.y_ticks():
+            y = self.y(value)
+            out.append(f"<path d='M{self.left} {y:.1f}H{self.right}' stroke='{GRID}'/>")
+            if label:
+                out.append(_text(self.left - 6, y + 4, label, anchor="end"))
+        for value in _ticks(self.x_low, self.x_high):
+            x = self.x(value)
+            out.append(f"<path d='M{x:.1f} {self.bottom}v4' stroke='{FAINT}'/>")
+            out.append(_text(x, self.bottom + 17, f"{value:g}", anchor="middle"))
+        out.append(f"<path d='M{self.left} {self.top}V{self.bottom}H{self.right}' fill='none' stroke='{FAINT}'/>")
+        middle = (self.top + self.bottom) / 2
+        out.append(_text((self.left + self.right) / 2, self.bottom + 34, chart.x_label, anchor="middle"))
+        turn = f"transform='rotate(-90 {self.left - 48} {middle})'"
+        out.append(_text(self.left - 48, middle, chart.y_label, anchor="middle", extra=turn))
+        out.append(_text(self.left, self.top - 11, chart.title, size=13, weight="bold"))
+        return out
+
+    def y_ticks(self):
+        if not self.chart.log:
+            return [(value, f"{value:g}") for value in _ticks(self.y_low, self.y_high)]
+        decades = range(round(math.log10(self.y_low)), round(math.log10(self.y_high)) + 1)
+        ticks = [(10.0**decade, _power(decade)) for decade in decades]
+        if len(ticks) <= 4:
+            ticks += [(f * 10.0**decade, "") for decade in decades for f in (2, 5) if f * 10.0**decade < self.y_high]
+        return ticks
+
+
+def _power(decade):
+    return f"{10.0 ** decade:g}" if -3 <= decade <= 3 else f"1e{decade}"
+
+
+def _step(low, high):
+    rough = (high - low) / 5
+    unit = 10 ** math.floor(math.log10(rough))
+    return next(f * unit for f in (1, 2, 5, 10) if f * unit >= rough * 0.999)
+
+
+def _ticks(low, high):
+    step = _step(low, high)
+    return [round(n * step, 12) for n in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
+
+
+def _text(x, y, text, anchor="start", size=12, weight="normal", extra=""):
+    return (
+        f"<text x='{x:.1f}' y='{y:.1f}' text-anchor='{anchor}' font-size='{size}' font-weight='{weight}' "
+        f"fill='{INK}' {extra}>{html.escape(text)}</text>"
+    )
+
+
+def _stroke(places, series):
+    path = "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
+    dash = f" stroke-dasharray='{series.dash}'" if series.dash else ""
+    return f"<path d='M{path}' fill='none' stroke='{series.color}' stroke-width='1.8'{dash}/>" if places else ""
+
+
+def _marker(x, y, series, tip=""):
+    shapes = {
+        "circle": f"<circle cx='{x:.1f}' cy='{y:.1f}' r='2.8'",
+        "square": f"<path d='M{x - 2.6:.1f} {y - 2.6:.1f}h5.2v5.2h-5.2z'",
+        "diamond": f"<path d='M{x:.1f} {y - 3.8:.1f}l3.8 3.8l-3.8 3.8l-3.8 -3.8z'",
+    }
+    if series.marker not in shapes:
+        return ""
+    shape = f"{shapes[series.marker]} fill='{series.color}'"
+    return f"<g><title>{html.escape(tip)}</title>{shape}/></g>" if tip else f"{shape}/>"

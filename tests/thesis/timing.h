@@ -1,0 +1,25 @@
+// How long the algorithms take, on one thread (thesis section 5.4, figures 5.16 to 5.21).
+#ifndef LATVOX_TESTS_THESIS_TIMING_H_
+#define LATVOX_TESTS_THESIS_TIMING_H_
+
+#include "core/voxelizer/algorithm.h"
+#include "tests/thesis/experiment.h"
+
+namespace latvox::thesis {
+
+struct Timing {
+  uint64_t voxels = 0;
+  double seconds = 0;  // of the library's call: snap, voxelize, deliver a sparse set
+  // Of the thesis's algorithms into an array of bits, as the thesis runs them; 0 for the exact one.
+  uint64_t array_voxels = 0;
+  double array_seconds = 0;
+  double scan_seconds = 0;  // of that, the incremental ones' triangles without their seams
+};
+
+// Processor time, like the thesis's, so that other processes disturb it little; the least of several runs. Uses the
+// calling thread alone.
+Timing Time(const Experiment& experiment, double degrees, Algorithm algorithm);
+
+}  // namespace latvox::thesis
+
+#endif  // LATVOX_TESTS_THESIS_TIMING_H_
