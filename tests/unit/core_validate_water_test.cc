@@ -247,7 +247,9 @@ std::vector<PlaneVoxel> PlaneVoxels(const SnappedMesh& snapped, const Experiment
     for (size_t n = 0; n < 3; ++n) edges[std::minmax(triangle[n], triangle[(n + 1) % 3])].push_back(t);
   }
   const Neighborhood neighborhood(experiment.grid.lattice, experiment.k);
-  for (const auto& [edge, triangles] : edges) {
+  for (const auto& entry : edges) {
+    const auto& edge = entry.first;
+    const auto& triangles = entry.second;
     std::vector<Vec<int64_t, 3>> both;
     for (uint32_t t : triangles) both.push_back(normals[t]);
     Seam(edge.first, edge.second, both, neighborhood, [&](const Vec3i& z) {
