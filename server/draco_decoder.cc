@@ -58,6 +58,7 @@ absl::Status ReadPositions(draco::Mesh& mesh, DecodedMesh& out) {
   const int id = mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
   if (id < 0) return BadMesh("no POSITION attribute");
   draco::PointAttribute* positions = mesh.attribute(id);
+  if (positions->data_type() == draco::DT_BOOL) return BadMesh("POSITION holds truth values, not numbers");
   // Whole numbers stand for themselves. Draco takes this flag from the stream unchecked, as a bool of any value.
   positions->set_normalized(false);
   const int components = positions->num_components();

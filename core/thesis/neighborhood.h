@@ -20,7 +20,7 @@ namespace latvox {
 using EmitVoxel = absl::FunctionRef<void(const Vec3i&)>;
 
 struct Neighborhood {
-  Neighborhood(const Lattice& lattice, int k);
+  Neighborhood(const Lattice& of, int k);
 
   const Lattice& lattice;
   const std::vector<Frame>& frames;  // of N_k, one of each pair +-q

@@ -43,6 +43,7 @@ size_t LongestAxis(const Vec3i& v) {
 void Seam(const Vec3i& a, const Vec3i& b, const std::vector<Vec3l>& normals, const Neighborhood& neighborhood,
           EmitVoxel emit) {
   std::vector<Slab> slabs;
+  slabs.reserve(normals.size());
   for (const Vec3l& normal : normals) slabs.emplace_back(normal, neighborhood.frames);
   const Tube tube(neighborhood, ToDouble(a), ToDouble(b));
   const Vec3d& ball = neighborhood.ball;

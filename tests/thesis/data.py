@@ -61,6 +61,12 @@ class Data:
         fast, slow = (self.time(case, name, resolution, column) for name in ("optimized-incremental", "incremental"))
         return 1 - fast / slow
 
+    def errors(self, case, algorithm):
+        """|Delta(V) - ideal| * D of every run, D the cube root of the number of points."""
+        for d in self.resolutions:
+            for row in self.accuracy[case, algorithm, d]:
+                yield abs(float(row["displaced_volume"]) - IDEAL) * float(row["points"]) ** (1 / 3)
+
     def limit(self, case, algorithm):
         """Delta(V) at infinite resolution: v of mean Delta(V) = v + a x + b x^2, x = points^(-1/3), that is 1 / D. Least
         squares with weights D^2 over D >= 20."""

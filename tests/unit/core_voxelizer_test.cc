@@ -39,9 +39,9 @@ TriangleMesh Sphere(int rings, float radius) {
 TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
   constexpr unsigned kSeed = 99;
   std::mt19937 random(kSeed);
-  std::uniform_real_distribution<float> coordinate(0, 150);
+  std::uniform_real_distribution<float> coordinate(0, 80);
   TriangleMesh soup;
-  for (uint32_t n = 0; n < 600; ++n) {
+  for (uint32_t n = 0; n < 240; ++n) {
     soup.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
     if (n % 3 == 2) soup.triangles.push_back({n - 2, n - 1, n});
   }

@@ -106,7 +106,7 @@ TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
 
 TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
   const std::string path = TemporaryDirectory() + "/socket";
-  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60"}));
+  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1"}));
   server.ReadUntil("event=listening");
   const auto stub = v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + path, grpc::InsecureChannelCredentials()));
   grpc::ClientContext context;
@@ -116,9 +116,13 @@ TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
   request.mutable_spec()->mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
   request.mutable_spec()->set_resolution(9);
   ASSERT_TRUE(stream->Write(request));
-  v1::GetLimitsResponse limits;
-  grpc::ClientContext unary;
-  ASSERT_TRUE(stub->GetLimits(&unary, {}, &limits).ok());  // the call before has arrived by now
+  // The call has arrived once there is no room for another.
+  for (auto code = grpc::StatusCode::OK; code != grpc::StatusCode::RESOURCE_EXHAUSTED;) {
+    grpc::ClientContext other;
+    const auto refused = stub->Voxelize(&other);
+    refused->WritesDone();
+    code = refused->Finish().error_code();
+  }
   kill(server.pid(), SIGTERM);
   EXPECT_EQ(server.ReadLineWith("event=stopping reason="), "SIGTERM calls=1 grace=1m");
   kill(server.pid(), SIGTERM);
