@@ -166,7 +166,7 @@ TEST(ThesisJob, CancelEndsALongComputationFromAnotherThread) {
 
 TEST(ThesisJob, BunnyByEveryAlgorithm) {
   const auto bunny = ReadObj(kBunny);
-  if (!bunny) GTEST_SKIP() << "no " << kBunny;
+  ASSERT_TRUE(bunny) << "no " << kBunny << ": install the package glmark2-data";
   const char* resolution = std::getenv("LATVOX_TEST_RESOLUTION");
   const auto d = static_cast<uint32_t>(resolution != nullptr ? std::atoi(resolution) : 64);
   for (NamedLattice name :
