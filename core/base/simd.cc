@@ -11,6 +11,13 @@ namespace latvox {
 namespace {
 
 std::atomic<bool> scalar_only = false;
+std::atomic<int64_t> allowed = ~int64_t{0};
+
+// Asking the processor is slow: on virtual machines, a call of their host.
+int64_t Detected() {
+  static const int64_t targets = hwy::SupportedTargets();
+  return targets;
+}
 
 #if HWY_ARCH_X86
 constexpr int64_t kAvx512Targets = HWY_AVX3 | HWY_AVX3_DL;
@@ -29,26 +36,26 @@ std::optional<Simd> SimdNamed(std::string_view name) {
 }
 
 absl::Status ForceSimd(Simd simd) {
-  hwy::DisableTargets(0);
-  const int64_t here = hwy::SupportedTargets();
   const int64_t needed = simd == Simd::kAvx512 ? kAvx512Targets : kAvx2Targets;
-  if ((simd == Simd::kAvx2 || simd == Simd::kAvx512) && (here & needed) == 0) {
+  if ((simd == Simd::kAvx2 || simd == Simd::kAvx512) && (Detected() & needed) == 0) {
     return absl::FailedPreconditionError(
         absl::StrCat("simd: this processor has no ", std::string(kSimdNames[static_cast<size_t>(simd)].second)));
   }
-  if (simd == Simd::kAvx2) hwy::DisableTargets(kAvx512Targets);
   scalar_only = simd == Simd::kScalar;
+  allowed = simd == Simd::kAvx2 ? ~kAvx512Targets : ~int64_t{0};
+  // Not hwy::DisableTargets: hwy::SupportedTargets, whoever calls it, chooses all targets again.
+  hwy::GetChosenTarget().Update(Detected() & allowed);
   return absl::OkStatus();
 }
 
-bool SimdIsScalar() { return scalar_only; }
+bool SimdIsScalar() { return scalar_only || (Detected() & ~(HWY_SCALAR | HWY_SSSE3 | HWY_SSE4)) == 0; }
 
 std::string_view SimdInUse() {
   if (SimdIsScalar()) return "scalar";
-  const int64_t here = hwy::SupportedTargets();
-  if ((here & kAvx512Targets) != 0) return "avx512";
-  if ((here & kAvx2Targets) != 0) return "avx2";
-  return hwy::TargetName(here & -here);
+  const int64_t targets = Detected() & allowed;
+  if ((targets & kAvx512Targets) != 0) return "avx512";
+  if ((targets & kAvx2Targets) != 0) return "avx2";
+  return hwy::TargetName(targets & -targets);
 }
 
 }  // namespace latvox

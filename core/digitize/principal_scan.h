@@ -21,10 +21,13 @@
 
 namespace latvox {
 
+inline constexpr size_t kMaxDirections = 16;  // a 3D lattice has 13 pairs +-q of neighbours at most
+inline constexpr size_t kMaxHull = 6;
+
 // A frame with what its rim depends on: all neighbours q in the projection along frame.q.
 struct ScanFrame {
   Frame frame;
-  std::vector<Vec<int64_t, 2>> hull;  // corners of their convex hull, one of each pair +-
+  std::vector<Vec<int64_t, 2>> hull;  // corners of their convex hull, one of each pair +-; at most kMaxHull
   int64_t reach_a, reach_b;           // its extent along both axes
 };
 

@@ -7,43 +7,35 @@
 // What a pass keeps has a crossed edge with its other end outside, and stays essential since the set only shrinks:
 // after eight passes the set is k-minimal, and still covers every edge.
 //
-// Only voxels that are redundant before the first pass can ever be removed; they are few (below 1 % on smooth
-// surfaces). So a few known edges are used first, to show most voxels essential, and all crossed edges are needed of
-// the rest only.
+// Only voxels that are redundant before the first pass can ever be removed, the doubtful ones; they are few (about 1 %
+// on smooth surfaces). What is not doubtful stays: so of all crossed edges, those between two doubtful voxels alone
+// decide.
 #ifndef LATVOX_CORE_THIN_THIN_H_
 #define LATVOX_CORE_THIN_THIN_H_
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/tile/brick.h"
-#include "core/tile/tile_box.h"
+#include "core/tile/tile_bits.h"
 
 namespace latvox {
 
-// The ends of a crossed lattice edge, as indices into a TileBox.
+// The ends of a crossed lattice edge, as numbers of a BitsLayout.
 struct CrossedEdge {
   uint32_t end, other;
 };
 
-// Voxels that nothing yet shows essential.
-struct Doubtful {
-  TileBox rest;    // those of which all crossed edges can be had
-  TileBox unsure;  // those too near to the border of what is known
-};
-
-// The members of `set` that none of `edges` shows essential by having its other end outside of the set.
-//   edges     some crossed edges; `end` is in the set, and whether `other` is, is known
-//   complete  local voxels whose neighbours' membership is known
-Doubtful FindDoubtful(const TileBox& set, const std::vector<CrossedEdge>& edges, const IndexBox& complete);
-
 // Thins `set` in place, and returns whether that was decided for all voxels in `wanted`. It always is if what is known
 // exceeds `wanted` by kThinHalo steps: a voxel's fate depends on others at most eight steps away.
-//   edges   of every voxel in doubtful.rest, as `end`, all crossed edges; or none, if one shows it essential. Any
-//   order,
-//           duplicates allowed
-//   wanted  local voxels
-bool Thin(TileBox& set, Doubtful doubtful, std::vector<CrossedEdge> edges, const IndexBox& wanted);
+//   doubtful  ascending: the members all of whose edges are known, and none of them shows essential by its other end
+//             being outside
+//   edges     all crossed edges between a doubtful voxel and another, or one that may be doubtful; in either direction;
+//             duplicates allowed
+//   wanted    local voxels; there, what may be doubtful is in `doubtful`
+bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const std::vector<CrossedEdge>& edges,
+          const IndexBox& wanted, TileBits& set);
 inline constexpr int32_t kThinHalo = kParityClasses;
 
 }  // namespace latvox

@@ -17,9 +17,12 @@ Vec3i ReachOf(const std::vector<Frame>& frames);
 
 // The voxels of the tile, in global coordinates, or nullopt if there are none or the job was cancelled.
 //   tile_ijk    local
-//   triangles   all that come within context.Margin() of the tile; more do no harm
+//   triangles   all that come within context.NearMargin() of the tile; more do no harm
+//   fringe      the others that come within context.FarMargin()
+//   scan        a thread's own, from tile to tile
 std::optional<TileBricks> DigitizeTile(const TileContext& context, const Vec3i& tile_ijk,
-                                       const std::vector<uint32_t>& triangles);
+                                       const std::vector<uint32_t>& triangles, const std::vector<uint32_t>& fringe,
+                                       TileScan& scan);
 
 }  // namespace latvox
 

@@ -1,109 +1,143 @@
 #include "core/voxelizer/tile_scan.h"
 
 #include <algorithm>
+#include <bit>
 
-#include "core/digitize/star.h"
+#include "absl/container/flat_hash_set.h"
+#include "core/tile/cut_out.h"
 
 namespace latvox {
 namespace {
 
-constexpr size_t kCancelInterval = 1024;  // triangles between two looks at `cancelled`
-
-// A voxel that a triangle may contribute.
-struct Candidate {
-  Vec3i z;
-  uint32_t triangle;
-};
-
-Triangle TriangleOf(const SnappedMesh& mesh, uint32_t index) {
-  const auto& [v0, v1, v2] = mesh.triangles[index];
-  return {mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
-}
-
-// Whether no lattice edge with its nearer end in `box` can meet the triangle.
-bool IsFarFrom(const Triangle& v, const IndexBox& box, const Vec3i& reach) {
-  for (size_t m = 0; m < 3; ++m) {
-    const auto [low, high] = std::minmax({v[0][m], v[1][m], v[2][m]});
-    const int32_t half_step = reach[m] * kLatticeUnit / 2;
-    if (high < box.min[m] * kLatticeUnit - half_step) return true;
-    if (low > (box.max[m] - 1) * kLatticeUnit + half_step) return true;
-  }
-  return false;
-}
-
-// Calls f(triangle, index) for all triangles that are not far from the box, until the job is cancelled.
-template <class F>
-void ForEachTriangleNear(const TileContext& context, const std::vector<uint32_t>& triangles, const IndexBox& box,
-                         F&& f) {
-  for (size_t n = 0; n < triangles.size(); ++n) {
-    if (n % kCancelInterval == 0 && context.cancelled) return;
-    const Triangle triangle = TriangleOf(context.mesh, triangles[n]);
-    if (!IsFarFrom(triangle, box, context.reach)) f(triangle, triangles[n]);
-  }
-}
-
-// The voxels that may be an end of an edge that the triangle crosses: those within a step of it.
-IndexBox WithinAStep(const Triangle& v, const Vec3i& reach, IndexBox box) {
-  for (size_t m = 0; m < 3; ++m) {
-    const auto [low, high] = std::minmax({v[0][m], v[1][m], v[2][m]});
-    box.min[m] = std::max(box.min[m], ((low + kLatticeUnit - 1) >> kSubvoxelBits) - reach[m]);
-    box.max[m] = std::min(box.max[m], (high >> kSubvoxelBits) + reach[m] + 1);
-  }
-  return box;
-}
-
-}  // namespace
-
-// Half an edge beyond the outermost voxel that thinning looks at.
-Vec3i TileContext::Margin() const { return reach * (minimal ? kThinHalo + 1 : 1); }
-
-// Candidates wait until all triangles have set what they cross along their principal directions: most are set then.
-void ScanBox(const TileContext& context, const std::vector<uint32_t>& triangles, const IndexBox& box, TileBox& set,
-             std::vector<CrossedEdge>& edges) {
-  const auto add = [&](const Vec3i& nearer, const Vec3i& farther) {
-    const uint32_t end = set.IndexOf(nearer);
-    set.Set(end);
-    if (context.minimal && box.Contains(farther)) edges.push_back({end, set.IndexOf(farther)});
-  };
-  std::vector<Candidate> candidates;
-  ForEachTriangleNear(context, triangles, box, [&](const Triangle& triangle, uint32_t index) {
-    const OrientedTriangle oriented(triangle);
-    if (oriented.normal == Vec<int64_t, 3>{}) return;
-    ScanAlongPrincipal(oriented, PrincipalScanFrame(context.frames, oriented.normal), box, add, [&](const Vec3i& z) {
-      if (!set.Test(set.IndexOf(z))) candidates.push_back({z, index});
-    });
-  });
-  for (const auto& [z, index] : candidates) {
-    if (set.Test(set.IndexOf(z))) continue;
-    const OrientedTriangle oriented(TriangleOf(context.mesh, index));
-    const Star star(oriented, z);
-    for (const ScanFrame& scan : context.frames) {
-      Vec3i step;
-      if (!star.IsNearerEnd(scan.frame.q, step)) continue;
-      add(z, z + step);
-      break;
+// Sets all bits but those of the box.
+void SetOutside(const BitsLayout& layout, const IndexBox& box, TileBits& bits) {
+  std::fill(bits.words().begin(), bits.words().end(), ~0U);
+  for (int32_t i = box.min[0]; i < box.max[0]; ++i) {
+    for (int32_t j = box.min[1]; j < box.max[1]; ++j) {
+      uint32_t number = layout.NumberOf({i, j, box.min[2]});
+      const uint32_t end = layout.NumberOf({i, j, box.max[2]});
+      while (number < end) {
+        const uint32_t next = std::min(end, (number | 31) + 1);
+        const uint32_t from_here = ~0U << (number & 31), to_there = ~0U >> (31 - ((next - 1) & 31));
+        bits.words()[number >> 5] &= ~(from_here & to_there);
+        number = next;
+      }
     }
   }
 }
 
-std::vector<CrossedEdge> EdgesAtRest(const TileContext& context, const std::vector<uint32_t>& triangles,
-                                     const IndexBox& box, const TileBox& set, TileBox& rest) {
-  std::vector<CrossedEdge> edges;
-  ForEachTriangleNear(context, triangles, box, [&](const Triangle& triangle, uint32_t) {
-    rest.ForEachIn(WithinAStep(triangle, context.reach, box), [&](const Vec3i& z, uint32_t end) {
-      const OrientedTriangle oriented(triangle);
-      const Star star(oriented, z);
-      for (const ScanFrame& scan : context.frames) {
-        Vec3i step;
-        if (!star.IsEnd(scan.frame.q, step)) continue;
-        const uint32_t other = set.IndexOf(z + step);
-        if (!set.Test(other)) return rest.Clear(end);
-        edges.push_back({end, other});
-      }
-    });
+}  // namespace
+
+// Voxels outside of the box are unknown: their bits are set, so that they are neither looked at nor prove anything.
+void TileScan::Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t halo,
+                    std::span<const uint32_t> triangles) {
+  const Vec3i low = tile_ijk * kTileSide;
+  const IndexBox before = box_;
+  const BitsLayout layout_before = layout_;
+  tile_ = {low, low + Vec3i{kTileSide, kTileSide, kTileSide}};
+  box_ = {tile_.min - context.reach * halo, tile_.max + context.reach * halo};
+  layout_ = BitsLayout(low, context.reach * (halo + 1));
+  if (layout_.side != layout_before.side || box_.max - box_.min != before.max - before.min ||
+      unknown_.words().size() != layout_.Words()) {
+    unknown_ = incomplete_ = TileBits(layout_.Words());
+    SetOutside(layout_, box_, unknown_);
+    SetOutside(layout_, {box_.min + context.reach, box_.max - context.reach}, incomplete_);
+  }
+  surface_.words() = unknown_.words();
+  candidates_.Clear();
+  FindCandidates(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, candidates_);
+  for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel);
+  AddRim(context);
+}
+
+// Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
+void AppendPairs(const NumberList& voxels, const NumberList& triangles, const NumberList& positions,
+                 std::vector<VoxelTriangle>& pairs) {
+  for (const uint32_t n : positions.view()) pairs.push_back({voxels[n], triangles[n]});
+}
+
+// Calls f(voxel, star) for all pairs_ whose voxel is, or is not, in `bits` when their turn comes.
+template <class F>
+void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f) {
+  constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
+  StarEdges stars[kBatch];
+  VoxelTriangle batch[kBatch];
+  for (size_t n = 0; n < pairs_.size();) {
+    size_t size = 0;
+    for (; n < pairs_.size() && size < kBatch; ++n) {
+      batch[size] = pairs_[n];
+      size += bits.Test(pairs_[n].voxel) == in_set ? 1 : 0;
+    }
+    FindStarEdges(context.mesh, context.frames, layout_, {batch, size}, stars);
+    for (size_t m = 0; m < size; ++m) f(batch[m].voxel, stars[m]);
+  }
+}
+
+// Most candidates of a triangle's rim are voxels that its neighbours have set.
+void TileScan::AddRim(const TileContext& context) {
+  pairs_.clear();
+  surface_.Find(candidates_.rim.view(), false, positions_);
+  AppendPairs(candidates_.rim, candidates_.passed_by, positions_, pairs_);
+  ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
+    if (star.nearer != 0) surface_.Set(voxel);
   });
-  std::erase_if(edges, [&](const CrossedEdge& edge) { return !rest.Test(edge.end); });
-  return edges;
+}
+
+// Evaluates the stars of pairs_ for thinning: voxels that prove essential leave rest_, edges within it are recorded.
+void TileScan::AskStars(const TileContext& context) {
+  ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
+    for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
+      const int n = std::countr_zero(bits);
+      const int32_t step = layout_.StepOf(context.frames[static_cast<size_t>(n)].frame.q);
+      const uint32_t end = z + static_cast<uint32_t>(star.forward >> n & 1 ? step : -step);
+      if (!surface_.Test(end)) return rest_.Clear(z);
+      if (rest_.Test(end)) edges_.push_back({z, end});
+    }
+  });
+}
+
+// An edge whose farther end lies outside shows its nearer end essential. The edges along principal directions, which
+// are at hand, do so for nearly all; of what remains, the stars decide. Near the border of the box farther ends are
+// unknown: of the voxels there, only those matter that are neighbours of a doubtful one.
+bool TileScan::Thin(const TileContext& context) {
+  rest_.words() = unknown_.words();
+  surface_.Split(candidates_.farther.view(), candidates_.nearer.view(), open_, shown_);
+  for (const uint32_t voxel : shown_.view()) rest_.Set(voxel);
+  rest_.TakeFrom(surface_);
+
+  edges_.clear();
+  pairs_.clear();
+  AppendPairs(candidates_.nearer, candidates_.crossed_by, open_, pairs_);
+  rest_.Find(candidates_.rim.view(), true, positions_);
+  AppendPairs(candidates_.rim, candidates_.passed_by, positions_, pairs_);
+  const auto border = std::partition(pairs_.begin(), pairs_.end(),
+                                     [&](const VoxelTriangle& pair) { return !incomplete_.Test(pair.voxel); });
+  std::vector<VoxelTriangle> at_border(border, pairs_.end());
+  pairs_.erase(border, pairs_.end());
+  AskStars(context);
+
+  positions_.Clear();
+  rest_.ListOutside(incomplete_, positions_);
+  absl::flat_hash_set<uint32_t> asked;
+  for (const uint32_t voxel : positions_.view()) {
+    for (const ScanFrame& scan : context.frames) {
+      const auto step = static_cast<uint32_t>(layout_.StepOf(scan.frame.q));
+      for (const uint32_t neighbour : {voxel + step, voxel - step}) {
+        if (rest_.Test(neighbour) && incomplete_.Test(neighbour)) asked.insert(neighbour);
+      }
+    }
+  }
+  if (!asked.empty()) {
+    std::erase_if(at_border, [&](const VoxelTriangle& pair) { return !asked.contains(pair.voxel); });
+    pairs_ = std::move(at_border);
+    AskStars(context);
+  }
+  std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
+  return latvox::Thin(layout_, positions_.view(), edges_, tile_, surface_);
+}
+
+TileBricks TileScan::CutOut(const TileContext& context) const {
+  return latvox::CutOut(layout_, surface_, tile_.min, context.region, context.mesh.base_ijk);
 }
 
 }  // namespace latvox

@@ -1,18 +1,24 @@
-// The voxels of a box from the triangles around it, and the crossed edges that thinning asks for.
+// The voxels of a box from the triangles around it, and what thinning asks for.
 #ifndef LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
 #define LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
 
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
+#include "core/digitize/stars.h"
 #include "core/snap/snap.h"
 #include "core/thin/thin.h"
 #include "core/tile/brick.h"
-#include "core/tile/tile_box.h"
+#include "core/tile/tile_bits.h"
 
 namespace latvox {
+
+// The steps around a tile that thinning looks at first, which nearly always decides.
+inline constexpr int32_t kNearHalo = 2;
 
 // What all tiles of a job have in common.
 struct TileContext {
@@ -23,23 +29,42 @@ struct TileContext {
   IndexBox region;  // local voxels outside are not delivered
   const std::atomic<bool>& cancelled;
 
-  // How far, per axis, triangles may lie outside of a tile and still matter to it, in voxels.
-  Vec3i Margin() const;
+  // How far, per axis, triangles may lie outside of a tile and still matter to it, in voxels: at first, and at all.
+  Vec3i NearMargin() const { return reach * (minimal ? kNearHalo + 1 : 1); }
+  Vec3i FarMargin() const { return reach * (minimal ? kThinHalo + 1 : 1); }
 };
 
-// Adds to `set` all voxels of the surface in `box`: the nearer ends of all crossed edges. If the job is to be thinned,
-// adds some of these edges to `edges`, one of each voxel at least, except where the other end lies outside of the box.
-//   triangles   all that come within half a step of the box; more do no harm
-// Returns early, with part of it, once the job is cancelled.
-void ScanBox(const TileContext& context, const std::vector<uint32_t>& triangles, const IndexBox& box, TileBox& set,
-             std::vector<CrossedEdge>& edges);
+// The surface in a box of voxels. What a thread allocates for one tile serves it for the next.
+class TileScan {
+ public:
+  // Finds all voxels of the surface in the box of `halo` steps around the tile at `tile_ijk` (local).
+  //   triangles   all that come within half a step of the box; more do no harm
+  // Leaves part of it undone once the job is cancelled.
+  void Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t halo, std::span<const uint32_t> triangles);
 
-// Takes out of `rest`, a part of `set`, the voxels that a crossed edge shows essential, and returns all crossed edges
-// at those that stay.
-//   set, triangles   as ScanBox leaves and takes them
-//   rest             a step inside of `box`, or more
-std::vector<CrossedEdge> EdgesAtRest(const TileContext& context, const std::vector<uint32_t>& triangles,
-                                     const IndexBox& box, const TileBox& set, TileBox& rest);
+  // Removes redundant voxels; returns whether that was decided for the whole tile. See Thin.
+  bool Thin(const TileContext& context);
+
+  // The tile's bricks in lexicographic order, in global coordinates, without voxels outside of context.region.
+  TileBricks CutOut(const TileContext& context) const;
+
+ private:
+  template <class F>
+  void ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f);
+  void AddRim(const TileContext& context);
+  void AskStars(const TileContext& context);
+
+  IndexBox tile_{}, box_{};
+  BitsLayout layout_{{}, {}};
+  // What does not change from tile to tile: what lies outside of box_, and what has neighbours there.
+  TileBits unknown_{0}, incomplete_{0};
+  TileBits surface_{0};
+  TileBits rest_{0};  // what nothing has shown essential yet
+  Candidates candidates_;
+  NumberList positions_, open_, shown_;
+  std::vector<VoxelTriangle> pairs_;
+  std::vector<CrossedEdge> edges_;
+};
 
 }  // namespace latvox
 

@@ -1,5 +1,6 @@
 #include "core/voxelizer/voxelizer.h"
 
+#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -41,7 +42,7 @@ class Job : public VoxelizeJob {
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, region, cancelled_},
-        tree_(mesh_, context_.Margin(), region),
+        tree_(mesh_, context_.FarMargin(), region),
         facts_(FactsOfJob(mesh_, region)) {
     if (IsEmpty(region)) return;
     if (auto root = tree_.Root()) todo_.push_back(*std::move(root));
@@ -66,6 +67,7 @@ class Job : public VoxelizeJob {
   std::atomic<bool> cancelled_ = false;
   const TileContext context_;
   const TileTree tree_;
+  mutable oneapi::tbb::enumerable_thread_specific<TileScan> scans_;
   const JobFacts facts_;
   std::vector<TileNode> todo_;  // what is left of the tree, the next node last
   JobTotals totals_;
@@ -89,7 +91,7 @@ void Job::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
-  auto tile = DigitizeTile(context_, node.tile_ijk, node.triangles);
+  auto tile = DigitizeTile(context_, node.tile_ijk, node.triangles, {}, scans_.local());
   if (!tile) return;
   tile->progress = std::min(1.0, node.progress + node.share);
   out.push_back(*std::move(tile));

@@ -27,9 +27,13 @@ TEST_P(PipelineOnLattice, EqualsTheOracleOnAdversarialMeshes) {
             options.region->max[m] = static_cast<int32_t>(mesh.box->hi[m] + 1);
           }
         }
-        const auto result = Voxelize(ToWorld(mesh.triangles, l.lattice), Unscaled(l.lattice), options);
-        ASSERT_EQ(VoxelsOf(result), oracle::Digitize(mesh.triangles, directions, minimal, mesh.box))
-            << l.name << " k " << k << " minimal " << minimal << " " << mesh.name;
+        const auto expected = oracle::Digitize(mesh.triangles, directions, minimal, mesh.box);
+        for (const Simd simd : SimdHere()) {
+          const ForcedSimd forced(simd);
+          const auto result = Voxelize(ToWorld(mesh.triangles, l.lattice), Unscaled(l.lattice), options);
+          ASSERT_EQ(VoxelsOf(result), expected)
+              << l.name << " k " << k << " minimal " << minimal << " " << mesh.name << " " << SimdInUse();
+        }
       }
     }
   }
@@ -43,8 +47,12 @@ TEST_P(PipelineOnLattice, DoesNotDependOnWhereTileBordersLie) {
     if (mesh.box) continue;
     const auto expected = oracle::Digitize(mesh.triangles, directions, true);
     for (const Vec3i& shift : {Vec3i{62, -2, 30}, Vec3i{-64, 60, 66}, Vec3i{1000, -5000, 126}}) {
-      const auto result = Voxelize(ToWorld(mesh.triangles, l.lattice, shift), Unscaled(l.lattice), {});
-      ASSERT_EQ(VoxelsOf(result, shift), expected) << l.name << " " << mesh.name << " shift " << shift[0];
+      for (const Simd simd : SimdHere()) {
+        const ForcedSimd forced(simd);
+        const auto result = Voxelize(ToWorld(mesh.triangles, l.lattice, shift), Unscaled(l.lattice), {});
+        ASSERT_EQ(VoxelsOf(result, shift), expected)
+            << l.name << " " << mesh.name << " shift " << shift[0] << " " << SimdInUse();
+      }
     }
   }
 }

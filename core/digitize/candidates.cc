@@ -1,0 +1,417 @@
+// One triangle at a time, lattice lines in the lanes: a block of lines is one vector, as wide as the triangle asks for.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/digitize/candidates.cc"
+#include "core/digitize/candidates.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "core/base/append_lanes-inl.h"
+#include "core/digitize/line_scan.h"
+#include "core/digitize/line_scan_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The box that candidates must lie in: its size, and the number of its low corner, from which voxels count here.
+struct Target {
+  Vec3i size;
+  BitsLayout layout;
+  int32_t number;
+};
+
+// What each lane holds: a voxel, the farther end of the edge there along the principal direction, and the triangle.
+template <class D>
+HWY_INLINE void Append(D d, const std::array<hn::Vec<D>, 3>& v, hn::Mask<D> crossed, hn::Mask<D> rim, Candidates& out) {
+  if (!hn::AllFalse(d, crossed)) {
+    out.nearer.Grow(AppendLanes(d, v[0], crossed, out.nearer.end()));
+    out.farther.Grow(AppendLanes(d, v[1], crossed, out.farther.end()));
+    out.crossed_by.Grow(AppendLanes(d, v[2], crossed, out.crossed_by.end()));
+  }
+  out.rim.Grow(AppendLanes(d, v[0], rim, out.rim.end()));
+  out.passed_by.Grow(AppendLanes(d, v[2], rim, out.passed_by.end()));
+}
+
+// Offsets of the lines of a block from its first: kLanes wide, or half as wide and two high, or a quarter and four.
+template <class T>
+struct BlockLines {
+  alignas(64) T a[3][HWY_LANES(T)], b[3][HWY_LANES(T)];
+};
+template <class T>
+constexpr BlockLines<T> MakeBlockLines() {
+  constexpr int32_t kLanes = HWY_LANES(T);
+  BlockLines<T> lines{};
+  for (int32_t shape = 0; shape < 3; ++shape) {
+    const int32_t wide = std::max(kLanes >> shape, 1);
+    for (int32_t n = 0; n < kLanes; ++n) {
+      lines.a[shape][n] = n % wide;
+      lines.b[shape][n] = n / wide;
+    }
+  }
+  return lines;
+}
+template <class T>
+inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
+
+// Block after block of the triangle's lines. kClip: whether candidates may lie outside of the target.
+template <bool kClip, class T>
+HWY_INLINE void ScanLines(const LineScan<T>& s, uint32_t triangle, const Frame& frame, const Target& target,
+                          Candidates& out) {
+  const hn::ScalableTag<T> d;
+  using V = hn::Vec<decltype(d)>;
+  const hn::RebindToFloat<decltype(d)> df;
+  constexpr int32_t kLanes = HWY_LANES(T);
+  const auto all = [&](auto x) HWY_ATTR { return hn::Set(d, static_cast<T>(x)); };
+
+  int shape = 0, fewest = INT32_MAX;
+  for (int n = 0; n < 3 && kLanes >> n > 0; ++n) {
+    const int32_t wide = kLanes >> n;
+    const int32_t blocks = ((s.width + wide - 1) / wide) * ((s.height + (1 << n) - 1) >> n);
+    if (blocks < fewest) shape = n, fewest = blocks;
+  }
+  const int32_t wide = kLanes >> shape, high = 1 << shape;
+  out.Reserve(static_cast<size_t>(fewest) * kLanes);
+
+  // What a line adds to the values of (s.a, s.b).
+  const V along = all(s.along), below_along = all(s.along - 1), below_half = all(s.half - 1);
+  using Float = hn::TFromD<decltype(df)>;
+  const auto slope_a = hn::Set(df, static_cast<Float>(s.level_a) / static_cast<Float>(s.along));
+  const auto slope_b = hn::Set(df, static_cast<Float>(s.level_b) / static_cast<Float>(s.along));
+  const Vec3i steps{target.layout.StepOf(frame.u[0]), target.layout.StepOf(frame.u[1]), target.layout.StepOf(frame.q)};
+  const V step = all(steps[2]);
+  struct Lines {
+    V edge[3], remainder, number, ijk[3];
+  };
+  const auto lines_at = [&](V a, V b) HWY_ATTR {
+    const auto sum = [&](auto per_a, auto per_b)
+                         HWY_ATTR { return hn::Add(hn::Mul(a, all(per_a)), hn::Mul(b, all(per_b))); };
+    Lines lines;
+    for (size_t n = 0; n < 3; ++n) lines.edge[n] = sum(s.edge_a[n], s.edge_b[n]);
+    V depth;
+    Divide(d, sum(s.level_a, s.level_b),
+           hn::Add(hn::Mul(hn::ConvertTo(df, a), slope_a), hn::Mul(hn::ConvertTo(df, b), slope_b)), along, depth,
+           lines.remainder);
+    lines.number = hn::Add(sum(steps[0], steps[1]), hn::Mul(depth, step));
+    if constexpr (kClip) {
+      for (size_t m = 0; m < 3; ++m) {
+        lines.ijk[m] = hn::Add(sum(frame.u[0][m], frame.u[1][m]), hn::Mul(depth, all(frame.q[m])));
+      }
+    }
+    return lines;
+  };
+  const auto advance = [&](Lines& lines, const Lines& by) HWY_ATTR {
+    for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
+    const V remainder = hn::Add(lines.remainder, by.remainder);
+    const auto carry = hn::Gt(remainder, below_along);
+    lines.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
+    lines.number = hn::Add(hn::Add(lines.number, by.number), hn::IfThenElseZero(carry, step));
+    if constexpr (kClip) {
+      for (size_t m = 0; m < 3; ++m) {
+        lines.ijk[m] = hn::Add(hn::Add(lines.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, all(frame.q[m])));
+      }
+    }
+  };
+
+  const V a = hn::Load(d, kBlockLines<T>.a[shape]), b = hn::Load(d, kBlockLines<T>.b[shape]);
+  Lines row = lines_at(a, b), first;
+  for (size_t n = 0; n < 3; ++n) first.edge[n] = all(s.edge[n]);
+  first.remainder = all(s.remainder);
+  Vec3i ijk;
+  for (size_t m = 0; m < 3; ++m) {
+    ijk[m] = static_cast<int32_t>(s.a * frame.u[0][m] + s.b * frame.u[1][m]) + s.depth * frame.q[m];
+    first.ijk[m] = all(ijk[m]);
+  }
+  first.number = all(target.number + target.layout.StepOf(ijk));
+  advance(row, first);
+  const bool more_right = s.width > wide, more_down = s.height > high;
+  const Lines right = more_right ? lines_at(all(wide), all(0)) : row,
+              down = more_down ? lines_at(all(0), all(high)) : row;
+  V rim[3];
+  for (size_t n = 0; n < 3; ++n) rim[n] = all(-s.rim[n] - 1);
+
+  for (int32_t from_b = 0; from_b < s.height; from_b += high) {
+    if (from_b != 0) advance(row, down);
+    const auto in_height = hn::Lt(b, all(s.height - from_b));
+    Lines block = row;
+    for (int32_t from_a = 0; from_a < s.width; from_a += wide) {
+      if (from_a != 0) advance(block, right);
+      auto candidate = hn::And(in_height, hn::Lt(a, all(s.width - from_a)));
+      for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
+      if (hn::AllFalse(d, candidate)) continue;
+      if constexpr (kClip) {
+        for (size_t m = 0; m < 3; ++m) {
+          candidate =
+              hn::And(candidate, hn::And(hn::Gt(block.ijk[m], all(-1)), hn::Lt(block.ijk[m], all(target.size[m]))));
+        }
+      }
+      const auto inside = hn::Gt(hn::Or(hn::Or(block.edge[0], block.edge[1]), block.edge[2]), all(-1));
+      const auto crossed = hn::And(candidate, inside), rim_only = hn::AndNot(inside, candidate);
+      const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
+      Append(d, {block.number, hn::Add(block.number, to_farther), all(triangle)}, crossed, rim_only, out);
+    }
+  }
+}
+
+template <class T>
+void ScanTriangle(const OrientedTriangle& triangle, uint32_t index, const ScanFrame& scan, const Target& target,
+                  Candidates& out) {
+  LineScan<T> lines;
+  if (MakeLineScan(triangle, scan, {{}, target.size}, lines)) ScanLines<true>(lines, index, scan.frame, target, out);
+}
+
+// Triangles too large for MakeLineScans.
+void ScanLarge(const Triangle& v, uint32_t index, int32_t narrow, const std::vector<ScanFrame>& frames,
+               const Target& target, Candidates& out) {
+  const OrientedTriangle triangle(v);
+  if (triangle.normal == Vec<int64_t, 3>{}) return;
+  bool is_narrow = true;
+  for (size_t m = 0; m < 3; ++m) {
+    is_narrow &= std::max({v[0][m], v[1][m], v[2][m]}) - std::min({v[0][m], v[1][m], v[2][m]}) <= narrow;
+  }
+  const ScanFrame& scan = PrincipalScanFrame(frames, triangle.normal);
+  is_narrow ? ScanTriangle<int32_t>(triangle, index, scan, target, out)
+            : ScanTriangle<int64_t>(triangle, index, scan, target, out);
+}
+
+// Triangles with few lines each, one a lane: line after line of all.
+constexpr int32_t kFewLines = 8;  // along a and b
+
+template <bool kClip>
+void ScanTogether(const LineScanLanes& s, uint64_t which, const LaneInts& triangle, const FrameTable& table,
+                  const Target& target, Candidates& out) {
+  const Lanes d;
+  const hn::RebindToFloat<Lanes> df;
+  const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
+  const auto some = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&which));
+  const Ints width = hn::IfThenElseZero(some, load(s.width)), height = hn::IfThenElseZero(some, load(s.height));
+  const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
+  const int32_t last_a = most(width), last_b = most(height);
+  out.Reserve(static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
+
+  const FramePick pick(load(s.frame));
+  const Ints along = load(s.along), below_along = hn::Sub(along, Fill(1)), below_half = hn::Sub(load(s.half), Fill(1));
+  const auto number_of = [&](const Ints3& ijk) HWY_ATTR {
+    return hn::Add(
+        hn::Add(hn::Mul(ijk[0], Fill(target.layout.stride[0])), hn::Mul(ijk[1], Fill(target.layout.stride[1]))),
+        ijk[2]);
+  };
+  const Ints3 q = pick(table.q), u0 = pick(table.u[0]), u1 = pick(table.u[1]);
+  const Ints step = number_of(q);
+  struct State {
+    Ints edge[3], remainder, number;
+    Ints3 ijk;
+  };
+  // The step to the next line along u.
+  const auto step_of = [&](const LaneInts(&edge)[3], const LaneInts& per_line, const Ints3& u) HWY_ATTR {
+    State by;
+    for (size_t n = 0; n < 3; ++n) by.edge[n] = load(edge[n]);
+    const Ints level = load(per_line);
+    Ints depth;
+    Divide(d, level, hn::Div(hn::ConvertTo(df, level), hn::ConvertTo(df, along)), along, depth, by.remainder);
+    for (size_t m = 0; m < 3; ++m) by.ijk[m] = hn::Add(u[m], hn::Mul(depth, q[m]));
+    by.number = number_of(by.ijk);
+    return by;
+  };
+  const State right = step_of(s.edge_a, s.level_a, u0), down = step_of(s.edge_b, s.level_b, u1);
+  const auto advance = [&](State& state, const State& by) HWY_ATTR {
+    for (size_t n = 0; n < 3; ++n) state.edge[n] = hn::Add(state.edge[n], by.edge[n]);
+    const Ints remainder = hn::Add(state.remainder, by.remainder);
+    const auto carry = hn::Gt(remainder, below_along);
+    state.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
+    state.number = hn::Add(hn::Add(state.number, by.number), hn::IfThenElseZero(carry, step));
+    if constexpr (kClip) {
+      for (size_t m = 0; m < 3; ++m) {
+        state.ijk[m] = hn::Add(hn::Add(state.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, q[m]));
+      }
+    }
+  };
+
+  State row;
+  Ints below_rim[3];
+  for (size_t n = 0; n < 3; ++n) {
+    row.edge[n] = load(s.edge[n]);
+    below_rim[n] = hn::Sub(Fill(-1), load(s.rim[n]));
+  }
+  row.remainder = load(s.remainder);
+  for (size_t m = 0; m < 3; ++m) {
+    row.ijk[m] = hn::Add(hn::Add(hn::Mul(load(s.a), u0[m]), hn::Mul(load(s.b), u1[m])), hn::Mul(load(s.depth), q[m]));
+  }
+  row.number = hn::Add(number_of(row.ijk), Fill(target.number));
+  const Ints index = load(triangle);
+  for (int32_t b = 0; b < last_b; ++b, advance(row, down)) {
+    const auto in_height = hn::Gt(height, Fill(b));
+    State line = row;
+    for (int32_t a = 0; a < last_a; ++a, advance(line, right)) {
+      auto candidate = hn::And(in_height, hn::Gt(width, Fill(a)));
+      for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(line.edge[n], below_rim[n]));
+      if constexpr (kClip) {
+        for (size_t m = 0; m < 3; ++m) {
+          candidate =
+              hn::And(candidate, hn::And(hn::Gt(line.ijk[m], Fill(-1)), hn::Lt(line.ijk[m], Fill(target.size[m]))));
+        }
+      }
+      if (hn::AllFalse(d, candidate)) continue;
+      const auto inside = hn::Gt(hn::Or(hn::Or(line.edge[0], line.edge[1]), line.edge[2]), Fill(-1));
+      const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
+      Append(d, {line.number, hn::Add(line.number, to_farther), index}, hn::And(candidate, inside),
+             hn::AndNot(inside, candidate), out);
+    }
+  }
+}
+
+// Up to kTriangleLanes triangles.
+void ScanSome(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+              const FrameTable& table, const Vec3i& reach, const Vec3i& origin, const Target& target, Candidates& out) {
+  const Lanes d;
+  LaneInts corner[3][3];
+  for (size_t t = 0; t < kTriangleLanes; ++t) {
+    const auto& indices = mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
+    for (size_t n = 0; n < 3; ++n) {
+      const Vec3i& v = mesh.vertices_lat[indices[n]];
+      for (size_t m = 0; m < 3; ++m) corner[n][m].of[t] = v[m] - origin[m];
+    }
+  }
+  std::array<Ints3, 3> v;
+  for (size_t n = 0; n < 3; ++n) {
+    for (size_t m = 0; m < 3; ++m) v[n][m] = hn::Load(d, corner[n][m].of);
+  }
+  auto near = hn::FirstN(d, triangles.size()), small = near;
+  for (size_t m = 0; m < 3; ++m) {
+    const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
+    const int32_t half_step = reach[m] * kLatticeUnit / 2;
+    near = hn::And(near, hn::Gt(high, Fill(-half_step - 1)));
+    near = hn::And(near, hn::Lt(low, Fill((target.size[m] - 1) * kLatticeUnit + half_step + 1)));
+    small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(kMaxLaneExtent + 1)));
+  }
+  LineScanLanes lines;
+  MakeLineScans(table, target.size, v, hn::And(near, small), lines);
+
+  uint64_t together = 0;
+  hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
+                    reinterpret_cast<uint8_t*>(&together));
+  together &= lines.valid;
+  if (together != 0) {
+    LaneInts index;
+    for (size_t t = 0; t < triangles.size(); ++t) index.of[t] = static_cast<int32_t>(triangles[t]);
+    (together & ~lines.within) == 0 ? ScanTogether<false>(lines, together, index, table, target, out)
+                                    : ScanTogether<true>(lines, together, index, table, target, out);
+  }
+  for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
+    const auto t = static_cast<size_t>(std::countr_zero(some));
+    const Frame& frame = frames[static_cast<size_t>(lines.frame.of[t])].frame;
+    lines.within >> t & 1 ? ScanLines<false>(lines.At(t), triangles[t], frame, target, out)
+                          : ScanLines<true>(lines.At(t), triangles[t], frame, target, out);
+  }
+  uint64_t large = 0;
+  hn::StoreMaskBits(d, hn::AndNot(small, near), reinterpret_cast<uint8_t*>(&large));
+  for (; large != 0; large &= large - 1) {
+    const auto t = static_cast<size_t>(std::countr_zero(large));
+    Triangle triangle;
+    for (size_t n = 0; n < 3; ++n) {
+      for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[n][m].of[t];
+    }
+    ScanLarge(triangle, triangles[t], NarrowExtent(frames), frames, target, out);
+  }
+}
+
+void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                 const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
+  const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
+  const FrameTable table(frames, {{}, target.size});
+  Vec3i reach{};
+  for (const ScanFrame& scan : frames) {
+    for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
+  }
+  for (size_t n = 0; n < triangles.size() && !cancelled; n += kTriangleLanes) {
+    const auto some = triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n));
+    ScanSome(mesh, some, frames, table, reach, box.min * kLatticeUnit, target, out);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <cstring>
+
+#include "core/base/simd.h"
+
+namespace latvox {
+namespace {
+
+HWY_EXPORT(FindInLanes);
+
+void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
+  for (const uint32_t t : triangles) {
+    if (cancelled) return;
+    const auto& [v0, v1, v2] = mesh.triangles[t];
+    const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
+    if (triangle.normal == Vec<int64_t, 3>{}) continue;
+    const auto crossed = [&](const Vec3i& nearer, const Vec3i& farther) {
+      out.Reserve(1);
+      out.nearer.Add(layout.NumberOf(nearer));
+      out.farther.Add(layout.NumberOf(farther));
+      out.crossed_by.Add(t);
+    };
+    const auto rim = [&](const Vec3i& z) {
+      out.Reserve(1);
+      out.rim.Add(layout.NumberOf(z));
+      out.passed_by.Add(t);
+    };
+    ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
+  }
+}
+
+}  // namespace
+
+int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
+  int32_t most = 1;
+  for (const ScanFrame& scan : frames) {
+    for (const Vec3i& u : scan.frame.u) most = std::max(most, std::abs(u[0]) + std::abs(u[1]) + std::abs(u[2]));
+  }
+  int32_t extent = 1 << 14;
+  while (int64_t{extent} * extent * most >= int64_t{1} << 30) extent /= 2;
+  return extent;
+}
+
+FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box) : size(frames.size()), hull_size(0) {
+  std::memset(static_cast<void*>(q.data()), 0, reinterpret_cast<char*>(this + 1) - reinterpret_cast<char*>(q.data()));
+  for (size_t n = 0; n < size; ++n) {
+    const Frame& frame = frames[n].frame;
+    for (size_t m = 0; m < 3; ++m) {
+      q[m].of[n] = frame.q[m];
+      for (size_t row = 0; row < 3; ++row) r[row][m].of[n] = frame.r[row][m];
+      for (size_t column = 0; column < 2; ++column) u[column][m].of[n] = frame.u[column][m];
+    }
+    for (size_t axis = 0; axis < 2; ++axis) {
+      const auto lines = crossing_internal::RangeOver(box, frame.r[axis]);
+      first[axis].of[n] = static_cast<int32_t>(lines.first);
+      last[axis].of[n] = static_cast<int32_t>(lines.last);
+      rim[axis].of[n] = static_cast<int32_t>(axis == 0 ? frames[n].reach_a : frames[n].reach_b) * kLatticeUnit / 2;
+    }
+    hull_size = std::max(hull_size, frames[n].hull.size());
+    for (size_t h = 0; h < frames[n].hull.size(); ++h) {
+      for (size_t axis = 0; axis < 2; ++axis) hull[h][axis].of[n] = static_cast<int32_t>(frames[n].hull[h][axis]);
+    }
+  }
+}
+
+void FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                    const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled,
+                    Candidates& candidates) {
+  if (SimdIsScalar()) {
+    FindScalar(mesh, triangles, frames, box, layout, cancelled, candidates);
+  } else {
+    HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, cancelled, candidates);
+  }
+}
+
+}  // namespace latvox
+#endif  // HWY_ONCE

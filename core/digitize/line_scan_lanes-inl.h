@@ -1,0 +1,253 @@
+// MakeLineScan (core/digitize/line_scan.h) for many triangles, one a lane. It says the same in 32 bits, line by line.
+#if defined(LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_
+#undef LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_
+#else
+#define LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "core/digitize/line_scan.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::ScalableTag<int32_t>;
+using Ints = hn::Vec<Lanes>;
+inline constexpr size_t kTriangleLanes = HWY_LANES(int32_t);
+
+// An integer for each lane, in memory.
+struct alignas(64) LaneInts {
+  int32_t of[kTriangleLanes];
+  HWY_INLINE void operator=(Ints v) { hn::Store(v, Lanes(), of); }
+};
+
+// LineScan<int32_t> of each lane, and the number of its frame.
+struct LineScanLanes {
+  LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
+      frame;
+  uint64_t valid;   // bit n: lane n may have a candidate in the box,
+  uint64_t within;  // and has none outside, not even on lines that are not candidates'
+
+  LineScan<int32_t> At(size_t n) const {
+    LineScan<int32_t> s;
+    s.a = a.of[n];
+    s.b = b.of[n];
+    s.width = width.of[n];
+    s.height = height.of[n];
+    for (size_t m = 0; m < 3; ++m) {
+      s.edge[m] = edge[m].of[n];
+      s.edge_a[m] = edge_a[m].of[n];
+      s.edge_b[m] = edge_b[m].of[n];
+      s.rim[m] = rim[m].of[n];
+    }
+    s.along = along.of[n];
+    s.level_a = level_a.of[n];
+    s.level_b = level_b.of[n];
+    s.remainder = remainder.of[n];
+    s.half = half.of[n];
+    s.depth = depth.of[n];
+    return s;
+  }
+};
+
+using Ints3 = std::array<Ints, 3>;
+
+HWY_INLINE Ints Fill(int64_t x) { return hn::Set(Lanes(), static_cast<int32_t>(x)); }
+HWY_INLINE Ints3 Minus(const Ints3& a, const Ints3& b) {
+  return {hn::Sub(a[0], b[0]), hn::Sub(a[1], b[1]), hn::Sub(a[2], b[2])};
+}
+HWY_INLINE Ints DotOf(const Ints3& a, const Ints3& b) {
+  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+}
+HWY_INLINE Ints Minor(Ints a, Ints b, Ints c, Ints d) { return hn::Sub(hn::Mul(a, d), hn::Mul(b, c)); }
+HWY_INLINE Ints3 CrossOf(const Ints3& a, const Ints3& b) {
+  return {Minor(a[1], a[2], b[1], b[2]), Minor(a[2], a[0], b[2], b[0]), Minor(a[0], a[1], b[0], b[1])};
+}
+HWY_INLINE Ints FirstNonzero(const Ints3& v) {
+  const Ints zero = hn::Zero(Lanes());
+  return hn::IfThenElse(hn::Eq(v[0], zero), hn::IfThenElse(hn::Eq(v[1], zero), v[2], v[1]), v[0]);
+}
+HWY_INLINE Ints Least(Ints a, Ints b, Ints c) { return hn::Min(a, hn::Min(b, c)); }
+HWY_INLINE Ints Most(Ints a, Ints b, Ints c) { return hn::Max(a, hn::Max(b, c)); }
+
+// c * v, for constants that mostly are -1, 0 or 1.
+HWY_INLINE Ints Times(int32_t c, Ints v) {
+  return c == 0 ? hn::Zero(Lanes()) : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(Fill(c), v);
+}
+
+// Floor division of small sums: n = quotient * d + remainder, from an estimate that is off by at most one.
+template <class D, class V, class F>
+HWY_INLINE void Divide(D d, V n, F estimate, V divisor, V& quotient, V& remainder) {
+  const V one = hn::Set(d, 1);
+  V q = hn::ConvertTo(d, estimate);
+  V r = hn::Sub(n, hn::Mul(q, divisor));
+  const auto below = hn::Lt(r, hn::Zero(d));
+  r = hn::IfThenElse(below, hn::Add(r, divisor), r);
+  q = hn::IfThenElse(below, hn::Sub(q, one), q);
+  const auto above = hn::Gt(r, hn::Sub(divisor, one));
+  remainder = hn::IfThenElse(above, hn::Sub(r, divisor), r);
+  quotient = hn::IfThenElse(above, hn::Add(q, one), q);
+}
+
+// Reads the entries of a row of FrameTable for the frames that the lanes have.
+class FramePick {
+ public:
+  explicit FramePick(Ints frame) : frame_(frame) {}
+  HWY_INLINE Ints operator()(const FrameTable::Row& row) const {
+    if constexpr (kTriangleLanes == kMaxDirections) {
+      return hn::TableLookupLanes(hn::Load(Lanes(), row.of), hn::IndicesFromVec(Lanes(), frame_));
+    } else if constexpr (2 * kTriangleLanes == kMaxDirections) {
+      const Lanes d;
+      const auto index = hn::IndicesFromVec(d, hn::And(frame_, Fill(kTriangleLanes - 1)));
+      const Ints low = hn::TableLookupLanes(hn::Load(d, row.of), index);
+      const Ints high = hn::TableLookupLanes(hn::Load(d, row.of + kTriangleLanes), index);
+      return hn::IfThenElse(hn::Gt(frame_, Fill(kTriangleLanes - 1)), high, low);
+    } else {
+      return hn::GatherIndex(Lanes(), row.of, frame_);
+    }
+  }
+  HWY_INLINE Ints3 operator()(const std::array<FrameTable::Row, 3>& rows) const {
+    return {(*this)(rows[0]), (*this)(rows[1]), (*this)(rows[2])};
+  }
+
+ private:
+  Ints frame_;
+};
+
+// v: corners, by axis, in lattice units from the box's low corner; `wanted` says which lanes hold a triangle.
+// Precondition: extents are at most kMaxLaneExtent, and the triangles near the box.
+HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::array<Ints3, 3> v,
+                              hn::Mask<Lanes> wanted, LineScanLanes& out) {
+  const Lanes d;
+  const hn::RebindToFloat<Lanes> df;
+  const Ints zero = hn::Zero(d), one = Fill(1);
+
+  // The principal direction: the frame with the largest |normal . q|.
+  Ints3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
+  Ints up = zero, along = zero, frame = zero;
+  for (size_t n = 0; n < frames.size; ++n) {
+    const auto q = [&](size_t m) { return Times(frames.q[m].of[n], normal[m]); };
+    const Ints dot = hn::Add(hn::Add(q(0), q(1)), q(2));
+    const auto more = hn::Gt(hn::Abs(dot), along);
+    up = hn::IfThenElse(more, dot, up);
+    frame = hn::IfThenElse(more, Fill(static_cast<int64_t>(n)), frame);
+    along = hn::Max(along, hn::Abs(dot));
+  }
+  wanted = hn::And(wanted, hn::Gt(along, zero));
+  const FramePick pick(frame);
+
+  // Counter-clockwise in the projection: the normal must point along q.
+  const auto backward = hn::Lt(up, zero);
+  for (size_t m = 0; m < 3; ++m) {
+    normal[m] = hn::IfThenElse(backward, hn::Neg(normal[m]), normal[m]);
+    const Ints second = v[1][m];
+    v[1][m] = hn::IfThenElse(backward, v[2][m], second);
+    v[2][m] = hn::IfThenElse(backward, second, v[2][m]);
+  }
+  const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);
+
+  const Ints3 r0 = pick(frames.r[0]), r1 = pick(frames.r[1]), q = pick(frames.q);
+  const Ints3 x{DotOf(r0, v[0]), DotOf(r0, v[1]), DotOf(r0, v[2])};
+  const Ints3 y{DotOf(r1, v[0]), DotOf(r1, v[1]), DotOf(r1, v[2])};
+  const auto first = [&](const Ints3& p, size_t axis) {
+    const Ints low = hn::Sub(Least(p[0], p[1], p[2]), pick(frames.rim[axis]));
+    return hn::Max(hn::ShiftRight<kSubvoxelBits>(hn::Add(low, Fill(kLatticeUnit - 1))), pick(frames.first[axis]));
+  };
+  const auto count = [&](const Ints3& p, size_t axis, Ints from) {
+    const Ints high = hn::Add(Most(p[0], p[1], p[2]), pick(frames.rim[axis]));
+    const Ints last = hn::Min(hn::ShiftRight<kSubvoxelBits>(high), pick(frames.last[axis]));
+    return hn::Add(hn::Sub(last, from), one);
+  };
+  const Ints a = first(x, 0), b = first(y, 1), width = count(x, 0, a), height = count(y, 1, b);
+  wanted = hn::And(wanted, hn::Gt(hn::Min(width, height), zero));
+  out.valid = 0;
+  hn::StoreMaskBits(d, wanted, reinterpret_cast<uint8_t*>(&out.valid));
+  if (out.valid == 0) return;
+  out.frame = frame;
+  out.a = a;
+  out.b = b;
+  out.width = width;
+  out.height = height;
+
+  const Ints from_a = hn::ShiftLeft<kSubvoxelBits>(a), from_b = hn::ShiftLeft<kSubvoxelBits>(b);
+  for (size_t n = 0; n < 3; ++n) {
+    const size_t next = (n + 1) % 3;
+    const Ints dx = hn::Sub(x[next], x[n]), dy = hn::Sub(y[next], y[n]);
+    Ints rim = zero;
+    for (size_t h = 0; h < frames.hull_size; ++h) {
+      rim = hn::Max(rim, hn::Abs(Minor(dx, dy, pick(frames.hull[h][0]), pick(frames.hull[h][1]))));
+    }
+    // dy*R0 - dx*R1 is edge x q.
+    const auto tie = hn::Gt(FirstNonzero(CrossOf(Minus(v[next], v[n]), q)), zero);
+    const Ints value =
+        hn::Sub(Minor(dx, dy, hn::Sub(from_a, x[n]), hn::Sub(from_b, y[n])), hn::IfThenZeroElse(tie, one));
+    out.edge[n] = hn::ShiftRight<kSubvoxelBits>(value);
+    out.edge_a[n] = hn::Neg(dy);
+    out.edge_b[n] = dx;
+    out.rim[n] = hn::ShiftRight<1>(hn::Add(rim, one));
+  }
+
+  // N = 256 * (sum of factor * whole) + sum of factor * part, where whole and part make up the other factor; and again
+  // so for the factors, since N itself does not fit.
+  const Ints n_a = DotOf(normal, pick(frames.u[0])), n_b = DotOf(normal, pick(frames.u[1]));
+  const Ints z0 = hn::Add(DotOf(pick(frames.r[2]), v[0]), Fill(kLatticeUnit / 2));
+  const std::array<std::pair<Ints, Ints>, 3> terms{
+      {{along, z0}, {n_a, hn::Sub(x[0], from_a)}, {n_b, hn::Sub(y[0], from_b)}}};
+  const Ints low_bits = Fill(kLatticeUnit - 1);
+  Ints level = zero, rest = hn::Neg(flip);
+  for (const auto& [factor, other] : terms) {
+    const Ints whole = hn::ShiftRight<kSubvoxelBits>(other), part = hn::And(other, low_bits);
+    level = hn::Add(level, hn::Add(hn::Mul(factor, whole), hn::Mul(hn::ShiftRight<kSubvoxelBits>(factor), part)));
+    rest = hn::Add(rest, hn::Mul(hn::And(factor, low_bits), part));
+  }
+  level = hn::Add(level, hn::ShiftRight<kSubvoxelBits>(rest));  // modulo 2^32, which holds the remainder
+  const auto to_float = [&](Ints i) { return hn::ConvertTo(df, i); };
+  const auto slopes =
+      hn::Add(hn::Mul(to_float(n_a), to_float(terms[1].second)), hn::Mul(to_float(n_b), to_float(terms[2].second)));
+  const auto estimate =
+      hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));
+  Ints depth, remainder;
+  Divide(d, level, estimate, along, depth, remainder);
+  const auto low_part = hn::Lt(hn::And(rest, low_bits), Fill(kLatticeUnit / 2));
+  out.along = along;
+  out.level_a = hn::Neg(n_a);
+  out.level_b = hn::Neg(n_b);
+  out.depth = depth;
+  out.remainder = remainder;
+  out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
+
+  // Coordinates of the voxels are linear over the lines, but for the depth's rounding down: so their bounds are at the
+  // corners of the box of lines. One more for rounding here.
+  const auto to_last_a = to_float(hn::Sub(width, one)), to_last_b = to_float(hn::Sub(height, one));
+  const auto slope_a = hn::Neg(hn::Div(to_float(n_a), to_float(along)));
+  const auto slope_b = hn::Neg(hn::Div(to_float(n_b), to_float(along)));
+  const auto nothing = hn::Zero(df);
+  auto within = wanted;
+  for (size_t m = 0; m < 3; ++m) {
+    const Ints u0 = pick(frames.u[0][m]), u1 = pick(frames.u[1][m]);
+    const auto per_q = to_float(q[m]);
+    const auto base = to_float(hn::Add(hn::Add(hn::Mul(a, u0), hn::Mul(b, u1)), hn::Mul(depth, q[m])));
+    const auto over_a = hn::Mul(to_last_a, hn::Add(to_float(u0), hn::Mul(slope_a, per_q)));
+    const auto over_b = hn::Mul(to_last_b, hn::Add(to_float(u1), hn::Mul(slope_b, per_q)));
+    const auto slack = hn::Add(hn::Abs(per_q), hn::Set(df, 1.0F));
+    const auto low = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
+    const auto high = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
+    const auto inside = hn::And(hn::Ge(low, nothing), hn::Le(high, hn::Set(df, static_cast<float>(size[m] - 1))));
+    within = hn::And(within, hn::RebindMask(d, inside));
+  }
+  out.within = 0;
+  hn::StoreMaskBits(d, within, reinterpret_cast<uint8_t*>(&out.within));
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#endif

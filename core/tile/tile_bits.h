@@ -1,0 +1,104 @@
+// A dense set of voxels around one tile, as bits whose numbers are linear in the voxel's coordinates.
+#ifndef LATVOX_CORE_TILE_TILE_BITS_H_
+#define LATVOX_CORE_TILE_TILE_BITS_H_
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/tile/brick.h"
+
+namespace latvox {
+
+// Numbers the voxels of a box around a tile. A step of the lattice is a constant difference of numbers, so that whoever
+// walks along lattice lines needs no coordinates.
+//   number = (i - origin[0]) * stride[0] + (j - origin[1]) * stride[1] + (k - origin[2])
+// Rows run along k. The tile begins at a whole byte of its rows, and at even coordinates of the box.
+struct BitsLayout {
+  Vec3i origin;  // local
+  Vec3i side;
+  Vec3i stride;
+
+  // At least `margin` voxels on every side of the tile at `tile_min` (local).
+  BitsLayout(const Vec3i& tile_min, const Vec3i& margin) {
+    const Vec3i wide{(margin[0] + 1) & ~1, (margin[1] + 1) & ~1, (margin[2] + 7) & ~7};
+    origin = tile_min - wide;
+    side = wide + wide + Vec3i{kTileSide, kTileSide, kTileSide};
+    stride = {side[1] * side[2], side[2], 1};
+  }
+
+  // Precondition: the box contains ijk.
+  uint32_t NumberOf(const Vec3i& ijk) const { return static_cast<uint32_t>(Dot(ijk - origin, stride)); }
+  int32_t StepOf(const Vec3i& q) const { return Dot(q, stride); }
+  Vec3i VoxelAt(uint32_t number) const {
+    const auto n = static_cast<int32_t>(number);
+    return origin + Vec3i{n / stride[0], n / stride[1] % side[1], n % side[2]};
+  }
+  // The parity class of a voxel, 0..7. Two k-neighbours never share it, since a neighbour step is never 0 modulo 2.
+  uint32_t ParityClass(uint32_t number) const {
+    const Vec3i ijk = VoxelAt(number);
+    return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
+  }
+  // Of 32 bits; two more than needed, so that any voxel's bit and the 63 after it can be read.
+  size_t Words() const { return static_cast<size_t>(stride[0]) * static_cast<size_t>(side[0]) / 32 + 3; }
+};
+inline constexpr int kParityClasses = 8;
+
+// Numbers in a row. Kernels append whole lanes at end(), and then say how many of them count.
+class NumberList {
+ public:
+  static constexpr size_t kSlack = 64;  // more than a lane's worth
+
+  void Reserve(size_t more) {
+    if (size_ + more + kSlack > capacity_) Enlarge(more);
+  }
+  void Add(uint32_t number) { data_[size_++] = number; }  // Precondition: reserved
+  uint32_t* end() { return data_.get() + size_; }
+  void Grow(size_t by) { size_ += by; }
+  void Clear() { size_ = 0; }
+
+  size_t size() const { return size_; }
+  uint32_t operator[](size_t n) const { return data_[n]; }
+  std::span<const uint32_t> view() const { return {data_.get(), size_}; }
+
+ private:
+  void Enlarge(size_t more);
+
+  size_t size_ = 0, capacity_ = 0;
+  std::unique_ptr<uint32_t[]> data_;
+};
+
+// A set of voxels, one bit each.
+class TileBits {
+ public:
+  explicit TileBits(size_t words) : words_(words) {}
+
+  bool Test(uint32_t number) const { return words_[number >> 5] >> (number & 31) & 1; }
+  void Set(uint32_t number) { words_[number >> 5] |= 1U << (number & 31); }
+  void Clear(uint32_t number) { words_[number >> 5] &= ~(1U << (number & 31)); }
+
+  // The positions n, ascending, at which numbers[n] is in the set, or is not.
+  void Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const;
+
+  // By pairs of a number and a partner: appends to `in` the positions of those whose number is in the set, and to
+  // `out` the partners of the others.
+  void Split(std::span<const uint32_t> numbers, std::span<const uint32_t> partners, NumberList& in,
+             NumberList& out) const;
+
+  // Becomes the members of `other` that are not in this set. Precondition: both have the same size.
+  void TakeFrom(const TileBits& other);
+
+  // Appends all members that are not in `other`, ascending.
+  void ListOutside(const TileBits& other, NumberList& numbers) const;
+
+  std::vector<uint32_t>& words() { return words_; }
+  const std::vector<uint32_t>& words() const { return words_; }
+
+ private:
+  std::vector<uint32_t> words_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_TILE_TILE_BITS_H_

@@ -1,0 +1,294 @@
+// The kernels, each on its own, held against plain C++ and against the crossing rule in every direction.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "core/digitize/candidates.h"
+#include "core/digitize/crossing.h"
+#include "core/digitize/star.h"
+#include "core/digitize/stars.h"
+#include "core/tile/cut_out.h"
+#include "tests/unit/core_exact.h"
+
+namespace latvox {
+namespace {
+
+constexpr unsigned kSeed = 7;
+const std::atomic<bool> kNotCancelled = false;
+
+SnappedMesh MeshOf(const std::vector<Triangle>& triangles) {
+  SnappedMesh mesh{};
+  for (const Triangle& triangle : triangles) {
+    const auto n = static_cast<uint32_t>(mesh.vertices_lat.size());
+    mesh.vertices_lat.insert(mesh.vertices_lat.end(), triangle.begin(), triangle.end());
+    mesh.triangles.push_back({n, n + 1, n + 2});
+  }
+  return mesh;
+}
+
+std::vector<uint32_t> Iota(size_t size) {
+  std::vector<uint32_t> numbers(size);
+  for (uint32_t n = 0; n < size; ++n) numbers[n] = n;
+  return numbers;
+}
+
+Vec3i ReachOf(const std::vector<ScanFrame>& frames) {
+  Vec3i reach{};
+  for (const ScanFrame& scan : frames) {
+    for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
+  }
+  return reach;
+}
+
+using Found = std::set<std::pair<uint32_t, Vec3i>>;  // triangle, voxel
+
+// All nearer ends in the box, from the plain scan of every direction.
+Found Expected(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames, const IndexBox& box) {
+  Found found;
+  for (uint32_t n = 0; n < triangles.size(); ++n) {
+    for (const ScanFrame& scan : frames) {
+      ForEachCrossing(triangles[n], scan.frame, box, [&](const Vec3i& nearer, const Vec3i&) {
+        found.insert({n, nearer});
+      });
+    }
+  }
+  return found;
+}
+
+// The same from candidates and stars; checks the crossed edges on the way.
+Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames, const IndexBox& box,
+                     const Vec3i& tile_min) {
+  const SnappedMesh mesh = MeshOf(triangles);
+  const Vec3i reach = ReachOf(frames);
+  const BitsLayout layout(tile_min, tile_min - box.min + reach);
+  Candidates candidates;
+  FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, candidates);
+
+  Found found;
+  for (size_t n = 0; n < candidates.nearer.size(); ++n) {
+    const uint32_t t = candidates.crossed_by[n];
+    const Vec3i nearer = layout.VoxelAt(candidates.nearer[n]), farther = layout.VoxelAt(candidates.farther[n]);
+    EXPECT_TRUE(box.Contains(nearer));
+    const OrientedTriangle oriented(triangles[t]);
+    const Vec3i& q = PrincipalScanFrame(frames, oriented.normal).frame.q;
+    EXPECT_TRUE(farther == nearer + q || farther == nearer - q);
+    Vec3i step;
+    EXPECT_TRUE(Star(oriented, nearer).IsNearerEnd(q, step));
+    EXPECT_EQ(nearer + step, farther);
+    found.insert({t, nearer});
+  }
+  std::vector<VoxelTriangle> pairs;
+  for (size_t n = 0; n < candidates.rim.size(); ++n) {
+    EXPECT_TRUE(box.Contains(layout.VoxelAt(candidates.rim[n])));
+    pairs.push_back({candidates.rim[n], candidates.passed_by[n]});
+  }
+  std::vector<StarEdges> stars(pairs.size());
+  FindStarEdges(mesh, frames, layout, pairs, stars.data());
+  for (size_t n = 0; n < pairs.size(); ++n) {
+    if (stars[n].nearer != 0) found.insert({pairs[n].triangle, layout.VoxelAt(pairs[n].voxel)});
+  }
+  return found;
+}
+
+// Triangles of a given size around a tile, a third of them with corners on multiples of a quarter voxel, where ties
+// are.
+std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size, size_t count) {
+  std::mt19937 random(kSeed);
+  std::uniform_int_distribution<int32_t> place(-8 * kLatticeUnit, 72 * kLatticeUnit), side(-size, size);
+  std::vector<Triangle> triangles;
+  for (size_t n = 0; n < count; ++n) {
+    Triangle triangle;
+    Vec3i at;
+    for (int32_t& x : at) x = place(random);
+    for (size_t v = 0; v < 3; ++v) {
+      for (size_t m = 0; m < 3; ++m) {
+        const int32_t x = tile_min[m] * kLatticeUnit + at[m] + side(random);
+        triangle[v][m] = n % 3 == 0 ? x & ~(kLatticeUnit / 4 - 1) : x;
+      }
+    }
+    if (n % 2 == 0)
+      triangle[2] = (tile_min * kLatticeUnit + at) * 3 - triangle[0] - triangle[1];  // its middle is there
+    if (n % 17 == 0) triangle[2] = triangle[n % 2];
+    triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+// Sizes on both sides of every limit: lines together or in blocks, 32 or 64 bits, and beyond the tile.
+TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
+  const Vec3i tile_min{128, 64, 192};
+  for (const ExactLattice& l : ExactLattices()) {
+    for (int k : {0, 2}) {
+      const auto frames = MakeScanFrames(l.lattice.frames(k));
+      const Vec3i reach = ReachOf(frames);
+      const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
+      for (const auto& [size, count] : {std::pair<int32_t, size_t>{60, 1000},
+                                        {400, 500},
+                                        {1500, 200},
+                                        {2200, 200},
+                                        {9000, 40},
+                                        {40000, 10},
+                                        {1 << 22, 5}}) {
+        const auto triangles = TrianglesAround(tile_min, size, count);
+        const Found expected = Expected(triangles, frames, box);
+        EXPECT_GT(expected.size(), 0U);
+        for (const Simd simd : SimdHere()) {
+          const ForcedSimd forced(simd);
+          ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min), expected)
+              << l.name << " k " << k << " size " << size << " " << SimdInUse() << " seed " << kSeed;
+        }
+      }
+    }
+  }
+}
+
+TEST(Candidates, OfAdversarialMeshesAreThoseOfThePlainScanOnEachKernel) {
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    const Vec3i reach = ReachOf(frames);
+    for (const auto& mesh : oracle::AdversarialMeshes(33, Directions(l.lattice.frames(0)))) {
+      std::vector<Triangle> triangles;
+      for (const auto& t : mesh.triangles) {
+        Triangle& triangle = triangles.emplace_back();
+        for (size_t n = 0; n < 3; ++n) {
+          for (size_t m = 0; m < 3; ++m) triangle[n][m] = static_cast<int32_t>(t[n][m]);
+        }
+      }
+      for (const Vec3i& tile_min : {Vec3i{0, 0, 0}, Vec3i{-64, 0, -64}}) {
+        const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
+        const Found expected = Expected(triangles, frames, box);
+        for (const Simd simd : SimdHere()) {
+          const ForcedSimd forced(simd);
+          ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min), expected)
+              << l.name << " " << mesh.name << " " << SimdInUse();
+        }
+      }
+    }
+  }
+}
+
+TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
+  const Vec3i tile_min{0, 64, 0};
+  const BitsLayout layout(tile_min, {8, 8, 8});
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    for (const int32_t size : {60, 400, 9000, 40000, 1 << 22}) {
+      const auto triangles = TrianglesAround(tile_min, size, 60);
+      const SnappedMesh mesh = MeshOf(triangles);
+      // Voxels that are within half a step of the plane, as candidates are.
+      std::vector<VoxelTriangle> pairs;
+      for (uint32_t t = 0; t < triangles.size(); ++t) {
+        const OrientedTriangle oriented(triangles[t]);
+        if (oriented.normal == Vec<int64_t, 3>{}) continue;
+        ScanAlongPrincipal(
+            oriented, PrincipalScanFrame(frames, oriented.normal), {tile_min, tile_min + Vec3i{64, 64, 64}},
+            [&](const Vec3i& z, const Vec3i&) {
+              pairs.push_back({layout.NumberOf(z), t});
+            },
+            [&](const Vec3i& z) {
+              pairs.push_back({layout.NumberOf(z), t});
+            });
+      }
+      if (pairs.size() > 5000) pairs.resize(5000);
+      for (const Simd simd : SimdHere()) {
+        const ForcedSimd forced(simd);
+        std::vector<StarEdges> stars(pairs.size());
+        FindStarEdges(mesh, frames, layout, pairs, stars.data());
+        for (size_t n = 0; n < pairs.size(); ++n) {
+          const OrientedTriangle oriented(triangles[pairs[n].triangle]);
+          const Star star(oriented, layout.VoxelAt(pairs[n].voxel));
+          for (size_t d = 0; d < frames.size(); ++d) {
+            const Vec3i& q = frames[d].frame.q;
+            Vec3i step;
+            const bool nearer = star.IsNearerEnd(q, step);
+            ASSERT_EQ(stars[n].nearer >> d & 1, nearer ? 1U : 0U) << l.name << " size " << size << " " << SimdInUse();
+            ASSERT_EQ(stars[n].forward >> d & 1, nearer && step == q ? 1U : 0U) << l.name << " " << SimdInUse();
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(TileBits, FindSplitAndListAreWhatTestSaysOnEachKernel) {
+  std::mt19937 random(kSeed);
+  const BitsLayout layout({0, 0, 0}, {3, 3, 3});
+  const auto last = static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1);
+  std::uniform_int_distribution<uint32_t> number(0, last);
+  TileBits bits(layout.Words()), others(layout.Words());
+  for (int n = 0; n < 20000; ++n) bits.Set(number(random));
+  for (int n = 0; n < 20000; ++n) others.Set(number(random));
+  for (const size_t size : {size_t{0}, size_t{1}, size_t{15}, size_t{16}, size_t{1003}}) {
+    std::vector<uint32_t> numbers(size), partners(size);
+    for (uint32_t& n : numbers) n = number(random);
+    for (uint32_t& n : partners) n = number(random);
+    std::vector<uint32_t> in, out, out_partners;
+    for (uint32_t n = 0; n < size; ++n) {
+      (bits.Test(numbers[n]) ? in : out).push_back(n);
+      if (!bits.Test(numbers[n])) out_partners.push_back(partners[n]);
+    }
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      const auto list = [](const NumberList& found) {
+        return std::vector<uint32_t>(found.view().begin(), found.view().end());
+      };
+      NumberList first, second;
+      bits.Find(numbers, true, first);
+      EXPECT_EQ(list(first), in) << SimdInUse();
+      bits.Find(numbers, false, first);
+      EXPECT_EQ(list(first), out) << SimdInUse();
+      bits.Split(numbers, partners, first, second);
+      EXPECT_EQ(list(first), in) << SimdInUse();
+      EXPECT_EQ(list(second), out_partners) << SimdInUse();
+      NumberList listed;
+      bits.ListOutside(others, listed);
+      std::vector<uint32_t> expected;
+      for (uint32_t n = 0; n <= last; ++n) {
+        if (bits.Test(n) && !others.Test(n)) expected.push_back(n);
+      }
+      EXPECT_EQ(list(listed), expected) << SimdInUse();
+    }
+  }
+}
+
+TEST(CutOut, GivesTheVoxelsOfTheTileAndRegionAsBricksOnEachKernel) {
+  std::mt19937 random(kSeed);
+  const Vec3i tile_min{64, -128, 0}, base_ijk{-640, 64, 128};
+  const IndexBox tile{tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}};
+  for (const Vec3i& margin : {Vec3i{0, 0, 0}, Vec3i{3, 3, 3}, Vec3i{6, 3, 9}}) {
+    const BitsLayout layout(tile_min, margin);
+    std::uniform_int_distribution<uint32_t> number(0, static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1));
+    TileBits bits(layout.Words());
+    for (int n = 0; n < 3000; ++n) bits.Set(number(random));
+    for (const IndexBox& region : {tile, IndexBox{tile_min + Vec3i{3, 0, 17}, tile_min + Vec3i{64, 9, 60}}}) {
+      std::set<Vec3i> expected;
+      for (int32_t i = tile.min[0]; i < tile.max[0]; ++i) {
+        for (int32_t j = tile.min[1]; j < tile.max[1]; ++j) {
+          for (int32_t k = tile.min[2]; k < tile.max[2]; ++k) {
+            if (region.Contains({i, j, k}) && bits.Test(layout.NumberOf({i, j, k}))) expected.insert({i, j, k});
+          }
+        }
+      }
+      for (const Simd simd : SimdHere()) {
+        const ForcedSimd forced(simd);
+        const TileBricks out = CutOut(layout, bits, tile_min, region, base_ijk);
+        std::set<Vec3i> found;
+        for (const Brick& brick : out.bricks) {
+          for (int32_t n = 0; n < 512; ++n) {
+            if ((brick.mask[static_cast<size_t>(n >> 6)] >> (n & 63) & 1) == 0) continue;
+            found.insert(brick.brick_ijk * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7} - base_ijk);
+          }
+        }
+        EXPECT_EQ(found, expected) << SimdInUse();
+        EXPECT_EQ(out.voxels, expected.size());
+        EXPECT_TRUE(std::is_sorted(out.bricks.begin(), out.bricks.end(),
+                                   [](const Brick& a, const Brick& b) { return a.brick_ijk < b.brick_ijk; }));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latvox
