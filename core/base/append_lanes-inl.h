@@ -33,33 +33,67 @@ constexpr std::array<uint32_t, 256> MakeCompressTable() {
 inline constexpr std::array<uint32_t, 256> kCompressTable = MakeCompressTable();
 #endif
 
-// Writes whole lanes at `to`; returns how many of them count. Numbers must be within 0 .. 2^32 - 1.
-template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
-HWY_INLINE size_t AppendLanes(D d, V v, hwy::HWY_NAMESPACE::Mask<D> mask, uint32_t* to) {
-  namespace hn = hwy::HWY_NAMESPACE;
-  using T = hn::TFromD<D>;
-  if constexpr (sizeof(T) == 4 && HWY_LANES(T) > 4) {
-    const hn::RebindToUnsigned<D> du;
-    const auto bits = hn::BitCast(du, v);
+// The lanes that a mask selects, to be written one after another, of as many vectors as one likes.
+template <class D>
+class SelectedLanes {
+ public:
+  using Mask = hwy::HWY_NAMESPACE::Mask<D>;
+  using V = hwy::HWY_NAMESPACE::Vec<D>;
+
+  HWY_INLINE SelectedLanes(D d, Mask mask) : mask_(mask), count_(hwy::HWY_NAMESPACE::CountTrue(d, mask)) {
+    namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET == HWY_AVX2
-    uint8_t set[8];
-    hn::StoreMaskBits(d, mask, set);
-    alignas(32) static constexpr uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
-    const auto nibbles = hn::Shr(hn::Set(du, kCompressTable[set[0]]), hn::Load(du, kShifts));
-    hn::StoreU(hn::TableLookupLanes(bits, hn::IndicesFromVec(du, hn::And(nibbles, hn::Set(du, 7)))), du, to);
-#else
-    hn::StoreU(hn::Compress(bits, hn::RebindMask(du, mask)), du, to);
+    if constexpr (kTabled) {
+      const hn::RebindToUnsigned<D> du;
+      uint8_t set[8];
+      hn::StoreMaskBits(d, mask, set);
+      alignas(32) static constexpr uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+      // A lookup takes the low three bits alone.
+      positions_ = hn::Shr(hn::Set(du, kCompressTable[set[0]]), hn::Load(du, kShifts));
+    }
 #endif
-    return hn::CountTrue(d, mask);
-  } else {
-    alignas(64) T lanes[HWY_LANES(T)];
-    hn::Store(v, d, lanes);
-    uint64_t set = 0;
-    hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&set));
-    size_t count = 0;
-    for (; set != 0; set &= set - 1) to[count++] = static_cast<uint32_t>(lanes[std::countr_zero(set)]);
-    return count;
   }
+
+  size_t count() const { return count_; }
+
+  // Writes whole lanes, of which count() mean something. Numbers must be within 0 .. 2^32 - 1.
+  HWY_INLINE void Store(V v, uint32_t* to) const {
+    namespace hn = hwy::HWY_NAMESPACE;
+    const D d;
+    if constexpr (sizeof(T) == 4 && HWY_LANES(T) > 4) {
+      const hn::RebindToUnsigned<D> du;
+#if HWY_TARGET == HWY_AVX2
+      using Indices = decltype(hn::IndicesFromVec(du, positions_));
+      hn::StoreU(hn::TableLookupLanes(hn::BitCast(du, v), Indices{positions_.raw}), du, to);
+#else
+      hn::StoreU(hn::Compress(hn::BitCast(du, v), hn::RebindMask(du, mask_)), du, to);
+#endif
+    } else {
+      alignas(64) T lanes[HWY_LANES(T)];
+      hn::Store(v, d, lanes);
+      uint64_t set = 0;
+      hn::StoreMaskBits(d, mask_, reinterpret_cast<uint8_t*>(&set));
+      for (; set != 0; set &= set - 1) *to++ = static_cast<uint32_t>(lanes[std::countr_zero(set)]);
+    }
+  }
+
+ private:
+  using T = hwy::HWY_NAMESPACE::TFromD<D>;
+  static constexpr bool kTabled = sizeof(T) == 4;
+
+  Mask mask_;
+  size_t count_;
+#if HWY_TARGET == HWY_AVX2
+  hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::RebindToUnsigned<D>> positions_;
+#endif
+};
+
+// The same for one vector; returns how many.
+template <class D>
+HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESPACE::Mask<D> mask, uint32_t* to) {
+  const SelectedLanes<D> selected(d, mask);
+  selected.Store(v, to);
+  return selected.count();
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_scan.h"
 #include "core/digitize/line_scan_lanes-inl.h"
+#include "core/snap/padded_vertices.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -24,32 +25,33 @@ struct Target {
   int32_t number;
 };
 
-// What each lane holds: a voxel, the farther end of the edge there along the principal direction, and the triangle.
+// What each lane holds: a voxel with a place above it, and the step to the farther end of the edge there along the
+// principal direction.
 template <class D>
-HWY_INLINE void Append(D d, const std::array<hn::Vec<D>, 3>& v, hn::Mask<D> crossed, hn::Mask<D> rim, Candidates& out) {
+HWY_INLINE void Append(D d, hn::Vec<D> voxel, hn::Vec<D> to_farther, hn::Mask<D> crossed, hn::Mask<D> rim,
+                       Candidates& out) {
   if (!hn::AllFalse(d, crossed)) {
-    out.nearer.Grow(AppendLanes(d, v[0], crossed, out.nearer.end()));
-    out.farther.Grow(AppendLanes(d, v[1], crossed, out.farther.end()));
-    out.crossed_by.Grow(AppendLanes(d, v[2], crossed, out.crossed_by.end()));
+    const SelectedLanes<D> selected(d, crossed);
+    selected.Store(voxel, out.nearer.end());
+    selected.Store(hn::Add(voxel, to_farther), out.farther.end());
+    out.nearer.Grow(selected.count());
+    out.farther.Grow(selected.count());
   }
-  out.rim.Grow(AppendLanes(d, v[0], rim, out.rim.end()));
-  out.passed_by.Grow(AppendLanes(d, v[2], rim, out.passed_by.end()));
+  out.rim.Grow(AppendLanes(d, voxel, rim, out.rim.end()));
 }
 
-// Offsets of the lines of a block from its first: kLanes wide, or half as wide and two high, or a quarter and four.
+// Offsets of a block's lines from its first.
 template <class T>
 struct BlockLines {
-  alignas(64) T a[3][HWY_LANES(T)], b[3][HWY_LANES(T)];
+  alignas(64) T a[kShapes][HWY_LANES(T)], b[kShapes][HWY_LANES(T)];
 };
 template <class T>
 constexpr BlockLines<T> MakeBlockLines() {
-  constexpr int32_t kLanes = HWY_LANES(T);
   BlockLines<T> lines{};
-  for (int32_t shape = 0; shape < 3; ++shape) {
-    const int32_t wide = std::max(kLanes >> shape, 1);
-    for (int32_t n = 0; n < kLanes; ++n) {
-      lines.a[shape][n] = n % wide;
-      lines.b[shape][n] = n / wide;
+  for (int32_t shape = 0; shape < kShapes; ++shape) {
+    for (int32_t n = 0; n < static_cast<int32_t>(HWY_LANES(T)); ++n) {
+      lines.a[shape][n] = n % BlockWidth<T>(shape);
+      lines.b[shape][n] = n / BlockWidth<T>(shape);
     }
   }
   return lines;
@@ -57,24 +59,36 @@ constexpr BlockLines<T> MakeBlockLines() {
 template <class T>
 inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
 
+// What MakeLineScans does for its lanes.
+template <class T>
+void ChooseShape(LineScan<T>& s) {
+  int32_t fewest = INT32_MAX;
+  for (int32_t n = 0; n < kShapes && static_cast<int32_t>(HWY_LANES(T)) >> n > 0; ++n) {
+    const int32_t wide = BlockWidth<T>(n), high = 1 << n;
+    const int32_t blocks = ((s.width + wide - 1) / wide) * ((s.height + high - 1) / high);
+    if (n == 0 || blocks < fewest) s.shape = n, fewest = blocks;
+  }
+  using Wide = std::conditional_t<sizeof(T) == 4, int64_t, __int128>;
+  const auto divide = [&](Wide level, int32_t& depth, T& remainder) {
+    const Wide quotient = level / s.along - (level % s.along < 0 ? 1 : 0);
+    depth = static_cast<int32_t>(quotient);
+    remainder = static_cast<T>(level - quotient * s.along);
+  };
+  divide(Wide{s.level_a} * BlockWidth<T>(s.shape), s.right_depth, s.right_remainder);
+  divide(Wide{s.level_b} << s.shape, s.down_depth, s.down_remainder);
+}
+
 // Block after block of the triangle's lines. kClip: whether candidates may lie outside of the target.
 template <bool kClip, class T>
-HWY_INLINE void ScanLines(const LineScan<T>& s, uint32_t triangle, const Frame& frame, const Target& target,
+HWY_INLINE void ScanLines(const LineScan<T>& s, size_t place, const Frame& frame, const Target& target,
                           Candidates& out) {
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   const hn::RebindToFloat<decltype(d)> df;
-  constexpr int32_t kLanes = HWY_LANES(T);
   const auto all = [&](auto x) HWY_ATTR { return hn::Set(d, static_cast<T>(x)); };
 
-  int shape = 0, fewest = INT32_MAX;
-  for (int n = 0; n < 3 && kLanes >> n > 0; ++n) {
-    const int32_t wide = kLanes >> n;
-    const int32_t blocks = ((s.width + wide - 1) / wide) * ((s.height + (1 << n) - 1) >> n);
-    if (blocks < fewest) shape = n, fewest = blocks;
-  }
-  const int32_t wide = kLanes >> shape, high = 1 << shape;
-  out.Reserve(static_cast<size_t>(fewest) * kLanes);
+  const int32_t wide = BlockWidth<T>(s.shape), high = 1 << s.shape;
+  out.Reserve(static_cast<size_t>(s.width + wide) * static_cast<size_t>(s.height + high));
 
   // What a line adds to the values of (s.a, s.b).
   const V along = all(s.along), below_along = all(s.along - 1), below_half = all(s.half - 1);
@@ -86,23 +100,21 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, uint32_t triangle, const Frame& 
   struct Lines {
     V edge[3], remainder, number, ijk[3];
   };
-  const auto lines_at = [&](V a, V b) HWY_ATTR {
-    const auto sum = [&](auto per_a, auto per_b)
-                         HWY_ATTR { return hn::Add(hn::Mul(a, all(per_a)), hn::Mul(b, all(per_b))); };
-    Lines lines;
-    for (size_t n = 0; n < 3; ++n) lines.edge[n] = sum(s.edge_a[n], s.edge_b[n]);
-    V depth;
-    Divide(d, sum(s.level_a, s.level_b),
-           hn::Add(hn::Mul(hn::ConvertTo(df, a), slope_a), hn::Mul(hn::ConvertTo(df, b), slope_b)), along, depth,
-           lines.remainder);
-    lines.number = hn::Add(sum(steps[0], steps[1]), hn::Mul(depth, step));
-    if constexpr (kClip) {
-      for (size_t m = 0; m < 3; ++m) {
-        lines.ijk[m] = hn::Add(sum(frame.u[0][m], frame.u[1][m]), hn::Mul(depth, all(frame.q[m])));
-      }
+  const V a = hn::Load(d, kBlockLines<T>.a[s.shape]), b = hn::Load(d, kBlockLines<T>.b[s.shape]);
+  const auto sum = [&](auto per_a, auto per_b)
+                       HWY_ATTR { return hn::Add(hn::Mul(a, all(per_a)), hn::Mul(b, all(per_b))); };
+  Lines row;
+  for (size_t n = 0; n < 3; ++n) row.edge[n] = sum(s.edge_a[n], s.edge_b[n]);
+  V depth;
+  Divide(d, sum(s.level_a, s.level_b),
+         hn::Add(hn::Mul(hn::ConvertTo(df, a), slope_a), hn::Mul(hn::ConvertTo(df, b), slope_b)), along, depth,
+         row.remainder);
+  row.number = hn::Add(sum(steps[0], steps[1]), hn::Mul(depth, step));
+  if constexpr (kClip) {
+    for (size_t m = 0; m < 3; ++m) {
+      row.ijk[m] = hn::Add(sum(frame.u[0][m], frame.u[1][m]), hn::Mul(depth, all(frame.q[m])));
     }
-    return lines;
-  };
+  }
   const auto advance = [&](Lines& lines, const Lines& by) HWY_ATTR {
     for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
     const V remainder = hn::Add(lines.remainder, by.remainder);
@@ -116,20 +128,32 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, uint32_t triangle, const Frame& 
     }
   };
 
-  const V a = hn::Load(d, kBlockLines<T>.a[shape]), b = hn::Load(d, kBlockLines<T>.b[shape]);
-  Lines row = lines_at(a, b), first;
-  for (size_t n = 0; n < 3; ++n) first.edge[n] = all(s.edge[n]);
-  first.remainder = all(s.remainder);
-  Vec3i ijk;
-  for (size_t m = 0; m < 3; ++m) {
-    ijk[m] = static_cast<int32_t>(s.a * frame.u[0][m] + s.b * frame.u[1][m]) + s.depth * frame.q[m];
-    first.ijk[m] = all(ijk[m]);
-  }
-  first.number = all(target.number + target.layout.StepOf(ijk));
-  advance(row, first);
-  const bool more_right = s.width > wide, more_down = s.height > high;
-  const Lines right = more_right ? lines_at(all(wide), all(0)) : row,
-              down = more_down ? lines_at(all(0), all(high)) : row;
+  // The same for all lanes: what `edges` and so on give.
+  const auto same = [&](const std::array<T, 3>& edges, T remainder, const Vec3i& ijk, int32_t from) HWY_ATTR {
+    Lines lines;
+    for (size_t n = 0; n < 3; ++n) {
+      lines.edge[n] = all(edges[n]);
+      lines.ijk[n] = all(ijk[n]);
+    }
+    lines.remainder = all(remainder);
+    lines.number = all(from + target.layout.StepOf(ijk));
+    return lines;
+  };
+  const auto ijk_of = [&](int64_t lines_a, int64_t lines_b, int32_t lines_depth) {
+    Vec3i ijk;
+    for (size_t m = 0; m < 3; ++m) {
+      ijk[m] = static_cast<int32_t>(lines_a * frame.u[0][m] + lines_b * frame.u[1][m]) + lines_depth * frame.q[m];
+    }
+    return ijk;
+  };
+  const auto times = [](std::array<T, 3> edges, int32_t lines) {
+    for (T& edge : edges) edge *= lines;
+    return edges;
+  };
+  advance(row, same(s.edge, s.remainder, ijk_of(s.a, s.b, s.depth), target.number));
+  row.number = hn::Add(row.number, all(place << kNumberBits));
+  const Lines right = same(times(s.edge_a, wide), s.right_remainder, ijk_of(wide, 0, s.right_depth), 0);
+  const Lines down = same(times(s.edge_b, high), s.down_remainder, ijk_of(0, high, s.down_depth), 0);
   V rim[3];
   for (size_t n = 0; n < 3; ++n) rim[n] = all(-s.rim[n] - 1);
 
@@ -151,38 +175,29 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, uint32_t triangle, const Frame& 
       const auto inside = hn::Gt(hn::Or(hn::Or(block.edge[0], block.edge[1]), block.edge[2]), all(-1));
       const auto crossed = hn::And(candidate, inside), rim_only = hn::AndNot(inside, candidate);
       const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
-      Append(d, {block.number, hn::Add(block.number, to_farther), all(triangle)}, crossed, rim_only, out);
+      Append(d, block.number, to_farther, crossed, rim_only, out);
     }
   }
 }
 
-template <class T>
-void ScanTriangle(const OrientedTriangle& triangle, uint32_t index, const ScanFrame& scan, const Target& target,
-                  Candidates& out) {
-  LineScan<T> lines;
-  if (MakeLineScan(triangle, scan, {{}, target.size}, lines)) ScanLines<true>(lines, index, scan.frame, target, out);
-}
-
 // Triangles too large for MakeLineScans.
-void ScanLarge(const Triangle& v, uint32_t index, int32_t narrow, const std::vector<ScanFrame>& frames,
-               const Target& target, Candidates& out) {
+void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& frames, const Target& target,
+               Candidates& out) {
   const OrientedTriangle triangle(v);
   if (triangle.normal == Vec<int64_t, 3>{}) return;
-  bool is_narrow = true;
-  for (size_t m = 0; m < 3; ++m) {
-    is_narrow &= std::max({v[0][m], v[1][m], v[2][m]}) - std::min({v[0][m], v[1][m], v[2][m]}) <= narrow;
-  }
   const ScanFrame& scan = PrincipalScanFrame(frames, triangle.normal);
-  is_narrow ? ScanTriangle<int32_t>(triangle, index, scan, target, out)
-            : ScanTriangle<int64_t>(triangle, index, scan, target, out);
+  LineScan<int64_t> lines;
+  if (!MakeLineScan(triangle, scan, {{}, target.size}, lines)) return;
+  ChooseShape(lines);
+  ScanLines<true>(lines, place, scan.frame, target, out);
 }
 
 // Triangles with few lines each, one a lane: line after line of all.
-constexpr int32_t kFewLines = 8;  // along a and b
+constexpr int32_t kFewLines = 6;  // along a and b  // along a and b
 
 template <bool kClip>
-void ScanTogether(const LineScanLanes& s, uint64_t which, const LaneInts& triangle, const FrameTable& table,
-                  const Target& target, Candidates& out) {
+void ScanTogether(const LineScanLanes& s, uint64_t which, const FrameTable& table, const Target& target,
+                  Candidates& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
@@ -240,8 +255,7 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const LaneInts& triang
   for (size_t m = 0; m < 3; ++m) {
     row.ijk[m] = hn::Add(hn::Add(hn::Mul(load(s.a), u0[m]), hn::Mul(load(s.b), u1[m])), hn::Mul(load(s.depth), q[m]));
   }
-  row.number = hn::Add(number_of(row.ijk), Fill(target.number));
-  const Ints index = load(triangle);
+  row.number = hn::Add(hn::Add(number_of(row.ijk), Fill(target.number)), hn::ShiftLeft<kNumberBits>(hn::Iota(d, 0)));
   for (int32_t b = 0; b < last_b; ++b, advance(row, down)) {
     const auto in_height = hn::Gt(height, Fill(b));
     State line = row;
@@ -257,27 +271,27 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const LaneInts& triang
       if (hn::AllFalse(d, candidate)) continue;
       const auto inside = hn::Gt(hn::Or(hn::Or(line.edge[0], line.edge[1]), line.edge[2]), Fill(-1));
       const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
-      Append(d, {line.number, hn::Add(line.number, to_farther), index}, hn::And(candidate, inside),
-             hn::AndNot(inside, candidate), out);
+      Append(d, line.number, to_farther, hn::And(candidate, inside), hn::AndNot(inside, candidate), out);
     }
   }
 }
 
 // Up to kTriangleLanes triangles.
-void ScanSome(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-              const FrameTable& table, const Vec3i& reach, const Vec3i& origin, const Target& target, Candidates& out) {
+void ScanSome(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
+              const std::vector<ScanFrame>& frames, const FrameTable& table, int32_t narrow, const Vec3i& reach,
+              const std::array<int32_t, 4>& origin, const Target& target, Candidates& out) {
   const Lanes d;
-  LaneInts corner[3][3];
+  LaneVectors corner[3];
+  const hn::CappedTag<int32_t, 4> d4;
+  const auto from = hn::LoadU(d4, origin.data());
   for (size_t t = 0; t < kTriangleLanes; ++t) {
     const auto& indices = mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
-    for (size_t n = 0; n < 3; ++n) {
-      const Vec3i& v = mesh.vertices_lat[indices[n]];
-      for (size_t m = 0; m < 3; ++m) corner[n][m].of[t] = v[m] - origin[m];
-    }
+    for (size_t n = 0; n < 3; ++n) hn::Store(hn::Sub(hn::LoadU(d4, vertices[indices[n]]), from), d4, corner[n].of[t]);
   }
   std::array<Ints3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) v[n][m] = hn::Load(d, corner[n][m].of);
+    Ints unused;
+    hn::LoadInterleaved4(d, corner[n].of[0], v[n][0], v[n][1], v[n][2], unused);
   }
   auto near = hn::FirstN(d, triangles.size()), small = near;
   for (size_t m = 0; m < 3; ++m) {
@@ -285,7 +299,7 @@ void ScanSome(const SnappedMesh& mesh, std::span<const uint32_t> triangles, cons
     const int32_t half_step = reach[m] * kLatticeUnit / 2;
     near = hn::And(near, hn::Gt(high, Fill(-half_step - 1)));
     near = hn::And(near, hn::Lt(low, Fill((target.size[m] - 1) * kLatticeUnit + half_step + 1)));
-    small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(kMaxLaneExtent + 1)));
+    small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(narrow + 1)));
   }
   LineScanLanes lines;
   MakeLineScans(table, target.size, v, hn::And(near, small), lines);
@@ -295,16 +309,14 @@ void ScanSome(const SnappedMesh& mesh, std::span<const uint32_t> triangles, cons
                     reinterpret_cast<uint8_t*>(&together));
   together &= lines.valid;
   if (together != 0) {
-    LaneInts index;
-    for (size_t t = 0; t < triangles.size(); ++t) index.of[t] = static_cast<int32_t>(triangles[t]);
-    (together & ~lines.within) == 0 ? ScanTogether<false>(lines, together, index, table, target, out)
-                                    : ScanTogether<true>(lines, together, index, table, target, out);
+    (together & ~lines.within) == 0 ? ScanTogether<false>(lines, together, table, target, out)
+                                    : ScanTogether<true>(lines, together, table, target, out);
   }
   for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(some));
     const Frame& frame = frames[static_cast<size_t>(lines.frame.of[t])].frame;
-    lines.within >> t & 1 ? ScanLines<false>(lines.At(t), triangles[t], frame, target, out)
-                          : ScanLines<true>(lines.At(t), triangles[t], frame, target, out);
+    lines.within >> t & 1 ? ScanLines<false>(lines.At(t), t, frame, target, out)
+                          : ScanLines<true>(lines.At(t), t, frame, target, out);
   }
   uint64_t large = 0;
   hn::StoreMaskBits(d, hn::AndNot(small, near), reinterpret_cast<uint8_t*>(&large));
@@ -312,9 +324,9 @@ void ScanSome(const SnappedMesh& mesh, std::span<const uint32_t> triangles, cons
     const auto t = static_cast<size_t>(std::countr_zero(large));
     Triangle triangle;
     for (size_t n = 0; n < 3; ++n) {
-      for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[n][m].of[t];
+      for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[n].of[t][m];
     }
-    ScanLarge(triangle, triangles[t], NarrowExtent(frames), frames, target, out);
+    ScanLarge(triangle, t, frames, target, out);
   }
 }
 
@@ -322,13 +334,18 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
                  const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
   const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
   const FrameTable table(frames, {{}, target.size});
+  const PaddedVertices vertices(mesh);
+  const int32_t narrow = NarrowExtent(frames);
+  const std::array<int32_t, 4> origin{box.min[0] * kLatticeUnit, box.min[1] * kLatticeUnit, box.min[2] * kLatticeUnit,
+                                      0};
   Vec3i reach{};
   for (const ScanFrame& scan : frames) {
     for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
   }
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kTriangleLanes) {
     const auto some = triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n));
-    ScanSome(mesh, some, frames, table, reach, box.min * kLatticeUnit, target, out);
+    ScanSome(mesh, vertices, some, frames, table, narrow, reach, origin, target, out);
+    out.EndRun(n);
   }
 }
 
@@ -349,8 +366,8 @@ HWY_EXPORT(FindInLanes);
 
 void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                 const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
-  for (const uint32_t t : triangles) {
-    if (cancelled) return;
+  for (size_t n = 0; n < triangles.size() && !cancelled; ++n) {
+    const uint32_t t = triangles[n];
     const auto& [v0, v1, v2] = mesh.triangles[t];
     const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
     if (triangle.normal == Vec<int64_t, 3>{}) continue;
@@ -358,14 +375,13 @@ void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, co
       out.Reserve(1);
       out.nearer.Add(layout.NumberOf(nearer));
       out.farther.Add(layout.NumberOf(farther));
-      out.crossed_by.Add(t);
     };
     const auto rim = [&](const Vec3i& z) {
       out.Reserve(1);
       out.rim.Add(layout.NumberOf(z));
-      out.passed_by.Add(t);
     };
     ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
+    out.EndRun(n);
   }
 }
 
@@ -381,12 +397,14 @@ int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
   return extent;
 }
 
-FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box) : size(frames.size()), hull_size(0) {
+FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box)
+    : size(frames.size()), hull_size(0), reach(0) {
   std::memset(static_cast<void*>(q.data()), 0, reinterpret_cast<char*>(this + 1) - reinterpret_cast<char*>(q.data()));
   for (size_t n = 0; n < size; ++n) {
     const Frame& frame = frames[n].frame;
     for (size_t m = 0; m < 3; ++m) {
       q[m].of[n] = frame.q[m];
+      reach = std::max(reach, std::abs(frame.q[m]));
       for (size_t row = 0; row < 3; ++row) r[row][m].of[n] = frame.r[row][m];
       for (size_t column = 0; column < 2; ++column) u[column][m].of[n] = frame.u[column][m];
     }

@@ -13,18 +13,31 @@
 
 namespace latvox {
 
-// Voxels are numbers of one BitsLayout, triangles those of the mesh.
+// Voxels are numbers of one BitsLayout, below 2^kNumberBits; above these bits is the triangle's place in its run.
 struct Candidates {
+  // Of up to kMaxRun consecutive triangles: up to these positions of the lists, from those of the run before.
+  struct Run {
+    uint32_t first;  // triangle, as its place in the caller's list
+    uint32_t crossed_end, rim_end;
+  };
+  static constexpr size_t kMaxRun = size_t{1} << (32 - kNumberBits);
+
   // Edges along principal directions that a triangle crosses: nearer[n], which is the surface's, to farther[n].
-  NumberList nearer, farther, crossed_by;
+  NumberList nearer, farther;
   // Voxels on lattice lines that pass a triangle closely: whether it contributes them is open.
-  NumberList rim, passed_by;
+  NumberList rim;
+  std::vector<Run> runs;
 
   void Reserve(size_t more) {
-    for (NumberList* list : {&nearer, &farther, &crossed_by, &rim, &passed_by}) list->Reserve(more);
+    for (NumberList* list : {&nearer, &farther, &rim}) list->Reserve(more);
+  }
+  void EndRun(size_t first) {
+    runs.push_back(
+        {static_cast<uint32_t>(first), static_cast<uint32_t>(nearer.size()), static_cast<uint32_t>(rim.size())});
   }
   void Clear() {
-    for (NumberList* list : {&nearer, &farther, &crossed_by, &rim, &passed_by}) list->Clear();
+    for (NumberList* list : {&nearer, &farther, &rim}) list->Clear();
+    runs.clear();
   }
 };
 

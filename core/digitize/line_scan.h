@@ -33,9 +33,15 @@ struct LineScan {
   T along, level_a, level_b;              // along, and the steps of M
   T remainder, half;
   int32_t depth;
+  // For whoever goes through the lines in blocks: log2 of a block's height, and what one block to the right and one
+  // down add to the depth of a line.
+  int32_t shape, right_depth, down_depth;
+  T right_remainder, down_remainder;
 };
 
-// The largest extent of a triangle, per axis in lattice units, that LineScan<int32_t> can hold.
+// The largest extent of a triangle, per axis in lattice units, that LineScan<int32_t> can hold: with at most 14 bits,
+// projected differences have 16, E' 26 and normals 28; and what is a product of a normal and a column of U, which
+// `along` is, has at most 30.
 int32_t NarrowExtent(const std::vector<ScanFrame>& frames);
 
 // What lanes look up: entry n of a row belongs to frame n.
@@ -44,6 +50,7 @@ struct FrameTable {
     int32_t of[kMaxDirections];
   };
   size_t size, hull_size;
+  int32_t reach;  // largest |entry| of the directions
   std::array<Row, 3> q;
   std::array<std::array<Row, 3>, 3> r;
   std::array<std::array<Row, 3>, 2> u;
@@ -54,11 +61,6 @@ struct FrameTable {
   // box: as for MakeLineScan.
   FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box);
 };
-
-// The largest extent of a triangle, per axis in lattice units, that the lanes of core/digitize/line_scan_lanes-inl.h
-// can hold: projected differences have 14 bits then, edge functions 30, normals 24, and `along` 27.
-inline constexpr int32_t kMaxLaneExtent = 1 << 12;
-static_assert(kMaxFrameRow <= 4 && kMaxDirection <= 8);
 
 // Returns false if the triangle has no candidate in `box` (local voxels).
 // Precondition: `scan` is the frame of the triangle's principal direction; triangle.normal is not 0.

@@ -8,6 +8,9 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <bit>
+
 #include "core/digitize/line_scan.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -27,10 +30,15 @@ struct alignas(64) LaneInts {
   HWY_INLINE void operator=(Ints v) { hn::Store(v, Lanes(), of); }
 };
 
+// Four integers for each lane.
+struct alignas(64) LaneVectors {
+  int32_t of[kTriangleLanes][4];
+};
+
 // LineScan<int32_t> of each lane, and the number of its frame.
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
-      frame;
+      shape, right_depth, right_remainder, down_depth, down_remainder, frame;
   uint64_t valid;   // bit n: lane n may have a candidate in the box,
   uint64_t within;  // and has none outside, not even on lines that are not candidates'
 
@@ -52,11 +60,23 @@ struct LineScanLanes {
     s.remainder = remainder.of[n];
     s.half = half.of[n];
     s.depth = depth.of[n];
+    s.shape = shape.of[n];
+    s.right_depth = right_depth.of[n];
+    s.right_remainder = right_remainder.of[n];
+    s.down_depth = down_depth.of[n];
+    s.down_remainder = down_remainder.of[n];
     return s;
   }
 };
 
 using Ints3 = std::array<Ints, 3>;
+
+// Blocks of lines are vectors: as wide as they are long, or half as wide and two high, or a quarter and four.
+inline constexpr int32_t kShapes = 3;
+template <class T>
+constexpr int32_t BlockWidth(int32_t shape) {
+  return std::max(static_cast<int32_t>(HWY_LANES(T)) >> shape, 1);
+}
 
 HWY_INLINE Ints Fill(int64_t x) { return hn::Set(Lanes(), static_cast<int32_t>(x)); }
 HWY_INLINE Ints3 Minus(const Ints3& a, const Ints3& b) {
@@ -76,9 +96,12 @@ HWY_INLINE Ints FirstNonzero(const Ints3& v) {
 HWY_INLINE Ints Least(Ints a, Ints b, Ints c) { return hn::Min(a, hn::Min(b, c)); }
 HWY_INLINE Ints Most(Ints a, Ints b, Ints c) { return hn::Max(a, hn::Max(b, c)); }
 
-// c * v, for constants that mostly are -1, 0 or 1.
-HWY_INLINE Ints Times(int32_t c, Ints v) {
-  return c == 0 ? hn::Zero(Lanes()) : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(Fill(c), v);
+// Adds a * b, which may not fit, to kLatticeUnit * whole + rest.
+HWY_INLINE void AddProduct(Ints a, Ints b, Ints& whole, Ints& rest) {
+  const Ints low_bits = Fill(kLatticeUnit - 1), part = hn::And(b, low_bits);
+  whole = hn::Add(whole, hn::Mul(a, hn::ShiftRight<kSubvoxelBits>(b)));
+  whole = hn::Add(whole, hn::Mul(hn::ShiftRight<kSubvoxelBits>(a), part));
+  rest = hn::Add(rest, hn::Mul(hn::And(a, low_bits), part));
 }
 
 // Floor division of small sums: n = quotient * d + remainder, from an estimate that is off by at most one.
@@ -121,7 +144,7 @@ class FramePick {
 };
 
 // v: corners, by axis, in lattice units from the box's low corner; `wanted` says which lanes hold a triangle.
-// Precondition: extents are at most kMaxLaneExtent, and the triangles near the box.
+// Precondition: extents are at most NarrowExtent, and the triangles near the box.
 HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::array<Ints3, 3> v,
                               hn::Mask<Lanes> wanted, LineScanLanes& out) {
   const Lanes d;
@@ -131,8 +154,13 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
   // The principal direction: the frame with the largest |normal . q|.
   Ints3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
   Ints up = zero, along = zero, frame = zero;
+  Ints multiples[3][2 * kMaxDirection + 1];
+  for (size_t m = 0; m < 3; ++m) {
+    for (int32_t c = -frames.reach; c <= frames.reach; ++c)
+      multiples[m][c + kMaxDirection] = hn::Mul(Fill(c), normal[m]);
+  }
   for (size_t n = 0; n < frames.size; ++n) {
-    const auto q = [&](size_t m) { return Times(frames.q[m].of[n], normal[m]); };
+    const auto q = [&](size_t m) HWY_ATTR { return multiples[m][frames.q[m].of[n] + kMaxDirection]; };
     const Ints dot = hn::Add(hn::Add(q(0), q(1)), q(2));
     const auto more = hn::Gt(hn::Abs(dot), along);
     up = hn::IfThenElse(more, dot, up);
@@ -153,6 +181,9 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
   const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);
 
   const Ints3 r0 = pick(frames.r[0]), r1 = pick(frames.r[1]), q = pick(frames.q);
+  const Ints3 u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
+  std::array<std::array<Ints, 2>, kMaxHull> hull;
+  for (size_t h = 0; h < frames.hull_size; ++h) hull[h] = {pick(frames.hull[h][0]), pick(frames.hull[h][1])};
   const Ints3 x{DotOf(r0, v[0]), DotOf(r0, v[1]), DotOf(r0, v[2])};
   const Ints3 y{DotOf(r1, v[0]), DotOf(r1, v[1]), DotOf(r1, v[2])};
   const auto first = [&](const Ints3& p, size_t axis) {
@@ -181,40 +212,34 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
     const Ints dx = hn::Sub(x[next], x[n]), dy = hn::Sub(y[next], y[n]);
     Ints rim = zero;
     for (size_t h = 0; h < frames.hull_size; ++h) {
-      rim = hn::Max(rim, hn::Abs(Minor(dx, dy, pick(frames.hull[h][0]), pick(frames.hull[h][1]))));
+      rim = hn::Max(rim, hn::Abs(Minor(dx, dy, hull[h][0], hull[h][1])));
     }
     // dy*R0 - dx*R1 is edge x q.
     const auto tie = hn::Gt(FirstNonzero(CrossOf(Minus(v[next], v[n]), q)), zero);
-    const Ints value =
-        hn::Sub(Minor(dx, dy, hn::Sub(from_a, x[n]), hn::Sub(from_b, y[n])), hn::IfThenZeroElse(tie, one));
-    out.edge[n] = hn::ShiftRight<kSubvoxelBits>(value);
+    Ints value = zero, rest = hn::IfThenElse(tie, zero, Fill(-1));
+    AddProduct(dx, hn::Sub(from_b, y[n]), value, rest);
+    AddProduct(dy, hn::Sub(x[n], from_a), value, rest);
+    out.edge[n] = hn::Add(value, hn::ShiftRight<kSubvoxelBits>(rest));
     out.edge_a[n] = hn::Neg(dy);
     out.edge_b[n] = dx;
     out.rim[n] = hn::ShiftRight<1>(hn::Add(rim, one));
   }
 
-  // N = 256 * (sum of factor * whole) + sum of factor * part, where whole and part make up the other factor; and again
-  // so for the factors, since N itself does not fit.
-  const Ints n_a = DotOf(normal, pick(frames.u[0])), n_b = DotOf(normal, pick(frames.u[1]));
+  const Ints n_a = DotOf(normal, u0), n_b = DotOf(normal, u1);
   const Ints z0 = hn::Add(DotOf(pick(frames.r[2]), v[0]), Fill(kLatticeUnit / 2));
-  const std::array<std::pair<Ints, Ints>, 3> terms{
-      {{along, z0}, {n_a, hn::Sub(x[0], from_a)}, {n_b, hn::Sub(y[0], from_b)}}};
-  const Ints low_bits = Fill(kLatticeUnit - 1);
+  const Ints to_x = hn::Sub(x[0], from_a), to_y = hn::Sub(y[0], from_b);
   Ints level = zero, rest = hn::Neg(flip);
-  for (const auto& [factor, other] : terms) {
-    const Ints whole = hn::ShiftRight<kSubvoxelBits>(other), part = hn::And(other, low_bits);
-    level = hn::Add(level, hn::Add(hn::Mul(factor, whole), hn::Mul(hn::ShiftRight<kSubvoxelBits>(factor), part)));
-    rest = hn::Add(rest, hn::Mul(hn::And(factor, low_bits), part));
-  }
+  AddProduct(along, z0, level, rest);
+  AddProduct(n_a, to_x, level, rest);
+  AddProduct(n_b, to_y, level, rest);
   level = hn::Add(level, hn::ShiftRight<kSubvoxelBits>(rest));  // modulo 2^32, which holds the remainder
   const auto to_float = [&](Ints i) { return hn::ConvertTo(df, i); };
-  const auto slopes =
-      hn::Add(hn::Mul(to_float(n_a), to_float(terms[1].second)), hn::Mul(to_float(n_b), to_float(terms[2].second)));
+  const auto slopes = hn::Add(hn::Mul(to_float(n_a), to_float(to_x)), hn::Mul(to_float(n_b), to_float(to_y)));
   const auto estimate =
       hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));
-  Ints depth, remainder;
+  Ints depth, remainder, depth_step;
   Divide(d, level, estimate, along, depth, remainder);
-  const auto low_part = hn::Lt(hn::And(rest, low_bits), Fill(kLatticeUnit / 2));
+  const auto low_part = hn::Lt(hn::And(rest, Fill(kLatticeUnit - 1)), Fill(kLatticeUnit / 2));
   out.along = along;
   out.level_a = hn::Neg(n_a);
   out.level_b = hn::Neg(n_b);
@@ -222,23 +247,43 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
   out.remainder = remainder;
   out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
 
+  // Whatever shape needs fewest blocks.
+  Ints shape = zero, wide = zero, high = zero, fewest = Fill(INT32_MAX);
+  for (int32_t n = 0; n < kShapes; ++n) {
+    const int32_t block_width = BlockWidth<int32_t>(n);
+    const Ints blocks = hn::Mul(
+        hn::ShiftRightSame(hn::Add(width, Fill(block_width - 1)), std::countr_zero(static_cast<uint32_t>(block_width))),
+        hn::ShiftRightSame(hn::Add(height, Fill((1 << n) - 1)), n));
+    const auto fewer = hn::Lt(blocks, fewest);
+    fewest = hn::Min(blocks, fewest);
+    shape = hn::IfThenElse(fewer, Fill(n), shape);
+    wide = hn::IfThenElse(fewer, Fill(block_width), wide);
+    high = hn::IfThenElse(fewer, Fill(1 << n), high);
+  }
+  out.shape = shape;
+  const auto slope_a = hn::Neg(hn::Div(to_float(n_a), to_float(along)));
+  const auto slope_b = hn::Neg(hn::Div(to_float(n_b), to_float(along)));
+  Divide(d, hn::Neg(hn::Mul(n_a, wide)), hn::Mul(slope_a, to_float(wide)), along, depth_step, remainder);
+  out.right_depth = depth_step;
+  out.right_remainder = remainder;
+  Divide(d, hn::Neg(hn::Mul(n_b, high)), hn::Mul(slope_b, to_float(high)), along, depth_step, remainder);
+  out.down_depth = depth_step;
+  out.down_remainder = remainder;
+
   // Coordinates of the voxels are linear over the lines, but for the depth's rounding down: so their bounds are at the
   // corners of the box of lines. One more for rounding here.
   const auto to_last_a = to_float(hn::Sub(width, one)), to_last_b = to_float(hn::Sub(height, one));
-  const auto slope_a = hn::Neg(hn::Div(to_float(n_a), to_float(along)));
-  const auto slope_b = hn::Neg(hn::Div(to_float(n_b), to_float(along)));
   const auto nothing = hn::Zero(df);
   auto within = wanted;
   for (size_t m = 0; m < 3; ++m) {
-    const Ints u0 = pick(frames.u[0][m]), u1 = pick(frames.u[1][m]);
     const auto per_q = to_float(q[m]);
-    const auto base = to_float(hn::Add(hn::Add(hn::Mul(a, u0), hn::Mul(b, u1)), hn::Mul(depth, q[m])));
-    const auto over_a = hn::Mul(to_last_a, hn::Add(to_float(u0), hn::Mul(slope_a, per_q)));
-    const auto over_b = hn::Mul(to_last_b, hn::Add(to_float(u1), hn::Mul(slope_b, per_q)));
+    const auto base = to_float(hn::Add(hn::Add(hn::Mul(a, u0[m]), hn::Mul(b, u1[m])), hn::Mul(depth, q[m])));
+    const auto over_a = hn::Mul(to_last_a, hn::Add(to_float(u0[m]), hn::Mul(slope_a, per_q)));
+    const auto over_b = hn::Mul(to_last_b, hn::Add(to_float(u1[m]), hn::Mul(slope_b, per_q)));
     const auto slack = hn::Add(hn::Abs(per_q), hn::Set(df, 1.0F));
-    const auto low = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
-    const auto high = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
-    const auto inside = hn::And(hn::Ge(low, nothing), hn::Le(high, hn::Set(df, static_cast<float>(size[m] - 1))));
+    const auto lower = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
+    const auto upper = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
+    const auto inside = hn::And(hn::Ge(lower, nothing), hn::Le(upper, hn::Set(df, static_cast<float>(size[m] - 1))));
     within = hn::And(within, hn::RebindMask(d, inside));
   }
   out.within = 0;

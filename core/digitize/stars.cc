@@ -10,6 +10,7 @@
 #include <bit>
 
 #include "core/digitize/star.h"
+#include "core/snap/padded_vertices.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_STARS_CC_ONCE
@@ -56,10 +57,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class T>
 inline constexpr size_t kLanesOf = HWY_LANES(T);
 
-// Corners relative to the voxel, in lattice units: by corner, axis and lane.
+// Corners relative to the voxel, in lattice units: by corner and lane, each a vector of three and an unused number.
 template <class T>
 struct Corners {
-  alignas(64) T of[3][3][kLanesOf<T>];
+  alignas(64) T of[3][kLanesOf<T>][4];
 };
 
 // ceil(distance / 128) for a distance = n . w, where the unit of n . q is 256: then -along < result <= along says that
@@ -105,7 +106,8 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
 
   std::array<V3, 3> v, moment;
   for (size_t n = 0; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) v[n][m] = hn::Load(d, corners.of[n][m]);
+    V unused;
+    hn::LoadInterleaved4(d, corners.of[n][0], v[n][0], v[n][1], v[n][2], unused);
   }
   V3 normal = cross(minus(v[1], v[0]), minus(v[2], v[0]));
   // Turned so that the normal's first nonzero entry is positive: that reverses all products.
@@ -152,27 +154,38 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
   hn::StoreMaskBits(d, tied, reinterpret_cast<uint8_t*>(&ties));
 }
 
+using FourInts = hn::CappedTag<int32_t, 4>;
+using Four = hn::Vec<FourInts>;
+
+// Whether no entry of the first three exceeds 2^bits in size.
+HWY_INLINE bool Within(const std::array<Four, 3>& corners, int bits) {
+  const FourInts d;
+  const Four size = hn::Max(hn::Max(hn::Abs(corners[0]), hn::Abs(corners[1])), hn::Abs(corners[2]));
+  return hn::AllFalse(d, hn::And(hn::Gt(size, hn::Set(d, 1 << bits)), hn::FirstN(d, 3)));
+}
+
 // Pairs that wait for the lanes to fill up.
 template <class T>
 class Batch {
  public:
   Batch(const std::vector<ScanFrame>& frames, StarEdges* out) : frames_(frames), out_(out) {}
 
-  // Returns false if T does not hold the products. `undecided` is told the indices of pairs with ties.
+  // `undecided` is told the indices of pairs with ties. Precondition: T holds the products.
   template <class F>
-  bool Add(size_t index, const std::array<Vec3i, 3>& corners, F&& undecided) {
-    constexpr int32_t kMax = 1 << kOffsetBits<T>;
-    for (const Vec3i& v : corners) {
-      for (int32_t x : v) {
-        if (x > kMax || x < -kMax) return false;
-      }
-    }
+  HWY_INLINE void Add(size_t index, const std::array<Four, 3>& corners, F&& undecided) {
+    const FourInts d4;
+    const hn::Rebind<T, FourInts> d;
     for (size_t n = 0; n < 3; ++n) {
-      for (size_t m = 0; m < 3; ++m) corners_.of[n][m][size_] = static_cast<T>(corners[n][m]);
+      if constexpr (sizeof(T) == 4) {
+        hn::Store(corners[n], d, corners_.of[n][size_]);
+      } else {
+        alignas(16) int32_t ints[4];
+        hn::Store(corners[n], d4, ints);
+        for (size_t m = 0; m < 4; ++m) corners_.of[n][size_][m] = ints[m];
+      }
     }
     index_[size_++] = index;
     if (size_ == kLanesOf<T>) Flush(undecided);
-    return true;
   }
   template <class F>
   void Flush(F&& undecided) {
@@ -202,11 +215,21 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   const auto scalar = [&](size_t n) {
     out[n] = ScalarStarEdges(TriangleOf(mesh, pairs[n].triangle), frames, layout.VoxelAt(pairs[n].voxel));
   };
+  const PaddedVertices vertices(mesh);
+  const FourInts d;
   for (size_t n = 0; n < pairs.size(); ++n) {
     const Vec3i z = layout.VoxelAt(pairs[n].voxel) * kLatticeUnit;
-    std::array<Vec3i, 3> corners = TriangleOf(mesh, pairs[n].triangle);
-    for (Vec3i& v : corners) v = v - z;
-    if (!ints.Add(n, corners, scalar) && !doubles.Add(n, corners, scalar)) scalar(n);
+    alignas(16) const int32_t at[4] = {z[0], z[1], z[2], 0};
+    const auto& indices = mesh.triangles[pairs[n].triangle];
+    std::array<Four, 3> corners;
+    for (size_t m = 0; m < 3; ++m) corners[m] = hn::Sub(hn::LoadU(d, vertices[indices[m]]), hn::Load(d, at));
+    if (Within(corners, kOffsetBits<int32_t>)) {
+      ints.Add(n, corners, scalar);
+    } else if (Within(corners, kOffsetBits<double>)) {
+      doubles.Add(n, corners, scalar);
+    } else {
+      scalar(n);
+    }
   }
   ints.Flush(scalar);
   doubles.Flush(scalar);

@@ -1,6 +1,10 @@
 #include "core/mesh/mesh.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -13,8 +17,10 @@ double Bounds::LongestSide() const {
   return std::max({side[0], side[1], side[2]});
 }
 
-absl::Status Validate(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
+namespace {
+
+// Names the first element that is not valid.
+absl::Status Complain(const TriangleMesh& mesh) {
   for (size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (float x : mesh.vertices[v]) {
       if (!std::isfinite(x)) return absl::InvalidArgumentError(absl::StrFormat("mesh: vertex %d is not finite", v));
@@ -29,6 +35,30 @@ absl::Status Validate(const TriangleMesh& mesh) {
     }
   }
   return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Validate(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
+  using Part = oneapi::tbb::blocked_range<size_t>;
+  constexpr size_t kGrain = 16384;  // vertices or triangles a task
+  std::atomic<bool> valid = true;
+  oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
+    bool finite = true;
+    for (size_t v = part.begin(); v < part.end(); ++v) {
+      for (float x : mesh.vertices[v]) finite &= std::abs(x) <= std::numeric_limits<float>::max();
+    }
+    if (!finite) valid = false;
+  });
+  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+    uint32_t last = 0;
+    for (size_t t = part.begin(); t < part.end(); ++t) {
+      for (uint32_t v : mesh.triangles[t]) last = std::max(last, v);
+    }
+    if (last >= mesh.vertices.size()) valid = false;
+  });
+  return valid ? absl::OkStatus() : Complain(mesh);
 }
 
 Bounds BoundsOf(const TriangleMesh& mesh) {

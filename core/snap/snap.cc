@@ -4,78 +4,58 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_reduce.h>
 
-#include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_format.h"
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
+#include "core/snap/lattice_map.h"
 
 namespace latvox {
 namespace {
 
 using oneapi::tbb::blocked_range;
+using Part = blocked_range<size_t>;
 
 constexpr size_t kGrain = 4096;  // vertices or triangles a task
 constexpr char kAxisName[] = "ijk";
 
-// The unrounded lattice coordinate of p along each axis. One fixed expression: the digest depends on its rounding.
-Vec3d ToLattice(const Lattice& lattice, const Vec3d& origin, const Vec3f& p) {
-  const Mat3d& inverse = lattice.inverse();
-  const Vec3d d{p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
-  Vec3d v;
-  for (size_t m = 0; m < 3; ++m) v[m] = (inverse[0][m] * d[0] + inverse[1][m] * d[1]) + inverse[2][m] * d[2];
-  return v;
+// Nonzero for each vertex that a triangle uses.
+std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh) {
+  std::vector<uint8_t> used(mesh.vertices.size());
+  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+    // Bytes may alias anything, pointers to them included; hence the copies. And they are not read first: whether a
+    // mark is set already is hard to predict.
+    uint8_t* const marks = used.data();
+    const std::span triangles(&mesh.triangles[part.begin()], part.size());
+    for (const std::array<uint32_t, 3> triangle : triangles) {
+      for (uint32_t index : triangle) std::atomic_ref(marks[index]).store(1, std::memory_order_relaxed);
+    }
+  });
+  return used;
 }
-
-struct Range {
-  Vec3d min, max;
-};
 
 // Only vertices that triangles use count.
-Range LatticeRange(const TriangleMesh& mesh, const Lattice& lattice, const Vec3d& origin) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const Range empty{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  const auto join = [](Range a, const Range& b) {
-    for (size_t m = 0; m < 3; ++m) {
-      a.min[m] = std::min(a.min[m], b.min[m]);
-      a.max[m] = std::max(a.max[m], b.max[m]);
-    }
-    return a;
-  };
+LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map) {
+  const std::vector<uint8_t> used = UsedVertices(mesh);
   return oneapi::tbb::parallel_reduce(
-      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), empty,
-      [&](const blocked_range<size_t>& part, Range range) {
-        for (size_t t = part.begin(); t < part.end(); ++t) {
-          for (uint32_t index : mesh.triangles[t]) {
-            const Vec3d v = ToLattice(lattice, origin, mesh.vertices[index]);
-            range = join(range, {v, v});
-          }
-        }
+      Part(0, mesh.vertices.size(), kGrain), LatticeRange{},
+      [&](const Part& part, LatticeRange range) {
+        range.Add(RangeOf(map, &mesh.vertices[part.begin()], &used[part.begin()], part.size()));
         return range;
       },
-      join);
+      [](LatticeRange a, const LatticeRange& b) {
+        a.Add(b);
+        return a;
+      });
 }
-
-// A symmetric hash of the edge between two points.
-std::pair<uint64_t, uint64_t> EdgeHash(Vec3i a, Vec3i b) {
-  if (b < a) std::swap(a, b);
-  const std::array<Vec3i, 2> edge{a, b};
-  const XXH128_hash_t hash = XXH3_128bits(edge.data(), sizeof(edge));
-  return {hash.low64, hash.high64};
-}
-
-struct FactsSum {
-  uint64_t degenerate = 0, low = 0, high = 0;
-};
 
 }  // namespace
 
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach) {
-  const Range range = LatticeRange(mesh, lattice, origin);
+  const LatticeMap map{lattice.inverse(), origin};
+  const LatticeRange range = RangeOf(mesh, map);
   constexpr double kMaxPosition = 1 << kPositionBits;
   SnappedMesh snapped;
   for (size_t m = 0; m < 3; ++m) {
@@ -97,18 +77,11 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
     snapped.base_ijk[m] = low & ~(kTileSide - 1);
   }
 
+  // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
   snapped.vertices_lat.resize(mesh.vertices.size());
-  oneapi::tbb::parallel_for(blocked_range<size_t>(0, mesh.vertices.size(), kGrain), [&](const auto& part) {
-    for (size_t n = part.begin(); n < part.end(); ++n) {
-      const Vec3d v = ToLattice(lattice, origin, mesh.vertices[n]);
-      for (size_t m = 0; m < 3; ++m) {
-        // Vertices that no triangle uses may lie anywhere; they are never read.
-        const double clamped = std::clamp(v[m], range.min[m], range.max[m]);
-        const double units = std::nearbyint(clamped * kLatticeUnit);
-        snapped.vertices_lat[n][m] =
-            static_cast<int32_t>(static_cast<int64_t>(units) - int64_t{snapped.base_ijk[m]} * kLatticeUnit);
-      }
-    }
+  oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
+    RoundVertices(map, range, snapped.base_ijk, &mesh.vertices[part.begin()], part.size(),
+                  &snapped.vertices_lat[part.begin()]);
   });
   snapped.triangles = std::move(mesh.triangles);
 
@@ -120,31 +93,6 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
     snapped.box.max[m] = static_cast<int32_t>(std::floor(unit(range.max[m]) + half)) - snapped.base_ijk[m] + 1;
   }
   return snapped;
-}
-
-SurfaceFacts FactsOf(const SnappedMesh& mesh) {
-  const FactsSum sum = oneapi::tbb::parallel_reduce(
-      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), FactsSum{},
-      [&](const blocked_range<size_t>& part, FactsSum s) {
-        for (size_t t = part.begin(); t < part.end(); ++t) {
-          std::array<Vec<int64_t, 3>, 3> wide;
-          for (size_t n = 0; n < 3; ++n) {
-            const Vec3i& a = mesh.vertices_lat[mesh.triangles[t][n]];
-            const Vec3i& b = mesh.vertices_lat[mesh.triangles[t][(n + 1) % 3]];
-            wide[n] = {a[0], a[1], a[2]};
-            if (a == b) continue;
-            const auto [low, high] = EdgeHash(a, b);
-            s.low ^= low;
-            s.high ^= high;
-          }
-          s.degenerate += Cross(wide[1] - wide[0], wide[2] - wide[0]) == Vec<int64_t, 3>{};
-        }
-        return s;
-      },
-      [](const FactsSum& a, const FactsSum& b) {
-        return FactsSum{a.degenerate + b.degenerate, a.low ^ b.low, a.high ^ b.high};
-      });
-  return {sum.degenerate, sum.low == 0 && sum.high == 0};
 }
 
 }  // namespace latvox

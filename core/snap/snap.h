@@ -7,12 +7,11 @@
 #ifndef LATVOX_CORE_SNAP_SNAP_H_
 #define LATVOX_CORE_SNAP_SNAP_H_
 
-#include <atomic>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/uninitialized.h"
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
@@ -49,7 +48,7 @@ static_assert(kDepthDenominatorBits <= 62, "twice a remainder of depths must fit
 // A mesh in fixed-point lattice coordinates.
 struct SnappedMesh {
   Vec3i base_ijk;                                  // a multiple of kTileSide on every axis
-  std::vector<Vec3i> vertices_lat;                 // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
+  UninitializedVector<Vec3i> vertices_lat;         // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
   std::vector<std::array<uint32_t, 3>> triangles;  // indices into vertices_lat
   IndexBox box;  // local voxels: no k-neighbour half-edge that starts outside meets the mesh
 };
@@ -64,16 +63,6 @@ inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach);
-
-struct SurfaceFacts {
-  uint64_t degenerate_triangles = 0;  // no area after snapping
-  bool closed = false;                // every edge, by position, in an even number of triangles
-};
-
-// `closed` compares 128-bit hashes: the exclusive or over all triangles' edges is zero iff every edge occurs evenly,
-// but for a chance of 2^-128. It needs no memory and welds by position, which codecs' duplicated vertices do not
-// disturb.
-SurfaceFacts FactsOf(const SnappedMesh& mesh);
 
 }  // namespace latvox
 

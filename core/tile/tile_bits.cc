@@ -24,7 +24,7 @@ using Numbers = hn::ScalableTag<uint32_t>;
 // Which of the next kLanes numbers are in the set.
 HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numbers) {
   const Numbers d;
-  const auto number = hn::LoadU(d, numbers);
+  const auto number = hn::And(hn::LoadU(d, numbers), hn::Set(d, kNumberMask));
   const auto index = hn::BitCast(hn::RebindToSigned<Numbers>(), hn::ShiftRight<5>(number));
   const auto bit = hn::Shr(hn::GatherIndex(d, words, index), hn::And(number, hn::Set(d, 31)));
   return hn::TestBit(bit, hn::Set(d, 1));
@@ -35,7 +35,10 @@ template <class Take, class Rest>
 HWY_INLINE void ForAll(const uint32_t* words, std::span<const uint32_t> numbers, Take&& take, Rest&& rest) {
   size_t n = 0;
   for (; n + kLanes <= numbers.size(); n += kLanes) take(n, Members(words, numbers.data() + n));
-  for (; n < numbers.size(); ++n) rest(n, (words[numbers[n] >> 5] >> (numbers[n] & 31) & 1) != 0);
+  for (; n < numbers.size(); ++n) {
+    const uint32_t number = numbers[n] & kNumberMask;
+    rest(n, (words[number >> 5] >> (number & 31) & 1) != 0);
+  }
 }
 
 void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
@@ -108,8 +111,9 @@ void NumberList::Enlarge(size_t more) {
   data_ = std::move(larger);
 }
 
-void TileBits::TakeFrom(const TileBits& other) {
-  for (size_t n = 0; n < words_.size(); ++n) words_[n] = other.words_[n] & ~words_[n];
+void TileBits::SetDifference(const TileBits& all, const TileBits& some) {
+  words_.resize(all.words_.size());
+  for (size_t n = 0; n < words_.size(); ++n) words_[n] = all.words_[n] & ~some.words_[n];
 }
 
 void TileBits::ListOutside(const TileBits& other, NumberList& numbers) const {
@@ -121,7 +125,7 @@ void TileBits::Find(std::span<const uint32_t> numbers, bool in_set, NumberList& 
   positions.Reserve(numbers.size());
   if (!SimdIsScalar()) return HWY_DYNAMIC_DISPATCH(Find)(words_.data(), numbers, in_set, positions);
   for (size_t n = 0; n < numbers.size(); ++n) {
-    if (Test(numbers[n]) == in_set) positions.Add(static_cast<uint32_t>(n));
+    if (Test(numbers[n] & kNumberMask) == in_set) positions.Add(static_cast<uint32_t>(n));
   }
 }
 
@@ -133,7 +137,7 @@ void TileBits::Split(std::span<const uint32_t> numbers, std::span<const uint32_t
   }
   if (!SimdIsScalar()) return HWY_DYNAMIC_DISPATCH(Split)(words_.data(), numbers, partners.data(), in, out);
   for (size_t n = 0; n < numbers.size(); ++n) {
-    Test(numbers[n]) ? in.Add(static_cast<uint32_t>(n)) : out.Add(partners[n]);
+    Test(numbers[n] & kNumberMask) ? in.Add(static_cast<uint32_t>(n)) : out.Add(partners[n]);
   }
 }
 

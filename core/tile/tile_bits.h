@@ -45,6 +45,10 @@ struct BitsLayout {
 };
 inline constexpr int kParityClasses = 8;
 
+// Kernels pass numbers on with a lane above them.
+inline constexpr int kNumberBits = 28;
+inline constexpr uint32_t kNumberMask = (1U << kNumberBits) - 1;
+
 // Numbers in a row. Kernels append whole lanes at end(), and then say how many of them count.
 class NumberList {
  public:
@@ -78,16 +82,16 @@ class TileBits {
   void Set(uint32_t number) { words_[number >> 5] |= 1U << (number & 31); }
   void Clear(uint32_t number) { words_[number >> 5] &= ~(1U << (number & 31)); }
 
-  // The positions n, ascending, at which numbers[n] is in the set, or is not.
+  // The positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.
   void Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const;
 
-  // By pairs of a number and a partner: appends to `in` the positions of those whose number is in the set, and to
-  // `out` the partners of the others.
+  // By pairs of a number and a partner, each in the low kNumberBits: appends to `in` the positions of those whose
+  // number is in the set, and to `out` the partners of the others.
   void Split(std::span<const uint32_t> numbers, std::span<const uint32_t> partners, NumberList& in,
              NumberList& out) const;
 
-  // Becomes the members of `other` that are not in this set. Precondition: both have the same size.
-  void TakeFrom(const TileBits& other);
+  // Becomes the members of `all` that are not in `some`. Precondition: these have the same size.
+  void SetDifference(const TileBits& all, const TileBits& some);
 
   // Appends all members that are not in `other`, ascending.
   void ListOutside(const TileBits& other, NumberList& numbers) const;

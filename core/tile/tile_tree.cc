@@ -1,139 +1,249 @@
+// A counting sort: the cells that each triangle comes near to are written down and counted, chunk by chunk of the
+// triangles; sums of the counts say where in the cells' lists each chunk's triangles go; then they go there. Chunks are
+// independent, and lists come out ascending, since chunks are.
 #include "core/tile/tile_tree.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "core/base/uninitialized.h"
 
 namespace latvox {
 namespace {
 
-// A box in fixed-point lattice coordinates, closed.
-struct Box {
-  Vec3i min, max;
-};
+// Nodes with fewer triangles are sorted as one chunk, others as no more than kMaxChunks.
+constexpr size_t kMinParallel = 32768;
+constexpr size_t kMinChunk = 8192;
+constexpr size_t kMaxChunks = 64;
 
-Box BoxOf(const Vec3i& tile_ijk, int level, const Vec3i& margin) {
-  Box box;
-  for (size_t m = 0; m < 3; ++m) {
-    box.min[m] = (tile_ijk[m] * kTileSide - margin[m]) * kLatticeUnit;
-    box.max[m] = ((tile_ijk[m] + (1 << level)) * kTileSide + margin[m]) * kLatticeUnit;
-  }
-  return box;
+// As many levels as leave this many triangles a cell, since each cell costs, but no fewer than kFewLevels.
+constexpr size_t kTrianglesPerCell = 2;
+constexpr int kFewLevels = 2;
+
+// A triangle may have this many hits on average. Where large triangles have more, children are taken from fewer levels,
+// which bounds the memory.
+constexpr size_t kHitsPerTriangle = 6;
+constexpr size_t kFewHits = 4096;
+
+constexpr size_t kBlock = 128;  // triangles encoded at a time
+
+// In a list of hits, kLast marks each triangle's last. A triangle without any has the number after the last cell's.
+constexpr CellHit kLast = 1 << 15;
+static_assert(2 << 3 * kMaxGridLevels < kLast);
+
+template <class F>
+void ForEachOf(size_t count, const F& f) {
+  if (count == 1) return f(0);
+  // Without isolation, a thread that waits here might begin other work of the caller's.
+  oneapi::tbb::this_task_arena::isolate([&] {
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
+      for (size_t n = numbers.begin(); n < numbers.end(); ++n) f(n);
+    });
+  });
 }
 
-bool Overlap(const Box& a, const Box& b) {
-  for (size_t m = 0; m < 3; ++m) {
-    if (a.max[m] < b.min[m] || b.max[m] < a.min[m]) return false;
-  }
-  return true;
-}
-
-Box BoxOf(const std::array<Vec3i, 3>& v) {
-  Box box{v[0], v[0]};
-  for (size_t n = 1; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) {
-      box.min[m] = std::min(box.min[m], v[n][m]);
-      box.max[m] = std::max(box.max[m], v[n][m]);
+// The cell of that number in Morton order.
+Vec3i CellAt(size_t number) {
+  Vec3i cell{};
+  for (int bit = 0; bit < kMaxGridLevels; ++bit) {
+    for (int m = 0; m < 3; ++m) {
+      cell[static_cast<size_t>(m)] |= static_cast<int32_t>(number >> (3 * bit + 2 - m) & 1) << bit;
     }
   }
-  return box;
+  return cell;
 }
 
-Vec3d ToDouble(const Vec3i& v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
-// Whether `axis` separates the triangle from the box, with slack for rounding: keeping too many triangles is harmless.
-bool Separates(const Vec3d& axis, const std::array<Vec3d, 3>& v, const Vec3d& half) {
-  const double p0 = Dot(axis, v[0]), p1 = Dot(axis, v[1]), p2 = Dot(axis, v[2]);
-  double radius = 0;
-  for (size_t m = 0; m < 3; ++m) radius += std::abs(axis[m]) * half[m];
-  radius *= 1 + 1e-9;
-  return std::min({p0, p1, p2}) > radius || std::max({p0, p1, p2}) < -radius;
-}
-
-// Separating axes between a triangle and a box whose bounding boxes overlap already.
-bool MayMeet(const std::array<Vec3i, 3>& triangle, const Box& box) {
-  const Vec3d low = ToDouble(box.min), high = ToDouble(box.max);
-  const Vec3d center = (low + high) * 0.5, half = (high - low) * 0.5;
-  std::array<Vec3d, 3> v;
-  for (size_t n = 0; n < 3; ++n) v[n] = ToDouble(triangle[n]) - center;
-  const std::array<Vec3d, 3> edges{v[1] - v[0], v[2] - v[1], v[0] - v[2]};
-  if (Separates(Cross(edges[0], edges[1]), v, half)) return false;
-  for (const Vec3d& e : edges) {
-    if (Separates({0, -e[2], e[1]}, v, half) || Separates({e[2], 0, -e[0]}, v, half) ||
-        Separates({-e[1], e[0], 0}, v, half)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-// Below this size, bounding boxes decide well enough.
-constexpr int32_t kSmallTriangle = kTileSide / 4 * kLatticeUnit;
-
-bool IsSmall(const Box& box) {
-  const Vec3i side = box.max - box.min;
-  return std::max({side[0], side[1], side[2]}) <= kSmallTriangle;
+int LevelsBelow(int level, size_t triangles) {
+  int levels = std::min(level, kMaxGridLevels);
+  while (levels > kFewLevels && triangles >> 3 * levels < kTrianglesPerCell) --levels;
+  return levels;
 }
 
 }  // namespace
 
-bool TileTree::IsWanted(const TileNode& node) const {
-  for (size_t m = 0; m < 3; ++m) {
-    const int64_t low = int64_t{node.tile_ijk[m]} * kTileSide;
-    const int64_t high = low + (int64_t{kTileSide} << node.level);
-    if (high <= region_.min[m] || region_.max[m] <= low) return false;
-  }
-  return true;
-}
+// Some of a node's triangles, near ones and fringe, and the cells that they hit.
+struct TileTree::Chunk {
+  uint32_t first = 0;             // if ids == nullptr, the triangles are first, first + 1, ...
+  const uint32_t* ids = nullptr;  // ascending
+  size_t size = 0;
+  UninitializedVector<uint32_t> merged{};  // of near ones and fringe, if there are both
+  UninitializedVector<CellHit> hits{};     // one triangle's after the other's
+  std::vector<uint32_t> counts{};          // by hit; later where in that cell's list the next triangle goes
 
-std::optional<TileNode> TileTree::Root() const {
+  uint32_t Triangle(size_t n) const { return ids == nullptr ? first + static_cast<uint32_t>(n) : ids[n]; }
+};
+
+std::vector<TileNode> TileTree::Top() const {
   // The cube begins at the lowest tile of the whole mesh, whatever the region, so that the order is always the same.
-  TileNode root{{}, 0, {}, 0, 1};
+  TileNode root{{}, 0, {}, {}, 0, 1};
   int32_t tiles = 1;
   for (size_t m = 0; m < 3; ++m) {
+    if (region_.min[m] >= region_.max[m]) return {};
     root.tile_ijk[m] = mesh_.box.min[m] >> kTileBits;
     tiles = std::max(tiles, ((mesh_.box.max[m] - 1) >> kTileBits) - root.tile_ijk[m] + 1);
   }
   while ((1 << root.level) < tiles) ++root.level;
-  if (!IsWanted(root)) return std::nullopt;
-  root.triangles.resize(mesh_.triangles.size());
-  std::iota(root.triangles.begin(), root.triangles.end(), 0U);
-  return root;
+  return Split(root, mesh_.triangles.size());
 }
 
-std::vector<TileNode> TileTree::Children(const TileNode& node) const {
-  std::vector<TileNode> children;
-  std::vector<Box> boxes;
-  const int level = node.level - 1;
-  for (int32_t n = 0; n < 8; ++n) {
-    const Vec3i step{n >> 2 & 1, n >> 1 & 1, n & 1};
-    TileNode child{node.tile_ijk + step * (1 << level), level, {}, 0, 0};
-    if (!IsWanted(child)) continue;
-    boxes.push_back(BoxOf(child.tile_ijk, level, margin_));
-    children.push_back(std::move(child));
+std::vector<TileNode> TileTree::Children(const TileNode& node) const { return Split(node, node.triangles.size()); }
+
+// `triangles` is the number of the node's, or of all, if it lists none.
+std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles) const {
+  for (int levels = LevelsBelow(node.level, triangles);; --levels) {
+    const size_t max_hits = levels > 1 ? std::max(kFewHits, kHitsPerTriangle * (triangles + node.fringe.size()))
+                                       : std::numeric_limits<size_t>::max();
+    if (auto children = SplitBy(levels, node, triangles, max_hits)) return *std::move(children);
   }
-  for (uint32_t t : node.triangles) {
-    const auto& [v0, v1, v2] = mesh_.triangles[t];
-    const std::array<Vec3i, 3> v{mesh_.vertices_lat[v0], mesh_.vertices_lat[v1], mesh_.vertices_lat[v2]};
-    const Box bounds = BoxOf(v);
-    const bool small = IsSmall(bounds);
-    for (size_t n = 0; n < children.size(); ++n) {
-      if (Overlap(bounds, boxes[n]) && (small || MayMeet(v, boxes[n]))) children[n].triangles.push_back(t);
+}
+
+// Nullopt if there are more than max_hits.
+std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNode& node, size_t triangles,
+                                                       size_t max_hits) const {
+  const CellGrid grid(node.tile_ijk, node.level, levels, near_, far_, region_);
+  if (grid.IsEmpty()) return std::vector<TileNode>{};
+  const size_t cells = size_t{1} << 3 * levels;
+
+  const size_t count = triangles < kMinParallel ? 1 : std::min(kMaxChunks, triangles / kMinChunk);
+  const auto part = [&](size_t all, size_t n) { return all * n / count; };
+  std::vector<Chunk> chunks(count);
+  std::atomic<size_t> total_hits = 0;
+  ForEachOf(count, [&](size_t n) {
+    SetTriangles(node, part(triangles, n), part(triangles, n + 1), chunks[n]);
+    FindHits(grid, cells, max_hits, total_hits, chunks[n]);
+  });
+  if (cancelled_) return std::vector<TileNode>{};
+  if (total_hits > max_hits) return std::nullopt;
+
+  std::vector<uint32_t> sizes(2 * cells);
+  ForEachOf(count, [&](size_t n) { AddCounts(part(2 * cells, n), part(2 * cells, n + 1), chunks, sizes); });
+  std::vector<TileNode> children;
+  std::vector<size_t> numbers;
+  size_t total = 0;
+  for (size_t cell = 0; cell < cells; ++cell) {
+    if (sizes[2 * cell] == 0) continue;
+    const int level = node.level - levels;
+    children.push_back({node.tile_ijk + CellAt(cell) * (1 << level), level, {}, {}, 0, 0});
+    numbers.push_back(cell);
+    total += sizes[2 * cell];
+  }
+  double progress = node.progress;
+  for (size_t n = 0; n < children.size(); ++n) {
+    children[n].progress = progress;
+    children[n].share = node.share * sizes[2 * numbers[n]] / static_cast<double>(total);
+    progress += children[n].share;
+  }
+
+  std::vector<uint32_t*> lists(2 * cells + 1);  // null where no child is
+  ForEachOf(count, [&](size_t p) {
+    for (size_t n = part(children.size(), p); n < part(children.size(), p + 1); ++n) {
+      children[n].triangles.resize(sizes[2 * numbers[n]]);
+      children[n].fringe.resize(sizes[2 * numbers[n] + 1]);
+      lists[2 * numbers[n]] = children[n].triangles.data();
+      lists[2 * numbers[n] + 1] = children[n].fringe.data();
+    }
+  });
+  ForEachOf(count, [&](size_t n) { Fill(lists.data(), chunks[n]); });
+  return children;
+}
+
+// Makes the chunk of a node's triangles begin .. end - 1, and of its fringe between them, or of such of all triangles.
+void TileTree::SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk) {
+  chunk.first = static_cast<uint32_t>(begin);
+  chunk.size = end - begin;
+  if (node.triangles.empty()) return;
+  chunk.ids = node.triangles.data() + begin;
+  const auto fringe_before = [&](size_t n) {
+    if (n == 0) return node.fringe.begin();
+    if (n == node.triangles.size()) return node.fringe.end();
+    return std::lower_bound(node.fringe.begin(), node.fringe.end(), node.triangles[n]);
+  };
+  const auto fringe = fringe_before(begin), fringe_end = fringe_before(end);
+  if (fringe == fringe_end) return;
+  chunk.merged.resize(chunk.size + static_cast<size_t>(fringe_end - fringe));
+  std::merge(chunk.ids, chunk.ids + chunk.size, fringe, fringe_end, chunk.merged.begin());
+  chunk.ids = chunk.merged.data();
+  chunk.size = chunk.merged.size();
+}
+
+// Leaves the chunk undone if the job is cancelled or the sum of all chunks' hits exceeds max_hits.
+void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std::atomic<size_t>& total,
+                        Chunk& chunk) const {
+  chunk.counts.resize(2 * cells);
+  chunk.hits.resize(chunk.size + chunk.size / 4 + kFewHits);
+  uint32_t* const counts = chunk.counts.data();
+  CellHit *next = chunk.hits.data(), *end = next + chunk.hits.size();
+  size_t reported = 0;
+  const auto may_go_on = [&](size_t size) {
+    total += size - std::exchange(reported, size);
+    return total <= max_hits && !cancelled_;
+  };
+  const auto make_room = [&](size_t room) {
+    if (static_cast<size_t>(end - next) >= room) return true;
+    const auto size = static_cast<size_t>(next - chunk.hits.data());
+    if (!may_go_on(size)) return false;
+    chunk.hits.resize(chunk.hits.size() + chunk.hits.size() / 2 + room);
+    next = chunk.hits.data() + size;
+    end = chunk.hits.data() + chunk.hits.size();
+    return true;
+  };
+  if (!may_go_on(0)) return;
+  const auto add = [&](CellHit hit) {
+    ++counts[hit];
+    *next++ = hit;
+  };
+  std::array<CellGrid::Code, kBlock> codes;
+  for (size_t block = 0; block < chunk.size; block += kBlock) {
+    const size_t size = std::min(kBlock, chunk.size - block);
+    if (chunk.ids == nullptr) {
+      grid.Encode(vertices_, mesh_.triangles.data() + chunk.first + block, nullptr, size, codes.data());
+    } else {
+      grid.Encode(vertices_, mesh_.triangles.data(), chunk.ids + block, size, codes.data());
+    }
+    for (size_t n = 0; n < size; ++n) {
+      if (!make_room(CellGrid::kMaxFewHits)) return;
+      const CellHit* first = next;
+      if (!CellGrid::ForEachOfFewHits(codes[n], add)) {
+        const auto [a, b, c] = mesh_.triangles[chunk.Triangle(block + n)];
+        const std::vector<CellHit> many =
+            grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});
+        if (!make_room(many.size() + 1)) return;
+        first = next;
+        std::for_each(many.begin(), many.end(), add);
+      }
+      if (next == first) *next++ = static_cast<CellHit>(2 * cells);
+      next[-1] |= kLast;
     }
   }
-  std::erase_if(children, [](const TileNode& child) { return child.triangles.empty(); });
+  may_go_on(static_cast<size_t>(next - chunk.hits.data()));
+}
 
-  size_t total = 0;
-  for (const TileNode& child : children) total += child.triangles.size();
-  double progress = node.progress;
-  for (TileNode& child : children) {
-    child.progress = progress;
-    child.share = node.share * static_cast<double>(child.triangles.size()) / static_cast<double>(total);
-    progress += child.share;
+// Adds up all chunks' counts of the hits first .. last - 1, and turns each into the sum before it.
+void TileTree::AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, std::vector<uint32_t>& sums) {
+  for (Chunk& chunk : chunks) {
+    for (size_t hit = first; hit < last; ++hit) {
+      const uint32_t before = sums[hit];
+      sums[hit] += chunk.counts[hit];
+      chunk.counts[hit] = before;
+    }
   }
-  return children;
+}
+
+// Puts the chunk's triangles into the lists of the cells that they hit.
+void TileTree::Fill(uint32_t* const* lists, Chunk& chunk) {
+  uint32_t* const next = chunk.counts.data();
+  const CellHit* hits = chunk.hits.data();
+  for (size_t n = 0; n < chunk.size; ++hits) {
+    const size_t hit = *hits & ~kLast;
+    if (uint32_t* list = lists[hit]) list[next[hit]++] = chunk.Triangle(n);
+    n += (*hits & kLast) != 0;
+  }
 }
 
 }  // namespace latvox

@@ -2,44 +2,64 @@
 #ifndef LATVOX_CORE_TILE_TILE_TREE_H_
 #define LATVOX_CORE_TILE_TILE_TREE_H_
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
 #include "core/tile/brick.h"
+#include "core/tile/cell_grid.h"
 
 namespace latvox {
 
-// A cube of 2^level tiles a side, with the triangles that come within the tree's margin of it.
+// A cube of 2^level tiles a side, with the triangles near to it.
 struct TileNode {
-  Vec3i tile_ijk;  // lowest tile, local; a multiple of 2^level
+  Vec3i tile_ijk;  // its lowest tile, local
   int level;
-  std::vector<uint32_t> triangles;  // ascending
+  std::vector<uint32_t> triangles;  // those that come within the tree's near margin of it, ascending
+  std::vector<uint32_t> fringe;     // the others that come within its far margin, ascending
   double progress;                  // estimated share of the work before this node,
   double share;                     // and of its own
 };
 
-// Depth first and in ascending child order (i most significant), nodes come in Morton order of tiles: the canonical
-// order of the stream. Memory is that of one path: each level holds its siblings' triangles.
+// Depth first and in the order of children (Morton, i most significant), tiles come in Morton order: the canonical
+// order of the stream. Children lie several levels below their node, so that few passes over the triangles lead to the
+// tiles. Memory is that of one path: each node on it has its siblings' triangles beside it.
+//
+// Threads: any; nodes with many triangles are sorted by all of the arena's.
 class TileTree {
  public:
-  // margin: voxels, per axis, by which a tile's interest exceeds it. region: tiles outside (local voxels) are left out.
-  TileTree(const SnappedMesh& mesh, const Vec3i& margin, const IndexBox& region)
-      : mesh_(mesh), margin_(margin), region_(region) {}
+  // near, far   margins, voxels per axis, by which a tile's interest exceeds it, near <= far
+  // region      tiles outside (local voxels) are left out
+  // cancelled   once set, calls return soon, with nothing
+  TileTree(const SnappedMesh& mesh, const Vec3i& near, const Vec3i& far, const IndexBox& region,
+           const std::atomic<bool>& cancelled)
+      : mesh_(mesh), near_(near), far_(far), region_(region), cancelled_(cancelled), vertices_(mesh) {}
 
-  // The cube of all tiles, or nullopt if there is none of interest.
-  std::optional<TileNode> Root() const;
+  // The children of the cube of all tiles, or that cube if it is one tile.
+  std::vector<TileNode> Top() const;
 
-  // The children that triangles concern, in canonical order. Precondition: node.level > 0.
+  // The children within the near margin of which triangles come, in canonical order. Precondition: node.level > 0.
   std::vector<TileNode> Children(const TileNode& node) const;
 
  private:
-  bool IsWanted(const TileNode& node) const;
+  struct Chunk;
+
+  std::vector<TileNode> Split(const TileNode& node, size_t triangles) const;
+  std::optional<std::vector<TileNode>> SplitBy(int levels, const TileNode& node, size_t triangles,
+                                               size_t max_hits) const;
+  static void SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk);
+  void FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const;
+  static void AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, std::vector<uint32_t>& sums);
+  static void Fill(uint32_t* const* lists, Chunk& chunk);
 
   const SnappedMesh& mesh_;
-  Vec3i margin_;
+  Vec3i near_, far_;
   IndexBox region_;
+  const std::atomic<bool>& cancelled_;
+  PaddedVertices vertices_;
 };
 
 }  // namespace latvox

@@ -1,5 +1,7 @@
 #include "core/voxelizer/job_facts.h"
 
+#include "core/snap/surface_facts.h"
+
 namespace latvox {
 namespace {
 

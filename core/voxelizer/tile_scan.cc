@@ -45,15 +45,22 @@ void TileScan::Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t h
   }
   surface_.words() = unknown_.words();
   candidates_.Clear();
+  triangles_ = triangles;
   FindCandidates(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, candidates_);
-  for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel);
+  for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
   AddRim(context);
 }
 
 // Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
-void AppendPairs(const NumberList& voxels, const NumberList& triangles, const NumberList& positions,
+//   end   the member of Candidates::Run for that list
+void AppendPairs(const NumberList& voxels, const NumberList& positions, const std::vector<Candidates::Run>& runs,
+                 uint32_t Candidates::Run::*end, std::span<const uint32_t> triangles,
                  std::vector<VoxelTriangle>& pairs) {
-  for (const uint32_t n : positions.view()) pairs.push_back({voxels[n], triangles[n]});
+  auto run = runs.begin();
+  for (const uint32_t n : positions.view()) {
+    while ((*run).*end <= n) ++run;
+    pairs.push_back({voxels[n] & kNumberMask, triangles[run->first + (voxels[n] >> kNumberBits)]});
+  }
 }
 
 // Calls f(voxel, star) for all pairs_ whose voxel is, or is not, in `bits` when their turn comes.
@@ -77,7 +84,7 @@ void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, boo
 void TileScan::AddRim(const TileContext& context) {
   pairs_.clear();
   surface_.Find(candidates_.rim.view(), false, positions_);
-  AppendPairs(candidates_.rim, candidates_.passed_by, positions_, pairs_);
+  AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
   ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
     if (star.nearer != 0) surface_.Set(voxel);
   });
@@ -100,16 +107,15 @@ void TileScan::AskStars(const TileContext& context) {
 // are at hand, do so for nearly all; of what remains, the stars decide. Near the border of the box farther ends are
 // unknown: of the voxels there, only those matter that are neighbours of a doubtful one.
 bool TileScan::Thin(const TileContext& context) {
-  rest_.words() = unknown_.words();
+  rest_.SetDifference(surface_, unknown_);
   surface_.Split(candidates_.farther.view(), candidates_.nearer.view(), open_, shown_);
-  for (const uint32_t voxel : shown_.view()) rest_.Set(voxel);
-  rest_.TakeFrom(surface_);
+  for (const uint32_t voxel : shown_.view()) rest_.Clear(voxel & kNumberMask);
 
   edges_.clear();
   pairs_.clear();
-  AppendPairs(candidates_.nearer, candidates_.crossed_by, open_, pairs_);
+  AppendPairs(candidates_.nearer, open_, candidates_.runs, &Candidates::Run::crossed_end, triangles_, pairs_);
   rest_.Find(candidates_.rim.view(), true, positions_);
-  AppendPairs(candidates_.rim, candidates_.passed_by, positions_, pairs_);
+  AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
   const auto border = std::partition(pairs_.begin(), pairs_.end(),
                                      [&](const VoxelTriangle& pair) { return !incomplete_.Test(pair.voxel); });
   std::vector<VoxelTriangle> at_border(border, pairs_.end());

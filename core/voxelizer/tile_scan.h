@@ -38,7 +38,7 @@ struct TileContext {
 class TileScan {
  public:
   // Finds all voxels of the surface in the box of `halo` steps around the tile at `tile_ijk` (local).
-  //   triangles   all that come within half a step of the box; more do no harm
+  //   triangles   all that come within half a step of the box; more do no harm. Must live until the tile is done
   // Leaves part of it undone once the job is cancelled.
   void Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t halo, std::span<const uint32_t> triangles);
 
@@ -59,7 +59,8 @@ class TileScan {
   // What does not change from tile to tile: what lies outside of box_, and what has neighbours there.
   TileBits unknown_{0}, incomplete_{0};
   TileBits surface_{0};
-  TileBits rest_{0};  // what nothing has shown essential yet
+  TileBits rest_{0};                     // what nothing has shown essential yet
+  std::span<const uint32_t> triangles_;  // what Scan was given
   Candidates candidates_;
   NumberList positions_, open_, shown_;
   std::vector<VoxelTriangle> pairs_;

@@ -1,11 +1,15 @@
 #include "core/voxelizer/voxelizer.h"
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/snap/snap.h"
@@ -42,11 +46,8 @@ class Job : public VoxelizeJob {
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, region, cancelled_},
-        tree_(mesh_, context_.FarMargin(), region),
-        facts_(FactsOfJob(mesh_, region)) {
-    if (IsEmpty(region)) return;
-    if (auto root = tree_.Root()) todo_.push_back(*std::move(root));
-  }
+        tree_(mesh_, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
+        facts_(FactsOfJob(mesh_, region)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -58,6 +59,7 @@ class Job : public VoxelizeJob {
 
  private:
   std::optional<TileNode> NextUnit();
+  void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
   void Deliver(TileBricks tile, const Sink& sink, bool& paused);
 
@@ -69,20 +71,53 @@ class Job : public VoxelizeJob {
   const TileTree tree_;
   mutable oneapi::tbb::enumerable_thread_specific<TileScan> scans_;
   const JobFacts facts_;
-  std::vector<TileNode> todo_;  // what is left of the tree, the next node last
+  bool started_ = false;
+  std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
   JobTotals totals_;
 };
 
-// Takes the tree apart until its next part is one unit of work.
+bool IsUnit(const TileNode& node) {
+  return node.level == 0 || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles);
+}
+
+// Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
+// split by many threads, and many nodes at a time.
 std::optional<TileNode> Job::NextUnit() {
+  if (!std::exchange(started_, true)) {
+    todo_ = tree_.Top();
+    std::reverse(todo_.begin(), todo_.end());
+  }
   while (!todo_.empty() && !cancelled_) {
-    TileNode node = std::move(todo_.back());
-    todo_.pop_back();
-    if (node.level == 0 || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles)) return node;
-    std::vector<TileNode> children = tree_.Children(node);
-    std::move(children.rbegin(), children.rend(), std::back_inserter(todo_));
+    if (IsUnit(todo_.back())) {
+      TileNode node = std::move(todo_.back());
+      todo_.pop_back();
+      return node;
+    }
+    SplitNext();
   }
   return std::nullopt;
+}
+
+// Puts the children of the next nodes, as many as there are threads, in their place, where nodes are no units.
+void Job::SplitNext() {
+  const size_t count = std::min(todo_.size(), static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
+  const size_t kept = todo_.size() - count;
+  std::vector<std::vector<TileNode>> parts(count);
+  // Isolated, lest the thread that waits here take up a unit meanwhile.
+  oneapi::tbb::this_task_arena::isolate([&] {
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
+      for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
+        TileNode& node = todo_[kept + n];
+        if (IsUnit(node)) {
+          parts[n].push_back(std::move(node));
+        } else {
+          parts[n] = tree_.Children(node);
+        }
+      }
+    });
+  });
+  todo_.resize(kept);
+  for (std::vector<TileNode>& part : parts) std::move(part.rbegin(), part.rend(), std::back_inserter(todo_));
 }
 
 void Job::Process(const TileNode& node, Unit& out) const {
@@ -91,7 +126,7 @@ void Job::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
-  auto tile = DigitizeTile(context_, node.tile_ijk, node.triangles, {}, scans_.local());
+  auto tile = DigitizeTile(context_, node.tile_ijk, node.triangles, node.fringe, scans_.local());
   if (!tile) return;
   tile->progress = std::min(1.0, node.progress + node.share);
   out.push_back(*std::move(tile));

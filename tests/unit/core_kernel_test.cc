@@ -67,23 +67,30 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
   FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, candidates);
 
   Found found;
-  for (size_t n = 0; n < candidates.nearer.size(); ++n) {
-    const uint32_t t = candidates.crossed_by[n];
-    const Vec3i nearer = layout.VoxelAt(candidates.nearer[n]), farther = layout.VoxelAt(candidates.farther[n]);
-    EXPECT_TRUE(box.Contains(nearer));
-    const OrientedTriangle oriented(triangles[t]);
-    const Vec3i& q = PrincipalScanFrame(frames, oriented.normal).frame.q;
-    EXPECT_TRUE(farther == nearer + q || farther == nearer - q);
-    Vec3i step;
-    EXPECT_TRUE(Star(oriented, nearer).IsNearerEnd(q, step));
-    EXPECT_EQ(nearer + step, farther);
-    found.insert({t, nearer});
-  }
   std::vector<VoxelTriangle> pairs;
-  for (size_t n = 0; n < candidates.rim.size(); ++n) {
-    EXPECT_TRUE(box.Contains(layout.VoxelAt(candidates.rim[n])));
-    pairs.push_back({candidates.rim[n], candidates.passed_by[n]});
+  size_t crossed = 0, rim = 0;
+  for (const Candidates::Run& run : candidates.runs) {
+    for (; crossed < run.crossed_end; ++crossed) {
+      const uint32_t t = run.first + (candidates.nearer[crossed] >> kNumberBits);
+      const Vec3i nearer = layout.VoxelAt(candidates.nearer[crossed] & kNumberMask);
+      const Vec3i farther = layout.VoxelAt(candidates.farther[crossed] & kNumberMask);
+      EXPECT_TRUE(box.Contains(nearer));
+      const OrientedTriangle oriented(triangles[t]);
+      const Vec3i& q = PrincipalScanFrame(frames, oriented.normal).frame.q;
+      EXPECT_TRUE(farther == nearer + q || farther == nearer - q);
+      Vec3i step{};
+      EXPECT_TRUE(Star(oriented, nearer).IsNearerEnd(q, step));
+      EXPECT_EQ(nearer + step, farther);
+      found.insert({t, nearer});
+    }
+    for (; rim < run.rim_end; ++rim) {
+      const uint32_t t = run.first + (candidates.rim[rim] >> kNumberBits);
+      pairs.push_back({candidates.rim[rim] & kNumberMask, t});
+      EXPECT_TRUE(box.Contains(layout.VoxelAt(pairs.back().voxel)));
+    }
   }
+  EXPECT_EQ(crossed, candidates.nearer.size());
+  EXPECT_EQ(rim, candidates.rim.size());
   std::vector<StarEdges> stars(pairs.size());
   FindStarEdges(mesh, frames, layout, pairs, stars.data());
   for (size_t n = 0; n < pairs.size(); ++n) {
@@ -201,7 +208,7 @@ TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
           const Star star(oriented, layout.VoxelAt(pairs[n].voxel));
           for (size_t d = 0; d < frames.size(); ++d) {
             const Vec3i& q = frames[d].frame.q;
-            Vec3i step;
+            Vec3i step{};
             const bool nearer = star.IsNearerEnd(q, step);
             ASSERT_EQ(stars[n].nearer >> d & 1, nearer ? 1U : 0U) << l.name << " size " << size << " " << SimdInUse();
             ASSERT_EQ(stars[n].forward >> d & 1, nearer && step == q ? 1U : 0U) << l.name << " " << SimdInUse();
@@ -222,12 +229,12 @@ TEST(TileBits, FindSplitAndListAreWhatTestSaysOnEachKernel) {
   for (int n = 0; n < 20000; ++n) others.Set(number(random));
   for (const size_t size : {size_t{0}, size_t{1}, size_t{15}, size_t{16}, size_t{1003}}) {
     std::vector<uint32_t> numbers(size), partners(size);
-    for (uint32_t& n : numbers) n = number(random);
+    for (uint32_t& n : numbers) n = number(random) | number(random) << kNumberBits;
     for (uint32_t& n : partners) n = number(random);
     std::vector<uint32_t> in, out, out_partners;
     for (uint32_t n = 0; n < size; ++n) {
-      (bits.Test(numbers[n]) ? in : out).push_back(n);
-      if (!bits.Test(numbers[n])) out_partners.push_back(partners[n]);
+      (bits.Test(numbers[n] & kNumberMask) ? in : out).push_back(n);
+      if (!bits.Test(numbers[n] & kNumberMask)) out_partners.push_back(partners[n]);
     }
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);

@@ -1,10 +1,14 @@
 // Meshes and their one rounding.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
+#include "core/base/simd.h"
 #include "core/snap/snap.h"
+#include "core/snap/surface_facts.h"
 
 namespace latvox {
 namespace {
@@ -18,6 +22,17 @@ TriangleMesh OneTriangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) { retur
 
 Vec3i GlobalUnits(const SnappedMesh& mesh, size_t vertex) {
   return mesh.vertices_lat[vertex] + mesh.base_ijk * kLatticeUnit;
+}
+
+// Calls f with each kind of kernel that this processor runs.
+template <class F>
+void WithEachSimd(const F& f) {
+  for (const auto& [simd, name] : kSimdNames) {
+    if (!ForceSimd(simd).ok()) continue;
+    SCOPED_TRACE(name);
+    f();
+  }
+  ASSERT_TRUE(ForceSimd(Simd::kBest).ok());
 }
 
 TEST(Mesh, ValidationNamesTheElement) {
@@ -109,6 +124,169 @@ TEST(Snap, FarOriginGivesTheSameMeshAtShiftedCoordinates) {
   ASSERT_TRUE(near.ok() && far.ok());
   EXPECT_EQ(near->vertices_lat, far->vertices_lat);
   EXPECT_EQ(far->base_ijk, near->base_ijk + (Vec3i{64000000, -64000000, 0}));
+}
+
+TEST(Snap, EveryKernelRoundsAsTheOneExpressionDoes) {
+  constexpr unsigned kSeed = 13;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> coordinate(-90, 90);
+  for (uint32_t count : {3U, 4U, 5U, 7U, 8U, 9U, 1001U, 20000U}) {
+    TriangleMesh mesh;
+    for (uint32_t n = 0; n < count; ++n) {
+      mesh.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
+      if (n % 3 == 0) mesh.vertices.back()[n / 3 % 3] = static_cast<float>(static_cast<int>(random() % 999)) / 512;
+      if (n >= 2) mesh.triangles.push_back({n - 2, n - 1, n});
+    }
+    const Lattice lattice = *Lattice::Named(NamedLattice::kFcc).Scaled(0.37);
+    const Vec3d origin{0.1, -3, 7};
+    const Mat3d& inverse = lattice.inverse();
+    WithEachSimd([&] {
+      const auto snapped = Snap(mesh, lattice, origin, {1, 1, 1});
+      ASSERT_TRUE(snapped.ok()) << snapped.status();
+      for (size_t n = 0; n < count; ++n) {
+        const Vec3f& p = mesh.vertices[n];
+        const Vec3d d{p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
+        for (size_t m = 0; m < 3; ++m) {
+          const double v = (inverse[0][m] * d[0] + inverse[1][m] * d[1]) + inverse[2][m] * d[2];
+          ASSERT_EQ(GlobalUnits(*snapped, n)[m], static_cast<int32_t>(std::nearbyint(v * kLatticeUnit))) << kSeed;
+        }
+      }
+    });
+  }
+}
+
+TEST(Snap, VerticesThatNoTriangleUsesChangeNothingWhereverTheyAre) {
+  constexpr unsigned kSeed = 17;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> coordinate(-30, 30);
+  TriangleMesh plain, crowded;
+  for (uint32_t n = 0; n < 999; ++n) {
+    const Vec3f p{coordinate(random), coordinate(random), coordinate(random)};
+    plain.vertices.push_back(p);
+    for (float far : {1e30F, -1e30F, 3e38F}) {
+      if (random() % 3 == 0) crowded.vertices.push_back({far, random() % 2 == 0 ? -far : 0, far});
+    }
+    crowded.vertices.push_back(p);
+    if (n % 3 != 2) continue;
+    plain.triangles.push_back({n - 2, n - 1, n});
+    crowded.triangles.push_back({});
+  }
+  std::vector<uint32_t> used;
+  for (uint32_t n = 0; n < crowded.vertices.size(); ++n) {
+    if (std::abs(crowded.vertices[n][0]) < 100) used.push_back(n);
+  }
+  for (size_t n = 0; n < used.size(); ++n) crowded.triangles[n / 3][n % 3] = used[n];
+  WithEachSimd([&] {
+    const Lattice bcc = Lattice::Named(NamedLattice::kBcc);
+    const auto expected = Snap(plain, bcc, {0, 0, 0}, {1, 1, 1}), snapped = Snap(crowded, bcc, {0, 0, 0}, {1, 1, 1});
+    ASSERT_TRUE(expected.ok() && snapped.ok());
+    EXPECT_EQ(snapped->base_ijk, expected->base_ijk);
+    EXPECT_EQ(snapped->box, expected->box);
+    for (size_t n = 0; n < used.size(); ++n) {
+      ASSERT_EQ(snapped->vertices_lat[used[n]], expected->vertices_lat[n]) << kSeed;
+    }
+  });
+}
+
+// Facts from a table of all edges, and from exact areas.
+SurfaceFacts CountedFacts(const SnappedMesh& mesh) {
+  SurfaceFacts facts;
+  std::map<std::pair<Vec3i, Vec3i>, int> edges;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const std::array<Vec3i, 3> v{mesh.vertices_lat[i], mesh.vertices_lat[j], mesh.vertices_lat[k]};
+    for (size_t n = 0; n < 3; ++n) {
+      const Vec3i &a = v[n], &b = v[(n + 1) % 3];
+      if (a != b) ++edges[std::minmax(a, b)];
+    }
+    using Wide = std::array<__int128, 3>;
+    const Vec3i a = v[1] - v[0], b = v[2] - v[0];
+    facts.degenerate_triangles += Cross(Wide{a[0], a[1], a[2]}, Wide{b[0], b[1], b[2]}) == Wide{};
+  }
+  facts.closed = std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second % 2 == 0; });
+  return facts;
+}
+
+TEST(SurfaceFacts, AgreeWithATableOfAllEdges) {
+  constexpr unsigned kSeed = 19;
+  std::mt19937 random(kSeed);
+  int closed = 0, open = 0;
+  for (int round = 0; round < 400; ++round) {
+    // A few positions, each at several vertices: many triangles are degenerate, edges coincide.
+    const auto positions = static_cast<uint32_t>(4 + random() % 12);
+    const int32_t spread = round % 2 == 0 ? 3 : 1 << 25;
+    SnappedMesh mesh;
+    for (uint32_t n = 0; n < 3 * positions; ++n) {
+      const bool again = n >= positions;
+      mesh.vertices_lat.push_back(again ? mesh.vertices_lat[n - positions]
+                                        : Vec3i{static_cast<int32_t>(random() % static_cast<uint32_t>(spread)),
+                                                static_cast<int32_t>(random() % static_cast<uint32_t>(spread)),
+                                                static_cast<int32_t>(random() % static_cast<uint32_t>(spread))});
+    }
+    const auto vertex = [&] { return static_cast<uint32_t>(random() % mesh.vertices_lat.size()); };
+    const auto other = [&](uint32_t v) { return static_cast<uint32_t>((v + positions) % mesh.vertices_lat.size()); };
+    for (int n = 0; n < 6; ++n) {
+      const std::array<uint32_t, 4> v{vertex(), vertex(), vertex(), vertex()};
+      switch (random() % 4) {
+        case 0:  // a tetrahedron, even of four points that coincide or lie in a line
+          mesh.triangles.insert(mesh.triangles.end(), {{v[0], v[1], v[2]}, {v[0], v[3], other(v[1])}});
+          mesh.triangles.insert(mesh.triangles.end(), {{other(v[2]), v[3], v[0]}, {v[1], v[2], other(v[3])}});
+          break;
+        case 1:  // a triangle twice
+          mesh.triangles.insert(mesh.triangles.end(), {{v[0], v[1], v[2]}, {other(v[2]), v[0], other(v[1])}});
+          break;
+        case 2:  // an edge and a point
+          mesh.triangles.insert(mesh.triangles.end(), {{v[0], other(v[0]), v[1]}, {v[2], v[3], other(v[3])}});
+          mesh.triangles.push_back({v[0], v[0], other(v[0])});
+          break;
+        default:
+          if (random() % 3 == 0) mesh.triangles.push_back({v[0], v[1], v[2]});
+      }
+    }
+    if (mesh.triangles.empty()) continue;
+    const SurfaceFacts expected = CountedFacts(mesh);
+    (expected.closed ? closed : open)++;
+    WithEachSimd([&] {
+      const SurfaceFacts facts = FactsOf(mesh);
+      ASSERT_EQ(facts.closed, expected.closed) << kSeed << " round " << round;
+      ASSERT_EQ(facts.degenerate_triangles, expected.degenerate_triangles) << kSeed << " round " << round;
+    });
+  }
+  EXPECT_GT(closed, 50);
+  EXPECT_GT(open, 50);
+}
+
+TEST(SurfaceFacts, OneTriangleMoreOrLessOpensALargeClosedMesh) {
+  SnappedMesh mesh;  // a closed tube of quads, round and round
+  constexpr uint32_t kSide = 150;
+  for (uint32_t n = 0; n < kSide * kSide; ++n) {
+    mesh.vertices_lat.push_back({static_cast<int32_t>(n / kSide * 97), static_cast<int32_t>(n % kSide * 31),
+                                 static_cast<int32_t>(n * n % 1009)});
+  }
+  const auto at = [](uint32_t i, uint32_t j) { return i % kSide * kSide + j % kSide; };
+  for (uint32_t n = 0; n < kSide * kSide; ++n) {
+    const uint32_t i = n / kSide, j = n % kSide;
+    mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+    mesh.triangles.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  }
+  WithEachSimd([&] {
+    EXPECT_TRUE(FactsOf(mesh).closed);
+    for (size_t n : {size_t{0}, size_t{12345}, mesh.triangles.size() - 1}) {
+      SnappedMesh open = mesh;
+      open.triangles.erase(open.triangles.begin() + static_cast<ptrdiff_t>(n));
+      EXPECT_FALSE(FactsOf(open).closed);
+      open.triangles.push_back(mesh.triangles[n]);
+      EXPECT_TRUE(FactsOf(open).closed);
+      open.triangles.push_back(mesh.triangles[n]);
+      EXPECT_FALSE(FactsOf(open).closed);
+    }
+  });
+}
+
+TEST(SurfaceFacts, AnAreaThatVanishesModuloTwoToThe32IsAnArea) {
+  SnappedMesh mesh;
+  mesh.vertices_lat = {{0, 0, 0}, {1 << 16, 0, 0}, {0, 1 << 16, 0}, {1 << 17, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
+  WithEachSimd([&] { EXPECT_EQ(FactsOf(mesh).degenerate_triangles, 1U); });
 }
 
 TEST(SurfaceFacts, ClosedIsByPositionNotByIndex) {

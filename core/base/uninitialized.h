@@ -1,0 +1,34 @@
+// Large arrays that threads fill: a vector would first write zeros to all of it, from one thread.
+#ifndef LATVOX_CORE_BASE_UNINITIALIZED_H_
+#define LATVOX_CORE_BASE_UNINITIALIZED_H_
+
+#include <memory>
+#include <new>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace latvox {
+
+// std::allocator, but for elements made without a value, which stay indeterminate.
+template <class T>
+struct UninitializedAllocator : std::allocator<T> {
+  static_assert(std::is_trivially_default_constructible_v<T>);
+  template <class U>
+  struct rebind {
+    using other = UninitializedAllocator<U>;
+  };
+  void construct(T* at) { ::new (static_cast<void*>(at)) T; }
+  template <class... Args>
+  void construct(T* at, Args&&... args) {
+    std::construct_at(at, std::forward<Args>(args)...);
+  }
+};
+
+// resize() leaves new elements indeterminate.
+template <class T>
+using UninitializedVector = std::vector<T, UninitializedAllocator<T>>;
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BASE_UNINITIALIZED_H_

@@ -1,0 +1,171 @@
+// All kernels evaluate one fixed expression, since digests depend on its rounding: the target has no contraction.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/snap/lattice_map.cc"
+#include "core/snap/lattice_map.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "core/snap/snap.h"
+
+// What does not depend on the instruction set, once.
+#ifndef LATVOX_CORE_SNAP_LATTICE_MAP_ONCE_
+#define LATVOX_CORE_SNAP_LATTICE_MAP_ONCE_
+
+namespace latvox {
+namespace {
+
+// x + kRounder - kRounder rounds x half to even to an integer, for |x| < 2^51: doubles above 2^52 have no fractions.
+constexpr double kRounder = 0x1.8p52;
+static_assert(kPositionBits + kSubvoxelBits < 51);
+
+Vec3d ToLattice(const LatticeMap& map, const Vec3f& p) {
+  const Vec3d d{p[0] - map.origin[0], p[1] - map.origin[1], p[2] - map.origin[2]};
+  Vec3d v;
+  for (size_t m = 0; m < 3; ++m) {
+    v[m] = (map.inverse[0][m] * d[0] + map.inverse[1][m] * d[1]) + map.inverse[2][m] * d[2];
+  }
+  return v;
+}
+
+LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count) {
+  LatticeRange range;
+  for (size_t n = 0; n < count; ++n) {
+    if (used[n] == 0) continue;
+    const Vec3d v = ToLattice(map, vertices[n]);
+    range.Add({v, v});
+  }
+  return range;
+}
+
+void PlainRoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
+                        size_t count, Vec3i* out) {
+  for (size_t n = 0; n < count; ++n) {
+    const Vec3d v = ToLattice(map, vertices[n]);
+    for (size_t m = 0; m < 3; ++m) {
+      const double clamped = std::min(std::max(range.min[m], v[m]), range.max[m]);
+      const double units = (clamped * kLatticeUnit + kRounder) - kRounder;
+      out[n][m] = static_cast<int32_t>(units - static_cast<double>(base_ijk[m]) * kLatticeUnit);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_SNAP_LATTICE_MAP_ONCE_
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<double>;
+using V = hn::Vec<D>;
+
+struct Vertices {
+  V x, y, z;
+};
+
+// ToLattice of Lanes(D) vertices.
+HWY_INLINE Vertices LoadLattice(const LatticeMap& map, const Vec3f* vertices) {
+  const D d;
+  const hn::Rebind<float, D> narrow;
+  hn::Vec<hn::Rebind<float, D>> x, y, z;
+  hn::LoadInterleaved3(narrow, vertices->data(), x, y, z);
+  const V dx = hn::Sub(hn::PromoteTo(d, x), hn::Set(d, map.origin[0]));
+  const V dy = hn::Sub(hn::PromoteTo(d, y), hn::Set(d, map.origin[1]));
+  const V dz = hn::Sub(hn::PromoteTo(d, z), hn::Set(d, map.origin[2]));
+  const auto row = [&](size_t m) HWY_ATTR {
+    return hn::Add(hn::Add(hn::Mul(hn::Set(d, map.inverse[0][m]), dx), hn::Mul(hn::Set(d, map.inverse[1][m]), dy)),
+                   hn::Mul(hn::Set(d, map.inverse[2][m]), dz));
+  };
+  return {row(0), row(1), row(2)};
+}
+
+LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count) {
+  const D d;
+  const hn::Rebind<uint8_t, D> bytes;
+  const hn::RebindToUnsigned<D> words;
+  const size_t lanes = hn::Lanes(d);
+  LatticeRange range;
+  V low_x = hn::Set(d, range.min[0]), low_y = low_x, low_z = low_x;
+  V high_x = hn::Set(d, range.max[0]), high_y = high_x, high_z = high_x;
+  size_t n = 0;
+  for (; n + lanes <= count; n += lanes) {
+    const auto counts = hn::RebindMask(
+        d, hn::Ne(hn::PromoteTo(words, hn::PromoteTo(hn::Rebind<uint32_t, D>(), hn::LoadU(bytes, used + n))),
+                  hn::Zero(words)));
+    const Vertices v = LoadLattice(map, vertices + n);
+    low_x = hn::IfThenElse(counts, hn::Min(v.x, low_x), low_x);
+    low_y = hn::IfThenElse(counts, hn::Min(v.y, low_y), low_y);
+    low_z = hn::IfThenElse(counts, hn::Min(v.z, low_z), low_z);
+    high_x = hn::IfThenElse(counts, hn::Max(v.x, high_x), high_x);
+    high_y = hn::IfThenElse(counts, hn::Max(v.y, high_y), high_y);
+    high_z = hn::IfThenElse(counts, hn::Max(v.z, high_z), high_z);
+  }
+  range.min = {hn::GetLane(hn::MinOfLanes(d, low_x)), hn::GetLane(hn::MinOfLanes(d, low_y)),
+               hn::GetLane(hn::MinOfLanes(d, low_z))};
+  range.max = {hn::GetLane(hn::MaxOfLanes(d, high_x)), hn::GetLane(hn::MaxOfLanes(d, high_y)),
+               hn::GetLane(hn::MaxOfLanes(d, high_z))};
+  range.Add(PlainRangeOf(map, vertices + n, used + n, count - n));
+  return range;
+}
+
+void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
+                   size_t count, Vec3i* out) {
+  const D d;
+  const hn::Rebind<int32_t, D> narrow;
+  const size_t lanes = hn::Lanes(d);
+  const auto rounded = [&](V v, size_t m) HWY_ATTR {
+    const V rounder = hn::Set(d, kRounder);
+    const V clamped = hn::Min(hn::Max(v, hn::Set(d, range.min[m])), hn::Set(d, range.max[m]));
+    const V units = hn::Sub(hn::Add(hn::Mul(clamped, hn::Set(d, double{kLatticeUnit})), rounder), rounder);
+    return hn::DemoteTo(narrow, hn::Sub(units, hn::Set(d, static_cast<double>(base_ijk[m]) * kLatticeUnit)));
+  };
+  size_t n = 0;
+  for (; n + lanes <= count; n += lanes) {
+    const Vertices v = LoadLattice(map, vertices + n);
+    hn::StoreInterleaved3(rounded(v.x, 0), rounded(v.y, 1), rounded(v.z, 2), narrow, out[n].data());
+  }
+  PlainRoundVertices(map, range, base_ijk, vertices + n, count - n, out + n);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include "core/base/simd.h"
+
+namespace latvox {
+
+HWY_EXPORT(RangeOf);
+HWY_EXPORT(RoundVertices);
+
+void LatticeRange::Add(const LatticeRange& other) {
+  for (size_t m = 0; m < 3; ++m) {
+    min[m] = std::min(min[m], other.min[m]);
+    max[m] = std::max(max[m], other.max[m]);
+  }
+}
+
+LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count) {
+  if (SimdIsScalar()) return PlainRangeOf(map, vertices, used, count);
+  return HWY_DYNAMIC_DISPATCH(RangeOf)(map, vertices, used, count);
+}
+
+void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
+                   size_t count, Vec3i* out) {
+  if (SimdIsScalar()) return PlainRoundVertices(map, range, base_ijk, vertices, count, out);
+  HWY_DYNAMIC_DISPATCH(RoundVertices)(map, range, base_ijk, vertices, count, out);
+}
+
+}  // namespace latvox
+
+#endif  // HWY_ONCE

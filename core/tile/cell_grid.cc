@@ -1,0 +1,282 @@
+// Bounding boxes of nearly all triangles say all: a kernel takes each to its cells, the axes in the lanes. The few long
+// ones are tested against single cells, with separating axes.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/tile/cell_grid.cc"
+#include "core/tile/cell_grid.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+// What does not depend on the instruction set, once.
+#ifndef LATVOX_CORE_TILE_CELL_GRID_ONCE_
+#define LATVOX_CORE_TILE_CELL_GRID_ONCE_
+
+namespace latvox {
+namespace {
+
+// Cells, closed; empty if min > max on an axis.
+struct CellBox {
+  Vec3i min, max;
+};
+
+CellBox CellsMet(const CellGrid::Bounds& bounds, const CellGrid::Margin& margin, const Vec3i& low, const Vec3i& high) {
+  CellBox box;
+  for (size_t m = 0; m < 3; ++m) {
+    box.min[m] = std::max((low[m] - margin.below[m]) >> bounds.shift, bounds.lowest[m]);
+    box.max[m] = std::min((high[m] + margin.above[m]) >> bounds.shift, bounds.highest[m]);
+  }
+  return box;
+}
+
+bool Contains(const CellBox& box, size_t m, int32_t cell) { return box.min[m] <= cell && cell <= box.max[m]; }
+
+// A cell's part in a hit: the bits of its coordinate, three apart, where Morton order wants those of the axis.
+int32_t HitPart(size_t axis, int32_t cell) {
+  int32_t part = 0;
+  for (int bit = 0; bit < kMaxGridLevels; ++bit) part |= (cell >> bit & 1) << 3 * bit;
+  return part << (3 - axis);
+}
+
+void PlainEncode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices,
+                 const std::array<uint32_t, 3>* triangles, const uint32_t* ids, size_t count, CellGrid::Code* out) {
+  for (size_t n = 0; n < count; ++n) {
+    const auto& [i, j, k] = triangles[ids == nullptr ? n : ids[n]];
+    const int32_t *a = vertices[i], *b = vertices[j], *c = vertices[k];
+    Vec3i low, high;
+    for (size_t m = 0; m < 3; ++m) {
+      low[m] = std::min({a[m], b[m], c[m]});
+      high[m] = std::max({a[m], b[m], c[m]});
+    }
+    const CellBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
+    for (size_t m = 0; m < 3; ++m) {
+      const int32_t is_long = high[m] - low[m] >= (1 << bounds.shift) / 4;
+      const int32_t several =
+          (low[m] - bounds.far.below[m]) >> bounds.shift < (high[m] + bounds.far.above[m]) >> bounds.shift;
+      out[n].low[m] = HitPart(m, far.min[m]) | (Contains(near, m, far.min[m]) ? 0 : 1) | is_long << CellGrid::kLongBit |
+                      several << CellGrid::kSeveralBit | (far.max[m] - far.min[m]) * (1 << CellGrid::kMoreBit);
+      out[n].high[m] = HitPart(m, far.max[m]) | (Contains(near, m, far.max[m]) ? 0 : 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_TILE_CELL_GRID_ONCE_
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+#if HWY_TARGET == HWY_SCALAR  // which has no vectors of four
+
+void Encode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles,
+            const uint32_t* ids, size_t count, CellGrid::Code* out) {
+  PlainEncode(bounds, vertices, triangles, ids, count, out);
+}
+
+#else
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+void Encode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles,
+            const uint32_t* ids, size_t count, CellGrid::Code* out) {
+  const hn::FixedTag<int32_t, 4> d;
+  using V = decltype(hn::Zero(d));
+  const auto load = [&](const std::array<int32_t, 4>& lanes) HWY_ATTR { return hn::LoadU(d, lanes.data()); };
+  const V near_below = load(bounds.near.below), near_above = load(bounds.near.above);
+  const V far_below = load(bounds.far.below), far_above = load(bounds.far.above);
+  const V lowest = load(bounds.lowest), highest = load(bounds.highest);
+  const V quarter = hn::Set(d, (1 << bounds.shift) / 4 - 1);
+  const auto cell = [&](V v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
+  const auto bit_if_negative = [&](V v, int32_t bit)
+                                   HWY_ATTR { return hn::And(hn::BroadcastSignBit(v), hn::Set(d, bit)); };
+  const V axes = load({8, 4, 2, 0});
+  // See HitPart. Cells have four bits: 3210 -> 32....10 -> 3..2..1..0.
+  const auto hit_part = [&](V cell) HWY_ATTR {
+    cell = hn::And(hn::Or(cell, hn::ShiftLeft<4>(cell)), hn::Set(d, 0xC3));
+    cell = hn::And(hn::Or(cell, hn::ShiftLeft<2>(cell)), hn::Set(d, 0x249));
+    return hn::Mul(cell, axes);
+  };
+  for (size_t n = 0; n < count; ++n) {
+    const auto& [i, j, k] = triangles[ids == nullptr ? n : ids[n]];
+    const V a = hn::LoadU(d, vertices[i]), b = hn::LoadU(d, vertices[j]), c = hn::LoadU(d, vertices[k]);
+    const V low = hn::Min(hn::Min(a, b), c), high = hn::Max(hn::Max(a, b), c);
+    const V near_min = hn::Max(cell(hn::Sub(low, near_below)), lowest);
+    const V near_max = hn::Min(cell(hn::Add(high, near_above)), highest);
+    const V first = cell(hn::Sub(low, far_below)), last = cell(hn::Add(high, far_above));
+    const V far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
+    const V is_long = bit_if_negative(hn::Sub(quarter, hn::Sub(high, low)), 1 << CellGrid::kLongBit);
+    const V several = bit_if_negative(hn::Sub(first, last), 1 << CellGrid::kSeveralBit);
+    const V low_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_min, near_min), hn::Sub(near_max, far_min)), 1);
+    const V high_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_max, near_min), hn::Sub(near_max, far_max)), 1);
+    const V more = hn::ShiftLeft<CellGrid::kMoreBit>(hn::Sub(far_max, far_min));
+    const V flags = hn::Or(hn::Or(is_long, several), more);
+    hn::StoreU(hn::Or(hn::Or(hit_part(far_min), low_is_fringe), flags), d, out[n].low.data());
+    hn::StoreU(hn::Or(hit_part(far_max), high_is_fringe), d, out[n].high.data());
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <cmath>
+
+#include "core/base/simd.h"
+
+namespace latvox {
+namespace {
+
+// For rounding: a triangle too many is harmless. Coordinates are below 2^27 in size and boxes 2^14 wide or wider, hence
+// the errors of projections below 2^-30 of radii.
+constexpr double kSlack = 1 + 0x1p-20;
+
+// The interval of a triangle's projections to one axis.
+struct Axis {
+  Vec3d direction;
+  double min, max;
+};
+
+}  // namespace
+
+// The separating axes between a triangle and a box, the box's own aside.
+class CellGrid::LongTriangle {
+ public:
+  LongTriangle(const CellGrid& grid, const std::array<Vec3i, 3>& corners) : grid_(grid) {
+    std::array<Vec3d, 3> v;  // relative to the grid
+    for (size_t n = 0; n < 3; ++n) {
+      for (size_t m = 0; m < 3; ++m) v[n][m] = static_cast<double>(corners[n][m] - grid.low_[m]);
+    }
+    const std::array<Vec3d, 3> edges{v[1] - v[0], v[2] - v[1], v[0] - v[2]};
+    size_t count = 0;
+    const auto add = [&](const Vec3d& direction) {
+      const double p0 = Dot(direction, v[0]), p1 = Dot(direction, v[1]), p2 = Dot(direction, v[2]);
+      axes_[count++] = {direction, std::min({p0, p1, p2}), std::max({p0, p1, p2})};
+    };
+    add(Cross(edges[0], edges[1]));
+    for (const Vec3d& e : edges) {
+      add({0, -e[2], e[1]});
+      add({e[2], 0, -e[0]});
+      add({-e[1], e[0], 0});
+    }
+  }
+
+  // Halves boxes of cells that the triangle may come near to, down to single ones.
+  void Descend(const CellBox& cells, const CellBox& near, std::vector<CellHit>& hits) const {
+    size_t axis = 0;
+    int32_t longest = 0, count = 1;
+    for (size_t m = 0; m < 3; ++m) {
+      const int32_t side = cells.max[m] - cells.min[m] + 1;
+      if (side <= 0) return;
+      count *= side;
+      if (side > longest) {
+        longest = side;
+        axis = m;
+      }
+    }
+    if (count == 1) return Add(cells, near, hits);
+    constexpr int32_t kFew = 4;  // cells for which asking together does not pay
+    if (count > kFew && !Meets(cells, grid_.far_margin_)) return;
+    CellBox lower = cells, upper = cells;
+    lower.max[axis] = cells.min[axis] + longest / 2 - 1;
+    upper.min[axis] = lower.max[axis] + 1;
+    Descend(lower, near, hits);
+    Descend(upper, near, hits);
+  }
+
+ private:
+  // Whether the triangle may come within `margin` of the box of cells, as far as these axes tell.
+  bool Meets(const CellBox& cells, const Vec3i& margin) const {
+    const double side = 1 << grid_.bounds_.shift;
+    Vec3d center, half;
+    for (size_t m = 0; m < 3; ++m) {
+      const double low = cells.min[m] * side, high = (cells.max[m] + 1) * side;
+      center[m] = (low + high) / 2;
+      half[m] = (high - low) / 2 + margin[m];
+    }
+    for (const Axis& axis : axes_) {
+      const double at = Dot(axis.direction, center);
+      double radius = 0;
+      for (size_t m = 0; m < 3; ++m) radius += std::abs(axis.direction[m]) * half[m];
+      radius *= kSlack;
+      if (axis.min > at + radius || axis.max < at - radius) return false;
+    }
+    return true;
+  }
+
+  void Add(const CellBox& cell, const CellBox& near, std::vector<CellHit>& hits) const {
+    int32_t hit = 0;
+    bool is_near = true;
+    for (size_t m = 0; m < 3; ++m) {
+      hit |= HitPart(m, cell.min[m]);
+      is_near &= Contains(near, m, cell.min[m]);
+    }
+    if (is_near && Meets(cell, grid_.near_margin_)) {
+      hits.push_back(static_cast<CellHit>(hit));
+    } else if (Meets(cell, grid_.far_margin_)) {
+      hits.push_back(static_cast<CellHit>(hit | 1));
+    }
+  }
+
+  const CellGrid& grid_;
+  std::array<Axis, 10> axes_;
+};
+
+CellGrid::CellGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& near, const Vec3i& far,
+                   const IndexBox& region)
+    : low_(tile_ijk * (kTileSide * kLatticeUnit)), near_margin_(near * kLatticeUnit), far_margin_(far * kLatticeUnit) {
+  const int voxel_shift = level - levels + kTileBits;
+  bounds_.shift = voxel_shift + kSubvoxelBits;
+  for (size_t m = 0; m < 3; ++m) {
+    // A closed box [low, high] meets the closed cells [c * side - margin, (c + 1) * side + margin], hence those with
+    //   (low - margin) / side - 1 <= c <= (high + margin) / side.
+    const auto set = [&](Margin& margin, int32_t width) {
+      margin.below[m] = low_[m] + width + 1;
+      margin.above[m] = width - low_[m];
+    };
+    set(bounds_.near, near_margin_[m]);
+    set(bounds_.far, far_margin_[m]);
+    const int32_t low_voxel = tile_ijk[m] * kTileSide;
+    bounds_.lowest[m] = std::max(0, (region.min[m] - low_voxel) >> voxel_shift);
+    bounds_.highest[m] = std::min((1 << levels) - 1, (region.max[m] - 1 - low_voxel) >> voxel_shift);
+  }
+}
+
+bool CellGrid::IsEmpty() const {
+  bool empty = false;
+  for (size_t m = 0; m < 3; ++m) empty |= bounds_.lowest[m] > bounds_.highest[m];
+  return empty;
+}
+
+std::vector<CellHit> CellGrid::ManyHits(const std::array<Vec3i, 3>& corners) const {
+  Vec3i low, high;
+  for (size_t m = 0; m < 3; ++m) {
+    low[m] = std::min({corners[0][m], corners[1][m], corners[2][m]});
+    high[m] = std::max({corners[0][m], corners[1][m], corners[2][m]});
+  }
+  const CellBox near = CellsMet(bounds_, bounds_.near, low, high), far = CellsMet(bounds_, bounds_.far, low, high);
+  std::vector<CellHit> hits;
+  LongTriangle(*this, corners).Descend(far, near, hits);
+  return hits;
+}
+
+HWY_EXPORT(Encode);
+
+void CellGrid::Encode(const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles, const uint32_t* ids,
+                      size_t count, Code* out) const {
+  if (SimdIsScalar()) return PlainEncode(bounds_, vertices, triangles, ids, count, out);
+  HWY_DYNAMIC_DISPATCH(Encode)(bounds_, vertices, triangles, ids, count, out);
+}
+
+}  // namespace latvox
+
+#endif  // HWY_ONCE
