@@ -1,4 +1,5 @@
 # Tests of the programs as they are built, seen from outside; no C++ here.
+#   bench      what scripts rely on in latvox_bench
 #   layering   who depends on whom
 #   node       a client of its own, from the protocol file alone
 #   e2e        command line tool, files, failures
@@ -17,6 +18,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
   latvox_add_system_test(e2e.errors "${latvox_python};e2e/errors_test.py")
 endif()
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
   latvox_add_system_test(e2e.algorithms "${latvox_python};e2e/algorithms_test.py")
   latvox_add_system_test(e2e.counts "${latvox_python};e2e/counts_test.py" LABELS slow)
   latvox_add_system_test(e2e.digest "${latvox_python};e2e/digest_test.py")

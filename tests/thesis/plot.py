@@ -28,6 +28,7 @@ class Chart:
     level: tuple = None  # (y, name) of a horizontal line
     log: bool = False  # y axis
     y_range: tuple = None  # else from the data
+    x_names: dict = None  # x -> what the axis says there; else numbers
 
     def svg(self, x0, y0, width, height):
         """The chart with its corner at (x0, y0)."""
@@ -68,7 +69,7 @@ class _Drawing:
         self.left, self.right = x0 + LEFT, x0 + width - RIGHT
         self.top, self.bottom = y0 + TOP, y0 + height - BOTTOM
         xs = [x for series in chart.series for x, _ in series.points]
-        self.x_low, self.x_high = 0, max(xs, default=1)
+        self.x_low, self.x_high = 0, max(xs, default=0) or 1
         self.y_low, self.y_high = chart.y_range or self.range_of_data()
 
     def range_of_data(self):
@@ -85,6 +86,9 @@ class _Drawing:
 
     def x(self, value):
         return self.left + (value - self.x_low) / (self.x_high - self.x_low) * (self.right - self.left)
+
+    def x_name(self, value):
+        return self.chart.x_names[value] if self.chart.x_names else f"{value:g}"
 
     def y(self, value):
         if self.chart.log:
@@ -107,7 +111,7 @@ class _Drawing:
             places = [(self.x(x), self.y(y)) for x, y in series.points]
             out.append(_stroke(places, series))
             for (px, py), (x, y) in zip(places, series.points):
-                out.append(_marker(px, py, series, f"{series.name}, {chart.x_label} {x:g}: {y:.4g}"))
+                out.append(_marker(px, py, series, f"{series.name}, {chart.x_label} {self.x_name(x)}: {y:.4g}"))
         return "\n".join(out)
 
     def axes(self):
@@ -117,10 +121,10 @@ class _Drawing:
             out.append(f"<path d='M{self.left} {y:.1f}H{self.right}' stroke='{GRID}'/>")
             if label:
                 out.append(_text(self.left - 6, y + 4, label, anchor="end"))
-        for value in _ticks(self.x_low, self.x_high):
+        for value in chart.x_names or _ticks(self.x_low, self.x_high):
             x = self.x(value)
             out.append(f"<path d='M{x:.1f} {self.bottom}v4' stroke='{FAINT}'/>")
-            out.append(_text(x, self.bottom + 17, f"{value:g}", anchor="middle"))
+            out.append(_text(x, self.bottom + 17, self.x_name(value), anchor="middle"))
         out.append(f"<path d='M{self.left} {self.top}V{self.bottom}H{self.right}' fill='none' stroke='{FAINT}'/>")
         middle = (self.top + self.bottom) / 2
         out.append(_text((self.left + self.right) / 2, self.bottom + 34, chart.x_label, anchor="middle"))

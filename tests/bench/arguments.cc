@@ -1,0 +1,97 @@
+#include "tests/bench/arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+
+namespace latvox {
+namespace {
+
+const std::map<std::string, NamedLattice>& Lattices() {
+  static const std::map<std::string, NamedLattice> lattices{{"cartesian", NamedLattice::kCartesian},
+                                                            {"bcc", NamedLattice::kBcc},
+                                                            {"fcc", NamedLattice::kFcc},
+                                                            {"hexagonal", NamedLattice::kHexagonal}};
+  return lattices;
+}
+
+// Options that are not of the type that they end as.
+struct Words {
+  std::string algorithm = "exact", simd = "best", peer;
+  std::vector<int32_t> region;
+};
+
+template <class Names>
+CLI::IsMember OneOf(const Names& names) {
+  std::vector<std::string> words;
+  words.reserve(names.size());
+  for (const auto& [value, name] : names) words.emplace_back(name);
+  return CLI::IsMember(words);
+}
+
+void Declare(CLI::App& app, Arguments& arguments, Words& words) {
+  VoxelizeOptions& options = arguments.options;
+  app.add_option("MESH", arguments.mesh,
+                 "box, sphere:N (about N triangles), or a file: .drc .obj .ply .stl .glb .gltf .3ds");
+  app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
+      ->check(CLI::Range(uint32_t{2}, kMaxResolution));
+  app.add_option("--subdivide", arguments.subdivide, "times that each triangle becomes four")->check(CLI::Range(0, 8));
+  app.add_option("--lattice", arguments.lattice)->check(CLI::IsMember(Lattices()));
+  app.add_option("--basis", arguments.basis, "three basis vectors")->delimiter(',')->expected(9);
+  app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
+  app.add_flag("--minimal,!--no-minimal", options.minimal);
+  app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
+  app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
+  app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
+  app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
+  app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));
+  app.add_option("--reps", arguments.reps, "repetitions")->check(CLI::Range(1, 1000));
+  app.add_option("--peer", words.peer, "times another program instead")->check(CLI::IsMember({"openvdb"}));
+  app.add_flag("--discard", arguments.discard, "drop bricks as they come");
+  app.add_flag("--cancel", arguments.cancel, "measure cancelling, too");
+  app.add_flag("--json", arguments.json);
+}
+
+constexpr char kUsage[] =
+    "Times the voxelizer, memory to memory: latvox_bench MESH RESOLUTION [OPTIONS].\n"
+    "`latvox_bench -` reads the arguments of one measurement from each line of standard input.";
+
+}  // namespace
+
+absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
+  Arguments arguments;
+  Words named;
+  CLI::App app;
+  Declare(app, arguments, named);
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  try {
+    app.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    arguments.help = true;
+    return arguments;
+  } catch (const CLI::ParseError& error) {
+    return absl::InvalidArgumentError(error.what());
+  }
+  if (arguments.resolution == 0) return absl::InvalidArgumentError("MESH and RESOLUTION are required; see --help");
+  arguments.options.algorithm = *AlgorithmNamed(named.algorithm);
+  arguments.simd = *SimdNamed(named.simd);
+  arguments.openvdb = !named.peer.empty();
+  if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+  return arguments;
+}
+
+std::string Help() {
+  CLI::App app(kUsage, "latvox_bench");
+  Arguments arguments;
+  Words words;
+  Declare(app, arguments, words);
+  return app.help();
+}
+
+absl::StatusOr<Lattice> LatticeOf(const Arguments& arguments) {
+  if (arguments.basis.empty()) return Lattice::Named(Lattices().at(arguments.lattice));
+  const auto& b = arguments.basis;
+  return Lattice::FromBasis({{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}, {b[6], b[7], b[8]}}});
+}
+
+}  // namespace latvox

@@ -1,0 +1,42 @@
+// What to measure, as the command line says it.
+#ifndef LATVOX_TESTS_BENCH_ARGUMENTS_H_
+#define LATVOX_TESTS_BENCH_ARGUMENTS_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/simd.h"
+#include "core/lattice/lattice.h"
+#include "core/voxelizer/voxelizer.h"
+
+namespace latvox {
+
+inline constexpr int kMaxThreads = 1024;
+
+struct Arguments {
+  std::string mesh;   // see MeshNamed
+  int subdivide = 0;  // times that each triangle becomes four
+  uint32_t resolution = 0;
+  std::string lattice = "cartesian";
+  std::vector<double> basis;  // empty or nine numbers, instead of `lattice`
+  VoxelizeOptions options;
+  Simd simd = Simd::kBest;
+  int threads = 1, warmups = 0, reps = 7;
+  bool openvdb = false;  // OpenVDB's meshToVolume instead of ours
+  bool discard = false;  // drop bricks as they come, for results larger than the memory
+  bool cancel = false;   // measure cancelling, too
+  bool json = false, help = false;
+};
+
+// Errors: INVALID_ARGUMENT.
+absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words);
+
+std::string Help();
+
+// Errors: as Lattice::FromBasis.
+absl::StatusOr<Lattice> LatticeOf(const Arguments& arguments);
+
+}  // namespace latvox
+
+#endif  // LATVOX_TESTS_BENCH_ARGUMENTS_H_

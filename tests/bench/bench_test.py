@@ -1,0 +1,75 @@
+"""latvox_bench keeps what scripts rely on: fields, exit statuses, the same digest from every kernel."""
+
+import json
+import os
+import pathlib
+import subprocess
+import unittest
+
+BENCH = pathlib.Path(os.environ["LATVOX_BIN"]) / "latvox_bench"
+FIELDS = {"voxels", "ms_min", "ms_median", "ns_per_triangle", "mvoxels_per_s", "peak_rss_bytes", "threads", "simd", "digest"}
+
+
+def run(*words, stdin=""):
+    return subprocess.run([BENCH, *words], input=stdin, capture_output=True, text=True, timeout=60)
+
+
+def measured(*words):
+    done = run(*words, "--reps", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+class Bench(unittest.TestCase):
+    def test_prints_all_fields(self):
+        out = measured("sphere:2000", "64", "--threads", "2", "--cancel")
+        self.assertLessEqual(FIELDS, out.keys())
+        self.assertEqual(out["threads"], 2)
+        self.assertLessEqual(out["ms_min"], out["ms_median"])
+        self.assertLessEqual(out["ms_first_brick"], out["ms_min"])
+        self.assertGreater(out["job_peak_bytes"], 0)
+
+    def test_every_kernel_has_the_digest_of_the_scalar_one(self):
+        for lattice in ("cartesian", "bcc", "fcc", "hexagonal"):
+            words = ("sphere:20000", "96", "--lattice", lattice)
+            reference = measured(*words, "--simd", "scalar")
+            self.assertEqual(reference["simd"], "scalar")
+            for simd in ("avx2", "avx512"):
+                done = run(*words, "--simd", simd, "--json", "--reps", "1")
+                if done.returncode == 3:
+                    self.assertEqual(done.stderr, f"latvox_bench: simd: this processor has no {simd}\n")
+                    continue
+                out = json.loads(done.stdout)
+                self.assertEqual(out["simd"], simd)
+                self.assertEqual(out["digest"], reference["digest"], (lattice, simd))
+
+    def test_what_is_discarded_counts_all_the_same(self):
+        kept, discarded = measured("box", "128"), measured("box", "128", "--discard")
+        self.assertEqual((kept["voxels"], kept["digest"]), (discarded["voxels"], discarded["digest"]))
+
+    def test_peers(self):
+        self.assertEqual(measured("box", "32", "--peer", "openvdb")["simd"], "openvdb")
+        self.assertNotEqual(
+            measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
+        )
+
+    def test_lines_are_answered_one_by_one(self):
+        done = run("-", stdin="box 32 --reps 1\nbox 1\nnone.obj 32\nbox 32 --subdivide 1 --reps 1\n")
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual([answer.get("triangles") for answer in answers], [12, None, None, 48])
+        self.assertIn("RESOLUTION", answers[1]["error"])
+        self.assertIn("none.obj", answers[2]["error"])
+
+    def test_exit_statuses(self):
+        for words, status in (
+            (("--help",), 0),
+            (("box",), 2),
+            (("box", "64", "--simd", "mmx"), 2),
+            (("box", "64", "--algorithm", "guess"), 2),
+            (("none.obj", "64"), 3),
+        ):
+            self.assertEqual(run(*words).returncode, status, words)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,151 @@
+#include "tests/bench/measure.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "tests/bench/peak_memory.h"
+#include "tests/bench/peer_openvdb.h"
+
+namespace latvox {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double Milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
+
+// A job with what is to be freed after the clock.
+struct Run {
+  TriangleMesh mesh;
+  std::unique_ptr<VoxelizeJob> job = nullptr;
+  std::vector<TileBricks> tiles = {};
+  absl::Status status = absl::OkStatus();
+  Clock::time_point start{}, created{}, first_tile{}, end{};
+};
+
+// The whole of what is timed, and the function that tests/bench/instructions counts.
+extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, const Grid& grid, Run& run) {
+  run.start = Clock::now();
+  auto job = VoxelizeJob::Create(std::move(run.mesh), grid, arguments.options);
+  run.status = job.status();
+  if (!job.ok()) return;
+  run.job = *std::move(job);
+  run.created = Clock::now();
+  const auto sink = [&](TileBricks&& tile) {
+    if (run.first_tile == Clock::time_point{}) run.first_tile = Clock::now();
+    if (!arguments.discard) run.tiles.push_back(std::move(tile));
+    return true;
+  };
+  run.status = run.job->Advance(sink).status();
+  run.end = Clock::now();
+}
+
+// The longest time from a Cancel to the end of Advance, which returns when every thread has stopped; of cancels at five
+// points of the work, which takes `advance` in all.
+absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMesh& mesh, const Grid& grid,
+                                    Clock::duration advance) {
+  double most = 0;
+  for (const int percent : {5, 25, 50, 75, 95}) {
+    auto job = VoxelizeJob::Create(mesh, grid, arguments.options);
+    if (!job.ok()) return job.status();
+    Clock::time_point cancelled;
+    std::thread canceller([&] {
+      std::this_thread::sleep_for(advance * percent / 100);
+      cancelled = Clock::now();
+      (*job)->Cancel();
+    });
+    (*job)->Advance([](TileBricks&&) { return true; }).IgnoreError();
+    const auto end = Clock::now();
+    canceller.join();
+    most = std::max(most, Milliseconds(end - cancelled));  // negative if it was too late
+  }
+  return most;
+}
+
+TriangleMesh CopyOrTake(TriangleMesh& mesh, bool take) {
+  if (take) return std::move(mesh);
+  return mesh;
+}
+
+absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& grid, TriangleMesh& mesh,
+                                        bool last_use) {
+  Measurement out;
+  out.simd = SimdInUse();
+  std::optional<PeakMemory> memory;
+  Clock::duration advance{};
+  const int runs = arguments.warmups + arguments.reps;
+  for (int n = 0; n < runs; ++n) {
+    Run run{CopyOrTake(mesh, last_use && !arguments.cancel && n + 1 == runs)};
+    if (!memory) memory.emplace();
+    latvox_bench_job(arguments, grid, run);
+    if (!run.status.ok()) return run.status;
+    const JobTotals& totals = run.job->totals();
+    if (!out.digest.empty() && out.digest != totals.digest.ToHex()) {
+      return absl::InternalError("repetitions differ in their digests");
+    }
+    out.voxels = totals.voxels;
+    out.digest = totals.digest.ToHex();
+    advance = run.end - run.created;
+    if (n < arguments.warmups) continue;
+    out.milliseconds.push_back(Milliseconds(run.end - run.start));
+    if (run.first_tile == Clock::time_point{}) continue;
+    const double first = Milliseconds(run.first_tile - run.start);
+    out.first_brick_milliseconds = std::min(first, out.first_brick_milliseconds.value_or(first));
+  }
+  out.peak_rss_bytes = memory->Bytes();
+  out.job_peak_bytes = memory->BytesBeyondStart();
+  if (arguments.cancel) {
+    const auto most = MostToCancel(arguments, mesh, grid, advance);
+    if (!most.ok()) return most.status();
+    out.cancel_milliseconds = *most;
+  }
+  return out;
+}
+
+Measurement MeasureOpenVdb(const Arguments& arguments, const Grid& grid, const TriangleMesh& mesh) {
+  Measurement out;
+  out.simd = "openvdb";
+  const OpenVdbPeer peer(mesh, BoundsOf(mesh), grid.lattice.voxel_size());
+  const PeakMemory memory;
+  for (int n = 0; n < arguments.warmups + arguments.reps; ++n) {
+    const auto start = Clock::now();
+    out.voxels = peer.Run();
+    if (n >= arguments.warmups) out.milliseconds.push_back(Milliseconds(Clock::now() - start));
+  }
+  out.peak_rss_bytes = memory.Bytes();
+  out.job_peak_bytes = memory.BytesBeyondStart();
+  return out;
+}
+
+void StartThreads(int threads) {
+  oneapi::tbb::parallel_for(0, threads * 4, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+}
+
+}  // namespace
+
+absl::StatusOr<Measurement> Measure(const Arguments& arguments, TriangleMesh& mesh, bool last_use) {
+  if (auto status = ForceSimd(arguments.simd); !status.ok()) return status;
+  const auto lattice = LatticeOf(arguments);
+  if (!lattice.ok()) return lattice.status();
+  const auto grid = ResolveGrid(*lattice, {.resolution = arguments.resolution}, std::nullopt, BoundsOf(mesh));
+  if (!grid.ok()) return grid.status();
+
+  const uint64_t triangles = mesh.triangles.size();
+  oneapi::tbb::task_arena arena(arguments.threads);
+  auto measured = arena.execute([&]() -> absl::StatusOr<Measurement> {
+    StartThreads(arguments.threads);
+    if (arguments.openvdb) return MeasureOpenVdb(arguments, *grid, mesh);
+    return MeasureOurs(arguments, *grid, mesh, last_use);
+  });
+  if (!measured.ok()) return measured.status();
+  measured->triangles = triangles;
+  std::sort(measured->milliseconds.begin(), measured->milliseconds.end());
+  return measured;
+}
+
+}  // namespace latvox

@@ -1,0 +1,33 @@
+// Times one job, or OpenVDB, over and over.
+#ifndef LATVOX_TESTS_BENCH_MEASURE_H_
+#define LATVOX_TESTS_BENCH_MEASURE_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/mesh/mesh.h"
+#include "tests/bench/arguments.h"
+
+namespace latvox {
+
+struct Measurement {
+  uint64_t triangles = 0, voxels = 0;
+  std::string simd;                                // kernels, or "openvdb"
+  std::string digest;                              // empty for OpenVDB
+  std::vector<double> milliseconds;                // of each repetition, ascending: mesh in memory to bricks in memory
+  std::optional<double> first_brick_milliseconds;  // from the same start to the first tile, least
+  std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel until all threads stopped, most
+  uint64_t peak_rss_bytes = 0;                     // of the process, once the mesh was there
+  std::optional<uint64_t> job_peak_bytes;          // beyond what it held before the first repetition: the mesh
+};
+
+// Runs in an arena of arguments.threads threads that have been started before the clock. A job takes its mesh over, so
+// each gets a copy, made before the clock; with `last_use`, the last one gets the mesh itself.
+// Errors: those of ForceSimd, ResolveGrid and VoxelizeJob.
+absl::StatusOr<Measurement> Measure(const Arguments& arguments, TriangleMesh& mesh, bool last_use);
+
+}  // namespace latvox
+
+#endif  // LATVOX_TESTS_BENCH_MEASURE_H_

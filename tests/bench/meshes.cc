@@ -1,0 +1,156 @@
+#include "tests/bench/meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "client/mesh/mesh_file.h"
+#include "client/mesh/scene_file.h"
+#include "server/draco_decoder.h"
+
+namespace latvox {
+namespace {
+
+TriangleMesh Box() {
+  // Three edges of equal length at right angles.
+  constexpr std::array<Vec3f, 3> edges{{{-10, 2, 11}, {10, -5, 10}, {5, 14, 2}}};
+  TriangleMesh mesh;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3f p{};
+    for (size_t m = 0; m < 3; ++m) {
+      if ((corner >> m & 1) != 0) p = p + edges[m];
+    }
+    mesh.vertices.push_back(p);
+  }
+  for (uint32_t m = 0; m < 3; ++m) {
+    const uint32_t a = 1U << m, b = 1U << (m + 1) % 3, c = 1U << (m + 2) % 3;
+    mesh.triangles.insert(mesh.triangles.end(), {{0, b, a}, {a, b, a | b}, {c, a | c, b | c}, {a | c, 7, b | c}});
+  }
+  return mesh;
+}
+
+// Rings of 4, 8, ... vertices from a pole to the equator, and back.
+class Sphere {
+ public:
+  explicit Sphere(uint32_t half) : half_(half) {}
+
+  TriangleMesh Make() {
+    uint32_t above = AddRing(0);
+    for (uint32_t ring = 1; ring <= 2 * half_; ++ring) {
+      const uint32_t below = AddRing(ring);
+      if (ring <= half_) {
+        AddBelt(above, ring - 1, below, false);
+      } else {
+        AddBelt(below, 2 * half_ - ring, above, true);
+      }
+      above = below;
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  // Returns the first of its vertices.
+  uint32_t AddRing(uint32_t ring) {
+    const auto first = static_cast<uint32_t>(mesh_.vertices.size());
+    const uint32_t count = VerticesOf(std::min(ring, 2 * half_ - ring));
+    const double height = std::numbers::pi * ring / (2 * half_);
+    for (uint32_t n = 0; n < count; ++n) {
+      const double around = 2 * std::numbers::pi * n / count;
+      mesh_.vertices.push_back({static_cast<float>(std::sin(height) * std::cos(around)),
+                                static_cast<float>(std::sin(height) * std::sin(around)),
+                                static_cast<float>(std::cos(height))});
+    }
+    return first;
+  }
+
+  // Between the ring of 4 n vertices that begins at vertex `inner` and the one of 4 n + 4 that begins at `outer`.
+  void AddBelt(uint32_t inner, uint32_t n, uint32_t outer, bool flipped) {
+    const auto in = [&](uint32_t m) { return inner + m % VerticesOf(n); };
+    const auto out = [&](uint32_t m) { return outer + m % VerticesOf(n + 1); };
+    const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+      if (flipped) std::swap(b, c);
+      mesh_.triangles.push_back({a, b, c});
+    };
+    for (uint32_t quarter = 0; quarter < 4; ++quarter) {
+      const uint32_t i = quarter * n, o = quarter * (n + 1);
+      for (uint32_t m = 0; m <= n; ++m) {
+        add(in(i + m), out(o + m), out(o + m + 1));
+        if (m < n) add(in(i + m), out(o + m + 1), in(i + m + 1));
+      }
+    }
+  }
+
+  static uint32_t VerticesOf(uint32_t n) { return std::max(4 * n, 1U); }
+
+  const uint32_t half_;  // rings to the equator
+  TriangleMesh mesh_;
+};
+
+absl::StatusOr<TriangleMesh> SphereOf(absl::string_view count) {
+  uint32_t triangles = 0;
+  if (!absl::SimpleAtoi(count, &triangles) || triangles < 8 || triangles > 1U << 26) {
+    return absl::InvalidArgumentError(absl::StrCat("sphere:", count, ": not a number from 8 to ", 1U << 26));
+  }
+  return Sphere(static_cast<uint32_t>(std::lround(std::sqrt(triangles / 8.0)))).Make();
+}
+
+// Adds the midpoints of a mesh's edges to its vertices.
+class Midpoints {
+ public:
+  explicit Midpoints(TriangleMesh& mesh) : vertices_(mesh.vertices) { of_edge_.reserve(mesh.triangles.size() * 3 / 2); }
+
+  uint32_t Of(uint32_t a, uint32_t b) {
+    const auto [low, high] = std::minmax(a, b);
+    const auto next = static_cast<uint32_t>(vertices_.size());
+    const auto [entry, is_new] = of_edge_.try_emplace(uint64_t{low} << 32 | high, next);
+    if (is_new) {
+      Vec3f middle;
+      for (size_t m = 0; m < 3; ++m) middle[m] = (vertices_[low][m] + vertices_[high][m]) / 2;
+      vertices_.push_back(middle);
+    }
+    return entry->second;
+  }
+
+ private:
+  std::vector<Vec3f>& vertices_;
+  absl::flat_hash_map<uint64_t, uint32_t> of_edge_;
+};
+
+}  // namespace
+
+absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
+  if (name == "box") return Box();
+  if (absl::string_view count = name; absl::ConsumePrefix(&count, "sphere:")) return SphereOf(count);
+  if (client::IsDracoFile(name)) {
+    const auto bytes = client::ReadBytes(name);
+    if (!bytes.ok()) return bytes.status();
+    auto decoded = DracoDecoder().Decode(*bytes, Limits());
+    if (!decoded.ok()) return decoded.status();
+    return std::move(decoded->mesh);
+  }
+  auto mesh = absl::EndsWith(name, ".3ds") ? client::ReadSceneFile(name) : client::ReadMeshFile(name);
+  if (!mesh.ok()) return mesh.status();
+  return TriangleMesh{std::move(mesh->positions), std::move(mesh->triangles)};
+}
+
+TriangleMesh Subdivided(TriangleMesh mesh, int times) {
+  for (int n = 0; n < times; ++n) {
+    Midpoints midpoints(mesh);
+    std::vector<std::array<uint32_t, 3>> quarters;
+    quarters.reserve(mesh.triangles.size() * 4);
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const uint32_t ab = midpoints.Of(a, b), bc = midpoints.Of(b, c), ca = midpoints.Of(c, a);
+      quarters.insert(quarters.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    mesh.triangles = std::move(quarters);
+  }
+  return mesh;
+}
+
+}  // namespace latvox

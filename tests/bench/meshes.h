@@ -1,0 +1,24 @@
+// Meshes to measure with: from files, and made on the spot.
+#ifndef LATVOX_TESTS_BENCH_MESHES_H_
+#define LATVOX_TESTS_BENCH_MESHES_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/mesh/mesh.h"
+
+namespace latvox {
+
+// By name:
+//   box        a cube of 12 triangles, turned so that no two of its edges have the same slope on any axis
+//   sphere:N   closed; of 4 m^2 triangles, about N, of about the same size; N from 8 to 2^26
+//   a file     .drc .obj .ply .stl .glb .gltf .3ds
+// Errors: INVALID_ARGUMENT, and those of files.
+absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name);
+
+// Each triangle cut into four at the midpoints of its edges, `times` over. Vertices stay shared.
+TriangleMesh Subdivided(TriangleMesh mesh, int times);
+
+}  // namespace latvox
+
+#endif  // LATVOX_TESTS_BENCH_MESHES_H_

@@ -1,0 +1,76 @@
+// The meshes that latvox_bench makes on the spot.
+#include "tests/bench/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace latvox {
+namespace {
+
+// Whether every edge is in two triangles, which run along it in opposite directions.
+bool IsClosedAndOriented(const TriangleMesh& mesh) {
+  std::set<std::pair<uint32_t, uint32_t>> edges;
+  for (const auto& t : mesh.triangles) {
+    for (size_t m = 0; m < 3; ++m) {
+      if (!edges.emplace(t[m], t[(m + 1) % 3]).second) return false;
+    }
+  }
+  for (const auto& [from, to] : edges) {
+    if (!edges.contains({to, from})) return false;
+  }
+  return true;
+}
+
+double VolumeOf(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    sum += double{a[0]} * (double{b[1]} * c[2] - double{b[2]} * c[1]) +
+           double{a[1]} * (double{b[2]} * c[0] - double{b[0]} * c[2]) +
+           double{a[2]} * (double{b[0]} * c[1] - double{b[1]} * c[0]);
+  }
+  return sum / 6;
+}
+
+TriangleMesh Made(const std::string& name) {
+  auto mesh = MeshNamed(name);
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  return *std::move(mesh);
+}
+
+TEST(BenchMeshes, BoxIsAClosedCube) {
+  const TriangleMesh box = Made("box");
+  EXPECT_EQ(box.triangles.size(), 12);
+  EXPECT_TRUE(IsClosedAndOriented(box));
+  EXPECT_DOUBLE_EQ(VolumeOf(box), 15 * 15 * 15);
+}
+
+TEST(BenchMeshes, SpheresAreClosedAndOfAboutAsManyTrianglesAsAsked) {
+  for (const int triangles : {8, 32, 1000, 20000}) {
+    const TriangleMesh sphere = Made("sphere:" + std::to_string(triangles));
+    EXPECT_NEAR(static_cast<double>(sphere.triangles.size()), triangles, triangles * 0.05);
+    EXPECT_TRUE(IsClosedAndOriented(sphere)) << triangles;
+    EXPECT_EQ(sphere.vertices.size(), sphere.triangles.size() / 2 + 2) << triangles;
+  }
+  EXPECT_NEAR(VolumeOf(Made("sphere:20000")), 4.0 / 3 * M_PI, 0.01);
+}
+
+TEST(BenchMeshes, SubdivisionKeepsTheSurfaceAndSharesVertices) {
+  const TriangleMesh sphere = Made("sphere:200"), finer = Subdivided(sphere, 2);
+  EXPECT_EQ(finer.triangles.size(), sphere.triangles.size() * 16);
+  EXPECT_EQ(finer.vertices.size(), finer.triangles.size() / 2 + 2);
+  EXPECT_TRUE(IsClosedAndOriented(finer));
+  EXPECT_NEAR(VolumeOf(finer), VolumeOf(sphere), 1e-6);
+}
+
+TEST(BenchMeshes, RefusesWhatIsNoNumberOfTriangles) {
+  for (const char* name : {"sphere:", "sphere:x", "sphere:7", "sphere:-8", "sphere:67108865"}) {
+    EXPECT_EQ(MeshNamed(name).status().code(), absl::StatusCode::kInvalidArgument) << name;
+  }
+}
+
+}  // namespace
+}  // namespace latvox
