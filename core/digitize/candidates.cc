@@ -25,20 +25,40 @@ struct Target {
   int32_t number;
 };
 
-// What each lane holds: a voxel with a place above it, and the step to the farther end of the edge there along the
-// principal direction.
-template <class D>
-HWY_INLINE void Append(D d, hn::Vec<D> voxel, hn::Vec<D> to_farther, hn::Mask<D> crossed, hn::Mask<D> rim,
-                       Candidates& out) {
-  if (!hn::AllFalse(d, crossed)) {
-    const SelectedLanes<D> selected(d, crossed);
-    selected.Store(voxel, out.nearer.end());
-    selected.Store(hn::Add(voxel, to_farther), out.farther.end());
-    out.nearer.Grow(selected.count());
-    out.farther.Grow(selected.count());
+// Where the next candidates go, in registers.
+class Appender {
+ public:
+  // Room for `most` candidates.
+  HWY_INLINE Appender(Candidates& out, size_t most) : out_(out) {
+    out.Reserve(most);
+    nearer_ = out.nearer.end();
+    farther_ = out.farther.end();
+    rim_ = out.rim.end();
   }
-  out.rim.Grow(AppendLanes(d, voxel, rim, out.rim.end()));
-}
+  HWY_INLINE ~Appender() {
+    out_.nearer.Grow(static_cast<size_t>(nearer_ - out_.nearer.end()));
+    out_.farther.Grow(static_cast<size_t>(farther_ - out_.farther.end()));
+    out_.rim.Grow(static_cast<size_t>(rim_ - out_.rim.end()));
+  }
+  Appender(const Appender&) = delete;
+  Appender& operator=(const Appender&) = delete;
+
+  // Lanes hold a voxel with a place above it, and the step to the farther end of the edge there along the principal
+  // direction.
+  template <class D>
+  HWY_INLINE void Append(D d, hn::Vec<D> voxel, hn::Vec<D> to_farther, hn::Mask<D> crossed, hn::Mask<D> rim) {
+    const SelectedLanes<D> selected(d, crossed);
+    selected.Store(voxel, nearer_);
+    selected.Store(hn::Add(voxel, to_farther), farther_);
+    nearer_ += selected.count();
+    farther_ += selected.count();
+    rim_ += AppendLanes(d, voxel, rim, rim_);
+  }
+
+ private:
+  Candidates& out_;
+  uint32_t *nearer_, *farther_, *rim_;
+};
 
 // Offsets of a block's lines from its first.
 template <class T>
@@ -78,17 +98,18 @@ void ChooseShape(LineScan<T>& s) {
   divide(Wide{s.level_b} << s.shape, s.down_depth, s.down_remainder);
 }
 
-// Block after block of the triangle's lines. kClip: whether candidates may lie outside of the target.
-template <bool kClip, class T>
-HWY_INLINE void ScanLines(const LineScan<T>& s, size_t place, const Frame& frame, const Target& target,
-                          Candidates& out) {
+// Block after block of the triangle's lines.
+//   clip   bit m: candidates may lie outside of the target on axis m
+template <class T>
+void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& frame, const Target& target,
+               Candidates& out) {
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   const hn::RebindToFloat<decltype(d)> df;
   const auto all = [&](auto x) HWY_ATTR { return hn::Set(d, static_cast<T>(x)); };
 
   const int32_t wide = BlockWidth<T>(s.shape), high = 1 << s.shape;
-  out.Reserve(static_cast<size_t>(s.width + wide) * static_cast<size_t>(s.height + high));
+  Appender appender(out, static_cast<size_t>(s.width + wide) * static_cast<size_t>(s.height + high));
 
   // What a line adds to the values of (s.a, s.b).
   const V along = all(s.along), below_along = all(s.along - 1), below_half = all(s.half - 1);
@@ -110,8 +131,9 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, size_t place, const Frame& frame
          hn::Add(hn::Mul(hn::ConvertTo(df, a), slope_a), hn::Mul(hn::ConvertTo(df, b), slope_b)), along, depth,
          row.remainder);
   row.number = hn::Add(sum(steps[0], steps[1]), hn::Mul(depth, step));
-  if constexpr (kClip) {
-    for (size_t m = 0; m < 3; ++m) {
+  for (size_t m = 0; m < 3; ++m) {
+    row.ijk[m] = hn::Zero(d);
+    if (clip >> m & 1) {
       row.ijk[m] = hn::Add(sum(frame.u[0][m], frame.u[1][m]), hn::Mul(depth, all(frame.q[m])));
     }
   }
@@ -121,8 +143,8 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, size_t place, const Frame& frame
     const auto carry = hn::Gt(remainder, below_along);
     lines.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
     lines.number = hn::Add(hn::Add(lines.number, by.number), hn::IfThenElseZero(carry, step));
-    if constexpr (kClip) {
-      for (size_t m = 0; m < 3; ++m) {
+    for (size_t m = 0; m < 3; ++m) {
+      if (clip >> m & 1) {
         lines.ijk[m] = hn::Add(hn::Add(lines.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, all(frame.q[m])));
       }
     }
@@ -166,8 +188,8 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, size_t place, const Frame& frame
       auto candidate = hn::And(in_height, hn::Lt(a, all(s.width - from_a)));
       for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
       if (hn::AllFalse(d, candidate)) continue;
-      if constexpr (kClip) {
-        for (size_t m = 0; m < 3; ++m) {
+      for (size_t m = 0; m < 3; ++m) {
+        if (clip >> m & 1) {
           candidate =
               hn::And(candidate, hn::And(hn::Gt(block.ijk[m], all(-1)), hn::Lt(block.ijk[m], all(target.size[m]))));
         }
@@ -175,7 +197,7 @@ HWY_INLINE void ScanLines(const LineScan<T>& s, size_t place, const Frame& frame
       const auto inside = hn::Gt(hn::Or(hn::Or(block.edge[0], block.edge[1]), block.edge[2]), all(-1));
       const auto crossed = hn::And(candidate, inside), rim_only = hn::AndNot(inside, candidate);
       const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
-      Append(d, block.number, to_farther, crossed, rim_only, out);
+      appender.Append(d, block.number, to_farther, crossed, rim_only);
     }
   }
 }
@@ -189,14 +211,15 @@ void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& fr
   LineScan<int64_t> lines;
   if (!MakeLineScan(triangle, scan, {{}, target.size}, lines)) return;
   ChooseShape(lines);
-  ScanLines<true>(lines, place, scan.frame, target, out);
+  ScanLines(lines, 7, place, scan.frame, target, out);
 }
 
 // Triangles with few lines each, one a lane: line after line of all.
 constexpr int32_t kFewLines = 6;  // along a and b  // along a and b
 
-template <bool kClip>
-void ScanTogether(const LineScanLanes& s, uint64_t which, const FrameTable& table, const Target& target,
+//   which   the lanes that take part
+//   clip    bit m: candidates may lie outside of the target on axis m
+void ScanTogether(const LineScanLanes& s, uint64_t which, uint32_t clip, const FrameTable& table, const Target& target,
                   Candidates& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
@@ -205,7 +228,7 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const FrameTable& tabl
   const Ints width = hn::IfThenElseZero(some, load(s.width)), height = hn::IfThenElseZero(some, load(s.height));
   const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
   const int32_t last_a = most(width), last_b = most(height);
-  out.Reserve(static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
+  Appender appender(out, static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
 
   const FramePick pick(load(s.frame));
   const Ints along = load(s.along), below_along = hn::Sub(along, Fill(1)), below_half = hn::Sub(load(s.half), Fill(1));
@@ -238,8 +261,8 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const FrameTable& tabl
     const auto carry = hn::Gt(remainder, below_along);
     state.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
     state.number = hn::Add(hn::Add(state.number, by.number), hn::IfThenElseZero(carry, step));
-    if constexpr (kClip) {
-      for (size_t m = 0; m < 3; ++m) {
+    for (size_t m = 0; m < 3; ++m) {
+      if (clip >> m & 1) {
         state.ijk[m] = hn::Add(hn::Add(state.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, q[m]));
       }
     }
@@ -262,8 +285,8 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const FrameTable& tabl
     for (int32_t a = 0; a < last_a; ++a, advance(line, right)) {
       auto candidate = hn::And(in_height, hn::Gt(width, Fill(a)));
       for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(line.edge[n], below_rim[n]));
-      if constexpr (kClip) {
-        for (size_t m = 0; m < 3; ++m) {
+      for (size_t m = 0; m < 3; ++m) {
+        if (clip >> m & 1) {
           candidate =
               hn::And(candidate, hn::And(hn::Gt(line.ijk[m], Fill(-1)), hn::Lt(line.ijk[m], Fill(target.size[m]))));
         }
@@ -271,7 +294,7 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const FrameTable& tabl
       if (hn::AllFalse(d, candidate)) continue;
       const auto inside = hn::Gt(hn::Or(hn::Or(line.edge[0], line.edge[1]), line.edge[2]), Fill(-1));
       const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
-      Append(d, line.number, to_farther, hn::And(candidate, inside), hn::AndNot(inside, candidate), out);
+      appender.Append(d, line.number, to_farther, hn::And(candidate, inside), hn::AndNot(inside, candidate));
     }
   }
 }
@@ -309,14 +332,15 @@ void ScanSome(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span
                     reinterpret_cast<uint8_t*>(&together));
   together &= lines.valid;
   if (together != 0) {
-    (together & ~lines.within) == 0 ? ScanTogether<false>(lines, together, table, target, out)
-                                    : ScanTogether<true>(lines, together, table, target, out);
+    uint32_t clip = 0;
+    for (size_t m = 0; m < 3; ++m) clip |= (lines.astride[m] & together) != 0 ? 1U << m : 0;
+    ScanTogether(lines, together, clip, table, target, out);
   }
   for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(some));
-    const Frame& frame = frames[static_cast<size_t>(lines.frame.of[t])].frame;
-    lines.within >> t & 1 ? ScanLines<false>(lines.At(t), t, frame, target, out)
-                          : ScanLines<true>(lines.At(t), t, frame, target, out);
+    uint32_t clip = 0;
+    for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;
+    ScanLines(lines.At(t), clip, t, frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
   uint64_t large = 0;
   hn::StoreMaskBits(d, hn::AndNot(small, near), reinterpret_cast<uint8_t*>(&large));

@@ -39,8 +39,8 @@ struct alignas(64) LaneVectors {
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
       shape, right_depth, right_remainder, down_depth, down_remainder, frame;
-  uint64_t valid;   // bit n: lane n may have a candidate in the box,
-  uint64_t within;  // and has none outside, not even on lines that are not candidates'
+  uint64_t valid;       // bit n: lane n may have a candidate in the box
+  uint64_t astride[3];  // bit n: some of its lines may have their voxel beyond the box's bounds on this axis
 
   LineScan<int32_t> At(size_t n) const {
     LineScan<int32_t> s;
@@ -274,7 +274,6 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
   // corners of the box of lines. One more for rounding here.
   const auto to_last_a = to_float(hn::Sub(width, one)), to_last_b = to_float(hn::Sub(height, one));
   const auto nothing = hn::Zero(df);
-  auto within = wanted;
   for (size_t m = 0; m < 3; ++m) {
     const auto per_q = to_float(q[m]);
     const auto base = to_float(hn::Add(hn::Add(hn::Mul(a, u0[m]), hn::Mul(b, u1[m])), hn::Mul(depth, q[m])));
@@ -284,10 +283,9 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
     const auto lower = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
     const auto upper = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
     const auto inside = hn::And(hn::Ge(lower, nothing), hn::Le(upper, hn::Set(df, static_cast<float>(size[m] - 1))));
-    within = hn::And(within, hn::RebindMask(d, inside));
+    out.astride[m] = 0;
+    hn::StoreMaskBits(d, hn::Not(hn::RebindMask(d, inside)), reinterpret_cast<uint8_t*>(&out.astride[m]));
   }
-  out.within = 0;
-  hn::StoreMaskBits(d, within, reinterpret_cast<uint8_t*>(&out.within));
 }
 
 }  // namespace

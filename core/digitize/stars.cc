@@ -3,6 +3,7 @@
 #define HWY_TARGET_INCLUDE "core/digitize/stars.cc"
 #include "core/digitize/stars.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
@@ -203,7 +204,7 @@ class Batch {
  private:
   const std::vector<ScanFrame>& frames_;
   StarEdges* out_;
-  Corners<T> corners_{};
+  Corners<T> corners_;
   size_t index_[kLanesOf<T>];
   size_t size_ = 0;
 };
@@ -217,6 +218,7 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   };
   const PaddedVertices vertices(mesh);
   const FourInts d;
+  for (const auto& [voxel, triangle] : pairs) hwy::Prefetch(&mesh.triangles[triangle]);
   for (size_t n = 0; n < pairs.size(); ++n) {
     const Vec3i z = layout.VoxelAt(pairs[n].voxel) * kLatticeUnit;
     alignas(16) const int32_t at[4] = {z[0], z[1], z[2], 0};

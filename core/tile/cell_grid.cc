@@ -51,7 +51,7 @@ void PlainEncode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices,
     }
     const CellBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
     for (size_t m = 0; m < 3; ++m) {
-      const int32_t is_long = high[m] - low[m] >= (1 << bounds.shift) / 4;
+      const int32_t is_long = high[m] - low[m] >= 1 << bounds.shift;
       const int32_t several =
           (low[m] - bounds.far.below[m]) >> bounds.shift < (high[m] + bounds.far.above[m]) >> bounds.shift;
       out[n].low[m] = HitPart(m, far.min[m]) | (Contains(near, m, far.min[m]) ? 0 : 1) | is_long << CellGrid::kLongBit |
@@ -90,7 +90,7 @@ void Encode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices, cons
   const V near_below = load(bounds.near.below), near_above = load(bounds.near.above);
   const V far_below = load(bounds.far.below), far_above = load(bounds.far.above);
   const V lowest = load(bounds.lowest), highest = load(bounds.highest);
-  const V quarter = hn::Set(d, (1 << bounds.shift) / 4 - 1);
+  const V almost_a_cell = hn::Set(d, (1 << bounds.shift) - 1);
   const auto cell = [&](V v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
   const auto bit_if_negative = [&](V v, int32_t bit)
                                    HWY_ATTR { return hn::And(hn::BroadcastSignBit(v), hn::Set(d, bit)); };
@@ -109,7 +109,7 @@ void Encode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices, cons
     const V near_max = hn::Min(cell(hn::Add(high, near_above)), highest);
     const V first = cell(hn::Sub(low, far_below)), last = cell(hn::Add(high, far_above));
     const V far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
-    const V is_long = bit_if_negative(hn::Sub(quarter, hn::Sub(high, low)), 1 << CellGrid::kLongBit);
+    const V is_long = bit_if_negative(hn::Sub(almost_a_cell, hn::Sub(high, low)), 1 << CellGrid::kLongBit);
     const V several = bit_if_negative(hn::Sub(first, last), 1 << CellGrid::kSeveralBit);
     const V low_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_min, near_min), hn::Sub(near_max, far_min)), 1);
     const V high_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_max, near_min), hn::Sub(near_max, far_max)), 1);

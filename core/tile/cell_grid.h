@@ -34,7 +34,7 @@ class CellGrid {
   // What a triangle's bounding box says of the cells. For each axis, and a fourth time without a meaning:
   //   low, high   lowest and highest cell's part in a hit: hits are the parts of all axes, or-ed
   // Above the 16 bits of a hit, `low` has
-  //   bit 16      the triangle is long: a quarter of a cell, or more
+  //   bit 16      the triangle is long: a cell, or more
   //   bit 17      it comes near to several cells, not all of which need count
   //   bits 18 -   highest - lowest; less than 0 if no cell counts, whatever the other bits
   struct Code {

@@ -20,20 +20,26 @@ struct BitsLayout {
   Vec3i side;
   Vec3i stride;
 
+  // Of stride[0] and stride[1]. Divisions by them are exact for numbers below 2^24 and strides below 2^16: see
+  // Quotient.
+  std::array<uint64_t, 2> reciprocal;
+
   // At least `margin` voxels on every side of the tile at `tile_min` (local).
   BitsLayout(const Vec3i& tile_min, const Vec3i& margin) {
     const Vec3i wide{(margin[0] + 1) & ~1, (margin[1] + 1) & ~1, (margin[2] + 7) & ~7};
     origin = tile_min - wide;
     side = wide + wide + Vec3i{kTileSide, kTileSide, kTileSide};
     stride = {side[1] * side[2], side[2], 1};
+    for (size_t m = 0; m < 2; ++m) reciprocal[m] = (uint64_t{1} << 40) / static_cast<uint64_t>(stride[m]) + 1;
   }
 
   // Precondition: the box contains ijk.
   uint32_t NumberOf(const Vec3i& ijk) const { return static_cast<uint32_t>(Dot(ijk - origin, stride)); }
   int32_t StepOf(const Vec3i& q) const { return Dot(q, stride); }
   Vec3i VoxelAt(uint32_t number) const {
-    const auto n = static_cast<int32_t>(number);
-    return origin + Vec3i{n / stride[0], n / stride[1] % side[1], n % side[2]};
+    const uint32_t i = Quotient(number, reciprocal[0]), row = Quotient(number, reciprocal[1]);
+    return origin + Vec3i{static_cast<int32_t>(i), static_cast<int32_t>(row) - static_cast<int32_t>(i) * side[1],
+                          static_cast<int32_t>(number) - static_cast<int32_t>(row) * side[2]};
   }
   // The parity class of a voxel, 0..7. Two k-neighbours never share it, since a neighbour step is never 0 modulo 2.
   uint32_t ParityClass(uint32_t number) const {
@@ -41,6 +47,8 @@ struct BitsLayout {
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
   // Of 32 bits; two more than needed, so that any voxel's bit and the 63 after it can be read.
+  // floor(n / d), where reciprocal = 2^40/d + e, 0 < e <= 1: the error n * e / 2^40 is less than 1/d if n * d < 2^40.
+  static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 40); }
   size_t Words() const { return static_cast<size_t>(stride[0]) * static_cast<size_t>(side[0]) / 32 + 3; }
 };
 inline constexpr int kParityClasses = 8;
@@ -85,16 +93,8 @@ class TileBits {
   // The positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.
   void Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const;
 
-  // By pairs of a number and a partner, each in the low kNumberBits: appends to `in` the positions of those whose
-  // number is in the set, and to `out` the partners of the others.
-  void Split(std::span<const uint32_t> numbers, std::span<const uint32_t> partners, NumberList& in,
-             NumberList& out) const;
-
-  // Becomes the members of `all` that are not in `some`. Precondition: these have the same size.
-  void SetDifference(const TileBits& all, const TileBits& some);
-
-  // Appends all members that are not in `other`, ascending.
-  void ListOutside(const TileBits& other, NumberList& numbers) const;
+  // What is added is 0.
+  void Resize(size_t words) { words_.resize(words); }
 
   std::vector<uint32_t>& words() { return words_; }
   const std::vector<uint32_t>& words() const { return words_; }

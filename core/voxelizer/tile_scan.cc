@@ -83,10 +83,13 @@ void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, boo
 // Most candidates of a triangle's rim are voxels that its neighbours have set.
 void TileScan::AddRim(const TileContext& context) {
   pairs_.clear();
+  rim_only_.clear();
   surface_.Find(candidates_.rim.view(), false, positions_);
   AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
   ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
-    if (star.nearer != 0) surface_.Set(voxel);
+    if (star.nearer == 0 || surface_.Test(voxel)) return;
+    surface_.Set(voxel);
+    rim_only_.push_back(voxel);
   });
 }
 
@@ -103,14 +106,35 @@ void TileScan::AskStars(const TileContext& context) {
   });
 }
 
-// An edge whose farther end lies outside shows its nearer end essential. The edges along principal directions, which
-// are at hand, do so for nearly all; of what remains, the stars decide. Near the border of the box farther ends are
-// unknown: of the voxels there, only those matter that are neighbours of a doubtful one.
-bool TileScan::Thin(const TileContext& context) {
-  rest_.SetDifference(surface_, unknown_);
-  surface_.Split(candidates_.farther.view(), candidates_.nearer.view(), open_, shown_);
-  for (const uint32_t voxel : shown_.view()) rest_.Clear(voxel & kNumberMask);
+// What may be redundant becomes rest_. An edge whose farther end lies outside shows its nearer end essential; the edges
+// along principal directions, which are at hand, do so for nearly all.
+void TileScan::FindRest() {
+  rest_.Resize(layout_.Words());  // empty
+  maybe_ = rim_only_;
+  surface_.Find(candidates_.farther.view(), true, open_);
+  for (const uint32_t n : open_.view()) maybe_.push_back(candidates_.nearer[n] & kNumberMask);
+  for (const uint32_t voxel : maybe_) rest_.Set(voxel);
+  rest_.Find(candidates_.nearer.view(), true, positions_);
+  for (const uint32_t n : positions_.view()) {
+    if (!surface_.Test(candidates_.farther[n] & kNumberMask)) rest_.Clear(candidates_.nearer[n] & kNumberMask);
+  }
+}
 
+// The members of rest_ all of whose edges are known, ascending.
+std::vector<uint32_t> TileScan::Doubtful() const {
+  std::vector<uint32_t> doubtful;
+  for (const uint32_t voxel : maybe_) {
+    if (rest_.Test(voxel) && !incomplete_.Test(voxel)) doubtful.push_back(voxel);
+  }
+  std::sort(doubtful.begin(), doubtful.end());
+  doubtful.erase(std::unique(doubtful.begin(), doubtful.end()), doubtful.end());
+  return doubtful;
+}
+
+// Of what FindRest leaves, the stars decide. Near the border of the box farther ends are unknown: of the voxels there,
+// only those matter that are neighbours of a doubtful one.
+bool TileScan::Thin(const TileContext& context) {
+  FindRest();
   edges_.clear();
   pairs_.clear();
   AppendPairs(candidates_.nearer, open_, candidates_.runs, &Candidates::Run::crossed_end, triangles_, pairs_);
@@ -122,10 +146,9 @@ bool TileScan::Thin(const TileContext& context) {
   pairs_.erase(border, pairs_.end());
   AskStars(context);
 
-  positions_.Clear();
-  rest_.ListOutside(incomplete_, positions_);
+  const std::vector<uint32_t> doubtful = Doubtful();
   absl::flat_hash_set<uint32_t> asked;
-  for (const uint32_t voxel : positions_.view()) {
+  for (const uint32_t voxel : doubtful) {
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(layout_.StepOf(scan.frame.q));
       for (const uint32_t neighbour : {voxel + step, voxel - step}) {
@@ -139,7 +162,8 @@ bool TileScan::Thin(const TileContext& context) {
     AskStars(context);
   }
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
-  return latvox::Thin(layout_, positions_.view(), edges_, tile_, surface_);
+  for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
+  return latvox::Thin(layout_, doubtful, edges_, tile_, surface_);
 }
 
 TileBricks TileScan::CutOut(const TileContext& context) const {

@@ -52,7 +52,9 @@ class TileScan {
   template <class F>
   void ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f);
   void AddRim(const TileContext& context);
+  void FindRest();
   void AskStars(const TileContext& context);
+  std::vector<uint32_t> Doubtful() const;
 
   IndexBox tile_{}, box_{};
   BitsLayout layout_{{}, {}};
@@ -62,7 +64,9 @@ class TileScan {
   TileBits rest_{0};                     // what nothing has shown essential yet
   std::span<const uint32_t> triangles_;  // what Scan was given
   Candidates candidates_;
-  NumberList positions_, open_, shown_;
+  NumberList positions_, open_;
+  std::vector<uint32_t> rim_only_;  // members that no triangle crosses along its principal direction
+  std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
   std::vector<VoxelTriangle> pairs_;
   std::vector<CrossedEdge> edges_;
 };

@@ -219,43 +219,30 @@ TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
   }
 }
 
-TEST(TileBits, FindSplitAndListAreWhatTestSaysOnEachKernel) {
+TEST(TileBits, FindIsWhatTestSaysOnEachKernel) {
   std::mt19937 random(kSeed);
   const BitsLayout layout({0, 0, 0}, {3, 3, 3});
   const auto last = static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1);
   std::uniform_int_distribution<uint32_t> number(0, last);
-  TileBits bits(layout.Words()), others(layout.Words());
+  TileBits bits(layout.Words());
   for (int n = 0; n < 20000; ++n) bits.Set(number(random));
-  for (int n = 0; n < 20000; ++n) others.Set(number(random));
   for (const size_t size : {size_t{0}, size_t{1}, size_t{15}, size_t{16}, size_t{1003}}) {
-    std::vector<uint32_t> numbers(size), partners(size);
+    std::vector<uint32_t> numbers(size);
     for (uint32_t& n : numbers) n = number(random) | number(random) << kNumberBits;
-    for (uint32_t& n : partners) n = number(random);
-    std::vector<uint32_t> in, out, out_partners;
+    std::vector<uint32_t> in, out;
     for (uint32_t n = 0; n < size; ++n) {
       (bits.Test(numbers[n] & kNumberMask) ? in : out).push_back(n);
-      if (!bits.Test(numbers[n] & kNumberMask)) out_partners.push_back(partners[n]);
     }
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);
       const auto list = [](const NumberList& found) {
         return std::vector<uint32_t>(found.view().begin(), found.view().end());
       };
-      NumberList first, second;
+      NumberList first;
       bits.Find(numbers, true, first);
       EXPECT_EQ(list(first), in) << SimdInUse();
       bits.Find(numbers, false, first);
       EXPECT_EQ(list(first), out) << SimdInUse();
-      bits.Split(numbers, partners, first, second);
-      EXPECT_EQ(list(first), in) << SimdInUse();
-      EXPECT_EQ(list(second), out_partners) << SimdInUse();
-      NumberList listed;
-      bits.ListOutside(others, listed);
-      std::vector<uint32_t> expected;
-      for (uint32_t n = 0; n <= last; ++n) {
-        if (bits.Test(n) && !others.Test(n)) expected.push_back(n);
-      }
-      EXPECT_EQ(list(listed), expected) << SimdInUse();
     }
   }
 }

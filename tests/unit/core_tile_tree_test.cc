@@ -105,7 +105,7 @@ bool Meet(const Corners& v, const Box& box) {
 
 bool IsLong(const Corners& v) {
   for (size_t m = 0; m < 3; ++m) {
-    if (std::max({v[0][m], v[1][m], v[2][m]}) - std::min({v[0][m], v[1][m], v[2][m]}) >= kTileUnits / 4) return true;
+    if (std::max({v[0][m], v[1][m], v[2][m]}) - std::min({v[0][m], v[1][m], v[2][m]}) >= kTileUnits) return true;
   }
   return false;
 }
