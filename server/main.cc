@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/simd.h"
 #include "server/log.h"
 #include "server/options.h"
 #include "server/server.h"
@@ -39,13 +40,18 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
 
 int Run(const latvox::ProgramOptions& options, pid_t parent) {
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
+  if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) {
+    std::fprintf(stderr, "latvoxd: %s\n", std::string{forced.message()}.c_str());
+    return 1;
+  }
   latvox::StartLog(options.log_level);
   const auto server = latvox::VoxelServer::Start(options.server);
   if (!server.ok()) {
     std::fprintf(stderr, "latvoxd: %s\n", std::string{server.status().message()}.c_str());
     return 1;
   }
-  Log(LogLevel::kInfo, "started", {{"version", LATVOX_VERSION}, {"pid", getpid()}});
+  Log(LogLevel::kInfo, "started",
+      {{"version", LATVOX_VERSION}, {"pid", getpid()}, {"simd", std::string{latvox::SimdInUse()}}});
   for (const std::string& address : (*server)->addresses()) Log(LogLevel::kInfo, "listening", {{"address", address}});
   return StopServer(**server, signals, signals.Wait(), options.grace);
 }

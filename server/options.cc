@@ -76,6 +76,12 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   Add(app, "--listen", options.server.listen, "Address, HOST:PORT or unix:PATH; may be repeated")->delimiter(',');
   Add(app, "--threads", options.server.threads, "Threads that compute; 0: one for each core")
       ->check(CLI::Range(0, 1024));
+  app.add_option_function<std::string>(
+         "--simd", [&options](const std::string& name) { options.simd = *SimdNamed(name); },
+         "Instructions that the kernels may use; results are the same")
+      ->envname("LATVOX_SIMD")
+      ->default_str("best")
+      ->check(CLI::IsMember(std::vector<std::string>{"scalar", "avx2", "avx512", "best"}));
   AddLimits(app, options.server.limits);
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");

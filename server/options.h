@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "absl/time/time.h"
+#include "core/base/simd.h"
 #include "server/log.h"
 #include "server/server.h"
 
@@ -13,6 +14,7 @@ namespace latvox {
 struct ProgramOptions {
   ServerOptions server;
   LogLevel log_level = LogLevel::kInfo;
+  Simd simd = Simd::kBest;
   absl::Duration grace = absl::Seconds(10);
   bool exit_with_parent = false;
 };

@@ -1,4 +1,5 @@
-// One triangle at a time, lattice lines in the lanes: a block of lines is one vector, as wide as the triangle asks for.
+// Triangles are set up one a lane. Those of few lines then go through their lines together; the others one by one, in
+// blocks of as many lines as there are lanes.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/candidates.cc"
 #include "core/digitize/candidates.h"
@@ -11,10 +12,48 @@
 #include "core/digitize/line_scan_lanes-inl.h"
 #include "core/snap/padded_vertices.h"
 
+namespace latvox {
+#ifndef LATVOX_CORE_DIGITIZE_CANDIDATES_CC_ONCE
+#define LATVOX_CORE_DIGITIZE_CANDIDATES_CC_ONCE
+namespace {
+
+// One triangle and line at a time: what the lanes below are tested against.
+void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
+  for (size_t n = 0; n < triangles.size() && !cancelled; ++n) {
+    const uint32_t t = triangles[n];
+    const auto& [v0, v1, v2] = mesh.triangles[t];
+    const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
+    if (triangle.normal == Vec<int64_t, 3>{}) continue;
+    const auto crossed = [&](const Vec3i& nearer, const Vec3i& farther) {
+      out.Reserve(1);
+      out.nearer.Add(layout.NumberOf(nearer));
+      out.farther.Add(layout.NumberOf(farther));
+    };
+    const auto rim = [&](const Vec3i& z) {
+      out.Reserve(1);
+      out.rim.Add(layout.NumberOf(z));
+    };
+    ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
+    out.EndRun(n);
+  }
+}
+
+}  // namespace
+#endif
+}  // namespace latvox
+
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
+
+#if HWY_TARGET == HWY_SCALAR
+void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                 const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
+  FindScalar(mesh, triangles, frames, box, layout, cancelled, out);
+}
+#else
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -299,17 +338,29 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, uint32_t clip, const F
   }
 }
 
+// What all triangles of a box have in common.
+struct Scan {
+  const SnappedMesh& mesh;
+  PaddedVertices vertices;
+  const std::vector<ScanFrame>& frames;
+  FrameTable table;
+  int32_t narrow;                 // NarrowExtent
+  Vec3i reach;                    // per axis, the largest |q|
+  std::array<int32_t, 4> origin;  // of the box, lattice units, and a 0
+  Target target;
+};
+
 // Up to kTriangleLanes triangles.
-void ScanSome(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
-              const std::vector<ScanFrame>& frames, const FrameTable& table, int32_t narrow, const Vec3i& reach,
-              const std::array<int32_t, 4>& origin, const Target& target, Candidates& out) {
+void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out) {
   const Lanes d;
+  const Target& target = scan.target;
   LaneVectors corner[3];
   const hn::CappedTag<int32_t, 4> d4;
-  const auto from = hn::LoadU(d4, origin.data());
+  const auto from = hn::LoadU(d4, scan.origin.data());
   for (size_t t = 0; t < kTriangleLanes; ++t) {
-    const auto& indices = mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
-    for (size_t n = 0; n < 3; ++n) hn::Store(hn::Sub(hn::LoadU(d4, vertices[indices[n]]), from), d4, corner[n].of[t]);
+    const auto& indices = scan.mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
+    for (size_t n = 0; n < 3; ++n)
+      hn::Store(hn::Sub(hn::LoadU(d4, scan.vertices[indices[n]]), from), d4, corner[n].of[t]);
   }
   std::array<Ints3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
@@ -319,13 +370,13 @@ void ScanSome(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span
   auto near = hn::FirstN(d, triangles.size()), small = near;
   for (size_t m = 0; m < 3; ++m) {
     const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-    const int32_t half_step = reach[m] * kLatticeUnit / 2;
+    const int32_t half_step = scan.reach[m] * kLatticeUnit / 2;
     near = hn::And(near, hn::Gt(high, Fill(-half_step - 1)));
     near = hn::And(near, hn::Lt(low, Fill((target.size[m] - 1) * kLatticeUnit + half_step + 1)));
-    small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(narrow + 1)));
+    small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(scan.narrow + 1)));
   }
   LineScanLanes lines;
-  MakeLineScans(table, target.size, v, hn::And(near, small), lines);
+  MakeLineScans(scan.table, target.size, v, hn::And(near, small), lines);
 
   uint64_t together = 0;
   hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
@@ -334,13 +385,13 @@ void ScanSome(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span
   if (together != 0) {
     uint32_t clip = 0;
     for (size_t m = 0; m < 3; ++m) clip |= (lines.astride[m] & together) != 0 ? 1U << m : 0;
-    ScanTogether(lines, together, clip, table, target, out);
+    ScanTogether(lines, together, clip, scan.table, target, out);
   }
   for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(some));
     uint32_t clip = 0;
     for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;
-    ScanLines(lines.At(t), clip, t, frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
+    ScanLines(lines.At(t), clip, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
   uint64_t large = 0;
   hn::StoreMaskBits(d, hn::AndNot(small, near), reinterpret_cast<uint8_t*>(&large));
@@ -350,28 +401,28 @@ void ScanSome(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span
     for (size_t n = 0; n < 3; ++n) {
       for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[n].of[t][m];
     }
-    ScanLarge(triangle, t, frames, target, out);
+    ScanLarge(triangle, t, scan.frames, target, out);
   }
 }
 
 void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                  const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
   const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
-  const FrameTable table(frames, {{}, target.size});
-  const PaddedVertices vertices(mesh);
-  const int32_t narrow = NarrowExtent(frames);
-  const std::array<int32_t, 4> origin{box.min[0] * kLatticeUnit, box.min[1] * kLatticeUnit, box.min[2] * kLatticeUnit,
-                                      0};
+  const Vec3i low = box.min * kLatticeUnit;
   Vec3i reach{};
   for (const ScanFrame& scan : frames) {
     for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
   }
+  const Scan scan{
+      mesh,  PaddedVertices(mesh),        frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames),
+      reach, {low[0], low[1], low[2], 0}, target};
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kTriangleLanes) {
-    const auto some = triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n));
-    ScanSome(mesh, vertices, some, frames, table, narrow, reach, origin, target, out);
+    ScanSome(scan, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), out);
     out.EndRun(n);
   }
 }
+
+#endif
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -379,8 +430,6 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <cstring>
-
 #include "core/base/simd.h"
 
 namespace latvox {
@@ -388,62 +437,7 @@ namespace {
 
 HWY_EXPORT(FindInLanes);
 
-void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
-  for (size_t n = 0; n < triangles.size() && !cancelled; ++n) {
-    const uint32_t t = triangles[n];
-    const auto& [v0, v1, v2] = mesh.triangles[t];
-    const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
-    if (triangle.normal == Vec<int64_t, 3>{}) continue;
-    const auto crossed = [&](const Vec3i& nearer, const Vec3i& farther) {
-      out.Reserve(1);
-      out.nearer.Add(layout.NumberOf(nearer));
-      out.farther.Add(layout.NumberOf(farther));
-    };
-    const auto rim = [&](const Vec3i& z) {
-      out.Reserve(1);
-      out.rim.Add(layout.NumberOf(z));
-    };
-    ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
-    out.EndRun(n);
-  }
-}
-
 }  // namespace
-
-int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
-  int32_t most = 1;
-  for (const ScanFrame& scan : frames) {
-    for (const Vec3i& u : scan.frame.u) most = std::max(most, std::abs(u[0]) + std::abs(u[1]) + std::abs(u[2]));
-  }
-  int32_t extent = 1 << 14;
-  while (int64_t{extent} * extent * most >= int64_t{1} << 30) extent /= 2;
-  return extent;
-}
-
-FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box)
-    : size(frames.size()), hull_size(0), reach(0) {
-  std::memset(static_cast<void*>(q.data()), 0, reinterpret_cast<char*>(this + 1) - reinterpret_cast<char*>(q.data()));
-  for (size_t n = 0; n < size; ++n) {
-    const Frame& frame = frames[n].frame;
-    for (size_t m = 0; m < 3; ++m) {
-      q[m].of[n] = frame.q[m];
-      reach = std::max(reach, std::abs(frame.q[m]));
-      for (size_t row = 0; row < 3; ++row) r[row][m].of[n] = frame.r[row][m];
-      for (size_t column = 0; column < 2; ++column) u[column][m].of[n] = frame.u[column][m];
-    }
-    for (size_t axis = 0; axis < 2; ++axis) {
-      const auto lines = crossing_internal::RangeOver(box, frame.r[axis]);
-      first[axis].of[n] = static_cast<int32_t>(lines.first);
-      last[axis].of[n] = static_cast<int32_t>(lines.last);
-      rim[axis].of[n] = static_cast<int32_t>(axis == 0 ? frames[n].reach_a : frames[n].reach_b) * kLatticeUnit / 2;
-    }
-    hull_size = std::max(hull_size, frames[n].hull.size());
-    for (size_t h = 0; h < frames[n].hull.size(); ++h) {
-      for (size_t axis = 0; axis < 2; ++axis) hull[h][axis].of[n] = static_cast<int32_t>(frames[n].hull[h][axis]);
-    }
-  }
-}
 
 void FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                     const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled,

@@ -49,14 +49,14 @@ struct FrameTable {
   struct alignas(64) Row {
     int32_t of[kMaxDirections];
   };
-  size_t size, hull_size;
-  int32_t reach;  // largest |entry| of the directions
-  std::array<Row, 3> q;
-  std::array<std::array<Row, 3>, 3> r;
-  std::array<std::array<Row, 3>, 2> u;
-  std::array<Row, 2> rim;          // lattice units by which candidates' lines may lie beside the triangle: for a, b
-  std::array<Row, 2> first, last;  // lines that meet the box: a, b
-  std::array<std::array<Row, 2>, kMaxHull> hull;
+  size_t size, hull_size = 0;
+  int32_t reach = 0;  // largest |entry| of the directions
+  std::array<Row, 3> q{};
+  std::array<std::array<Row, 3>, 3> r{};
+  std::array<std::array<Row, 3>, 2> u{};
+  std::array<Row, 2> rim{};            // lattice units by which candidates' lines may lie beside the triangle: for a, b
+  std::array<Row, 2> first{}, last{};  // lines that meet the box: a, b
+  std::array<std::array<Row, 2>, kMaxHull> hull{};
 
   // box: as for MakeLineScan.
   FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box);

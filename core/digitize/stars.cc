@@ -44,6 +44,13 @@ Triangle TriangleOf(const SnappedMesh& mesh, uint32_t index) {
   return {mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
 }
 
+void FindScalar(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
+                std::span<const VoxelTriangle> pairs, StarEdges* out) {
+  for (const auto& [voxel, triangle] : pairs) {
+    *out++ = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(voxel));
+  }
+}
+
 }  // namespace
 #endif
 }  // namespace latvox
@@ -52,6 +59,13 @@ HWY_BEFORE_NAMESPACE();
 namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
+
+#if HWY_TARGET == HWY_SCALAR
+void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
+                 std::span<const VoxelTriangle> pairs, StarEdges* out) {
+  FindScalar(mesh, frames, layout, pairs, out);
+}
+#else
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -180,7 +194,7 @@ class Batch {
       if constexpr (sizeof(T) == 4) {
         hn::Store(corners[n], d, corners_.of[n][size_]);
       } else {
-        alignas(16) int32_t ints[4];
+        alignas(16) int32_t ints[4] = {};
         hn::Store(corners[n], d4, ints);
         for (size_t m = 0; m < 4; ++m) corners_.of[n][size_][m] = ints[m];
       }
@@ -237,6 +251,8 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   doubles.Flush(scalar);
 }
 
+#endif
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace latvox
@@ -254,10 +270,8 @@ HWY_EXPORT(FindInLanes);
 
 void FindStarEdges(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
                    std::span<const VoxelTriangle> pairs, StarEdges* out) {
-  if (!SimdIsScalar()) return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, frames, layout, pairs, out);
-  for (const auto& [voxel, triangle] : pairs) {
-    *out++ = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(voxel));
-  }
+  SimdIsScalar() ? FindScalar(mesh, frames, layout, pairs, out)
+                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, frames, layout, pairs, out);
 }
 
 }  // namespace latvox
