@@ -256,10 +256,10 @@ void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& fr
 // Triangles with few lines each, one a lane: line after line of all.
 constexpr int32_t kFewLines = 6;  // along a and b  // along a and b
 
-//   which   the lanes that take part
-//   clip    bit m: candidates may lie outside of the target on axis m
-void ScanTogether(const LineScanLanes& s, uint64_t which, uint32_t clip, const FrameTable& table, const Target& target,
-                  Candidates& out) {
+//   which           the lanes that take part
+//   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
+void ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, const Ints3& highest,
+                  const FrameTable& table, const Target& target, Candidates& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
@@ -301,9 +301,7 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, uint32_t clip, const F
     state.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
     state.number = hn::Add(hn::Add(state.number, by.number), hn::IfThenElseZero(carry, step));
     for (size_t m = 0; m < 3; ++m) {
-      if (clip >> m & 1) {
-        state.ijk[m] = hn::Add(hn::Add(state.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, q[m]));
-      }
+      state.ijk[m] = hn::Add(hn::Add(state.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, q[m]));
     }
   };
 
@@ -325,10 +323,8 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, uint32_t clip, const F
       auto candidate = hn::And(in_height, hn::Gt(width, Fill(a)));
       for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(line.edge[n], below_rim[n]));
       for (size_t m = 0; m < 3; ++m) {
-        if (clip >> m & 1) {
-          candidate =
-              hn::And(candidate, hn::And(hn::Gt(line.ijk[m], Fill(-1)), hn::Lt(line.ijk[m], Fill(target.size[m]))));
-        }
+        const Ints within = hn::Or(hn::Sub(line.ijk[m], lowest[m]), hn::Sub(highest[m], line.ijk[m]));
+        candidate = hn::And(candidate, hn::Gt(within, Fill(-1)));
       }
       if (hn::AllFalse(d, candidate)) continue;
       const auto inside = hn::Gt(hn::Or(hn::Or(line.edge[0], line.edge[1]), line.edge[2]), Fill(-1));
@@ -368,11 +364,14 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
     hn::LoadInterleaved4(d, corner[n].of[0], v[n][0], v[n][1], v[n][2], unused);
   }
   auto near = hn::FirstN(d, triangles.size()), small = near;
+  Ints3 lowest, highest;
   for (size_t m = 0; m < 3; ++m) {
     const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-    const int32_t half_step = scan.reach[m] * kLatticeUnit / 2;
-    near = hn::And(near, hn::Gt(high, Fill(-half_step - 1)));
-    near = hn::And(near, hn::Lt(low, Fill((target.size[m] - 1) * kLatticeUnit + half_step + 1)));
+    const Ints half_step = Fill(scan.reach[m] * kLatticeUnit / 2), top = Fill(target.size[m] - 1);
+    const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), half_step), last = hn::Add(high, half_step);
+    lowest[m] = hn::Max(hn::ShiftRight<kSubvoxelBits>(first), hn::Zero(d));
+    highest[m] = hn::Min(hn::ShiftRight<kSubvoxelBits>(last), top);
+    near = hn::And(near, hn::Not(hn::Gt(lowest[m], highest[m])));
     small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(scan.narrow + 1)));
   }
   LineScanLanes lines;
@@ -382,11 +381,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
   hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
                     reinterpret_cast<uint8_t*>(&together));
   together &= lines.valid;
-  if (together != 0) {
-    uint32_t clip = 0;
-    for (size_t m = 0; m < 3; ++m) clip |= (lines.astride[m] & together) != 0 ? 1U << m : 0;
-    ScanTogether(lines, together, clip, scan.table, target, out);
-  }
+  if (together != 0) ScanTogether(lines, together, lowest, highest, scan.table, target, out);
   for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(some));
     uint32_t clip = 0;

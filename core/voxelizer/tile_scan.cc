@@ -4,10 +4,14 @@
 #include <bit>
 
 #include "absl/container/flat_hash_set.h"
+#include "core/digitize/touching.h"
 #include "core/tile/cut_out.h"
 
 namespace latvox {
 namespace {
+
+// So many triangles in a tile are smaller than voxels: a tile's section of a surface has some 2^12 voxels or more.
+constexpr size_t kManyTriangles = 8192, kSample = 1024;
 
 // Sets all bits but those of the box.
 void SetOutside(const BitsLayout& layout, const IndexBox& box, TileBits& bits) {
@@ -46,7 +50,16 @@ void TileScan::Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t h
   surface_.words() = unknown_.words();
   candidates_.Clear();
   triangles_ = triangles;
-  FindCandidates(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, candidates_);
+  if (triangles.size() > kManyTriangles) {
+    // Not all, if the first say that it would not pay.
+    touching_.clear();
+    FindTouching(context.mesh, triangles.first(kSample), context.frames, touching_);
+    if (touching_.size() < kSample / 4 * 3) {
+      FindTouching(context.mesh, triangles.subspan(kSample), context.frames, touching_);
+      triangles_ = touching_;
+    }
+  }
+  FindCandidates(context.mesh, triangles_, context.frames, box_, layout_, context.cancelled, candidates_);
   for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
   AddRim(context);
 }
