@@ -254,7 +254,7 @@ void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& fr
 }
 
 // Triangles with few lines each, one a lane: line after line of all.
-constexpr int32_t kFewLines = 6;  // along a and b  // along a and b
+constexpr int32_t kFewLines = 12;  // along a and b
 
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
@@ -381,6 +381,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
   hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
                     reinterpret_cast<uint8_t*>(&together));
   together &= lines.valid;
+  if (static_cast<size_t>(std::popcount(together)) < kTriangleLanes / 4) together = 0;
   if (together != 0) ScanTogether(lines, together, lowest, highest, scan.table, target, out);
   for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(some));
