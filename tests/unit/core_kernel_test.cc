@@ -9,6 +9,7 @@
 #include "core/digitize/crossing.h"
 #include "core/digitize/star.h"
 #include "core/digitize/stars.h"
+#include "core/digitize/touching.h"
 #include "core/tile/cut_out.h"
 #include "tests/unit/core_exact.h"
 
@@ -121,6 +122,37 @@ std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size, size_
     triangles.push_back(triangle);
   }
   return triangles;
+}
+
+TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel) {
+  const Vec3i tile_min{64, 0, 0};
+  constexpr int32_t kFar = 1 << 20;
+  const IndexBox everywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+  for (const ExactLattice& l : ExactLattices()) {
+    for (int k : {0, 2}) {
+      const auto frames = MakeScanFrames(l.lattice.frames(k));
+      for (const int32_t size : {8, 40, 300}) {
+        const auto triangles = TrianglesAround(tile_min, size, 1001);
+        const SnappedMesh mesh = MeshOf(triangles);
+        std::set<uint32_t> crossed;
+        for (const auto& [triangle, voxel] : Expected(triangles, frames, everywhere)) crossed.insert(triangle);
+        std::vector<uint32_t> scalar;
+        for (const Simd simd : SimdHere()) {
+          const ForcedSimd forced(simd);
+          std::vector<uint32_t> touching{7};  // what is there stays
+          FindTouching(mesh, Iota(triangles.size()), frames, touching);
+          ASSERT_TRUE(std::is_sorted(touching.begin() + 1, touching.end())) << SimdInUse();
+          ASSERT_TRUE(std::includes(touching.begin() + 1, touching.end(), crossed.begin(), crossed.end()))
+              << l.name << " k " << k << " size " << size << " " << SimdInUse();
+          if (simd == Simd::kScalar) scalar = touching;
+          EXPECT_EQ(touching, scalar) << SimdInUse();
+        }
+        if (size == 8) {
+          EXPECT_LT(scalar.size(), triangles.size() / 2) << l.name << " k " << k;
+        }
+      }
+    }
+  }
 }
 
 // Sizes on both sides of every limit: lines together or in blocks, 32 or 64 bits, and beyond the tile.

@@ -63,6 +63,29 @@ TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
   }
 }
 
+// Some 100,000 triangles in few tiles, a twentieth of a voxel each: most are left out before they are scanned.
+TEST(Pipeline, MeshesMuchFinerThanTheLatticeAreCoveredAndMinimalOnEachKernel) {
+  const TriangleMesh sphere = Sphere(160, 14);
+  const Grid grid = Unscaled(ExactLattices().front().lattice);
+  std::string digest;
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    auto job = *VoxelizeJob::Create(sphere, grid, {});
+    VoxelSet voxels;
+    ASSERT_TRUE(job->Advance([&](TileBricks&& tile) {
+                     for (const Brick& brick : tile.bricks) voxels.Add(brick);
+                     return true;
+                   })
+                    .ok());
+    if (digest.empty()) digest = job->totals().digest.ToHex();
+    EXPECT_EQ(job->totals().digest.ToHex(), digest) << SimdInUse();
+    const auto verdict = job->Verify(voxels);
+    ASSERT_TRUE(verdict.ok());
+    EXPECT_EQ(verdict->tunnels, 0U);
+    EXPECT_EQ(verdict->redundant, 0U);
+  }
+}
+
 TEST(Verify, CountsTunnelsAndRedundantVoxelsOfADamagedSet) {
   const Grid grid = Unscaled(ExactLattices()[0].lattice);
   auto job = *VoxelizeJob::Create(Sphere(12, 20), grid, {.separability = 2});

@@ -159,6 +159,11 @@ TEST(Latvoxd, TakesOptionsFromTheCommandLineThenTheEnvironmentThenTheFile) {
   EXPECT_EQ(limits.max_mesh_bytes(), 3 << 20);
 }
 
+TEST(Latvoxd, RunsWithTheInstructionsThatItIsTold) {
+  Process server(Latvoxd({"--listen", "127.0.0.1:0", "--simd", "scalar"}));
+  EXPECT_THAT(server.ReadUntil("simd=scalar"), HasSubstr("simd=scalar"));
+}
+
 TEST(Latvoxd, RefusesWrongUsageWithStatusTwo) {
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"--no-such-option"}, {"--max-jobs", "0"}, {"--log-level", "loud"}, {"--grace", "-1"}, {"extra"}}) {
