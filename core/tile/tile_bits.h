@@ -11,8 +11,8 @@
 
 namespace latvox {
 
-// Numbers the voxels of a box around a tile. A step of the lattice is a constant difference of numbers, so that whoever
-// walks along lattice lines needs no coordinates.
+// Numbers the voxels of a box around a cube of one or more tiles, called the tile here. A step of the lattice is a
+// constant difference of numbers, so that whoever walks along lattice lines needs no coordinates.
 //   number = (i - origin[0]) * stride[0] + (j - origin[1]) * stride[1] + (k - origin[2])
 // Rows run along k. The tile begins at a whole byte of its rows, and at even coordinates of the box.
 struct BitsLayout {
@@ -24,13 +24,13 @@ struct BitsLayout {
   // Quotient.
   std::array<uint64_t, 2> reciprocal;
 
-  // At least `margin` voxels on every side of the tile at `tile_min` (local).
-  BitsLayout(const Vec3i& tile_min, const Vec3i& margin) {
+  // At least `margin` voxels on every side of the tile at `tile_min` (local), `tile_side` voxels a side.
+  BitsLayout(const Vec3i& tile_min, const Vec3i& margin, int32_t tile_side = kTileSide) {
     const Vec3i wide{(margin[0] + 1) & ~1, (margin[1] + 1) & ~1, (margin[2] + 7) & ~7};
     origin = tile_min - wide;
-    side = wide + wide + Vec3i{kTileSide, kTileSide, kTileSide};
+    side = wide + wide + Vec3i{tile_side, tile_side, tile_side};
     stride = {side[1] * side[2], side[2], 1};
-    for (size_t m = 0; m < 2; ++m) reciprocal[m] = (uint64_t{1} << 40) / static_cast<uint64_t>(stride[m]) + 1;
+    for (size_t m = 0; m < 2; ++m) reciprocal[m] = (uint64_t{1} << 44) / static_cast<uint64_t>(stride[m]) + 1;
   }
 
   // Precondition: the box contains ijk.
@@ -47,8 +47,8 @@ struct BitsLayout {
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
   // Of 32 bits; two more than needed, so that any voxel's bit and the 63 after it can be read.
-  // floor(n / d), where reciprocal = 2^40/d + e, 0 < e <= 1: the error n * e / 2^40 is less than 1/d if n * d < 2^40.
-  static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 40); }
+  // floor(n / d), where reciprocal = 2^44/d + e, 0 < e <= 1: the error n * e / 2^44 is less than 1/d if n * d < 2^44.
+  static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 44); }
   size_t Words() const { return static_cast<size_t>(stride[0]) * static_cast<size_t>(side[0]) / 32 + 3; }
 };
 inline constexpr int kParityClasses = 8;

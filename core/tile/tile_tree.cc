@@ -79,16 +79,23 @@ struct TileTree::Chunk {
   uint32_t Triangle(size_t n) const { return ids == nullptr ? first + static_cast<uint32_t>(n) : ids[n]; }
 };
 
+int TileTree::level() const {
+  int32_t tiles = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    tiles = std::max(tiles, ((mesh_.box.max[m] - 1) >> kTileBits) - (mesh_.box.min[m] >> kTileBits) + 1);
+  }
+  int level = 0;
+  while ((1 << level) < tiles) ++level;
+  return level;
+}
+
 std::vector<TileNode> TileTree::Top() const {
   // The cube begins at the lowest tile of the whole mesh, whatever the region, so that the order is always the same.
-  TileNode root{{}, 0, {}, {}, 0, 1};
-  int32_t tiles = 1;
+  TileNode root{{}, level(), {}, {}, 0, 1};
   for (size_t m = 0; m < 3; ++m) {
     if (region_.min[m] >= region_.max[m]) return {};
     root.tile_ijk[m] = mesh_.box.min[m] >> kTileBits;
-    tiles = std::max(tiles, ((mesh_.box.max[m] - 1) >> kTileBits) - root.tile_ijk[m] + 1);
   }
-  while ((1 << root.level) < tiles) ++root.level;
   return Split(root, mesh_.triangles.size());
 }
 
@@ -96,7 +103,7 @@ std::vector<TileNode> TileTree::Children(const TileNode& node) const { return Sp
 
 // `triangles` is the number of the node's, or of all, if it lists none.
 std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles) const {
-  for (int levels = LevelsBelow(node.level, triangles);; --levels) {
+  for (int levels = LevelsBelow(std::max(node.level - leaf_level_, 0), triangles);; --levels) {
     const size_t max_hits = levels > 1 ? std::max(kFewHits, kHitsPerTriangle * (triangles + node.fringe.size()))
                                        : std::numeric_limits<size_t>::max();
     if (auto children = SplitBy(levels, node, triangles, max_hits)) return *std::move(children);

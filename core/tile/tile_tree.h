@@ -31,17 +31,32 @@ struct TileNode {
 // Threads: any; nodes with many triangles are sorted by all of the arena's.
 class TileTree {
  public:
+  // leaf_level  log2 of the side of the smallest nodes in tiles
   // near, far   margins, voxels per axis, by which a tile's interest exceeds it, near <= far
   // region      tiles outside (local voxels) are left out
   // cancelled   once set, calls return soon, with nothing
-  TileTree(const SnappedMesh& mesh, const Vec3i& near, const Vec3i& far, const IndexBox& region,
+  TileTree(const SnappedMesh& mesh, int leaf_level, const Vec3i& near, const Vec3i& far, const IndexBox& region,
            const std::atomic<bool>& cancelled)
-      : mesh_(mesh), near_(near), far_(far), region_(region), cancelled_(cancelled), vertices_(mesh) {}
+      : mesh_(mesh),
+        leaf_level_(leaf_level),
+        near_(near),
+        far_(far),
+        region_(region),
+        cancelled_(cancelled),
+        vertices_(mesh) {}
 
-  // The children of the cube of all tiles, or that cube if it is one tile.
+  void SetLeafLevel(int level) { leaf_level_ = level; }
+
+  // Log2 of the side of the cube of all tiles, in tiles.
+  int level() const;
+
+  // Whether the node has no children.
+  bool IsLeaf(const TileNode& node) const { return node.level <= leaf_level_; }
+
+  // The children of the cube of all tiles, or that cube if it is a leaf.
   std::vector<TileNode> Top() const;
 
-  // The children within the near margin of which triangles come, in canonical order. Precondition: node.level > 0.
+  // The children within the near margin of which triangles come, in canonical order. Precondition: !IsLeaf(node).
   std::vector<TileNode> Children(const TileNode& node) const;
 
  private:
@@ -56,6 +71,7 @@ class TileTree {
   static void Fill(uint32_t* const* lists, Chunk& chunk);
 
   const SnappedMesh& mesh_;
+  int leaf_level_;
   Vec3i near_, far_;
   IndexBox region_;
   const std::atomic<bool>& cancelled_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
+#include <utility>
 
 namespace latvox {
 
@@ -14,21 +15,28 @@ Vec3i ReachOf(const std::vector<Frame>& frames) {
   return reach;
 }
 
-// Nearly all tiles can be thinned knowing kNearHalo steps around them; the rest are done again with all that may
+// Nearly all blocks can be thinned knowing kNearHalo steps around them; the rest are done again with all that may
 // matter.
-std::optional<TileBricks> DigitizeTile(const TileContext& context, const Vec3i& tile_ijk,
-                                       const std::vector<uint32_t>& triangles, const std::vector<uint32_t>& fringe,
-                                       TileScan& scan) {
-  scan.Scan(context, tile_ijk, context.minimal ? kNearHalo : 0, triangles);
+void DigitizeBlock(const TileContext& context, const TileNode& node, TileScan& scan, std::vector<TileBricks>& tiles) {
+  scan.Scan(context, node, context.minimal ? kNearHalo : 0, node.triangles);
+  std::vector<uint32_t> all;
   if (context.minimal && !scan.Thin(context)) {
-    std::vector<uint32_t> all;
-    std::merge(triangles.begin(), triangles.end(), fringe.begin(), fringe.end(), std::back_inserter(all));
-    scan.Scan(context, tile_ijk, kThinHalo, all);
+    std::merge(node.triangles.begin(), node.triangles.end(), node.fringe.begin(), node.fringe.end(),
+               std::back_inserter(all));
+    scan.Scan(context, node, kThinHalo, all);
     scan.Thin(context);
   }
-  TileBricks out = scan.CutOut(context);
-  if (out.bricks.empty() || context.cancelled) return std::nullopt;
-  return out;
+  const int32_t count = 1 << 3 * node.level;
+  for (int32_t n = 0; n < count && !context.cancelled; ++n) {
+    Vec3i step{};  // Morton order, i most significant
+    for (int bit = 0; bit < node.level; ++bit) {
+      for (size_t m = 0; m < 3; ++m) step[m] |= (n >> (3 * bit + 2 - static_cast<int>(m)) & 1) << bit;
+    }
+    TileBricks tile = scan.CutOut(context, node.tile_ijk + step);
+    if (tile.bricks.empty()) continue;
+    tile.progress = std::min(1.0, node.progress + node.share * (n + 1) / count);
+    tiles.push_back(std::move(tile));
+  }
 }
 
 }  // namespace latvox

@@ -10,7 +10,7 @@
 namespace latvox {
 namespace {
 
-// So many triangles in a tile are smaller than voxels: a tile's section of a surface has some 2^12 voxels or more.
+// So many triangles in one tile are smaller than voxels: a tile's section of a surface has some 2^12 voxels or more.
 constexpr size_t kManyTriangles = 8192, kSample = 1024;
 
 // Sets all bits but those of the box.
@@ -33,14 +33,15 @@ void SetOutside(const BitsLayout& layout, const IndexBox& box, TileBits& bits) {
 }  // namespace
 
 // Voxels outside of the box are unknown: their bits are set, so that they are neither looked at nor prove anything.
-void TileScan::Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t halo,
+void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t halo,
                     std::span<const uint32_t> triangles) {
-  const Vec3i low = tile_ijk * kTileSide;
+  const Vec3i low = node.tile_ijk * kTileSide;
+  const int32_t side = kTileSide << node.level;
   const IndexBox before = box_;
   const BitsLayout layout_before = layout_;
-  tile_ = {low, low + Vec3i{kTileSide, kTileSide, kTileSide}};
-  box_ = {tile_.min - context.reach * halo, tile_.max + context.reach * halo};
-  layout_ = BitsLayout(low, context.reach * (halo + 1));
+  block_ = {low, low + Vec3i{side, side, side}};
+  box_ = {block_.min - context.reach * halo, block_.max + context.reach * halo};
+  layout_ = BitsLayout(low, context.reach * (halo + 1), side);
   if (layout_.side != layout_before.side || box_.max - box_.min != before.max - before.min ||
       unknown_.words().size() != layout_.Words()) {
     unknown_ = incomplete_ = TileBits(layout_.Words());
@@ -50,7 +51,7 @@ void TileScan::Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t h
   surface_.words() = unknown_.words();
   candidates_.Clear();
   triangles_ = triangles;
-  if (triangles.size() > kManyTriangles) {
+  if (triangles.size() > kManyTriangles << 2 * node.level) {
     // Not all, if the first say that it would not pay.
     touching_.clear();
     FindTouching(context.mesh, triangles.first(kSample), context.frames, touching_);
@@ -176,11 +177,11 @@ bool TileScan::Thin(const TileContext& context) {
   }
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
   for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
-  return latvox::Thin(layout_, doubtful, edges_, tile_, surface_);
+  return latvox::Thin(layout_, doubtful, edges_, block_, surface_);
 }
 
-TileBricks TileScan::CutOut(const TileContext& context) const {
-  return latvox::CutOut(layout_, surface_, tile_.min, context.region, context.mesh.base_ijk);
+TileBricks TileScan::CutOut(const TileContext& context, const Vec3i& tile_ijk) const {
+  return latvox::CutOut(layout_, surface_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
 }
 
 }  // namespace latvox

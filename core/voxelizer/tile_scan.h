@@ -14,6 +14,7 @@
 #include "core/thin/thin.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
+#include "core/tile/tile_tree.h"
 
 namespace latvox {
 
@@ -34,19 +35,20 @@ struct TileContext {
   Vec3i FarMargin() const { return reach * (minimal ? kThinHalo + 1 : 1); }
 };
 
-// The surface in a box of voxels. What a thread allocates for one tile serves it for the next.
+// The surface in a box of voxels. What a thread allocates for one node serves it for the next.
 class TileScan {
  public:
-  // Finds all voxels of the surface in the box of `halo` steps around the tile at `tile_ijk` (local).
-  //   triangles   all that come within half a step of the box; more do no harm. Must live until the tile is done
+  // Finds all voxels of the surface in the box of `halo` steps around the node.
+  //   triangles   all that come within half a step of the box; more do no harm. Must live until the node is done
   // Leaves part of it undone once the job is cancelled.
-  void Scan(const TileContext& context, const Vec3i& tile_ijk, int32_t halo, std::span<const uint32_t> triangles);
+  void Scan(const TileContext& context, const TileNode& node, int32_t halo, std::span<const uint32_t> triangles);
 
-  // Removes redundant voxels; returns whether that was decided for the whole tile. See Thin.
+  // Removes redundant voxels; returns whether that was decided for the whole node. See Thin.
   bool Thin(const TileContext& context);
 
-  // The tile's bricks in lexicographic order, in global coordinates, without voxels outside of context.region.
-  TileBricks CutOut(const TileContext& context) const;
+  // The bricks of a tile (local) of the node in lexicographic order, in global coordinates, without voxels outside of
+  // context.region.
+  TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
   template <class F>
@@ -56,7 +58,7 @@ class TileScan {
   void AskStars(const TileContext& context);
   std::vector<uint32_t> Doubtful() const;
 
-  IndexBox tile_{}, box_{};
+  IndexBox block_{}, box_{};  // the node's voxels, and with the halo
   BitsLayout layout_{{}, {}};
   // What does not change from tile to tile: what lies outside of box_, and what has neighbours there.
   TileBits unknown_{0}, incomplete_{0};

@@ -46,7 +46,7 @@ class Job : public VoxelizeJob {
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, region, cancelled_},
-        tree_(mesh_, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
+        tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
         facts_(FactsOfJob(mesh_, region)) {}
 
   const JobFacts& facts() const override { return facts_; }
@@ -58,6 +58,7 @@ class Job : public VoxelizeJob {
   }
 
  private:
+  bool IsUnit(const TileNode& node) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
@@ -68,7 +69,7 @@ class Job : public VoxelizeJob {
   const std::vector<ScanFrame> scan_frames_;
   std::atomic<bool> cancelled_ = false;
   const TileContext context_;
-  const TileTree tree_;
+  TileTree tree_;
   mutable oneapi::tbb::enumerable_thread_specific<TileScan> scans_;
   const JobFacts facts_;
   bool started_ = false;
@@ -76,14 +77,23 @@ class Job : public VoxelizeJob {
   JobTotals totals_;
 };
 
-bool IsUnit(const TileNode& node) {
-  return node.level == 0 || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles);
+// Tiles are digitized by blocks of 2^3, which share what lies between them (larger blocks' bits would not fit a core's
+// cache), unless that leaves too few blocks for the threads at hand: a surface meets some 2 * 4^n of 8^n blocks.
+int BlockLevel(int tree_level) {
+  constexpr int kBlocksPerThread = 16;
+  const int threads = oneapi::tbb::this_task_arena::max_concurrency();
+  return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
+}
+
+bool Job::IsUnit(const TileNode& node) const {
+  return tree_.IsLeaf(node) || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles);
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
 // split by many threads, and many nodes at a time.
 std::optional<TileNode> Job::NextUnit() {
   if (!std::exchange(started_, true)) {
+    tree_.SetLeafLevel(BlockLevel(tree_.level()));
     todo_ = tree_.Top();
     std::reverse(todo_.begin(), todo_.end());
   }
@@ -122,14 +132,11 @@ void Job::SplitNext() {
 
 void Job::Process(const TileNode& node, Unit& out) const {
   if (cancelled_) return;
-  if (node.level > 0) {
+  if (!tree_.IsLeaf(node)) {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
-  auto tile = DigitizeTile(context_, node.tile_ijk, node.triangles, node.fringe, scans_.local());
-  if (!tile) return;
-  tile->progress = std::min(1.0, node.progress + node.share);
-  out.push_back(*std::move(tile));
+  DigitizeBlock(context_, node, scans_.local(), out);
 }
 
 void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {

@@ -84,7 +84,7 @@ size_t CountTiles(const TileTree& tree, const std::vector<TileNode>& nodes) {
 void Tree(benchmark::State& state, const Scene& scene) {
   const SnappedMesh mesh = SnappedOf(scene);
   const std::atomic<bool> cancelled = false;
-  const TileTree tree(mesh, kReach, kReach, mesh.box, cancelled);
+  const TileTree tree(mesh, 0, kReach, kReach, mesh.box, cancelled);
   size_t tiles = 0;
   for (auto _ : state) tiles = CountTiles(tree, tree.Top());
   state.counters["tiles"] = static_cast<double>(tiles);

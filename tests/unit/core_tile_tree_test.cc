@@ -128,7 +128,7 @@ std::vector<TileNode> Tiles(const TileTree& tree) {
 }
 
 std::vector<TileNode> Tiles(const SnappedMesh& mesh, const Margins& margins, const IndexBox& region) {
-  return Tiles(TileTree(mesh, margins.near, margins.far, region, kNotCancelled));
+  return Tiles(TileTree(mesh, 0, margins.near, margins.far, region, kNotCancelled));
 }
 
 uint64_t Morton(const Vec3i& tile_ijk, const Vec3i& low) {
@@ -283,7 +283,7 @@ TEST(TileTree, HoldsOnePathOfALargeLattice) {
   constexpr int32_t kMost = kMaxExtent * kLatticeUnit - 1;
   const SnappedMesh mesh =
       MeshOf({{{{0, 0, 0}, {kMost, 5, 7}, {9, kMost, kMost}}}, {{{0, 0, 9}, {0, kMost, 0}, {kMost, 9, 0}}}});
-  const TileTree tree(mesh, {3, 3, 3}, {9, 9, 9}, mesh.box, kNotCancelled);
+  const TileTree tree(mesh, 0, {3, 3, 3}, {9, 9, 9}, mesh.box, kNotCancelled);
   std::vector<TileNode> todo = tree.Top();
   std::reverse(todo.begin(), todo.end());
   size_t most = 0, nodes = 0;
@@ -303,7 +303,7 @@ TEST(TileTree, GivesNothingOnceCancelled) {
   std::mt19937 random(41);
   const SnappedMesh mesh = MeshOf(RandomTriangles(random, 100, 900, 500));
   std::atomic<bool> cancelled = false;
-  const TileTree tree(mesh, {3, 3, 3}, {9, 9, 9}, mesh.box, cancelled);
+  const TileTree tree(mesh, 0, {3, 3, 3}, {9, 9, 9}, mesh.box, cancelled);
   EXPECT_FALSE(tree.Top().empty());
   cancelled = true;
   EXPECT_TRUE(tree.Top().empty());
