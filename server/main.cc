@@ -51,7 +51,7 @@ int Run(const latvox::ProgramOptions& options, pid_t parent) {
     return 1;
   }
   Log(LogLevel::kInfo, "started",
-      {{"version", LATVOX_VERSION}, {"pid", getpid()}, {"simd", std::string{latvox::SimdInUse()}}});
+      {{"version", LATVOX_VERSION}, {"simd", std::string{latvox::SimdInUse()}}, {"pid", getpid()}});
   for (const std::string& address : (*server)->addresses()) Log(LogLevel::kInfo, "listening", {{"address", address}});
   return StopServer(**server, signals, signals.Wait(), options.grace);
 }

@@ -48,7 +48,7 @@ absl::Status ForceSimd(Simd simd) {
   return absl::OkStatus();
 }
 
-bool SimdIsScalar() { return scalar_only || (Detected() & ~(HWY_SCALAR | HWY_SSSE3 | HWY_SSE4)) == 0; }
+bool SimdIsScalar() { return scalar_only || (Detected() & ~(HWY_SCALAR | HWY_EMU128 | HWY_SSSE3 | HWY_SSE4)) == 0; }
 
 std::string_view SimdInUse() {
   if (SimdIsScalar()) return "scalar";

@@ -197,7 +197,7 @@ void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& f
       lines.ijk[n] = all(ijk[n]);
     }
     lines.remainder = all(remainder);
-    lines.number = all(from + target.layout.StepOf(ijk));
+    lines.number = all(from + Dot(Vec<int64_t, 3>{ijk[0], ijk[1], ijk[2]}, target.layout.stride));
     return lines;
   };
   const auto ijk_of = [&](int64_t lines_a, int64_t lines_b, int32_t lines_depth) {
@@ -347,6 +347,7 @@ struct Scan {
 };
 
 // Up to kTriangleLanes triangles.
+static_assert(kTriangleLanes <= Candidates::kMaxRun);
 void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out) {
   const Lanes d;
   const Target& target = scan.target;

@@ -108,7 +108,7 @@ HWY_INLINE void AddProduct(Ints a, Ints b, Ints& whole, Ints& rest) {
 template <class D, class V, class F>
 HWY_INLINE void Divide(D d, V n, F estimate, V divisor, V& quotient, V& remainder) {
   const V one = hn::Set(d, 1);
-  V q = hn::ConvertTo(d, estimate);
+  V q = hn::ConvertTo(d, hn::Floor(estimate));  // rounding towards zero could be off by one more
   V r = hn::Sub(n, hn::Mul(q, divisor));
   const auto below = hn::Lt(r, hn::Zero(d));
   r = hn::IfThenElse(below, hn::Add(r, divisor), r);

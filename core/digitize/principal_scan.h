@@ -21,8 +21,9 @@
 
 namespace latvox {
 
-inline constexpr size_t kMaxDirections = 16;  // a 3D lattice has 13 pairs +-q of neighbours at most
-inline constexpr size_t kMaxHull = 6;
+inline constexpr size_t kMaxDirections = 16;       // lanes want a power of two
+inline constexpr size_t kMaxHull = kMaxPairs - 1;  // all others
+static_assert(kMaxPairs <= kMaxDirections);
 
 // A frame with what its rim depends on: all neighbours q in the projection along frame.q.
 struct ScanFrame {

@@ -24,6 +24,7 @@ namespace {
 template <class T>
 inline constexpr int kOffsetBits = sizeof(T) == 4 ? 12 : 16;
 static_assert(kMaxDirection <= 8 && 2 * kOffsetBits<int32_t> + 2 + 3 <= 30 && 3 * kOffsetBits<double> + 4 <= 53);
+static_assert(3 * kOffsetBits<int32_t> + 2 - 7 <= 31);
 
 StarEdges ScalarStarEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, const Vec3i& z) {
   StarEdges edges{};
@@ -79,8 +80,9 @@ struct Corners {
 };
 
 // ceil(distance / 128) for a distance = n . w, where the unit of n . q is 256: then -along < result <= along says that
-// the voxel is the nearer end. For int32, w = 128 * whole + part, and likewise n, keep the sum within bounds: it fits
-// for any voxel that is some nearer end.
+// the voxel is the nearer end. For int32, w = 128 * whole + part, and likewise n, keep the terms within bounds, and
+// their sum fits but for +2^31, which turns negative and is outside, too: for |n . w| is six times the volume of a
+// tetrahedron with sides up to 2^12, at most 4 * (2^12)^3.
 template <class D, class V>
 HWY_INLINE V Distance(D d, const std::array<V, 3>& n, const std::array<V, 3>& w) {
   if constexpr (sizeof(hn::TFromD<D>) == 8) {

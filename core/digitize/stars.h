@@ -18,6 +18,7 @@ struct VoxelTriangle {
 };
 
 // Bit n stands for the edge along frames[n].
+static_assert(kMaxDirections < 32);
 struct StarEdges {
   uint32_t nearer;   // crossed, and the voxel is their nearer end
   uint32_t forward;  // of these, the farther end is voxel + q, not voxel - q

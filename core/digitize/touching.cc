@@ -16,8 +16,8 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_TOUCHING_CC_ONCE
 namespace {
 
-// Two for each of 13 frames, at most.
-constexpr size_t kMaxForms = 26;
+constexpr size_t kMaxForms = 2 * kMaxPairs;
+static_assert(kMaxForms < 32);
 
 // The rows of all frames up to sign, and for each frame its two.
 struct Forms {
@@ -149,10 +149,14 @@ HWY_EXPORT(FindInLanes);
 }  // namespace
 
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  std::vector<uint32_t>& touching) {
+                  const std::atomic<bool>& cancelled, std::vector<uint32_t>& touching) {
+  constexpr size_t kCancelInterval = 1 << 14;
   const Forms forms(frames);
-  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
-                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
+  for (size_t n = 0; n < triangles.size() && !cancelled; n += kCancelInterval) {
+    const auto some = triangles.subspan(n, std::min(kCancelInterval, triangles.size() - n));
+    SimdIsScalar() ? FindScalar(mesh, some, forms, touching)
+                   : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, some, forms, touching);
+  }
 }
 
 }  // namespace latvox

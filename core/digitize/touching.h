@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_DIGITIZE_TOUCHING_H_
 #define LATVOX_CORE_DIGITIZE_TOUCHING_H_
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,8 +19,9 @@ namespace latvox {
 // corners lie on both sides of a, and on both sides of b. Rows of frames are few linear forms, shared by many frames:
 // the floors of a form at the corners differ, or no line lies between them. That holds with the shift of
 // core/digitize/crossing.h, too, which moves a form with a first nonzero entry above 0 up; forms are turned so.
+// Returns early, with some of them, once the job is cancelled.
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  std::vector<uint32_t>& touching);
+                  const std::atomic<bool>& cancelled, std::vector<uint32_t>& touching);
 
 }  // namespace latvox
 

@@ -13,6 +13,9 @@ namespace latvox {
 inline constexpr int kMaxFrameRow = 4;   // sum of absolute entries of a row of R
 inline constexpr int kMaxDirection = 8;  // sum of absolute entries of q
 
+// Of pairs +-q of neighbours. Of a lattice's parity classes three have one pair at most, three have two, one has four.
+inline constexpr size_t kMaxPairs = 13;
+
 // A unimodular change of lattice coordinates that turns the direction q into the last axis:
 //   (a, b, c) = R * ijk     a, b number the lattice lines along q; c counts lattice points on the line
 //   ijk = a*u[0] + b*u[1] + c*u[2],   u[2] = q

@@ -59,6 +59,13 @@ absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis)
     if (!frame) return TooSkewError(basis, *transform);
     for (int k = 0; k <= neighbor.face_dimension; ++k) lattice.frames_[static_cast<size_t>(k)].push_back(*frame);
   }
+  // Lengths count as equal within a tolerance: of a lattice that is flat or long enough, too many do.
+  if (lattice.frames_[0].size() > kMaxPairs) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("basis: so flat or long that lengths cannot be told apart: %d directions to neighbours, a "
+                        "lattice has %d at most",
+                        lattice.frames_[0].size(), kMaxPairs));
+  }
   return lattice;
 }
 

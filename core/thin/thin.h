@@ -36,6 +36,8 @@ struct CrossedEdge {
 //   wanted    local voxels; there, what may be doubtful is in `doubtful`
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const std::vector<CrossedEdge>& edges,
           const IndexBox& wanted, TileBits& set);
+
+// See Thin.
 inline constexpr int32_t kThinHalo = kParityClasses;
 
 }  // namespace latvox

@@ -46,9 +46,9 @@ struct BitsLayout {
     const Vec3i ijk = VoxelAt(number);
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
-  // Of 32 bits; two more than needed, so that any voxel's bit and the 63 after it can be read.
   // floor(n / d), where reciprocal = 2^44/d + e, 0 < e <= 1: the error n * e / 2^44 is less than 1/d if n * d < 2^44.
   static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 44); }
+  // Of 32 bits; more than needed, so that any voxel's bit and the 63 after it can be read.
   size_t Words() const { return static_cast<size_t>(stride[0]) * static_cast<size_t>(side[0]) / 32 + 3; }
 };
 inline constexpr int kParityClasses = 8;

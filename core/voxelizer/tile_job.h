@@ -14,8 +14,8 @@ namespace latvox {
 // Per axis, the longest step of the frames.
 Vec3i ReachOf(const std::vector<Frame>& frames);
 
-// Appends the node's tiles that have voxels, in global coordinates and in the canonical order; or none, if the job was
-// cancelled.
+// Appends the node's tiles that have voxels, in global coordinates and in the canonical order; once the job is
+// cancelled, whatever there is.
 //   node   of a tree with the context's margins
 //   scan   a thread's own, from block to block
 void DigitizeBlock(const TileContext& context, const TileNode& node, TileScan& scan, std::vector<TileBricks>& tiles);

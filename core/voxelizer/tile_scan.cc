@@ -30,6 +30,18 @@ void SetOutside(const BitsLayout& layout, const IndexBox& box, TileBits& bits) {
   }
 }
 
+// Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
+//   end   the member of Candidates::Run for that list
+void AppendPairs(const NumberList& voxels, const NumberList& positions, const std::vector<Candidates::Run>& runs,
+                 uint32_t Candidates::Run::*end, std::span<const uint32_t> triangles,
+                 std::vector<VoxelTriangle>& pairs) {
+  auto run = runs.begin();
+  for (const uint32_t n : positions.view()) {
+    while ((*run).*end <= n) ++run;
+    pairs.push_back({voxels[n] & kNumberMask, triangles[run->first + (voxels[n] >> kNumberBits)]});
+  }
+}
+
 }  // namespace
 
 // Voxels outside of the box are unknown: their bits are set, so that they are neither looked at nor prove anything.
@@ -54,9 +66,9 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   if (triangles.size() > kManyTriangles << 2 * node.level) {
     // Not all, if the first say that it would not pay.
     touching_.clear();
-    FindTouching(context.mesh, triangles.first(kSample), context.frames, touching_);
+    FindTouching(context.mesh, triangles.first(kSample), context.frames, context.cancelled, touching_);
     if (touching_.size() < kSample / 4 * 3) {
-      FindTouching(context.mesh, triangles.subspan(kSample), context.frames, touching_);
+      FindTouching(context.mesh, triangles.subspan(kSample), context.frames, context.cancelled, touching_);
       triangles_ = touching_;
     }
   }
@@ -65,25 +77,13 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   AddRim(context);
 }
 
-// Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
-//   end   the member of Candidates::Run for that list
-void AppendPairs(const NumberList& voxels, const NumberList& positions, const std::vector<Candidates::Run>& runs,
-                 uint32_t Candidates::Run::*end, std::span<const uint32_t> triangles,
-                 std::vector<VoxelTriangle>& pairs) {
-  auto run = runs.begin();
-  for (const uint32_t n : positions.view()) {
-    while ((*run).*end <= n) ++run;
-    pairs.push_back({voxels[n] & kNumberMask, triangles[run->first + (voxels[n] >> kNumberBits)]});
-  }
-}
-
 // Calls f(voxel, star) for all pairs_ whose voxel is, or is not, in `bits` when their turn comes.
 template <class F>
 void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f) {
   constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
   StarEdges stars[kBatch];
   VoxelTriangle batch[kBatch];
-  for (size_t n = 0; n < pairs_.size();) {
+  for (size_t n = 0; n < pairs_.size() && !context.cancelled;) {
     size_t size = 0;
     for (; n < pairs_.size() && size < kBatch; ++n) {
       batch[size] = pairs_[n];

@@ -1,7 +1,6 @@
 #include "core/voxelizer/voxelizer.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
@@ -9,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "absl/strings/str_format.h"
@@ -38,6 +39,26 @@ IndexBox Intersection(IndexBox a, const IndexBox& b) {
 }
 
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
+
+// What was allocated for one block serves the next: as many scans as there are threads at work.
+class ScanPool {
+ public:
+  std::unique_ptr<TileScan> Take() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return std::make_unique<TileScan>();
+    std::unique_ptr<TileScan> scan = std::move(idle_.back());
+    idle_.pop_back();
+    return scan;
+  }
+  void Give(std::unique_ptr<TileScan> scan) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(scan));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<TileScan>> idle_;
+};
 
 class Job : public VoxelizeJob {
  public:
@@ -70,7 +91,7 @@ class Job : public VoxelizeJob {
   std::atomic<bool> cancelled_ = false;
   const TileContext context_;
   TileTree tree_;
-  mutable oneapi::tbb::enumerable_thread_specific<TileScan> scans_;
+  mutable ScanPool scans_;
   const JobFacts facts_;
   bool started_ = false;
   std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
@@ -136,7 +157,9 @@ void Job::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
-  DigitizeBlock(context_, node, scans_.local(), out);
+  std::unique_ptr<TileScan> scan = scans_.Take();
+  DigitizeBlock(context_, node, *scan, out);
+  scans_.Give(std::move(scan));
 }
 
 void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {

@@ -140,7 +140,7 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
         for (const Simd simd : SimdHere()) {
           const ForcedSimd forced(simd);
           std::vector<uint32_t> touching{7};  // what is there stays
-          FindTouching(mesh, Iota(triangles.size()), frames, touching);
+          FindTouching(mesh, Iota(triangles.size()), frames, kNotCancelled, touching);
           ASSERT_TRUE(std::is_sorted(touching.begin() + 1, touching.end())) << SimdInUse();
           ASSERT_TRUE(std::includes(touching.begin() + 1, touching.end(), crossed.begin(), crossed.end()))
               << l.name << " k " << k << " size " << size << " " << SimdInUse();
@@ -179,6 +179,30 @@ TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
               << l.name << " k " << k << " size " << size << " " << SimdInUse() << " seed " << kSeed;
         }
       }
+    }
+  }
+}
+
+// Depths just below an integer, where an estimate in floats is the integer itself.
+TEST(Candidates, RoundDepthsDownOnEachKernel) {
+  struct Case {
+    Lattice lattice;
+    int k;
+    Triangle triangle;
+  };
+  for (const Case& c :
+       {Case{Lattice::Named(NamedLattice::kBcc), 0, {{{13006, 6057, 664}, {5583, -165, 948}, {5583, 352, 6369}}}},
+        Case{Lattice::Named(NamedLattice::kHexagonal),
+             2,
+             {{{11177, -4968, 13518}, {4955, -4684, 6095}, {5472, 737, 6095}}}}}) {
+    const auto frames = MakeScanFrames(c.lattice.frames(c.k));
+    const Vec3i tile_min{0, 0, 0};
+    const IndexBox box{tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}};
+    const Found expected = Expected({c.triangle}, frames, box);
+    EXPECT_GT(expected.size(), 0U);
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      EXPECT_EQ(FromCandidates({c.triangle}, frames, box, tile_min), expected) << SimdInUse();
     }
   }
 }

@@ -243,5 +243,16 @@ TEST(Frame, PrincipalDirectionIsTheStepThatLeavesThePlaneFastest) {
   }
 }
 
+TEST(Lattice, RefusesABasisSoFlatOrLongThatLengthsCannotBeToldApart) {
+  for (const Mat3d& basis : {Mat3d{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1e6}}}, Mat3d{{{1, 0, 0}, {0, 1e6, 0}, {0, 0, 1e6}}},
+                             Mat3d{{{1, 0, 0}, {0.3, 1.3, 0}, {0.2, 0.3, 5e4}}}}) {
+    const auto lattice = Lattice::FromBasis(basis);
+    ASSERT_FALSE(lattice.ok());
+    EXPECT_EQ(lattice.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_NE(lattice.status().message().find("basis: so flat or long"), std::string_view::npos) << lattice.status();
+  }
+  EXPECT_TRUE(Lattice::FromBasis({{{1, 0, 0}, {0, 100, 0}, {0, 0, 1000}}}).ok());
+}
+
 }  // namespace
 }  // namespace latvox
