@@ -118,7 +118,7 @@ template <class Inner, class Rim>
 void ScanAlongPrincipal(const OrientedTriangle& triangle, const ScanFrame& scan, const IndexBox& box, Inner&& inner,
                         Rim&& rim) {
   using namespace scan_internal;
-  using crossing_internal::CeilDiv, crossing_internal::Division;
+  using crossing_internal::Division;
   const Frame& frame = scan.frame;
   const int64_t up = Dot(triangle.normal, frame.q);
   // Counter-clockwise in the projection: the normal must point along q.

@@ -1,0 +1,212 @@
+// A triangle's lattice lines in the lanes, block after block, and where the candidates go that are found there.
+#if defined(LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_
+#undef LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_
+#else
+#define LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "core/base/append_lanes-inl.h"
+#include "core/digitize/candidates.h"
+#include "core/digitize/line_scan.h"
+#include "core/digitize/line_scan_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The box that candidates must lie in: its size, and the number of its low corner, from which voxels count here.
+struct Target {
+  Vec3i size;
+  BitsLayout layout;
+  int32_t number;
+};
+
+// Where the next candidates go, in registers.
+class Appender {
+ public:
+  // Room for `most` candidates.
+  HWY_INLINE Appender(Candidates& out, size_t most) : out_(out) {
+    out.Reserve(most);
+    nearer_ = out.nearer.end();
+    farther_ = out.farther.end();
+    rim_ = out.rim.end();
+  }
+  HWY_INLINE ~Appender() {
+    out_.nearer.Grow(static_cast<size_t>(nearer_ - out_.nearer.end()));
+    out_.farther.Grow(static_cast<size_t>(farther_ - out_.farther.end()));
+    out_.rim.Grow(static_cast<size_t>(rim_ - out_.rim.end()));
+  }
+  Appender(const Appender&) = delete;
+  Appender& operator=(const Appender&) = delete;
+
+  // Lanes hold a voxel with a place above it, and the step to the farther end of the edge there along the principal
+  // direction.
+  template <class D>
+  HWY_INLINE void Append(D d, hn::Vec<D> voxel, hn::Vec<D> to_farther, hn::Mask<D> crossed, hn::Mask<D> rim) {
+    const SelectedLanes<D> selected(d, crossed);
+    selected.Store(voxel, nearer_);
+    selected.Store(hn::Add(voxel, to_farther), farther_);
+    nearer_ += selected.count();
+    farther_ += selected.count();
+    rim_ += AppendLanes(d, voxel, rim, rim_);
+  }
+
+ private:
+  Candidates& out_;
+  uint32_t *nearer_, *farther_, *rim_;
+};
+
+// Offsets of a block's lines from its first.
+template <class T>
+struct BlockLines {
+  alignas(64) T a[kShapes][HWY_LANES(T)], b[kShapes][HWY_LANES(T)];
+};
+template <class T>
+constexpr BlockLines<T> MakeBlockLines() {
+  BlockLines<T> lines{};
+  for (int32_t shape = 0; shape < kShapes; ++shape) {
+    for (int32_t n = 0; n < static_cast<int32_t>(HWY_LANES(T)); ++n) {
+      lines.a[shape][n] = n % BlockWidth<T>(shape);
+      lines.b[shape][n] = n / BlockWidth<T>(shape);
+    }
+  }
+  return lines;
+}
+template <class T>
+inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
+
+// What MakeLineScans does for its lanes.
+template <class T>
+void ChooseShape(LineScan<T>& s) {
+  int32_t fewest = INT32_MAX;
+  for (int32_t n = 0; n < kShapes && static_cast<int32_t>(HWY_LANES(T)) >> n > 0; ++n) {
+    const int32_t wide = BlockWidth<T>(n), high = 1 << n;
+    const int32_t blocks = ((s.width + wide - 1) / wide) * ((s.height + high - 1) / high);
+    if (n == 0 || blocks < fewest) s.shape = n, fewest = blocks;
+  }
+  using Wide = std::conditional_t<sizeof(T) == 4, int64_t, __int128>;
+  const auto divide = [&](Wide level, int32_t& depth, T& remainder) {
+    const Wide quotient = level / s.along - (level % s.along < 0 ? 1 : 0);
+    depth = static_cast<int32_t>(quotient);
+    remainder = static_cast<T>(level - quotient * s.along);
+  };
+  divide(Wide{s.level_a} * BlockWidth<T>(s.shape), s.right_depth, s.right_remainder);
+  divide(Wide{s.level_b} << s.shape, s.down_depth, s.down_remainder);
+}
+
+// Block after block of the triangle's lines.
+//   clip   bit m: candidates may lie outside of the target on axis m
+template <class T>
+void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& frame, const Target& target,
+               Candidates& out) {
+  const hn::ScalableTag<T> d;
+  using V = hn::Vec<decltype(d)>;
+  const hn::RebindToFloat<decltype(d)> df;
+  const auto all = [&](auto x) HWY_ATTR { return hn::Set(d, static_cast<T>(x)); };
+
+  const int32_t wide = BlockWidth<T>(s.shape), high = 1 << s.shape;
+  Appender appender(out, static_cast<size_t>(s.width + wide) * static_cast<size_t>(s.height + high));
+
+  // What a line adds to the values of (s.a, s.b).
+  const V along = all(s.along), below_along = all(s.along - 1), below_half = all(s.half - 1);
+  using Float = hn::TFromD<decltype(df)>;
+  const auto slope_a = hn::Set(df, static_cast<Float>(s.level_a) / static_cast<Float>(s.along));
+  const auto slope_b = hn::Set(df, static_cast<Float>(s.level_b) / static_cast<Float>(s.along));
+  const Vec3i steps{target.layout.StepOf(frame.u[0]), target.layout.StepOf(frame.u[1]), target.layout.StepOf(frame.q)};
+  const V step = all(steps[2]);
+  struct Lines {
+    V edge[3], remainder, number, ijk[3];
+  };
+  const V a = hn::Load(d, kBlockLines<T>.a[s.shape]), b = hn::Load(d, kBlockLines<T>.b[s.shape]);
+  const auto sum = [&](auto per_a, auto per_b)
+                       HWY_ATTR { return hn::Add(hn::Mul(a, all(per_a)), hn::Mul(b, all(per_b))); };
+  Lines row;
+  for (size_t n = 0; n < 3; ++n) row.edge[n] = sum(s.edge_a[n], s.edge_b[n]);
+  V depth;
+  Divide(d, sum(s.level_a, s.level_b),
+         hn::Add(hn::Mul(hn::ConvertTo(df, a), slope_a), hn::Mul(hn::ConvertTo(df, b), slope_b)), along, depth,
+         row.remainder);
+  row.number = hn::Add(sum(steps[0], steps[1]), hn::Mul(depth, step));
+  for (size_t m = 0; m < 3; ++m) {
+    row.ijk[m] = hn::Zero(d);
+    if (clip >> m & 1) {
+      row.ijk[m] = hn::Add(sum(frame.u[0][m], frame.u[1][m]), hn::Mul(depth, all(frame.q[m])));
+    }
+  }
+  const auto advance = [&](Lines& lines, const Lines& by) HWY_ATTR {
+    for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
+    const V remainder = hn::Add(lines.remainder, by.remainder);
+    const auto carry = hn::Gt(remainder, below_along);
+    lines.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
+    lines.number = hn::Add(hn::Add(lines.number, by.number), hn::IfThenElseZero(carry, step));
+    for (size_t m = 0; m < 3; ++m) {
+      if (clip >> m & 1) {
+        lines.ijk[m] = hn::Add(hn::Add(lines.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, all(frame.q[m])));
+      }
+    }
+  };
+
+  // The same for all lanes: what `edges` and so on give.
+  const auto same = [&](const std::array<T, 3>& edges, T remainder, const Vec3i& ijk, int32_t from) HWY_ATTR {
+    Lines lines;
+    for (size_t n = 0; n < 3; ++n) {
+      lines.edge[n] = all(edges[n]);
+      lines.ijk[n] = all(ijk[n]);
+    }
+    lines.remainder = all(remainder);
+    lines.number = all(from + Dot(Vec<int64_t, 3>{ijk[0], ijk[1], ijk[2]}, target.layout.stride));
+    return lines;
+  };
+  const auto ijk_of = [&](int64_t lines_a, int64_t lines_b, int32_t lines_depth) {
+    Vec3i ijk;
+    for (size_t m = 0; m < 3; ++m) {
+      ijk[m] = static_cast<int32_t>(lines_a * frame.u[0][m] + lines_b * frame.u[1][m]) + lines_depth * frame.q[m];
+    }
+    return ijk;
+  };
+  const auto times = [](std::array<T, 3> edges, int32_t lines) {
+    for (T& edge : edges) edge *= lines;
+    return edges;
+  };
+  advance(row, same(s.edge, s.remainder, ijk_of(s.a, s.b, s.depth), target.number));
+  row.number = hn::Add(row.number, all(place << kNumberBits));
+  const Lines right = same(times(s.edge_a, wide), s.right_remainder, ijk_of(wide, 0, s.right_depth), 0);
+  const Lines down = same(times(s.edge_b, high), s.down_remainder, ijk_of(0, high, s.down_depth), 0);
+  V rim[3];
+  for (size_t n = 0; n < 3; ++n) rim[n] = all(-s.rim[n] - 1);
+
+  for (int32_t from_b = 0; from_b < s.height; from_b += high) {
+    if (from_b != 0) advance(row, down);
+    const auto in_height = hn::Lt(b, all(s.height - from_b));
+    Lines block = row;
+    for (int32_t from_a = 0; from_a < s.width; from_a += wide) {
+      if (from_a != 0) advance(block, right);
+      auto candidate = hn::And(in_height, hn::Lt(a, all(s.width - from_a)));
+      for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
+      if (hn::AllFalse(d, candidate)) continue;
+      for (size_t m = 0; m < 3; ++m) {
+        if (clip >> m & 1) {
+          candidate =
+              hn::And(candidate, hn::And(hn::Gt(block.ijk[m], all(-1)), hn::Lt(block.ijk[m], all(target.size[m]))));
+        }
+      }
+      const auto inside = hn::Gt(hn::Or(hn::Or(block.edge[0], block.edge[1]), block.edge[2]), all(-1));
+      const auto crossed = hn::And(candidate, inside), rim_only = hn::AndNot(inside, candidate);
+      const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
+      appender.Append(d, block.number, to_farther, crossed, rim_only);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#endif
