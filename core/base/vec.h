@@ -43,6 +43,13 @@ constexpr Vec<T, D> operator*(Vec<T, D> a, T s) {
   return a;
 }
 
+// Each coordinate divided by 2^bits, rounded down.
+template <size_t D>
+constexpr Vec<int32_t, D> Shifted(Vec<int32_t, D> v, int bits) {
+  for (int32_t& x : v) x >>= bits;
+  return v;
+}
+
 // Inner product, in the wider of the two types.
 template <class A, class B, size_t D>
 constexpr auto Dot(const Vec<A, D>& a, const Vec<B, D>& b) {

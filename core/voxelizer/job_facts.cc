@@ -27,6 +27,7 @@ JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region) {
   facts.degenerate_triangles = surface.degenerate_triangles;
   facts.closed = surface.closed;
   facts.snap_error_max = kSnapErrorMax;
+  for (size_t m = 0; m < 3; ++m) facts.first_tile_ijk[m] = (mesh.box.min[m] + mesh.base_ijk[m]) >> kTileBits;
   if (!IsEmpty(region)) {
     facts.index_box = IndexBox{region.min + mesh.base_ijk, region.max + mesh.base_ijk};
     facts.tiles_in_box = TilesIn(*facts.index_box);

@@ -5,33 +5,15 @@
 #include <vector>
 
 #include "core/thesis/thesis.h"
+#include "core/tile/tile_order.h"
 #include "core/voxelizer/job_facts.h"
 
 namespace latvox {
 namespace {
 
-// Whether tile a comes before tile b in Morton order, i the most significant axis. Coordinates are relative to `low`,
-// hence not negative. The axis whose highest differing bit is highest decides; of several, the first.
-bool ComesBefore(const Vec3i& a, const Vec3i& b, const Vec3i& low) {
-  size_t axis = 0;
-  uint32_t decisive = 0;
-  for (size_t m = 0; m < 3; ++m) {
-    const uint32_t difference = static_cast<uint32_t>(a[m] - low[m]) ^ static_cast<uint32_t>(b[m] - low[m]);
-    if (decisive < difference && decisive < (decisive ^ difference)) {
-      axis = m;
-      decisive = difference;
-    }
-  }
-  return a[axis] < b[axis];
-}
-
-Vec3i Shifted(Vec3i v, int bits) {
-  for (int32_t& x : v) x >>= bits;
-  return v;
-}
-
-// The set within `region` (ijk) as tiles; low_tile is the first of the order.
-std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const Vec3i& low_tile) {
+// The set within `region` (ijk) as tiles; low_tile is the first of the order; those up to `after` are left out.
+std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const Vec3i& low_tile,
+                                const std::optional<Vec3i>& after) {
   std::vector<Brick> bricks = voxels.Bricks();
   std::stable_sort(bricks.begin(), bricks.end(), [&](const Brick& a, const Brick& b) {
     return ComesBefore(Shifted(a.brick_ijk, kTileBits - kBrickBits), Shifted(b.brick_ijk, kTileBits - kBrickBits),
@@ -43,6 +25,7 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
     const uint64_t count = CountVoxels(brick.mask);
     if (count == 0) continue;
     const Vec3i tile_ijk = Shifted(brick.brick_ijk, kTileBits - kBrickBits);
+    if (after && !ComesBefore(*after, tile_ijk, low_tile)) continue;
     if (tiles.empty() || tiles.back().tile_ijk != tile_ijk) tiles.push_back({tile_ijk, {}});
     tiles.back().bricks.push_back(brick);
     tiles.back().voxels += count;
@@ -82,7 +65,7 @@ class ThesisJob : public VoxelizeJob {
     if (facts_.index_box) {
       const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, cancelled_);
       if (!voxels.ok()) return voxels.status();
-      tiles_ = TilesOf(*voxels, *facts_.index_box, Shifted(mesh_.box.min + mesh_.base_ijk, kTileBits));
+      tiles_ = TilesOf(*voxels, *facts_.index_box, facts_.first_tile_ijk, options_.resume_after);
     }
     computed_ = true;
     return absl::OkStatus();

@@ -15,6 +15,7 @@
 #include "absl/strings/str_format.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
+#include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/thesis_job.h"
@@ -68,7 +69,9 @@ class Job : public VoxelizeJob {
         scan_frames_(MakeScanFrames(frames_)),
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, region, cancelled_},
         tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
-        facts_(FactsOfJob(mesh_, region)) {}
+        facts_(FactsOfJob(mesh_, region)) {
+    if (options.resume_after) resume_after_ = *options.resume_after - tile_base_;
+  }
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -80,6 +83,8 @@ class Job : public VoxelizeJob {
 
  private:
   bool IsUnit(const TileNode& node) const;
+  bool IsPassed(const Vec3i& tile_ijk) const;
+  bool IsPassed(const TileNode& node) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
@@ -93,6 +98,8 @@ class Job : public VoxelizeJob {
   TileTree tree_;
   mutable ScanPool scans_;
   const JobFacts facts_;
+  const Vec3i tile_base_ = Shifted(mesh_.base_ijk, kTileBits);
+  std::optional<Vec3i> resume_after_;  // local
   bool started_ = false;
   std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
   JobTotals totals_;
@@ -110,6 +117,17 @@ bool Job::IsUnit(const TileNode& node) const {
   return tree_.IsLeaf(node) || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles);
 }
 
+// Whether a tile, by its local coordinates, had left before the stream was broken.
+bool Job::IsPassed(const Vec3i& tile_ijk) const {
+  return resume_after_ && !ComesBefore(*resume_after_, tile_ijk, facts_.first_tile_ijk - tile_base_);
+}
+
+// Whether all of a node's tiles had.
+bool Job::IsPassed(const TileNode& node) const {
+  const int32_t last = (1 << node.level) - 1;
+  return IsPassed(node.tile_ijk + Vec3i{last, last, last});
+}
+
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
 // split by many threads, and many nodes at a time.
 std::optional<TileNode> Job::NextUnit() {
@@ -119,6 +137,10 @@ std::optional<TileNode> Job::NextUnit() {
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {
+    if (IsPassed(todo_.back())) {
+      todo_.pop_back();
+      continue;
+    }
     if (IsUnit(todo_.back())) {
       TileNode node = std::move(todo_.back());
       todo_.pop_back();
@@ -139,6 +161,7 @@ void Job::SplitNext() {
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
       for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
         TileNode& node = todo_[kept + n];
+        if (IsPassed(node)) continue;
         if (IsUnit(node)) {
           parts[n].push_back(std::move(node));
         } else {
@@ -152,13 +175,14 @@ void Job::SplitNext() {
 }
 
 void Job::Process(const TileNode& node, Unit& out) const {
-  if (cancelled_) return;
+  if (cancelled_ || IsPassed(node)) return;
   if (!tree_.IsLeaf(node)) {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
   std::unique_ptr<TileScan> scan = scans_.Take();
   DigitizeBlock(context_, node, *scan, out);
+  std::erase_if(out, [this](const TileBricks& tile) { return IsPassed(tile.tile_ijk - tile_base_); });
   scans_.Give(std::move(scan));
 }
 
@@ -193,6 +217,17 @@ absl::StatusOr<bool> Job::Advance(const Sink& sink) {
               }));
   if (cancelled_) return absl::CancelledError("voxelization cancelled");
   return todo_.empty();
+}
+
+// A tile that the job can have delivered: one that meets its box.
+absl::Status CheckResumePoint(const Vec3i& tile, const IndexBox& box) {
+  bool meets = !IsEmpty(box);
+  for (size_t m = 0; m < 3; ++m) {
+    meets = meets && box.min[m] >> kTileBits <= tile[m] && tile[m] <= (box.max[m] - 1) >> kTileBits;
+  }
+  if (meets) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("resume_after: tile %d,%d,%d does not meet the index box", tile[0], tile[1], tile[2]));
 }
 
 absl::Status OutOfRange(const char* field, double value, const char* limit) {
@@ -250,6 +285,11 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   IndexBox region = snapped->box;
   if (options.region)
     region = Moved(Intersection(*options.region, Moved(region, snapped->base_ijk)), -snapped->base_ijk);
+  if (options.resume_after) {
+    if (auto status = CheckResumePoint(*options.resume_after, Moved(region, snapped->base_ijk)); !status.ok()) {
+      return status;
+    }
+  }
   if (!exact) return MakeThesisJob(*std::move(snapped), grid.lattice, options, region);
   return std::make_unique<Job>(*std::move(snapped), frames, options, region);
 }

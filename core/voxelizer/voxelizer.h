@@ -36,6 +36,7 @@ struct VoxelizeOptions {
   bool minimal = true;                            // thin to k-minimality; only kExact does
   std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
   Algorithm algorithm = Algorithm::kExact;
+  std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
 };
 
 struct JobFacts {
@@ -44,6 +45,7 @@ struct JobFacts {
   double snap_error_max = 0;                         // voxels, per lattice coordinate
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
+  Vec3i first_tile_ijk{};                            // of the canonical order (core/tile/tile_order.h)
 };
 
 struct JobTotals {
@@ -61,7 +63,7 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region.
+  // separability, region, resume_after.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options);
   virtual ~VoxelizeJob() = default;

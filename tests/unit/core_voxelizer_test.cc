@@ -226,6 +226,57 @@ TEST(Pipeline, RegionsArePartsOfTheWholeAndTheirDigestsAddUpOnBrickBorders) {
   EXPECT_EQ(sum, Voxelize(mesh, grid, {}).totals.digest);
 }
 
+// What is left after each tile, alone or with the region of the first, on one thread and on three, is the stream's end.
+TEST(Pipeline, ResumesAfterAnyTileExactly) {
+  const TriangleMesh mesh = Sphere(30, 170);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
+  for (const auto& region : {std::optional<IndexBox>(), std::optional(IndexBox{{-90, -70, -200}, {150, 90, 40}})}) {
+    for (const Algorithm algorithm : {Algorithm::kExact, Algorithm::kIncremental}) {
+      const Result whole = Voxelize(mesh, grid, {.region = region, .algorithm = algorithm});
+      ASSERT_GT(whole.tiles.size(), 12U);
+      Digest delivered;
+      for (size_t n = 0; n < whole.tiles.size(); ++n) {
+        for (const Brick& brick : whole.tiles[n].bricks) delivered.Add(brick);
+        const Vec3i& tile = whole.tiles[n].tile_ijk;
+        const Result rest =
+            Voxelize(mesh, grid, {.region = region, .algorithm = algorithm, .resume_after = tile}, n % 2 == 0 ? 1 : 3);
+        ASSERT_EQ(rest.tiles.size(), whole.tiles.size() - n - 1);
+        EXPECT_EQ(rest.totals.tiles, rest.tiles.size());
+        for (size_t r = 0; r < rest.tiles.size(); ++r)
+          EXPECT_EQ(rest.tiles[r].tile_ijk, whole.tiles[n + 1 + r].tile_ijk);
+        Digest sum = delivered;
+        sum.Add(rest.totals.digest);
+        EXPECT_EQ(sum, whole.totals.digest);
+      }
+    }
+  }
+}
+
+TEST(Pipeline, ResumesAfterATileWithoutVoxels) {
+  const TriangleMesh mesh = Sphere(30, 170);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const Result whole = Voxelize(mesh, grid, {});
+  const auto last = std::find_if(whole.tiles.begin(), whole.tiles.end(), [](const TileBricks& tile) {
+    return Morton(tile.tile_ijk - Vec3i{-3, -3, -3}) > Morton(Vec3i{2, 2, 2});
+  });
+  const Result rest = Voxelize(mesh, grid, {.resume_after = Vec3i{-1, -1, -1}});  // in the sphere's hollow
+  ASSERT_EQ(rest.tiles.size(), static_cast<size_t>(whole.tiles.end() - last));
+  EXPECT_EQ(rest.tiles.front().tile_ijk, last->tile_ijk);
+}
+
+TEST(Pipeline, RefusesToResumeAfterATileOutsideOfTheIndexBox) {
+  const TriangleMesh mesh = Sphere(10, 20);
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  for (const Vec3i& tile : {Vec3i{1, 0, 0}, Vec3i{0, -2, 0}, Vec3i{INT32_MAX, INT32_MIN, 0}}) {
+    const auto job = VoxelizeJob::Create(mesh, grid, {.resume_after = tile});
+    ASSERT_FALSE(job.ok());
+    EXPECT_EQ(job.status().message().substr(0, 19), "resume_after: tile ");
+  }
+  EXPECT_FALSE(
+      VoxelizeJob::Create(mesh, grid, {.region = IndexBox{{1000, 0, 0}, {1001, 1, 1}}, .resume_after = Vec3i{0, 0, 0}})
+          .ok());
+}
+
 TEST(Pipeline, RegionWithoutSurfaceIsEmptyNotAnError) {
   const Result result = Voxelize(Sphere(10, 20), Unscaled(Lattice::Named(NamedLattice::kCartesian)),
                                  {.region = IndexBox{{1000000, 0, 0}, {1000001, 1, 1}}});
