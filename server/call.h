@@ -16,7 +16,7 @@ namespace latvox {
 // What all calls share. Must outlive them.
 struct CallEnvironment {
   const Limits& limits;
-  const MeshDecoder& decoder;
+  MeshDecoder& decoder;
   oneapi::tbb::task_arena& arena;
   CallRegistry& registry;
 };

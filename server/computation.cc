@@ -11,11 +11,15 @@ namespace {
 // A batch leaves when it is full, or this old: someone may be watching the progress.
 constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
 
+double MillisecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 // Adds the time of a scope to `sum`.
 class Stopwatch {
  public:
   explicit Stopwatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() { sum_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count(); }
+  ~Stopwatch() { sum_ += MillisecondsSince(start_); }
   Stopwatch(const Stopwatch&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;
 
@@ -26,7 +30,7 @@ class Stopwatch {
 
 }  // namespace
 
-Computation::Computation(JobSpec spec, std::string request_id, const MeshDecoder& decoder, const Limits& limits)
+Computation::Computation(JobSpec spec, std::string request_id, MeshDecoder& decoder, const Limits& limits)
     : spec_(std::move(spec)), request_id_(std::move(request_id)), decoder_(decoder), limits_(limits) {}
 
 absl::Status Computation::CheckCancelled() const {
@@ -35,38 +39,46 @@ absl::Status Computation::CheckCancelled() const {
 
 void Computation::Cancel() {
   cancelled_ = true;
-  // Either this sees the job, or CreateJob, which sets running_ first, sees cancelled_.
+  // Either this sees the decode or the job, or Decode or CreateJob, which set them first, see cancelled_.
   if (VoxelizeJob* job = running_) job->Cancel();
+  const std::lock_guard lock(decoding_mu_);
+  if (decoding_) decoding_->Cancel();
 }
 
-absl::Status Computation::CreateJob(MeshUpload upload) {
+void Computation::Decode(MeshUpload upload, std::function<void(const absl::Status&)> decoded) {
   mesh_bytes_ = upload.size();
   upload_ms_ = upload.milliseconds();
-  absl::StatusOr<DecodedMesh> decoded;
-  {
-    const Stopwatch stopwatch(facts_.decode_ms);
-    decoded = decoder_.Decode(std::move(upload).Join(), limits_);
-  }
-  if (!decoded.ok()) return decoded.status();
-  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
+  decode_began_ = Clock::now();
+  const std::lock_guard lock(decoding_mu_);
+  decoding_ = decoder_.Start(std::move(upload).Take(), limits_,
+                             [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
+                               facts_.decode_ms = MillisecondsSince(decode_began_);
+                               const absl::Status status = mesh.status();
+                               if (mesh.ok()) decoded_ = *std::move(mesh);
+                               decoded(status);
+                             });
+  if (cancelled_) decoding_->Cancel();
+}
 
+absl::Status Computation::CreateJob() {
   const Stopwatch stopwatch(facts_.voxelize_ms);
-  facts_.triangles = decoded->mesh.triangles.size();
-  source_ = {BoundsOf(decoded->mesh), decoded->quantization_bits};
+  DecodedMesh decoded = std::move(decoded_);
+  facts_.triangles = decoded.mesh.triangles.size();
+  source_ = {BoundsOf(decoded.mesh), decoded.quantization_bits};
   absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   grid_ = *std::move(grid);
-  auto job = VoxelizeJob::Create(std::move(decoded->mesh), *grid_, spec_.options);
+  auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, spec_.options);
   if (!job.ok()) return WithCauseOfCore(job.status());
   job_ = *std::move(job);
   running_ = job_.get();
   return CheckCancelled();
 }
 
-absl::Status Computation::Start(MeshUpload upload, const Deliver& deliver) {
+absl::Status Computation::Start(const Deliver& deliver) {
   return WithoutExceptions([&]() -> absl::Status {
     if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-    if (absl::Status status = CreateJob(std::move(upload)); !status.ok()) return status;
+    if (absl::Status status = CreateJob(); !status.ok()) return status;
     v1::VoxelizeResponse response;
     *response.mutable_accepted() = AcceptedToProto(request_id_, *grid_, job_->facts(), source_);
     deliver(std::move(response));
@@ -77,7 +89,7 @@ absl::Status Computation::Start(MeshUpload upload, const Deliver& deliver) {
 
 absl::StatusOr<bool> Computation::Advance(const Deliver& deliver) {
   return WithoutExceptions([&]() -> absl::StatusOr<bool> {
-    facts_.stream_ms += std::chrono::duration<double, std::milli>(Clock::now() - paused_at_).count();
+    facts_.stream_ms += MillisecondsSince(paused_at_);
     absl::StatusOr<bool> done = false;
     {
       const Stopwatch stopwatch(facts_.voxelize_ms);

@@ -1,4 +1,6 @@
 // One request's work after its upload: encoded mesh in, response messages out. Knows no gRPC.
+//
+//   Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
 #ifndef LATVOX_SERVER_COMPUTATION_H_
 #define LATVOX_SERVER_COMPUTATION_H_
 
@@ -6,6 +8,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -27,45 +30,53 @@ struct ComputationFacts {
   double stream_ms = 0;  // paused, waiting for the client
 };
 
-// Threads: Start and Advance must not run at the same time; Cancel may, always.
+// Threads: one step after the other; Cancel at any time, too.
 class Computation {
  public:
   // Takes a finished message; returns false to pause.
   using Deliver = std::function<bool(v1::VoxelizeResponse&&)>;
 
   // `decoder` and `limits` must outlive the computation.
-  Computation(JobSpec spec, std::string request_id, const MeshDecoder& decoder, const Limits& limits);
+  Computation(JobSpec spec, std::string request_id, MeshDecoder& decoder, const Limits& limits);
 
-  // Decodes the mesh and delivers Accepted. Once, before Advance. Errors: as the contract; CANCELLED after Cancel.
-  absl::Status Start(MeshUpload upload, const Deliver& deliver);
+  // Has the mesh decoded, and returns at once. `decoded` is called exactly once, as MeshDecoder::Done; the computation
+  // has to live until then. Errors: as there.
+  void Decode(MeshUpload upload, std::function<void(const absl::Status&)> decoded);
+
+  // Delivers Accepted. Once, after a decode that went well. Errors: as the contract; CANCELLED after Cancel.
+  absl::Status Start(const Deliver& deliver);
 
   // Delivers further BrickBatches until paused (false), or to the end, with Summary as the last message (true).
   // Errors: CANCELLED after Cancel, INTERNAL, RESOURCE_EXHAUSTED if memory runs out.
   absl::StatusOr<bool> Advance(const Deliver& deliver);
 
-  // Makes Start and Advance return soon; only a decode under way goes on to its end.
+  // Makes the step under way end soon.
   void Cancel();
 
   const JobSpec& spec() const { return spec_; }
-  // Not while Start or Advance runs.
+  // Not while a step is under way.
   const ComputationFacts& facts() const { return facts_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
   absl::Status CheckCancelled() const;
-  absl::Status CreateJob(MeshUpload upload);
+  absl::Status CreateJob();
   bool TakeTile(const TileBricks& tile, const Deliver& deliver);
   bool DeliverBatch(const Deliver& deliver);
   absl::Status DeliverSummary(const Deliver& deliver);
 
   const JobSpec spec_;
   const std::string request_id_;
-  const MeshDecoder& decoder_;
+  MeshDecoder& decoder_;
   const Limits& limits_;
 
   std::atomic<bool> cancelled_ = false;
-  std::atomic<VoxelizeJob*> running_ = nullptr;  // job_, for Cancel
+  std::mutex decoding_mu_;
+  std::shared_ptr<MeshDecoder::Decoding> decoding_;  // for Cancel; guarded by decoding_mu_
+  std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel
+  Clock::time_point decode_began_;
+  DecodedMesh decoded_;  // until Start
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;
   MeshSource source_;

@@ -122,7 +122,7 @@ absl::StatusOr<DecodedMesh> DecodeChecked(absl::string_view bytes, const Limits&
 
 }  // namespace
 
-absl::StatusOr<DecodedMesh> DracoDecoder::Decode(absl::string_view bytes, const Limits& limits) const {
+absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits) {
   try {
     return DecodeChecked(bytes, limits);
   } catch (const std::bad_alloc&) {

@@ -3,9 +3,11 @@
 #define LATVOX_SERVER_MESH_DECODER_H_
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 
 #include "absl/status/statusor.h"
-#include "absl/strings/string_view.h"
+#include "absl/strings/cord.h"
 #include "core/mesh/mesh.h"
 #include "server/limits.h"
 
@@ -16,18 +18,31 @@ struct DecodedMesh {
   uint32_t quantization_bits = 0;  // of POSITION; 0: not quantized
 };
 
-// Threads: Decode may run on many threads at once.
+// A decode can be interrupted only by ending whoever does it, and can not be bounded in memory from the header alone: a
+// hostile file within all limits can still make a codec allocate gigabytes. So an implementation decodes elsewhere, in
+// a process of its own, and a decode is started here and ends in a callback: nobody waits for it.
 //
-// A decode can neither be interrupted nor, from the header alone, be bounded in memory: a hostile file within all
-// limits can still make a codec allocate gigabytes. An implementation may therefore decode in a process of its own;
-// callers see only this interface.
+// Threads: all members, any thread, at the same time.
 class MeshDecoder {
  public:
+  // Takes the end of a decode. Runs on the decoder's thread, which serves all decodes: it must return soon.
+  // Errors: INVALID_ARGUMENT for bytes that are not one good mesh; RESOURCE_EXHAUSTED for a mesh over the limits, or
+  // over the memory or the time that a decode may take; CANCELLED after Cancel.
+  using Done = std::function<void(absl::StatusOr<DecodedMesh>)>;
+
+  // A decode that was started. Letting go of it does not cancel it.
+  class Decoding {
+   public:
+    virtual ~Decoding() = default;
+    // Ends the decode within a few milliseconds, unless it is over. Returns at once.
+    virtual void Cancel() = 0;
+  };
+
   virtual ~MeshDecoder() = default;
 
-  // Errors: INVALID_ARGUMENT for bytes that are not one good mesh; RESOURCE_EXHAUSTED for a mesh over `limits` or the
-  // memory there is.
-  virtual absl::StatusOr<DecodedMesh> Decode(absl::string_view bytes, const Limits& limits) const = 0;
+  // Returns at once, whatever the size: `bytes` are shared, not copied. `done` is called exactly once: not within Start
+  // or Cancel, so that both may be called under a lock that `done` takes, but maybe before Start has returned.
+  virtual std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Done done) = 0;
 };
 
 }  // namespace latvox

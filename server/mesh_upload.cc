@@ -38,15 +38,9 @@ absl::Status MeshUpload::CheckComplete() const {
   return absl::OkStatus();
 }
 
-std::string MeshUpload::Join() && {
-  std::vector<std::string> pieces = std::exchange(pieces_, {});
-  if (pieces.size() == 1) return std::move(pieces.front());
-  std::string all;
-  all.reserve(size_);
-  for (std::string& piece : pieces) {
-    all += piece;
-    std::string().swap(piece);
-  }
+absl::Cord MeshUpload::Take() && {
+  absl::Cord all;
+  for (std::string& piece : std::exchange(pieces_, {})) all.Append(std::move(piece));
   return all;
 }
 

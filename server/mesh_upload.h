@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/cord.h"
 
 namespace latvox {
 
@@ -23,8 +24,8 @@ class MeshUpload {
   // INVALID_ARGUMENT if less than the declared length, or nothing at all, has come.
   absl::Status CheckComplete() const;
 
-  // All bytes in one string; frees the pieces as it goes.
-  std::string Join() &&;
+  // All bytes. The pieces are handed over, not copied.
+  absl::Cord Take() &&;
 
   uint64_t size() const { return size_; }
 

@@ -16,8 +16,8 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/call_registry.h"
-#include "server/draco_decoder.h"
 #include "server/service.h"
+#include "server/thread_decoder.h"
 #include "server/unix_socket.h"
 
 namespace latvox {
@@ -68,7 +68,7 @@ class Server final : public VoxelServer {
   // workers.
   const oneapi::tbb::global_control parallelism_;
   oneapi::tbb::task_arena arena_;
-  const DracoDecoder decoder_;
+  ThreadDecoder decoder_;
   CallRegistry registry_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;

@@ -60,9 +60,20 @@ void VoxelizeReactor::FinishReading() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
-    computing_ = true;
+    decoding_ = true;
   }
-  Enqueue();
+  computation_->Decode(*std::exchange(upload_, std::nullopt),
+                       [self = shared_from_this()](const absl::Status& status) { self->OnDecoded(status); });
+}
+
+void VoxelizeReactor::OnDecoded(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mu_);
+    decoding_ = false;
+    if (!status.ok()) EndLocked(status);
+    paused_ = !ended_;  // for Proceed to go on
+  }
+  Proceed();
 }
 
 void VoxelizeReactor::Enqueue() {
@@ -87,9 +98,8 @@ void VoxelizeReactor::Compute() {
 
 absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
   const auto deliver = [this](v1::VoxelizeResponse&& response) { return Deliver(std::move(response)); };
-  if (upload_) {
-    absl::Status status = computation_->Start(*std::exchange(upload_, std::nullopt), deliver);
-    if (!status.ok()) return status;
+  if (!std::exchange(started_, true)) {
+    if (absl::Status status = computation_->Start(deliver); !status.ok()) return status;
   }
   return computation_->Advance(deliver);
 }
@@ -142,7 +152,7 @@ VoxelizeReactor::Step VoxelizeReactor::NextStep() {
   if (finishing_) return step;
   if (!status_.ok()) {
     outbox_.clear();
-    if (computing_ || writing_) return step;  // their ends lead here again
+    if (decoding_ || computing_ || writing_) return step;  // their ends lead here again
     finishing_ = true;
     step.send = Send::kStatus;
     return step;

@@ -24,12 +24,13 @@ namespace latvox {
 
 // Life of a call:
 //   reading    spec, then pieces of the mesh, checked as they come            callbacks of gRPC
+//   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
 //   computing  Computation::Start, then Advance again and again               tasks of the arena, one at a time
 //   paused     kCredit bytes wait to be written; no thread is held            until half of them are written
-//   ended      a status is decided; Finish follows once no task runs and no write is under way
+//   ended      a status is decided; Finish follows once no decode, task or write is under way
 //
 // Callbacks neither compute nor wait: mu_ is held for a few instructions only. One write at most is under way. The
-// object owns itself until OnDone; a task of the arena holds a share of its own.
+// object owns itself until OnDone; a decode and a task of the arena hold a share of their own.
 class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>,
                               public LiveCall,
                               public std::enable_shared_from_this<VoxelizeReactor> {
@@ -62,6 +63,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   absl::Status TakeRequest();
   absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
   void FinishReading();
+  void OnDecoded(const absl::Status& status);
   void Enqueue();
   void Compute();
   absl::StatusOr<bool> ComputeSome();
@@ -77,7 +79,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   const Clock::time_point began_ = Clock::now();
   std::shared_ptr<VoxelizeReactor> self_;
 
-  // Used by whoever reads, then by whoever computes.
+  // Used by whoever reads.
   v1::VoxelizeRequest request_;
   std::optional<MeshUpload> upload_;
   uint64_t bytes_in_ = 0;
@@ -91,7 +93,8 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   size_t unwritten_bytes_ = 0;  // of outbox_ and writing_message_
   size_t writing_bytes_ = 0;    // of writing_message_
   uint64_t bytes_out_ = 0;
-  bool writing_ = false, computing_ = false, paused_ = false;
+  bool decoding_ = false, computing_ = false, paused_ = false, writing_ = false;
+  bool started_ = false;    // Computation::Start has been called
   bool ended_ = false;      // status_ is decided; if it is OK, outbox_ still has to be written
   bool finishing_ = false;  // gRPC has been given the status: no operation may follow
   absl::Status status_;

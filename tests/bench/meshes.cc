@@ -130,7 +130,7 @@ absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (client::IsDracoFile(name)) {
     const auto bytes = client::ReadBytes(name);
     if (!bytes.ok()) return bytes.status();
-    auto decoded = DracoDecoder().Decode(*bytes, Limits());
+    auto decoded = DecodeDraco(*bytes, Limits());
     if (!decoded.ok()) return decoded.status();
     return std::move(decoded->mesh);
   }

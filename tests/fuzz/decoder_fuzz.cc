@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   limits.max_triangles = 10000;
   limits.max_vertices = 10000;
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const auto decoded = latvox::DracoDecoder().Decode(bytes, limits);
+  const auto decoded = latvox::DecodeDraco(bytes, limits);
   if (decoded.ok() && !latvox::Validate(decoded->mesh).ok()) std::abort();
   return 0;
 }

@@ -8,15 +8,14 @@
 
 #include <bit>
 #include <chrono>
-#include <condition_variable>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
@@ -29,7 +28,6 @@
 #include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/call_registry.h"
-#include "server/draco_decoder.h"
 #include "server/server.h"
 #include "server/service.h"
 #include "tests/unit/server_meshes.h"
@@ -569,36 +567,37 @@ TEST_F(ServerTest, ReplacesSocketsOfDeadServersOnlyAndRemovesItsOwn) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-// Decodes when it is told to.
-class GatedDecoder : public MeshDecoder {
+// Never comes to an end by itself; ends a cancelled decode when it is told to.
+class StuckDecoder : public MeshDecoder {
  public:
-  absl::StatusOr<DecodedMesh> Decode(absl::string_view bytes, const Limits& limits) const override {
-    std::unique_lock lock(mu_);
-    ++waiting_;
-    changed_.notify_all();
-    changed_.wait(lock, [this] { return open_; });
-    return DracoDecoder().Decode(bytes, limits);
+  std::shared_ptr<Decoding> Start(absl::Cord /*bytes*/, const Limits& /*limits*/, Done done) override {
+    auto decoding = std::make_shared<Stuck>();
+    done_ = std::move(done);
+    cancelled_ = decoding->cancelled.get_future();
+    started_.set_value();
+    return decoding;
   }
-  void AwaitDecode() {
-    std::unique_lock lock(mu_);
-    changed_.wait(lock, [this] { return waiting_ > 0; });
-  }
-  void Open() {
-    const std::lock_guard lock(mu_);
-    open_ = true;
-    changed_.notify_all();
-  }
+  void AwaitStart() { started_.get_future().wait(); }
+  void AwaitCancel() { cancelled_.wait(); }
+  void End() { done_(absl::CancelledError("the decode was cancelled")); }
 
  private:
-  mutable std::mutex mu_;
-  mutable std::condition_variable changed_;
-  mutable int waiting_ = 0;
-  bool open_ = false;
+  struct Stuck : Decoding {
+    void Cancel() override {
+      if (!std::exchange(told, true)) cancelled.set_value();
+    }
+    bool told = false;
+    std::promise<void> cancelled;
+  };
+
+  std::promise<void> started_;
+  std::future<void> cancelled_;
+  Done done_;
 };
 
 TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheServerAfterIt) {
   const Limits limits;
-  GatedDecoder decoder;
+  StuckDecoder decoder;
   oneapi::tbb::task_arena arena(1, 0);
   CallRegistry registry(limits.max_jobs);
   VoxelizerService service({limits, decoder, arena, registry});
@@ -609,11 +608,37 @@ TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheSe
 
   VoxelizeCall call(*stub);
   call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
-  decoder.AwaitDecode();
+  decoder.AwaitStart();
   call.context().TryCancel();
   EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::CANCELLED);
+  decoder.AwaitCancel();
   EXPECT_EQ(registry.size(), 1);
-  decoder.Open();
+  decoder.End();
+  EXPECT_TRUE(registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
+  server->Shutdown();
+}
+
+TEST(VoxelizerService, NoThreadOfTheArenaWaitsForADecode) {
+  const Limits limits;
+  StuckDecoder decoder;
+  oneapi::tbb::task_arena arena(1, 0);
+  CallRegistry registry(limits.max_jobs);
+  VoxelizerService service({limits, decoder, arena, registry});
+  grpc::ServerBuilder builder;
+  builder.RegisterService(&service);
+  const auto server = builder.BuildAndStart();
+  const auto stub = v1::Voxelizer::NewStub(server->InProcessChannel({}));
+
+  VoxelizeCall call(*stub);
+  call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
+  decoder.AwaitStart();
+  std::promise<void> other_task;
+  arena.enqueue([&] { other_task.set_value(); });
+  EXPECT_EQ(other_task.get_future().wait_for(kPatience), std::future_status::ready);
+  registry.StopAll();
+  decoder.AwaitCancel();
+  decoder.End();
+  EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_TRUE(registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
   server->Shutdown();
 }

@@ -1,4 +1,4 @@
-// Foreign bytes: what DracoDecoder accepts, and how it refuses the rest.
+// Foreign bytes: what DecodeDraco accepts, and how it refuses the rest.
 #include <draco/compression/decode.h>
 #include <draco/core/encoder_buffer.h>
 #include <draco/core/varint_encoding.h>
@@ -26,7 +26,7 @@ constexpr DracoMethod kMethods[] = {DracoMethod::kSequential, DracoMethod::kEdge
 constexpr size_t kHeaderBytes = 11;
 
 absl::StatusOr<DecodedMesh> Decode(absl::string_view bytes, const Limits& limits = {}) {
-  return DracoDecoder().Decode(bytes, limits);
+  return DecodeDraco(bytes, limits);
 }
 
 // Positions as Draco gives them out by itself, without any option.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <future>
 #include <limits>
 #include <memory>
 #include <string>
@@ -19,9 +20,9 @@
 #include "server/call_registry.h"
 #include "server/computation.h"
 #include "server/convert.h"
-#include "server/draco_decoder.h"
 #include "server/errors.h"
 #include "server/mesh_upload.h"
+#include "server/thread_decoder.h"
 #include "tests/unit/server_meshes.h"
 
 namespace latvox {
@@ -342,7 +343,7 @@ TEST(BrickBatcher, NeverTakesProgressBack) {
   }
 }
 
-TEST(MeshUpload, JoinsPiecesOfAnySize) {
+TEST(MeshUpload, HandsOverPiecesOfAnySizeInOrder) {
   std::string all;
   for (const size_t piece : {1u, 70000u, 5u, 65536u, 0u, 3u, 200000u}) {
     MeshUpload upload(0, 1 << 30);
@@ -353,7 +354,7 @@ TEST(MeshUpload, JoinsPiecesOfAnySize) {
       ASSERT_TRUE(upload.Append(std::move(bytes)).ok());
     }
     EXPECT_EQ(upload.size(), all.size());
-    EXPECT_EQ(std::move(upload).Join(), all);
+    EXPECT_EQ(std::string(std::move(upload).Take()), all);
   }
 }
 
@@ -374,19 +375,27 @@ TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
   EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
 }
 
+// Sends `bytes` through the computation's first step, and waits for its end.
+absl::Status Decode(Computation& computation, std::string bytes) {
+  MeshUpload upload(0, 1 << 30);
+  EXPECT_TRUE(upload.Append(std::move(bytes)).ok());
+  std::promise<absl::Status> decoded;
+  computation.Decode(std::move(upload), [&](const absl::Status& status) { decoded.set_value(status); });
+  return decoded.get_future().get();
+}
+
 // The bricks of every message, and the summary, of a computation that is paused after every `stride` messages.
 std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
-  const DracoDecoder decoder;
+  ThreadDecoder decoder;
   const Limits limits;
   Computation computation(spec, "id", decoder, limits);
-  MeshUpload upload(0, 1 << 30);
-  EXPECT_TRUE(upload.Append(EncodeDraco(Sphere(20), {})).ok());
+  EXPECT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
   std::vector<v1::VoxelizeResponse> messages;
   const auto deliver = [&](v1::VoxelizeResponse&& message) {
     messages.push_back(std::move(message));
     return static_cast<int>(messages.size()) % stride != 0;
   };
-  EXPECT_TRUE(computation.Start(std::move(upload), deliver).ok());
+  EXPECT_TRUE(computation.Start(deliver).ok());
   for (;;) {
     const absl::StatusOr<bool> done = computation.Advance(deliver);
     EXPECT_TRUE(done.ok()) << done.status();
@@ -408,32 +417,36 @@ TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
   EXPECT_THAT(digests, ::testing::Each(digests.front()));
 }
 
-TEST(Computation, IsCancelledBeforeItStartsAndBetweenItsSteps) {
-  const DracoDecoder decoder;
+TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
+  ThreadDecoder decoder;
   const Limits limits;
   const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
-  for (const bool before : {true, false}) {
+  for (const int steps : {0, 1, 2}) {
     Computation computation(*JobSpecFromProto(GoodSpec(), {}), "id", decoder, limits);
-    MeshUpload upload(0, 1 << 30);
-    ASSERT_TRUE(upload.Append(EncodeDraco(Sphere(20), {})).ok());
-    if (before) computation.Cancel();
-    const absl::Status started = computation.Start(std::move(upload), ignore);
-    EXPECT_EQ(started.code(), before ? absl::StatusCode::kCancelled : absl::StatusCode::kOk);
-    if (before) continue;
-    computation.Cancel();
-    EXPECT_EQ(computation.Advance(ignore).status().code(), absl::StatusCode::kCancelled);
+    if (steps == 0) computation.Cancel();
+    absl::Status status = Decode(computation, EncodeDraco(Sphere(20), {}));
+    if (steps > 0) {
+      ASSERT_TRUE(status.ok()) << status;
+      if (steps == 1) computation.Cancel();
+      status = computation.Start(ignore);
+    }
+    if (steps > 1) {
+      ASSERT_TRUE(status.ok()) << status;
+      computation.Cancel();
+      status = computation.Advance(ignore).status();
+    }
+    EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << steps;
   }
 }
 
 TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
-  const DracoDecoder decoder;
+  ThreadDecoder decoder;
   const Limits limits;
   v1::VoxelizeSpec proto = GoodSpec();
   proto.set_voxel_size(1e-6);
   Computation computation(*JobSpecFromProto(proto, {}), "id", decoder, limits);
-  MeshUpload upload(0, 1 << 30);
-  ASSERT_TRUE(upload.Append(EncodeDraco(Sphere(20), {})).ok());
-  const absl::Status status = computation.Start(std::move(upload), [](v1::VoxelizeResponse&&) { return true; });
+  ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
+  const absl::Status status = computation.Start([](v1::VoxelizeResponse&&) { return true; });
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   const google::rpc::ErrorInfo info = ErrorInfoOf(ToGrpcStatus(status));
   EXPECT_EQ(info.reason(), "BAD_SPEC");

@@ -1,0 +1,46 @@
+// Decoding in this process, on a thread for each decode: no protection from what the bytes make a codec do.
+#ifndef LATVOX_SERVER_THREAD_DECODER_H_
+#define LATVOX_SERVER_THREAD_DECODER_H_
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/draco_decoder.h"
+#include "server/mesh_decoder.h"
+
+namespace latvox {
+
+class ThreadDecoder : public MeshDecoder {
+ public:
+  ~ThreadDecoder() override {
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Done done) override {
+    auto decoding = std::make_shared<Flag>();
+    const std::lock_guard lock(mu_);
+    threads_.emplace_back([decoding, bytes = std::string(bytes), limits, done = std::move(done)] {
+      auto mesh = DecodeDraco(bytes, limits);
+      done(decoding->cancelled ? absl::CancelledError("the decode was cancelled") : std::move(mesh));
+    });
+    return decoding;
+  }
+
+ private:
+  struct Flag : Decoding {
+    void Cancel() override { cancelled = true; }
+    std::atomic<bool> cancelled = false;
+  };
+
+  std::mutex mu_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_THREAD_DECODER_H_
