@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
 
@@ -20,6 +21,20 @@ absl::Status CancellationOf(const grpc::CallbackServerContext& context) {
   const bool late = context.deadline() <= std::chrono::system_clock::now();
   return late ? absl::DeadlineExceededError("the client's deadline has passed")
               : absl::CancelledError("the client cancelled the call, or is gone");
+}
+
+absl::Status StalledClient(absl::Duration patience) {
+  return WithRetry(
+      MakeError(absl::StatusCode::kUnavailable,
+                absl::StrCat("the client has neither sent nor taken anything for ", absl::FormatDuration(patience)),
+                {"CLIENT_STALLED", "", "", absl::FormatDuration(patience)}),
+      absl::ZeroDuration());
+}
+
+// gRPC writes ipv4:192.0.2.1:50151, ipv6:%5B2001:db8::1%5D:50151, unix:PATH or unix:.
+std::string ClientOf(const grpc::CallbackServerContext& context) {
+  const std::string peer = context.peer();
+  return absl::StartsWith(peer, "unix") ? peer : peer.substr(0, peer.rfind(':'));
 }
 
 }  // namespace latvox

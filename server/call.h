@@ -4,22 +4,14 @@
 
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/status.h>
-#include <oneapi/tbb/task_arena.h>
+
+#include <mutex>
+#include <string>
 
 #include "absl/status/status.h"
-#include "server/call_registry.h"
-#include "server/limits.h"
-#include "server/mesh_decoder.h"
+#include "absl/time/time.h"
 
 namespace latvox {
-
-// What all calls share. Must outlive them.
-struct CallEnvironment {
-  const Limits& limits;
-  MeshDecoder& decoder;
-  oneapi::tbb::task_arena& arena;
-  CallRegistry& registry;
-};
 
 // The status as it is sent. For one that is not OK, before it is sent: a client that retries by itself is told when to,
 // or (-1) that it is of no use.
@@ -27,6 +19,32 @@ grpc::Status StatusForClient(const absl::Status& status, grpc::CallbackServerCon
 
 // Why gRPC has cancelled the call.
 absl::Status CancellationOf(const grpc::CallbackServerContext& context);
+
+// Why a call ends whose client has neither sent nor taken anything for `patience`.
+absl::Status StalledClient(absl::Duration patience);
+
+// Whose share the call takes: the peer's network address, without the port.
+std::string ClientOf(const grpc::CallbackServerContext& context);
+
+// Cancels a call from a thread that does not know whether it is over. Not on gRPC's threads.
+class CallCanceller {
+ public:
+  explicit CallCanceller(grpc::CallbackServerContext& context) : context_(context) {}
+  void Cancel() {
+    const std::lock_guard lock(mu_);
+    if (!over_) context_.TryCancel();
+  }
+  // At the beginning of OnDone, after which the context is gone.
+  void Over() {
+    const std::lock_guard lock(mu_);
+    over_ = true;
+  }
+
+ private:
+  grpc::CallbackServerContext& context_;
+  std::mutex mu_;
+  bool over_ = false;
+};
 
 }  // namespace latvox
 

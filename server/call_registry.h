@@ -1,4 +1,4 @@
-// The calls in progress: admission before work starts, and the drain when the server stops.
+// The calls in progress: admission before work starts, whose turn it is, and the drain when the server stops.
 #ifndef LATVOX_SERVER_CALL_REGISTRY_H_
 #define LATVOX_SERVER_CALL_REGISTRY_H_
 
@@ -6,8 +6,9 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <unordered_map>
-#include <unordered_set>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
@@ -19,16 +20,32 @@ class LiveCall {
   virtual ~LiveCall() = default;
   // Ends the call early with `status`. Returns at once; the call leaves the registry when it is over.
   virtual void Stop(const absl::Status& status) = 0;
+  // The turn that the call has waited for has come. Returns at once.
+  virtual void Work() = 0;
+  // Comes now and then. Ends the call if its client has neither sent nor taken anything for `patience`.
+  virtual void EndIfStalled(absl::Duration patience) = 0;
 };
 
-// Thread-safe.
+struct CallLimits {
+  uint32_t max_jobs = 0;             // at work at once
+  uint32_t max_queued_jobs = 0;      // that receive their input, or wait for their turn
+  uint32_t max_jobs_per_client = 0;  // either, of one client
+};
+
+// Thread-safe. A call is admitted, receives its input, waits for its turn, works, and vacates its place. Turns are
+// given to the client that has the fewest calls at work, and of its calls, and among equals, to the one that waits
+// longest.
 class CallRegistry {
  public:
-  explicit CallRegistry(uint32_t max_jobs) : max_jobs_(max_jobs) {}
+  explicit CallRegistry(const CallLimits& limits) : limits_(limits) {}
 
-  // Takes a share in `call` until Remove. Errors, both with a retry delay: RESOURCE_EXHAUSTED if max_jobs calls are in
-  // progress, UNAVAILABLE after Close.
-  absl::Status Admit(std::shared_ptr<LiveCall> call);
+  // Takes a share in `call`, which is `client`'s, until Remove. Errors, all with a retry delay: RESOURCE_EXHAUSTED if
+  // there are too many calls, or too many of this client; UNAVAILABLE after Close.
+  //   max_jobs_of_client   of this very client, if it is less than that of all; 0: it is not
+  absl::Status Admit(std::shared_ptr<LiveCall> call, const std::string& client, uint32_t max_jobs_of_client = 0);
+
+  // The call is ready to work: has Work() called once its turn has come, which may be at once. Once for each call.
+  void AwaitTurn(const LiveCall* call);
 
   // The call's work is over and only its status has to reach the client: its place is free. Before the client can know
   // the status, so that one which runs max_jobs calls at a time is never refused.
@@ -37,24 +54,51 @@ class CallRegistry {
   // The call is over. Does nothing for a call that was not admitted.
   void Remove(const LiveCall* call);
 
-  // Admits no more calls.
+  // Admits no more calls, and stops those that wait for their turn, now or later.
   void Close();
 
   // Stops all calls, as UNAVAILABLE with a retry delay.
   void StopAll();
 
+  void EndStalled(absl::Duration patience);
+
   // Blocks until no call is in progress, or for `timeout`; returns whether none is. Not for gRPC's threads.
   bool WaitUntilEmpty(absl::Duration timeout);
 
+  // Calls in progress; of these, at work; and before it.
   size_t size() const;
+  size_t working() const;
+  size_t queued() const;
 
  private:
-  const uint32_t max_jobs_;
+  enum class State { kReceiving, kWaiting, kWorking, kVacated };
+  struct Entry {
+    std::shared_ptr<LiveCall> call;
+    std::string client;
+    State state = State::kReceiving;
+    uint64_t ticket = 0;  // the order of waiting
+  };
+  struct Client {
+    uint32_t jobs = 0, working = 0;
+  };
+  using Calls = std::vector<std::shared_ptr<LiveCall>>;
+
+  absl::Status CheckRoom(const std::string& client, uint32_t max_jobs_of_client) const;
+  void VacateLocked(Entry& entry);
+  std::shared_ptr<LiveCall> NextTurnLocked();
+  void GiveTurns();
+  void StopWaitingIfClosed();
+  template <class F>
+  Calls Select(const F& wanted) const;
+
+  const CallLimits limits_;
   mutable std::mutex mu_;
   std::condition_variable empty_;
   // All below is guarded by mu_.
-  std::unordered_map<const LiveCall*, std::shared_ptr<LiveCall>> calls_;
-  std::unordered_set<const LiveCall*> jobs_;  // those of calls_ that have not vacated their place
+  std::unordered_map<const LiveCall*, Entry> calls_;
+  std::unordered_map<std::string, Client> clients_;  // those that have jobs
+  uint32_t working_ = 0, queued_ = 0;
+  uint64_t tickets_ = 0;
   bool closed_ = false;
 };
 

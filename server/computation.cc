@@ -1,7 +1,12 @@
 #include "server/computation.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/tile/tile_order.h"
+#include "core/voxelizer/estimate.h"
 #include "server/errors.h"
 #include "server/exceptions.h"
 
@@ -13,6 +18,31 @@ constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
 
 double MillisecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// How long a computation goes on while others wait.
+constexpr auto kSlice = std::chrono::milliseconds(20);
+
+// What a job takes, bytes. Of the stream, the reactor's credit and what gRPC and the kernel hold for a slow client; of
+// the threads, what they scan with; of the mesh, its arrays and the job's, as measured, and half as much again.
+constexpr uint64_t kJobBytes = (uint64_t{8} << 20) + (uint64_t{8} << 20);
+constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
+// Of sets that are kept: a brick, in a vector and an index that double as they grow; and where bricks are not counted
+// beforehand, a voxel, of which a surface has at least ten in a brick.
+constexpr uint64_t kBytesPerKeptBrick = 250;
+constexpr double kBytesPerKeptVoxel = 25;
+
+// Whether a job takes more than some 50 ms of a core, at 50 ns a triangle and 15 ns a voxel.
+bool LastsLong(uint64_t triangles, double voxels) { return static_cast<double>(triangles) * 50 + voxels * 15 > 50e6; }
+
+absl::Status BadResumePoint(const Vec3i& tile_ijk) {
+  const std::string tile = absl::StrJoin(tile_ijk, ",");
+  return BadSpec(absl::StrCat("resume_after: tile ", tile, " does not meet the index box"), "resume_after", tile);
+}
+
+absl::Status UnknownMesh() {
+  return MakeError(absl::StatusCode::kNotFound, "mesh_sha256: the server does not have this mesh",
+                   {"MESH_NOT_FOUND", "mesh_sha256", "", ""});
 }
 
 // Adds the time of a scope to `sum`.
@@ -30,8 +60,11 @@ class Stopwatch {
 
 }  // namespace
 
-Computation::Computation(JobSpec spec, std::string request_id, MeshDecoder& decoder, const Limits& limits)
-    : spec_(std::move(spec)), request_id_(std::move(request_id)), decoder_(decoder), limits_(limits) {}
+Computation::Computation(JobSpec spec, std::string request_id, const CallEnvironment& environment)
+    : spec_(std::move(spec)),
+      request_id_(std::move(request_id)),
+      environment_(environment),
+      memory_(environment.memory) {}
 
 absl::Status Computation::CheckCancelled() const {
   return cancelled_ ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
@@ -45,19 +78,59 @@ void Computation::Cancel() {
   if (decoding_) decoding_->Cancel();
 }
 
-void Computation::Decode(MeshUpload upload, std::function<void(const absl::Status&)> decoded) {
-  mesh_bytes_ = upload.size();
-  upload_ms_ = upload.milliseconds();
+absl::Status Computation::Receive(uint64_t bytes) { return memory_.Grow(bytes); }
+
+absl::Status Computation::TakeMesh(MeshUpload upload) {
+  return WithoutExceptions([&]() -> absl::Status {
+    mesh_bytes_ = upload.size();
+    upload_ms_ = upload.milliseconds();
+    mesh_ = std::move(upload).Take();
+    if (!spec_.mesh_digest) return absl::OkStatus();
+    if (mesh_.empty()) {
+      std::optional<absl::Cord> kept = environment_.meshes.Find(*spec_.mesh_digest);
+      if (!kept) return UnknownMesh();
+      mesh_ = *std::move(kept);
+      mesh_bytes_ = mesh_.size();
+      if (spec_.mesh_bytes == 0 || spec_.mesh_bytes == mesh_bytes_) return absl::OkStatus();
+      return BadSpec(absl::StrCat("mesh_bytes ", spec_.mesh_bytes, " was declared, but the mesh has ", mesh_bytes_),
+                     "mesh_bytes", absl::StrCat(spec_.mesh_bytes), absl::StrCat(mesh_bytes_));
+    }
+    if (DigestOf(mesh_) != *spec_.mesh_digest) return WrongMeshDigest();
+    environment_.meshes.Put(*spec_.mesh_digest, mesh_);
+    return absl::OkStatus();
+  });
+}
+
+void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
-  decoding_ = decoder_.Start(std::move(upload).Take(), limits_,
-                             [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
-                               facts_.decode_ms = MillisecondsSince(decode_began_);
-                               const absl::Status status = mesh.status();
-                               if (mesh.ok()) decoded_ = *std::move(mesh);
-                               decoded(status);
-                             });
+  decoding_ = environment_.decoder.Start(std::exchange(mesh_, {}), environment_.limits,
+                                         [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
+                                           facts_.decode_ms = MillisecondsSince(decode_began_);
+                                           decoded(TakeDecoded(std::move(mesh)));
+                                         });
   if (cancelled_) decoding_->Cancel();
+}
+
+absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
+  if (!mesh.ok()) return mesh.status();
+  const uint64_t triangles = mesh->mesh.triangles.size(), vertices = mesh->mesh.vertices.size();
+  decoded_ = *std::move(mesh);
+  large_ = LastsLong(triangles, 0);
+  job_bytes_ = kJobBytes + triangles * kBytesPerTriangle + vertices * kBytesPerVertex;
+  memory_.Shrink(0);  // the encoded mesh's
+  return memory_.Grow(job_bytes_);
+}
+
+absl::Status Computation::TakeEstimate(double voxels) {
+  const uint64_t limit = environment_.limits.max_voxels;
+  if (voxels > static_cast<double>(limit)) {
+    return LimitExceeded("voxels (estimated)", static_cast<uint64_t>(std::min(voxels, 1e19)), limit);
+  }
+  large_ = LastsLong(facts_.triangles, voxels);
+  if (spec_.options.algorithm == Algorithm::kExact) return absl::OkStatus();
+  job_bytes_ += static_cast<uint64_t>(voxels * kBytesPerKeptVoxel);
+  return memory_.Grow(job_bytes_);
 }
 
 absl::Status Computation::CreateJob() {
@@ -68,10 +141,17 @@ absl::Status Computation::CreateJob() {
   absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   grid_ = *std::move(grid);
-  auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, spec_.options);
+  const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
+  VoxelizeOptions options = spec_.options;
+  if (spec_.verify) options.resume_after.reset();  // all is to be verified
+  auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options);
   if (!job.ok()) return WithCauseOfCore(job.status());
   job_ = *std::move(job);
   running_ = job_.get();
+  if (absl::Status status = TakeEstimate(voxels); !status.ok()) return status;
+  if (spec_.options.resume_after && !job_->facts().HasTile(*spec_.options.resume_after)) {
+    return BadResumePoint(*spec_.options.resume_after);
+  }
   return CheckCancelled();
 }
 
@@ -87,17 +167,22 @@ absl::Status Computation::Start(const Deliver& deliver) {
   });
 }
 
-absl::StatusOr<bool> Computation::Advance(const Deliver& deliver) {
+absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::function<bool()>& make_way) {
   return WithoutExceptions([&]() -> absl::StatusOr<bool> {
     facts_.stream_ms += MillisecondsSince(paused_at_);
     absl::StatusOr<bool> done = false;
     {
       const Stopwatch stopwatch(facts_.voxelize_ms);
-      done = job_->Advance([&](TileBricks&& tile) { return TakeTile(tile, deliver); });
+      const Clock::time_point slice_end = Clock::now() + kSlice;
+      done = job_->Advance([&](TileBricks&& tile) {
+        const bool more = TakeTile(tile, deliver);
+        return more && (Clock::now() < slice_end || !make_way());
+      });
     }
     if (!done.ok()) return done;
-    facts_.voxels = job_->totals().voxels;
-    facts_.bricks = job_->totals().bricks;
+    if (!failure_.ok()) return failure_;
+    facts_.voxels = totals().voxels;
+    facts_.bricks = totals().bricks;
     paused_at_ = Clock::now();
     if (!*done) return false;
     if (absl::Status status = DeliverSummary(deliver); !status.ok()) return status;
@@ -105,12 +190,30 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver) {
   });
 }
 
+// Of what is delivered.
+const JobTotals& Computation::totals() const { return DeliversTheEndOnly() ? delivered_ : job_->totals(); }
+
+bool Computation::DeliversTheEndOnly() const { return spec_.verify && spec_.options.resume_after; }
+
 bool Computation::TakeTile(const TileBricks& tile, const Deliver& deliver) {
+  if (!failure_.ok()) return false;
   if (spec_.verify) {
-    for (const Brick& brick : tile.bricks) voxels_.Add(brick);
+    failure_ = KeepForVerification(tile);
+    if (!failure_.ok()) return false;
+  }
+  if (DeliversTheEndOnly()) {
+    if (!ComesBefore(*spec_.options.resume_after, tile.tile_ijk, job_->facts().first_tile_ijk)) return true;
+    delivered_.Add(tile);
   }
   batcher_.Add(tile);
   return batcher_.full() || Clock::now() - last_delivery_ > kMaxBatchAge ? DeliverBatch(deliver) : true;
+}
+
+absl::Status Computation::KeepForVerification(const TileBricks& tile) {
+  kept_bytes_ += tile.bricks.size() * kBytesPerKeptBrick;
+  if (absl::Status status = memory_.Grow(job_bytes_ + kept_bytes_); !status.ok()) return status;
+  for (const Brick& brick : tile.bricks) voxels_.Add(brick);
+  return absl::OkStatus();
 }
 
 bool Computation::DeliverBatch(const Deliver& deliver) {
@@ -129,13 +232,12 @@ absl::Status Computation::DeliverSummary(const Deliver& deliver) {
     if (!verified.ok()) return verified.status();
     verdict = *verified;
   }
-  const JobTotals& totals = job_->totals();
   v1::VoxelizeResponse response;
   v1::Summary& summary = *response.mutable_summary();
-  summary.set_voxels(totals.voxels);
-  summary.set_bricks(totals.bricks);
-  summary.set_tiles(totals.tiles);
-  *summary.mutable_certificate() = CertificateToProto(spec_, job_->facts(), source_, totals.digest, verdict);
+  summary.set_voxels(totals().voxels);
+  summary.set_bricks(totals().bricks);
+  summary.set_tiles(totals().tiles);
+  *summary.mutable_certificate() = CertificateToProto(spec_, job_->facts(), source_, totals().digest, verdict);
   v1::Timings& timings = *summary.mutable_timings();
   timings.set_upload_ms(upload_ms_);
   timings.set_decode_ms(facts_.decode_ms);

@@ -1,6 +1,6 @@
 // One request's work after its upload: encoded mesh in, response messages out. Knows no gRPC.
 //
-//   Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
+//   Receive … ──▶ TakeMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
 #ifndef LATVOX_SERVER_COMPUTATION_H_
 #define LATVOX_SERVER_COMPUTATION_H_
 
@@ -17,7 +17,9 @@
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/brick_batch.h"
+#include "server/call_environment.h"
 #include "server/convert.h"
+#include "server/memory_budget.h"
 #include "server/mesh_decoder.h"
 #include "server/mesh_upload.h"
 
@@ -36,19 +38,30 @@ class Computation {
   // Takes a finished message; returns false to pause.
   using Deliver = std::function<bool(v1::VoxelizeResponse&&)>;
 
-  // `decoder` and `limits` must outlive the computation.
-  Computation(JobSpec spec, std::string request_id, MeshDecoder& decoder, const Limits& limits);
+  Computation(JobSpec spec, std::string request_id, const CallEnvironment& environment);
+
+  // Reserves memory for an upload of so many bytes, altogether. Cheap enough for a gRPC callback. Errors: as
+  // MemoryReservation::Grow.
+  absl::Status Receive(uint64_t bytes);
+
+  // Holds what came against the digest, if the request has one, and keeps it; or finds what was kept if nothing came.
+  // Once. Errors: INVALID_ARGUMENT; NOT_FOUND if there is no such mesh.
+  absl::Status TakeMesh(MeshUpload upload);
 
   // Has the mesh decoded, and returns at once. `decoded` is called exactly once, as MeshDecoder::Done; the computation
-  // has to live until then. Errors: as there.
-  void Decode(MeshUpload upload, std::function<void(const absl::Status&)> decoded);
+  // has to live until then. Once. Errors: as there.
+  void Decode(std::function<void(const absl::Status&)> decoded);
+
+  // Whether what follows will take long. After a decode that went well.
+  bool IsLarge() const { return large_; }
 
   // Delivers Accepted. Once, after a decode that went well. Errors: as the contract; CANCELLED after Cancel.
   absl::Status Start(const Deliver& deliver);
 
-  // Delivers further BrickBatches until paused (false), or to the end, with Summary as the last message (true).
+  // Delivers further BrickBatches until paused (false), or to the end, with Summary as the last message (true). Pauses
+  // by itself after some milliseconds if `make_way` says that others wait.
   // Errors: CANCELLED after Cancel, INTERNAL, RESOURCE_EXHAUSTED if memory runs out.
-  absl::StatusOr<bool> Advance(const Deliver& deliver);
+  absl::StatusOr<bool> Advance(const Deliver& deliver, const std::function<bool()>& make_way);
 
   // Makes the step under way end soon.
   void Cancel();
@@ -61,26 +74,36 @@ class Computation {
   using Clock = std::chrono::steady_clock;
 
   absl::Status CheckCancelled() const;
+  absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
+  absl::Status TakeEstimate(double voxels);
   absl::Status CreateJob();
   bool TakeTile(const TileBricks& tile, const Deliver& deliver);
+  bool DeliversTheEndOnly() const;
+  const JobTotals& totals() const;
+  absl::Status KeepForVerification(const TileBricks& tile);
   bool DeliverBatch(const Deliver& deliver);
   absl::Status DeliverSummary(const Deliver& deliver);
 
   const JobSpec spec_;
   const std::string request_id_;
-  MeshDecoder& decoder_;
-  const Limits& limits_;
+  const CallEnvironment environment_;
+  MemoryReservation memory_;
 
   std::atomic<bool> cancelled_ = false;
   std::mutex decoding_mu_;
   std::shared_ptr<MeshDecoder::Decoding> decoding_;  // for Cancel; guarded by decoding_mu_
   std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel
   Clock::time_point decode_began_;
+  absl::Cord mesh_;      // encoded, until it is decoded
   DecodedMesh decoded_;  // until Start
+  bool large_ = false;
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;
   MeshSource source_;
-  VoxelSet voxels_;  // of the whole result, if it is to be verified
+  VoxelSet voxels_;                          // of the whole result, if it is to be verified
+  JobTotals delivered_;                      // of a result of which only the end is wanted, but all is to be verified
+  uint64_t job_bytes_ = 0, kept_bytes_ = 0;  // of memory_, by what they are for
+  absl::Status failure_;                     // of the sink
   BrickBatcher batcher_;
   uint64_t mesh_bytes_ = 0;
   double upload_ms_ = 0;

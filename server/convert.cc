@@ -135,6 +135,7 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
     if (absl::Status status = CheckRegion(*options.region); !status.ok()) return status;
     if (spec.verify()) return BadSpec("verify: not together with region", "verify", "true");
   }
+  if (spec.has_resume_after()) options.resume_after = FromProto(spec.resume_after());
   return options;
 }
 
@@ -188,7 +189,13 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
     origin = FromProto(spec.origin());
     if (absl::Status status = CheckOrigin(*origin); !status.ok()) return status;
   }
-  return JobSpec{*std::move(lattice), *density, origin, *options, spec.verify(), spec.mesh_bytes()};
+  JobSpec job{*std::move(lattice), *density, origin, *options, spec.verify(), spec.mesh_bytes()};
+  if (!spec.mesh_sha256().empty()) {
+    const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
+    if (!digest.ok()) return digest.status();
+    job.mesh_digest = *digest;
+  }
+  return job;
 }
 
 v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, const JobFacts& facts,
@@ -243,6 +250,11 @@ v1::GetLimitsResponse LimitsToProto(const Limits& limits) {
   response.set_max_points(limits.max_points());
   response.set_max_crossings(limits.max_crossings());
   response.set_max_pixels(limits.max_pixels());
+  response.set_max_queued_jobs(limits.max_queued_jobs);
+  response.set_max_jobs_per_client(limits.max_jobs_per_client);
+  response.set_memory_budget_bytes(limits.memory_budget_bytes);
+  response.set_mesh_store_bytes(limits.mesh_store_bytes);
+  response.set_max_voxels(limits.max_voxels);
   return response;
 }
 

@@ -10,6 +10,7 @@
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/limits.h"
+#include "server/mesh_store.h"
 
 namespace latvox {
 
@@ -21,6 +22,7 @@ struct JobSpec {
   VoxelizeOptions options;
   bool verify = false;
   uint64_t mesh_bytes = 0;  // declared length of the encoded mesh; 0: unknown
+  std::optional<MeshDigest> mesh_digest = std::nullopt;
 };
 
 // Checks everything that can be checked without the mesh. Errors: INVALID_ARGUMENT, and RESOURCE_EXHAUSTED for

@@ -36,6 +36,8 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
       return grpc::StatusCode::CANCELLED;
     case absl::StatusCode::kDeadlineExceeded:
       return grpc::StatusCode::DEADLINE_EXCEEDED;
+    case absl::StatusCode::kNotFound:
+      return grpc::StatusCode::NOT_FOUND;
     case absl::StatusCode::kUnavailable:
       return grpc::StatusCode::UNAVAILABLE;
     default:

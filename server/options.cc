@@ -63,7 +63,14 @@ void AddLimits(CLI::App& app, Limits& limits) {
   AddBytes(app, "--max-mesh-bytes", limits.max_mesh_bytes, "Largest encoded mesh, as 1073741824 or 1GiB");
   Add(app, "--max-triangles", limits.max_triangles, "Most triangles in a mesh")->check(AtLeastOne());
   Add(app, "--max-vertices", limits.max_vertices, "Most points in a mesh")->check(AtLeastOne());
-  Add(app, "--max-jobs", limits.max_jobs, "Most jobs at once")->check(AtLeastOne());
+  Add(app, "--max-jobs", limits.max_jobs, "Most jobs at work at once")->check(AtLeastOne());
+  Add(app, "--max-queued-jobs", limits.max_queued_jobs, "Most jobs that send their input or wait for their turn");
+  Add(app, "--max-jobs-per-client", limits.max_jobs_per_client, "Most jobs of one client, at work or queued")
+      ->check(AtLeastOne());
+  Add(app, "--max-voxels", limits.max_voxels, "Most voxels in one job, estimated from the area of its surface")
+      ->check(AtLeastOne());
+  AddBytes(app, "--mesh-store-bytes", limits.mesh_store_bytes,
+           "Encoded meshes that are kept for later requests, at most an eighth of the memory budget");
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 
@@ -83,6 +90,13 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
       ->default_str("best")
       ->check(CLI::IsMember(std::vector<std::string>{"scalar", "avx2", "avx512", "best"}));
   AddLimits(app, options.server.limits);
+  app.add_option("--memory-budget", options.server.memory_bytes,
+                 "Memory of the process but for its decoders, as 4GiB; 0: three quarters of what there is")
+      ->envname("LATVOX_MEMORY_BUDGET")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("0");
+  AddSeconds(app, "--stall-timeout", 1, options.server.stall_timeout,
+             "Time after which a client that neither sends nor takes anything is given up");
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");

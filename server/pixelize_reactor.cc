@@ -10,6 +10,7 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
                                  v1::PixelizeResponse& response, std::string request_id,
                                  const CallEnvironment& environment)
     : context_(context),
+      canceller_(context),
       request_(request),
       response_(response),
       environment_(environment),
@@ -19,13 +20,20 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
 
 void PixelizeReactor::Begin() {
   self_ = shared_from_this();
-  if (absl::Status status = environment_.registry.Admit(self_); !status.ok()) return End(status);
+  if (absl::Status status = environment_.registry.Admit(self_, ClientOf(context_)); !status.ok()) {
+    return End(status);
+  }
+  environment_.registry.AwaitTurn(this);
+}
+
+void PixelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (finishing_) return;
+    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
     computing_ = true;
   }
-  environment_.arena.enqueue([self = shared_from_this()] { self->Compute(); });
+  environment_.quick.Enqueue([self = shared_from_this()] { self->Compute(); });
 }
 
 void PixelizeReactor::Compute() {
@@ -40,6 +48,7 @@ void PixelizeReactor::Compute() {
     const std::lock_guard lock(mu_);
     computing_ = false;
     finishing_ = true;
+    finished_ = Clock::now();
     if (status_.ok()) status_ = computed;
   }
   SendStatus();
@@ -54,8 +63,18 @@ void PixelizeReactor::End(const absl::Status& status) {
     cancelled_ = true;
     if (computing_) return;
     finishing_ = true;
+    finished_ = Clock::now();
   }
   SendStatus();
+}
+
+// The request came as a whole; what a client may leave is the answer.
+void PixelizeReactor::EndIfStalled(absl::Duration patience) {
+  {
+    const std::lock_guard lock(mu_);
+    if (!finishing_ || absl::FromChrono(Clock::now() - finished_) < patience) return;
+  }
+  canceller_.Cancel();
 }
 
 void PixelizeReactor::SendStatus() {
@@ -64,6 +83,7 @@ void PixelizeReactor::SendStatus() {
 }
 
 void PixelizeReactor::OnDone() {
+  canceller_.Over();
   RequestRecord record;
   record.request_id = request_id_;
   record.peer = peer_;
@@ -73,6 +93,7 @@ void PixelizeReactor::OnDone() {
   record.work = facts_;
   record.bytes_in = bytes_in_;
   record.bytes_out = status_.ok() ? bytes_out_ : 0;
+  record.queue_ms = queue_ms_;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
   environment_.registry.Remove(this);

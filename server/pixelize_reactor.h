@@ -15,7 +15,9 @@
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/call.h"
+#include "server/call_environment.h"
 #include "server/call_registry.h"
+#include "server/lane.h"
 #include "server/pixelization.h"
 
 namespace latvox {
@@ -38,6 +40,8 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
   void OnDone() override;
 
   void Stop(const absl::Status& status) override { End(status); }
+  void Work() override;
+  void EndIfStalled(absl::Duration patience) override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -47,6 +51,7 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
   void SendStatus();
 
   grpc::CallbackServerContext& context_;
+  CallCanceller canceller_;
   const v1::PixelizeRequest& request_;
   v1::PixelizeResponse& response_;
   const CallEnvironment environment_;
@@ -62,6 +67,8 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
   std::atomic<bool> cancelled_ = false;
   std::mutex mu_;
   // All below is guarded by mu_.
+  double queue_ms_ = 0;
+  Clock::time_point finished_;
   bool computing_ = false;
   bool finishing_ = false;  // status_ is final, and SendStatus called or about to be
   absl::Status status_;

@@ -46,6 +46,7 @@ void LogRequest(const RequestRecord& record) {
   std::visit([&](const auto& facts) { AppendCounts(facts, fields); }, record.work);
   fields.emplace_back("bytes_in", record.bytes_in);
   fields.emplace_back("bytes_out", record.bytes_out);
+  fields.emplace_back("queue_ms", Milliseconds(record.queue_ms));
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
   fields.emplace_back("total_ms", Milliseconds(record.total_ms));
   if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});

@@ -21,6 +21,7 @@ struct RequestRecord {
   std::variant<ComputationFacts, PixelizationFacts> work;
   uint64_t bytes_in = 0;   // encoded mesh; of Pixelize the message
   uint64_t bytes_out = 0;  // messages
+  double queue_ms = 0;     // waiting for its turn
   double total_ms = 0;
 };
 

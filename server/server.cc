@@ -4,18 +4,24 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <limits>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/call_registry.h"
+#include "server/lane.h"
+#include "server/memory_budget.h"
+#include "server/mesh_store.h"
 #include "server/service.h"
 #include "server/thread_decoder.h"
 #include "server/unix_socket.h"
@@ -41,15 +47,36 @@ std::string BoundAddress(const std::string& address, int port) {
   return absl::StrCat(address.substr(0, address.size() - 1), port);
 }
 
+// Parts of the memory: gRPC's quota, and at most so much of kept meshes; what the process takes besides jobs.
+constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
+constexpr uint64_t kOwnBytes = uint64_t{128} << 20;
+constexpr uint64_t kLeastForJobs = uint64_t{64} << 20;
+
+// The options with the memory divided.
+absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
+  const uint64_t all = options.memory_bytes == 0 ? DefaultMemoryBudget() : options.memory_bytes;
+  options.limits.mesh_store_bytes = std::min(options.limits.mesh_store_bytes, all / kStoreShare);
+  const uint64_t taken = kOwnBytes + all / kGrpcShare + options.limits.mesh_store_bytes;
+  if (all < taken + kLeastForJobs) {
+    return absl::InvalidArgumentError(absl::StrCat("memory budget ", all, " leaves less than ", kLeastForJobs,
+                                                   " for jobs, beside ", taken, " for the process itself"));
+  }
+  options.limits.memory_budget_bytes = all - taken;
+  return options;
+}
+
 class Server final : public VoxelServer {
  public:
   explicit Server(const ServerOptions& options)
       : options_(options),
         threads_(options.threads > 0 ? options.threads : oneapi::tbb::info::default_concurrency()),
-        parallelism_(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads_) + 1),
-        arena_(threads_, 0),
-        registry_(options.limits.max_jobs),
-        service_({options_.limits, decoder_, arena_, registry_}) {}
+        parallelism_(oneapi::tbb::global_control::max_allowed_parallelism, 2 * static_cast<size_t>(threads_) + 1),
+        quick_(threads_),
+        bulk_(threads_),
+        meshes_(options_.limits.mesh_store_bytes),
+        memory_(options_.limits.memory_budget_bytes),
+        registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
+        service_({options_.limits, decoder_, meshes_, memory_, quick_, bulk_, registry_}) {}
 
   ~Server() override { Stop(absl::ZeroDuration()); }
 
@@ -61,18 +88,27 @@ class Server final : public VoxelServer {
 
  private:
   void Configure(grpc::ServerBuilder& builder) const;
+  void Watch();
+  void StopWatch();
 
   const ServerOptions options_;
   const int threads_;
-  // oneTBB starts one worker less than this; reserving no place for other threads in the arena, all of its threads are
-  // workers.
+  // oneTBB starts one worker less than this; reserving no place for other threads in the lanes, all of their threads
+  // are workers.
   const oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_;
+  Lane quick_, bulk_;
   ThreadDecoder decoder_;
+  MeshStore meshes_;
+  MemoryBudget memory_;
   CallRegistry registry_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
+
+  std::mutex stop_mu_;
+  std::condition_variable stopped_;
+  bool stopping_ = false;  // guarded by stop_mu_
+  std::thread watch_;      // ends stalled calls
 };
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
@@ -84,6 +120,8 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   // Clients may ping as they like.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PING_STRIKES, 0);
+  // Messages on their way count to the budget as well: at the limit gRPC reads no more.
+  builder.SetResourceQuota(grpc::ResourceQuota("latvoxd").Resize(options_.limits.memory_budget_bytes / kGrpcShare));
   // Otherwise a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
@@ -110,8 +148,29 @@ absl::Status Server::Listen() {
     return CannotListen(options_.listen[n], "the address is in use, not of this machine, or not permitted");
   }
   for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
+  watch_ = std::thread([this] { Watch(); });
   server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();
+}
+
+// Ends calls whose clients have stopped to take part in them, until the server stops.
+void Server::Watch() {
+  const auto interval = absl::ToChronoMilliseconds(std::min(options_.stall_timeout / 4, absl::Seconds(1)));
+  std::unique_lock lock(stop_mu_);
+  while (!stopped_.wait_for(lock, interval, [this] { return stopping_; })) {
+    lock.unlock();
+    registry_.EndStalled(options_.stall_timeout);
+    lock.lock();
+  }
+}
+
+void Server::StopWatch() {
+  {
+    const std::lock_guard lock(stop_mu_);
+    stopping_ = true;
+  }
+  stopped_.notify_all();
+  if (watch_.joinable()) watch_.join();
 }
 
 bool Server::Stop(absl::Duration grace) {
@@ -120,9 +179,12 @@ bool Server::Stop(absl::Duration grace) {
   registry_.Close();
   if (!registry_.WaitUntilEmpty(grace)) {
     registry_.StopAll();
-    // grpc::Server::Shutdown never returns while a call is open, whatever its deadline.
+    // grpc::Server::Shutdown never returns while a call is open, whatever its deadline. A call whose client does not
+    // take what is being written cannot tell it anything more.
+    if (!registry_.WaitUntilEmpty(kStopTimeout / 5)) registry_.EndStalled(absl::ZeroDuration());
     if (!registry_.WaitUntilEmpty(kStopTimeout)) return false;
   }
+  StopWatch();
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
   server_.reset();
   RemoveSocketFiles(addresses_);
@@ -137,7 +199,9 @@ absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOpti
   static_cast<void>(kept_up);
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  auto server = std::make_unique<Server>(options);
+  const absl::StatusOr<ServerOptions> complete = WithMemoryShared(options);
+  if (!complete.ok()) return complete.status();
+  auto server = std::make_unique<Server>(*complete);
   if (absl::Status status = server->Listen(); !status.ok()) return status;
   return server;
 }

@@ -17,6 +17,14 @@ struct ServerOptions {
   int threads = 0;                                        // for compute; 0: one for each core
   Limits limits;
 
+  // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
+  // quarters of what the machine, or the control group, has.
+  uint64_t memory_bytes = 0;
+
+  // A client that has neither sent what it has to nor taken what it can for so long is given up; it may come back and
+  // resume.
+  absl::Duration stall_timeout = absl::Seconds(60);
+
   // A peer that does not answer a ping within `keepalive_timeout` is dead, and its calls are cancelled; it gets one
   // after `keepalive_time` without a byte from it. A client that polls only while it is called answers within 5 s.
   absl::Duration keepalive_time = absl::Seconds(5);

@@ -6,7 +6,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/convert.h"
+#include "server/limits.h"
 #include "server/pixelize_reactor.h"
+#include "server/put_mesh_reactor.h"
 #include "server/voxelize_reactor.h"
 
 namespace latvox {
@@ -19,6 +21,13 @@ std::string VoxelizerService::NextRequestId() { return absl::StrCat(run_id_, "-"
 grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* VoxelizerService::Voxelize(
     grpc::CallbackServerContext* context) {
   const auto reactor = std::make_shared<VoxelizeReactor>(*context, NextRequestId(), environment_);
+  reactor->Begin();
+  return reactor.get();
+}
+
+grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::CallbackServerContext* context,
+                                                                       v1::PutMeshResponse* response) {
+  const auto reactor = std::make_shared<PutMeshReactor>(*context, *response, NextRequestId(), environment_);
   reactor->Begin();
   return reactor.get();
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/call.h"
+#include "server/call_environment.h"
 
 namespace latvox {
 
@@ -17,6 +17,8 @@ class VoxelizerService final : public v1::Voxelizer::CallbackService {
 
   grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* Voxelize(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerReadReactor<v1::PutMeshRequest>* PutMesh(grpc::CallbackServerContext* context,
+                                                       v1::PutMeshResponse* response) override;
   grpc::ServerUnaryReactor* Pixelize(grpc::CallbackServerContext* context, const v1::PixelizeRequest* request,
                                      v1::PixelizeResponse* response) override;
   grpc::ServerUnaryReactor* GetLimits(grpc::CallbackServerContext* context, const v1::GetLimitsRequest* request,

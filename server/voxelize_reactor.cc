@@ -9,11 +9,15 @@ namespace latvox {
 
 VoxelizeReactor::VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id,
                                  const CallEnvironment& environment)
-    : context_(context), environment_(environment), request_id_(std::move(request_id)), peer_(context.peer()) {}
+    : context_(context),
+      canceller_(context),
+      environment_(environment),
+      request_id_(std::move(request_id)),
+      peer_(context.peer()) {}
 
 void VoxelizeReactor::Begin() {
   self_ = shared_from_this();
-  if (absl::Status status = environment_.registry.Admit(self_); !status.ok()) return End(status);
+  if (absl::Status status = environment_.registry.Admit(self_, ClientOf(context_)); !status.ok()) return End(status);
   StartRead(&request_);
 }
 
@@ -21,6 +25,7 @@ void VoxelizeReactor::OnReadDone(bool ok) {
   if (!ok) return FinishReading();
   if (absl::Status status = TakeRequest(); !status.ok()) return End(status);
   const std::lock_guard lock(mu_);
+  heard_of_client_ = Clock::now();
   if (!ended_) StartRead(&request_);
 }
 
@@ -33,7 +38,7 @@ absl::Status VoxelizeReactor::TakeRequest() {
       if (!upload_) return BadStream("mesh_piece came before spec");
       absl::Status status = upload_->Append(std::move(*request_.mutable_mesh_piece()));
       bytes_in_ = upload_->size();
-      return status;
+      return status.ok() ? computation_->Receive(bytes_in_) : status;
     }
     case v1::VoxelizeRequest::PART_NOT_SET:
       break;
@@ -45,8 +50,10 @@ absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
   absl::StatusOr<JobSpec> spec = JobSpecFromProto(proto, environment_.limits);
   if (!spec.ok()) return spec.status();
   upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
-  auto computation =
-      std::make_unique<Computation>(*std::move(spec), request_id_, environment_.decoder, environment_.limits);
+  may_be_kept_ = spec->mesh_digest.has_value();
+  const uint64_t mesh_bytes = spec->mesh_bytes;
+  auto computation = std::make_unique<Computation>(*std::move(spec), request_id_, environment_);
+  if (absl::Status status = computation->Receive(mesh_bytes); !status.ok()) return status;
   const std::lock_guard lock(mu_);
   computation_ = std::move(computation);
   return absl::OkStatus();
@@ -56,14 +63,38 @@ absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
 void VoxelizeReactor::FinishReading() {
   if (context_.IsCancelled()) return OnCancel();
   if (!upload_) return End(BadStream("the stream ended before spec"));
-  if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  if (!may_be_kept_ || upload_->size() > 0) {
+    if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  }
+  {
+    const std::lock_guard lock(mu_);
+    reading_ = false;
+    waits_since_ = Clock::now();
+  }
+  environment_.registry.AwaitTurn(this);
+}
+
+void VoxelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
-    decoding_ = true;
+    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
+    computing_ = true;
   }
-  computation_->Decode(*std::exchange(upload_, std::nullopt),
-                       [self = shared_from_this()](const absl::Status& status) { self->OnDecoded(status); });
+  environment_.quick.Enqueue([self = shared_from_this()] { self->TakeMesh(); });
+}
+
+void VoxelizeReactor::TakeMesh() {
+  const absl::Status status = computation_->TakeMesh(*std::exchange(upload_, std::nullopt));
+  bool decode = false;
+  {
+    const std::lock_guard lock(mu_);
+    computing_ = false;
+    if (!status.ok()) EndLocked(status);
+    decoding_ = decode = !ended_;
+  }
+  if (!decode) return Proceed();
+  computation_->Decode([self = shared_from_this()](const absl::Status& decoded) { self->OnDecoded(decoded); });
 }
 
 void VoxelizeReactor::OnDecoded(const absl::Status& status) {
@@ -77,8 +108,10 @@ void VoxelizeReactor::OnDecoded(const absl::Status& status) {
 }
 
 void VoxelizeReactor::Enqueue() {
-  environment_.arena.enqueue([self = shared_from_this()] { self->Compute(); });
+  lane().Enqueue([self = shared_from_this()] { self->Compute(); });
 }
+
+Lane& VoxelizeReactor::lane() const { return computation_->IsLarge() ? environment_.bulk : environment_.quick; }
 
 void VoxelizeReactor::Compute() {
   const absl::StatusOr<bool> done = ComputeSome();
@@ -99,9 +132,11 @@ void VoxelizeReactor::Compute() {
 absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
   const auto deliver = [this](v1::VoxelizeResponse&& response) { return Deliver(std::move(response)); };
   if (!std::exchange(started_, true)) {
-    if (absl::Status status = computation_->Start(deliver); !status.ok()) return status;
+    absl::Status status = computation_->Start(deliver);
+    // Only now it is known how large the job is: it may go on in the other lane.
+    return status.ok() ? absl::StatusOr<bool>(false) : status;
   }
-  return computation_->Advance(deliver);
+  return computation_->Advance(deliver, [this] { return lane().contended(); });
 }
 
 bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
@@ -120,6 +155,7 @@ void VoxelizeReactor::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mu_);
     writing_ = false;
+    heard_of_client_ = Clock::now();
     unwritten_bytes_ -= writing_bytes_;
     if (ok) {
       bytes_out_ += writing_bytes_;
@@ -146,6 +182,17 @@ void VoxelizeReactor::EndLocked(const absl::Status& status) {
   if (computation_) computation_->Cancel();
 }
 
+void VoxelizeReactor::EndIfStalled(absl::Duration patience) {
+  {
+    const std::lock_guard lock(mu_);
+    const bool waits_for_client = reading_ || writing_ || finishing_;
+    if (!waits_for_client || absl::FromChrono(Clock::now() - heard_of_client_) < patience) return;
+  }
+  End(StalledClient(patience));
+  // A write that the client does not take ends in no other way.
+  canceller_.Cancel();
+}
+
 VoxelizeReactor::Step VoxelizeReactor::NextStep() {
   const std::lock_guard lock(mu_);
   Step step;
@@ -154,12 +201,14 @@ VoxelizeReactor::Step VoxelizeReactor::NextStep() {
     outbox_.clear();
     if (decoding_ || computing_ || writing_) return step;  // their ends lead here again
     finishing_ = true;
+    heard_of_client_ = Clock::now();
     step.send = Send::kStatus;
     return step;
   }
   // The summary, always the last message, leaves together with the status, once its task is over.
   if (!writing_ && !outbox_.empty() && (ended_ || !outbox_.front().has_summary())) {
     writing_ = true;
+    heard_of_client_ = Clock::now();
     writing_message_ = std::move(outbox_.front());
     writing_bytes_ = writing_message_.ByteSizeLong();
     outbox_.pop_front();
@@ -195,6 +244,7 @@ void VoxelizeReactor::Proceed() {
 
 // Nothing else runs any more: no callback, no task.
 void VoxelizeReactor::OnDone() {
+  canceller_.Over();
   RequestRecord record;
   record.request_id = request_id_;
   record.peer = peer_;
@@ -203,6 +253,7 @@ void VoxelizeReactor::OnDone() {
     const std::lock_guard lock(mu_);
     record.status = status_;
     record.bytes_out = bytes_out_;
+    record.queue_ms = queue_ms_;
     if (computation_) {
       record.lattice = std::string{computation_->spec().lattice.name()};
       record.separability = computation_->spec().options.separability;

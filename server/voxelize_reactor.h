@@ -16,16 +16,20 @@
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/call.h"
+#include "server/call_environment.h"
 #include "server/call_registry.h"
 #include "server/computation.h"
+#include "server/lane.h"
 #include "server/mesh_upload.h"
 
 namespace latvox {
 
 // Life of a call:
 //   reading    spec, then pieces of the mesh, checked as they come            callbacks of gRPC
+//   waiting    for its turn                                                   in the registry; no thread is held
+//   computing  Computation::TakeMesh                                          a task
 //   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
-//   computing  Computation::Start, then Advance again and again               tasks of the arena, one at a time
+//   computing  Computation::Start, then Advance again and again               tasks of a lane, one at a time
 //   paused     kCredit bytes wait to be written; no thread is held            until half of them are written
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
 //
@@ -49,6 +53,8 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   void OnDone() override;
 
   void Stop(const absl::Status& status) override { End(status); }
+  void Work() override;
+  void EndIfStalled(absl::Duration patience) override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -63,8 +69,10 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   absl::Status TakeRequest();
   absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
   void FinishReading();
+  void TakeMesh();
   void OnDecoded(const absl::Status& status);
   void Enqueue();
+  Lane& lane() const;
   void Compute();
   absl::StatusOr<bool> ComputeSome();
   bool Deliver(v1::VoxelizeResponse&& response);
@@ -74,6 +82,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   void Proceed();
 
   grpc::CallbackServerContext& context_;
+  CallCanceller canceller_;
   const CallEnvironment environment_;
   const std::string request_id_, peer_;
   const Clock::time_point began_ = Clock::now();
@@ -82,6 +91,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   // Used by whoever reads.
   v1::VoxelizeRequest request_;
   std::optional<MeshUpload> upload_;
+  bool may_be_kept_ = false;  // the mesh; then none need come
   uint64_t bytes_in_ = 0;
 
   v1::VoxelizeResponse writing_message_;  // the write under way; nobody touches it meanwhile
@@ -93,6 +103,9 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   size_t unwritten_bytes_ = 0;  // of outbox_ and writing_message_
   size_t writing_bytes_ = 0;    // of writing_message_
   uint64_t bytes_out_ = 0;
+  double queue_ms_ = 0;
+  Clock::time_point waits_since_, heard_of_client_ = began_;
+  bool reading_ = true;
   bool decoding_ = false, computing_ = false, paused_ = false, writing_ = false;
   bool started_ = false;    // Computation::Start has been called
   bool ended_ = false;      // status_ is decided; if it is OK, outbox_ still has to be written

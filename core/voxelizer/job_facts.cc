@@ -19,6 +19,16 @@ bool IsEmpty(const IndexBox& box) {
   return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
 }
 
+bool HasTile(const IndexBox& box, const Vec3i& tile_ijk) {
+  if (IsEmpty(box)) return false;
+  for (size_t m = 0; m < 3; ++m) {
+    if (tile_ijk[m] < box.min[m] >> kTileBits || tile_ijk[m] > (box.max[m] - 1) >> kTileBits) return false;
+  }
+  return true;
+}
+
+bool JobFacts::HasTile(const Vec3i& tile_ijk) const { return index_box && latvox::HasTile(*index_box, tile_ijk); }
+
 JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region) {
   const SurfaceFacts surface = FactsOf(mesh);
   JobFacts facts;

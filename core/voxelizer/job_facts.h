@@ -12,6 +12,9 @@ JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region);
 
 bool IsEmpty(const IndexBox& box);
 
+// Whether the tile meets the box.
+bool HasTile(const IndexBox& box, const Vec3i& tile_ijk);
+
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_VOXELIZER_JOB_FACTS_H_

@@ -219,17 +219,6 @@ absl::StatusOr<bool> Job::Advance(const Sink& sink) {
   return todo_.empty();
 }
 
-// A tile that the job can have delivered: one that meets its box.
-absl::Status CheckResumePoint(const Vec3i& tile, const IndexBox& box) {
-  bool meets = !IsEmpty(box);
-  for (size_t m = 0; m < 3; ++m) {
-    meets = meets && box.min[m] >> kTileBits <= tile[m] && tile[m] <= (box.max[m] - 1) >> kTileBits;
-  }
-  if (meets) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("resume_after: tile %d,%d,%d does not meet the index box", tile[0], tile[1], tile[2]));
-}
-
 absl::Status OutOfRange(const char* field, double value, const char* limit) {
   return absl::InvalidArgumentError(absl::StrFormat("%s: %g is not %s", field, value, limit));
 }
@@ -285,10 +274,10 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   IndexBox region = snapped->box;
   if (options.region)
     region = Moved(Intersection(*options.region, Moved(region, snapped->base_ijk)), -snapped->base_ijk);
-  if (options.resume_after) {
-    if (auto status = CheckResumePoint(*options.resume_after, Moved(region, snapped->base_ijk)); !status.ok()) {
-      return status;
-    }
+  if (options.resume_after && !HasTile(Moved(region, snapped->base_ijk), *options.resume_after)) {
+    const auto& [i, j, k] = *options.resume_after;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("resume_after: tile %d,%d,%d does not meet the index box", i, j, k));
   }
   if (!exact) return MakeThesisJob(*std::move(snapped), grid.lattice, options, region);
   return std::make_unique<Job>(*std::move(snapped), frames, options, region);

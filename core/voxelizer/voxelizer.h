@@ -46,6 +46,9 @@ struct JobFacts {
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/tile/tile_order.h)
+
+  // Whether the tile meets index_box.
+  bool HasTile(const Vec3i& tile_ijk) const;
 };
 
 struct JobTotals {

@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include "core/voxelizer/estimate.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 
@@ -329,6 +330,21 @@ TEST(Pipeline, HugeLatticeCostsWhatTheRegionCosts) {
       Voxelize(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.separability = 2, .region = region});
   EXPECT_GT(result.tiles.size(), 50U);
   EXPECT_LE(result.tiles.size(), 1331U);
+}
+
+TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
+  const TriangleMesh mesh = Sphere(40, 150);
+  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
+    for (const int k : {0, 2}) {
+      const Grid grid = Unscaled(Lattice::Named(lattice));
+      const auto voxels = static_cast<double>(Voxelize(mesh, grid, {.separability = k}).totals.voxels);
+      const double estimate = EstimateVoxels(mesh, grid, {.separability = k});
+      EXPECT_GE(estimate, voxels);
+      EXPECT_LE(estimate, 3 * voxels);
+    }
+  }
+  const IndexBox box = {{0, 0, 0}, {10, 20, 30}};
+  EXPECT_EQ(EstimateVoxels(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.region = box}), 6000);
 }
 
 TEST(ResolveGrid, MapsTheLongestSideToOneVoxelLessThanTheResolution) {

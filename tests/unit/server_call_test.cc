@@ -3,7 +3,6 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
-#include <oneapi/tbb/task_arena.h>
 #include <unistd.h>
 
 #include <bit>
@@ -27,162 +26,15 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/call_registry.h"
-#include "server/server.h"
+#include "server/mesh_decoder.h"
 #include "server/service.h"
-#include "tests/unit/server_meshes.h"
+#include "tests/unit/server_calls.h"
+#include "tests/unit/server_environment.h"
 
 namespace latvox {
 namespace {
 
 using ::testing::HasSubstr;
-using Stream = grpc::ClientReaderWriter<v1::VoxelizeRequest, v1::VoxelizeResponse>;
-
-constexpr auto kPatience = std::chrono::seconds(20);
-
-bool Eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
-
-v1::VoxelizeSpec Spec(uint32_t resolution, v1::NamedLattice lattice = v1::NAMED_LATTICE_BCC) {
-  v1::VoxelizeSpec spec;
-  spec.mutable_lattice()->set_named(lattice);
-  spec.set_resolution(resolution);
-  return spec;
-}
-
-v1::VoxelizeRequest SpecMessage(const v1::VoxelizeSpec& spec) {
-  v1::VoxelizeRequest request;
-  *request.mutable_spec() = spec;
-  return request;
-}
-
-v1::VoxelizeRequest PieceMessage(std::string piece) {
-  v1::VoxelizeRequest request;
-  request.set_mesh_piece(std::move(piece));
-  return request;
-}
-
-const std::string& SphereBytes() {
-  static const auto& bytes = *new std::string(EncodeDraco(Sphere(40), {}));
-  return bytes;
-}
-
-// Everything that came back.
-struct Answer {
-  grpc::Status status;
-  std::vector<v1::VoxelizeResponse> messages;
-  std::map<std::string, std::string> trailers;
-
-  const v1::Accepted& accepted() const { return messages.front().accepted(); }
-  const v1::Summary& summary() const { return messages.back().summary(); }
-  std::string trailer(const std::string& key) const {
-    const auto found = trailers.find(key);
-    return found == trailers.end() ? "" : found->second;
-  }
-  std::vector<Brick> Bricks() const;
-};
-
-std::vector<Brick> Answer::Bricks() const {
-  std::vector<Brick> bricks;
-  for (const v1::VoxelizeResponse& message : messages) {
-    const v1::BrickBatch& batch = message.bricks();
-    EXPECT_EQ(batch.masks().size(), batch.brick_ijk_size() / 3 * sizeof(BrickMask));
-    for (int n = 0; n < batch.brick_ijk_size() / 3; ++n) {
-      Brick& brick = bricks.emplace_back();
-      for (int m = 0; m < 3; ++m) brick.brick_ijk[static_cast<size_t>(m)] = batch.brick_ijk(3 * n + m);
-      std::memcpy(brick.mask.data(), batch.masks().data() + n * sizeof(BrickMask), sizeof(BrickMask));
-    }
-  }
-  return bricks;
-}
-
-class VoxelizeCall {
- public:
-  explicit VoxelizeCall(v1::Voxelizer::Stub& stub) : context_(new grpc::ClientContext), stub_(stub) {}
-
-  grpc::ClientContext& context() { return *context_; }
-  Stream& stream() {
-    if (!stream_) stream_ = stub_.Voxelize(context_.get());
-    return *stream_;
-  }
-
-  VoxelizeCall& Send(const v1::VoxelizeRequest& message) {
-    stream().Write(message);
-    return *this;
-  }
-
-  Answer Receive() {
-    Answer answer;
-    for (v1::VoxelizeResponse message; stream().Read(&message);) answer.messages.push_back(message);
-    answer.status = stream().Finish();
-    for (const auto& [key, value] : context_->GetServerTrailingMetadata()) {
-      answer.trailers.emplace(std::string(key.data(), key.size()), std::string(value.data(), value.size()));
-    }
-    return answer;
-  }
-
-  Answer HalfCloseAndReceive() {
-    stream().WritesDone();
-    return Receive();
-  }
-
- private:
-  std::unique_ptr<grpc::ClientContext> context_;
-  v1::Voxelizer::Stub& stub_;
-  std::unique_ptr<Stream> stream_;
-};
-
-Answer Voxelize(v1::Voxelizer::Stub& stub, const v1::VoxelizeSpec& spec, const std::string& mesh,
-                size_t piece_bytes = 1000) {
-  VoxelizeCall call(stub);
-  call.Send(SpecMessage(spec));
-  for (size_t at = 0; at < mesh.size(); at += piece_bytes) call.Send(PieceMessage(mesh.substr(at, piece_bytes)));
-  return call.HalfCloseAndReceive();
-}
-
-class ServerTest : public testing::Test {
- protected:
-  ServerTest() {
-    std::string pattern = testing::TempDir() + "latvoxXXXXXX";
-    directory_ = mkdtemp(pattern.data());
-    options_.listen = {"unix:" + directory_ + "/socket"};
-    options_.threads = 2;
-    options_.keepalive_time = absl::Seconds(1);
-    options_.keepalive_timeout = absl::Seconds(1);
-  }
-  ~ServerTest() override {
-    stub_.reset();
-    server_.reset();
-    std::filesystem::remove_all(directory_);
-  }
-
-  void Start() {
-    auto server = VoxelServer::Start(options_);
-    ASSERT_TRUE(server.ok()) << server.status();
-    server_ = *std::move(server);
-    stub_ = Connect();
-  }
-
-  std::unique_ptr<v1::Voxelizer::Stub> Connect() const {
-    grpc::ChannelArguments arguments;
-    arguments.SetMaxReceiveMessageSize(-1);
-    arguments.SetInt("grpc.use_local_subchannel_pool", 1);  // a connection of its own
-    return v1::Voxelizer::NewStub(
-        grpc::CreateCustomChannel(server_->addresses()[0], grpc::InsecureChannelCredentials(), arguments));
-  }
-
-  std::string directory_;
-  ServerOptions options_;
-  std::unique_ptr<VoxelServer> server_;
-  std::unique_ptr<v1::Voxelizer::Stub> stub_;
-};
-
 TEST_F(ServerTest, AnswersWithAcceptedThenBricksThenSummary) {
   Start();
   const Answer answer = Voxelize(*stub_, Spec(200), SphereBytes());
@@ -335,15 +187,6 @@ TEST_F(ServerTest, RefusesOversizedMessages) {
   EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
 }
 
-// A request for some 60 MB of bricks, of which the client has read Accepted.
-void StartBigJob(VoxelizeCall& call) {
-  v1::VoxelizeSpec spec = Spec(3000);
-  spec.set_minimal(false);
-  call.Send(SpecMessage(spec)).Send(PieceMessage(SphereBytes())).stream().WritesDone();
-  v1::VoxelizeResponse message;
-  EXPECT_TRUE(call.stream().Read(&message) && message.has_accepted());
-}
-
 // Whether this process, client and server, computes nothing.
 bool IsIdle() {
   const auto cpu_seconds = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
@@ -428,13 +271,14 @@ TEST_F(ServerTest, EndsACallAtItsDeadlineInUploadAndInStream) {
 
 TEST_F(ServerTest, RefusesOneJobTooManyAndSaysWhenToTryAgain) {
   options_.limits.max_jobs = 1;
+  options_.limits.max_queued_jobs = 0;
   Start();
   VoxelizeCall first(*stub_);
   first.Send(SpecMessage(Spec(50)));
   ASSERT_TRUE(Eventually([&] { return server_->calls() == 1; }));
   const Answer refused = Voxelize(*stub_, Spec(50), SphereBytes());
   EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_THAT(refused.status.error_message(), HasSubstr("jobs: 1 of 1 are running"));
+  EXPECT_THAT(refused.status.error_message(), HasSubstr("jobs: 1 of 1 are in progress"));
   EXPECT_EQ(refused.trailer("grpc-retry-pushback-ms"), "1000");
   google::rpc::Status details;
   google::rpc::RetryInfo retry;
@@ -447,6 +291,7 @@ TEST_F(ServerTest, RefusesOneJobTooManyAndSaysWhenToTryAgain) {
 
 TEST_F(ServerTest, AClientThatRunsMaxJobsAtATimeIsNeverRefused) {
   options_.limits.max_jobs = 2;
+  options_.limits.max_queued_jobs = 0;
   Start();
   std::vector<std::thread> clients;
   clients.reserve(options_.limits.max_jobs);
@@ -596,11 +441,10 @@ class StuckDecoder : public MeshDecoder {
 };
 
 TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheServerAfterIt) {
-  const Limits limits;
   StuckDecoder decoder;
-  oneapi::tbb::task_arena arena(1, 0);
-  CallRegistry registry(limits.max_jobs);
-  VoxelizerService service({limits, decoder, arena, registry});
+  TestEnvironment environment(decoder);
+  CallRegistry& registry = environment.registry;
+  VoxelizerService service(environment.shared());
   grpc::ServerBuilder builder;
   builder.RegisterService(&service);
   const auto server = builder.BuildAndStart();
@@ -618,12 +462,11 @@ TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheSe
   server->Shutdown();
 }
 
-TEST(VoxelizerService, NoThreadOfTheArenaWaitsForADecode) {
-  const Limits limits;
+TEST(VoxelizerService, NoThreadOfALaneWaitsForADecode) {
   StuckDecoder decoder;
-  oneapi::tbb::task_arena arena(1, 0);
-  CallRegistry registry(limits.max_jobs);
-  VoxelizerService service({limits, decoder, arena, registry});
+  TestEnvironment environment(decoder);
+  CallRegistry& registry = environment.registry;
+  VoxelizerService service(environment.shared());
   grpc::ServerBuilder builder;
   builder.RegisterService(&service);
   const auto server = builder.BuildAndStart();
@@ -633,7 +476,7 @@ TEST(VoxelizerService, NoThreadOfTheArenaWaitsForADecode) {
   call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
   decoder.AwaitStart();
   std::promise<void> other_task;
-  arena.enqueue([&] { other_task.set_value(); });
+  environment.quick.Enqueue([&] { other_task.set_value(); });
   EXPECT_EQ(other_task.get_future().wait_for(kPatience), std::future_status::ready);
   registry.StopAll();
   decoder.AwaitCancel();

@@ -17,12 +17,12 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/brick_batch.h"
-#include "server/call_registry.h"
 #include "server/computation.h"
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/mesh_upload.h"
 #include "server/thread_decoder.h"
+#include "tests/unit/server_environment.h"
 #include "tests/unit/server_meshes.h"
 
 namespace latvox {
@@ -92,6 +92,7 @@ std::vector<BadSpecCase> BadSpecs() {
       {"empty region", [=](Spec& s) { set_region(s, 4, 4); }, "region.max.j 4 is not above region.min's 4",
        "region.max.j"},
       {"region backwards", [=](Spec& s) { set_region(s, 4, -4); }, "region.max.j -4 is not above", "region.max.j"},
+      {"mesh_sha256", [](Spec& s) { s.set_mesh_sha256("abc"); }, "mesh_sha256 has 3 bytes, not 32", "mesh_sha256"},
       {"verify and region",
        [=](Spec& s) {
          set_region(s, 0, 9);
@@ -220,12 +221,26 @@ TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {
 }
 
 TEST(Limits, AreReportedAsTheyAreSet) {
-  const v1::GetLimitsResponse limits = LimitsToProto({1, 2, 3, 4, 5});
+  const v1::GetLimitsResponse limits = LimitsToProto({.max_mesh_bytes = 1,
+                                                      .max_triangles = 2,
+                                                      .max_vertices = 3,
+                                                      .max_jobs = 4,
+                                                      .max_queued_jobs = 6,
+                                                      .max_jobs_per_client = 7,
+                                                      .max_voxels = 8,
+                                                      .memory_budget_bytes = 9,
+                                                      .mesh_store_bytes = 10,
+                                                      .max_message_bytes = 5});
   EXPECT_EQ(limits.max_mesh_bytes(), 1);
   EXPECT_EQ(limits.max_triangles(), 2);
   EXPECT_EQ(limits.max_vertices(), 3);
   EXPECT_EQ(limits.max_jobs(), 4);
   EXPECT_EQ(limits.max_message_bytes(), 5);
+  EXPECT_EQ(limits.max_queued_jobs(), 6);
+  EXPECT_EQ(limits.max_jobs_per_client(), 7);
+  EXPECT_EQ(limits.max_voxels(), 8);
+  EXPECT_EQ(limits.memory_budget_bytes(), 9);
+  EXPECT_EQ(limits.mesh_store_bytes(), 10);
   EXPECT_EQ(limits.max_extent(), kMaxExtent);
   EXPECT_EQ(limits.subvoxel_bits(), kSubvoxelBits);
   EXPECT_EQ(limits.version(), LATVOX_VERSION);
@@ -242,7 +257,7 @@ TEST(ErrorTable, MapsEveryCodeToOneOfTheContracts) {
       {absl::StatusCode::kUnknown, StatusCode::INTERNAL},
       {absl::StatusCode::kInvalidArgument, StatusCode::INVALID_ARGUMENT},
       {absl::StatusCode::kDeadlineExceeded, StatusCode::DEADLINE_EXCEEDED},
-      {absl::StatusCode::kNotFound, StatusCode::INTERNAL},
+      {absl::StatusCode::kNotFound, StatusCode::NOT_FOUND},
       {absl::StatusCode::kAlreadyExists, StatusCode::INTERNAL},
       {absl::StatusCode::kPermissionDenied, StatusCode::INTERNAL},
       {absl::StatusCode::kResourceExhausted, StatusCode::RESOURCE_EXHAUSTED},
@@ -375,20 +390,23 @@ TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
   EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
 }
 
+const auto kNever = [] { return false; };
+
 // Sends `bytes` through the computation's first step, and waits for its end.
 absl::Status Decode(Computation& computation, std::string bytes) {
   MeshUpload upload(0, 1 << 30);
   EXPECT_TRUE(upload.Append(std::move(bytes)).ok());
+  if (absl::Status status = computation.TakeMesh(std::move(upload)); !status.ok()) return status;
   std::promise<absl::Status> decoded;
-  computation.Decode(std::move(upload), [&](const absl::Status& status) { decoded.set_value(status); });
+  computation.Decode([&](const absl::Status& status) { decoded.set_value(status); });
   return decoded.get_future().get();
 }
 
 // The bricks of every message, and the summary, of a computation that is paused after every `stride` messages.
 std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
   ThreadDecoder decoder;
-  const Limits limits;
-  Computation computation(spec, "id", decoder, limits);
+  TestEnvironment environment(decoder);
+  Computation computation(spec, "id", environment.shared());
   EXPECT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
   std::vector<v1::VoxelizeResponse> messages;
   const auto deliver = [&](v1::VoxelizeResponse&& message) {
@@ -397,7 +415,7 @@ std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
   };
   EXPECT_TRUE(computation.Start(deliver).ok());
   for (;;) {
-    const absl::StatusOr<bool> done = computation.Advance(deliver);
+    const absl::StatusOr<bool> done = computation.Advance(deliver, kNever);
     EXPECT_TRUE(done.ok()) << done.status();
     if (!done.ok() || *done) return messages;
   }
@@ -419,10 +437,10 @@ TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
 
 TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
   ThreadDecoder decoder;
-  const Limits limits;
+  TestEnvironment environment(decoder);
   const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
   for (const int steps : {0, 1, 2}) {
-    Computation computation(*JobSpecFromProto(GoodSpec(), {}), "id", decoder, limits);
+    Computation computation(*JobSpecFromProto(GoodSpec(), {}), "id", environment.shared());
     if (steps == 0) computation.Cancel();
     absl::Status status = Decode(computation, EncodeDraco(Sphere(20), {}));
     if (steps > 0) {
@@ -433,7 +451,7 @@ TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
     if (steps > 1) {
       ASSERT_TRUE(status.ok()) << status;
       computation.Cancel();
-      status = computation.Advance(ignore).status();
+      status = computation.Advance(ignore, kNever).status();
     }
     EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << steps;
   }
@@ -441,51 +459,16 @@ TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
 
 TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
   ThreadDecoder decoder;
-  const Limits limits;
+  TestEnvironment environment(decoder);
   v1::VoxelizeSpec proto = GoodSpec();
   proto.set_voxel_size(1e-6);
-  Computation computation(*JobSpecFromProto(proto, {}), "id", decoder, limits);
+  Computation computation(*JobSpecFromProto(proto, {}), "id", environment.shared());
   ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
   const absl::Status status = computation.Start([](v1::VoxelizeResponse&&) { return true; });
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   const google::rpc::ErrorInfo info = ErrorInfoOf(ToGrpcStatus(status));
   EXPECT_EQ(info.reason(), "BAD_SPEC");
   EXPECT_EQ(info.metadata().at("field"), "voxel_size");
-}
-
-class FakeCall : public LiveCall {
- public:
-  void Stop(const absl::Status& status) override { stopped = status; }
-  absl::Status stopped;
-};
-
-TEST(CallRegistry, AdmitsUpToItsLimitAndAgainOnceAPlaceIsVacated) {
-  CallRegistry registry(2);
-  const auto a = std::make_shared<FakeCall>(), b = std::make_shared<FakeCall>(), c = std::make_shared<FakeCall>();
-  EXPECT_TRUE(registry.Admit(a).ok());
-  EXPECT_TRUE(registry.Admit(b).ok());
-  const absl::Status full = registry.Admit(c);
-  EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_TRUE(RetryDelayOf(full));
-  registry.Vacate(a.get());
-  EXPECT_TRUE(registry.Admit(c).ok());
-  EXPECT_EQ(registry.size(), 3);
-  for (const auto& call : {a, b, c}) registry.Remove(call.get());
-  registry.Remove(a.get());
-  EXPECT_TRUE(registry.WaitUntilEmpty(absl::ZeroDuration()));
-}
-
-TEST(CallRegistry, StopsItsCallsAndAdmitsNoneAfterClose) {
-  CallRegistry registry(2);
-  const auto call = std::make_shared<FakeCall>();
-  ASSERT_TRUE(registry.Admit(call).ok());
-  registry.Close();
-  const absl::Status closed = registry.Admit(std::make_shared<FakeCall>());
-  EXPECT_EQ(closed.code(), absl::StatusCode::kUnavailable);
-  EXPECT_TRUE(RetryDelayOf(closed));
-  EXPECT_FALSE(registry.WaitUntilEmpty(absl::Milliseconds(1)));
-  registry.StopAll();
-  EXPECT_EQ(call->stopped.code(), absl::StatusCode::kUnavailable);
 }
 
 }  // namespace

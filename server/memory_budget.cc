@@ -1,0 +1,64 @@
+#include "server/memory_budget.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+
+namespace latvox {
+namespace {
+
+constexpr absl::Duration kRetryDelay = absl::Seconds(1);
+
+// A limit of a control group, as the file system of either version shows it; UINT64_MAX if there is none.
+uint64_t LimitIn(const char* path) {
+  std::ifstream file(path);
+  std::string word;
+  uint64_t bytes = 0;
+  return file >> word && absl::SimpleAtoi(word, &bytes) ? bytes : UINT64_MAX;
+}
+
+}  // namespace
+
+bool MemoryBudget::Take(uint64_t bytes) {
+  uint64_t reserved = reserved_;
+  do {
+    if (bytes > total_ - reserved) return false;
+  } while (!reserved_.compare_exchange_weak(reserved, reserved + bytes));
+  return true;
+}
+
+absl::Status MemoryReservation::Grow(uint64_t bytes) {
+  if (bytes <= bytes_) return absl::OkStatus();
+  if (bytes > budget_->total()) return LimitExceeded("memory", bytes, budget_->total());
+  if (!budget_->Take(bytes - bytes_)) {
+    const std::string message = absl::StrCat("memory: ", bytes, " bytes are needed, and others have ",
+                                             budget_->reserved() - bytes_, " of ", budget_->total(), "; try again");
+    return WithRetry(MakeError(absl::StatusCode::kResourceExhausted, message,
+                               {"MEMORY_IN_USE", "memory", absl::StrCat(bytes), absl::StrCat(budget_->total())}),
+                     kRetryDelay);
+  }
+  bytes_ = bytes;
+  return absl::OkStatus();
+}
+
+void MemoryReservation::Shrink(uint64_t bytes) {
+  if (bytes >= bytes_) return;
+  budget_->reserved_ -= bytes_ - bytes;
+  bytes_ = bytes;
+}
+
+uint64_t DefaultMemoryBudget() {
+  const uint64_t machine =
+      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  const uint64_t group =
+      std::min(LimitIn("/sys/fs/cgroup/memory.max"), LimitIn("/sys/fs/cgroup/memory/memory.limit_in_bytes"));
+  return std::min(machine, group) / 4 * 3;
+}
+
+}  // namespace latvox

@@ -1,0 +1,60 @@
+// The memory that jobs may take, all together.
+#ifndef LATVOX_SERVER_MEMORY_BUDGET_H_
+#define LATVOX_SERVER_MEMORY_BUDGET_H_
+
+#include <atomic>
+#include <cstdint>
+#include <utility>
+
+#include "absl/status/status.h"
+
+namespace latvox {
+
+// Thread-safe, and cheap enough for gRPC's callbacks. Must outlive its reservations.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(uint64_t bytes) : total_(bytes) {}
+  MemoryBudget(const MemoryBudget&) = delete;
+  MemoryBudget& operator=(const MemoryBudget&) = delete;
+
+  uint64_t total() const { return total_; }
+  uint64_t reserved() const { return reserved_; }
+
+ private:
+  friend class MemoryReservation;
+
+  bool Take(uint64_t bytes);
+
+  const uint64_t total_;
+  std::atomic<uint64_t> reserved_ = 0;
+};
+
+// A job's share. Threads: one at a time.
+class MemoryReservation {
+ public:
+  explicit MemoryReservation(MemoryBudget& budget) : budget_(&budget) {}
+  ~MemoryReservation() { Shrink(0); }
+  MemoryReservation(MemoryReservation&& other) noexcept
+      : budget_(other.budget_), bytes_(std::exchange(other.bytes_, 0)) {}
+  MemoryReservation& operator=(MemoryReservation&&) = delete;
+
+  // Makes it `bytes` altogether, if it is less. Errors: RESOURCE_EXHAUSTED: without a retry delay if that is more than
+  // the whole budget, with one if others have it.
+  absl::Status Grow(uint64_t bytes);
+
+  // Gives back what is over `bytes`.
+  void Shrink(uint64_t bytes);
+
+  uint64_t bytes() const { return bytes_; }
+
+ private:
+  MemoryBudget* budget_;
+  uint64_t bytes_ = 0;
+};
+
+// Three quarters of the memory of the machine, or of the process's control group if that has less.
+uint64_t DefaultMemoryBudget();
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_MEMORY_BUDGET_H_

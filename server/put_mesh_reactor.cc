@@ -1,0 +1,145 @@
+#include "server/put_mesh_reactor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/errors.h"
+#include "server/exceptions.h"
+#include "server/request_log.h"
+
+namespace latvox {
+
+PutMeshReactor::PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response,
+                               std::string request_id, const CallEnvironment& environment)
+    : context_(context),
+      canceller_(context),
+      response_(response),
+      environment_(environment),
+      request_id_(std::move(request_id)),
+      peer_(context.peer()),
+      memory_(environment.memory) {
+  response_.set_request_id(request_id_);
+}
+
+void PutMeshReactor::Begin() {
+  self_ = shared_from_this();
+  if (absl::Status status = environment_.registry.Admit(self_, ClientOf(context_)); !status.ok()) return End(status);
+  StartRead(&request_);
+}
+
+void PutMeshReactor::OnReadDone(bool ok) {
+  if (!ok) return FinishReading();
+  const absl::StatusOr<bool> more = TakeRequest();
+  if (!more.ok() || !*more) return End(more.status());
+  const std::lock_guard lock(mu_);
+  last_read_ = Clock::now();
+  if (!finishing_) StartRead(&request_);
+}
+
+// Whether more is to be read.
+absl::StatusOr<bool> PutMeshReactor::TakeRequest() {
+  switch (request_.part_case()) {
+    case v1::PutMeshRequest::kSpec:
+      if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");
+      return TakeSpec(request_.spec());
+    case v1::PutMeshRequest::kMeshPiece: {
+      if (!upload_) return BadStream("mesh_piece came before spec");
+      if (absl::Status status = upload_->Append(std::move(*request_.mutable_mesh_piece())); !status.ok()) return status;
+      bytes_in_ = upload_->size();
+      return true;
+    }
+    case v1::PutMeshRequest::PART_NOT_SET:
+      break;
+  }
+  return BadStream("a message has neither spec nor mesh_piece");
+}
+
+absl::StatusOr<bool> PutMeshReactor::TakeSpec(const v1::PutMeshSpec& spec) {
+  const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
+  if (!digest.ok()) return digest.status();
+  digest_ = *digest;
+  if (spec.mesh_bytes() == 0) return BadSpec("mesh_bytes 0 is below 1", "mesh_bytes", "0", "1");
+  const uint64_t limit = std::min(environment_.limits.max_mesh_bytes, environment_.meshes.capacity());
+  if (spec.mesh_bytes() > limit) return LimitExceeded("mesh_bytes", spec.mesh_bytes(), limit);
+  if (environment_.meshes.Find(digest_)) {
+    response_.set_already_stored(true);
+    return false;
+  }
+  if (absl::Status status = memory_.Grow(spec.mesh_bytes()); !status.ok()) return status;
+  upload_.emplace(spec.mesh_bytes(), limit);
+  return true;
+}
+
+// The client has half-closed, or the call is broken.
+void PutMeshReactor::FinishReading() {
+  if (context_.IsCancelled()) return OnCancel();
+  if (!upload_) return End(BadStream("the stream ended before spec"));
+  if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  environment_.registry.AwaitTurn(this);
+}
+
+void PutMeshReactor::Work() {
+  {
+    const std::lock_guard lock(mu_);
+    if (finishing_) return;
+    working_ = true;
+  }
+  environment_.quick.Enqueue([self = shared_from_this()] {
+    const absl::Status stored = WithoutExceptions([&self] { return self->Store(); });
+    {
+      const std::lock_guard lock(self->mu_);
+      self->working_ = false;
+      self->finishing_ = true;
+      if (self->status_.ok()) self->status_ = stored;
+    }
+    self->SendStatus();
+  });
+}
+
+absl::Status PutMeshReactor::Store() {
+  const absl::Cord mesh = (*std::exchange(upload_, std::nullopt)).Take();
+  if (DigestOf(mesh) != digest_) return WrongMeshDigest();
+  environment_.meshes.Put(digest_, mesh);
+  return absl::OkStatus();
+}
+
+// The first status stands.
+void PutMeshReactor::End(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mu_);
+    if (finishing_ || !status_.ok()) return;
+    status_ = status;
+    if (working_) return;
+    finishing_ = true;
+  }
+  SendStatus();
+}
+
+void PutMeshReactor::EndIfStalled(absl::Duration patience) {
+  {
+    const std::lock_guard lock(mu_);
+    if (working_ || absl::FromChrono(Clock::now() - last_read_) < patience) return;
+  }
+  End(StalledClient(patience));
+  canceller_.Cancel();
+}
+
+void PutMeshReactor::SendStatus() {
+  environment_.registry.Vacate(this);
+  Finish(StatusForClient(status_, context_));
+}
+
+void PutMeshReactor::OnDone() {
+  canceller_.Over();
+  RequestRecord record;
+  record.request_id = request_id_;
+  record.peer = peer_;
+  record.status = status_;
+  record.bytes_in = bytes_in_;
+  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  LogRequest(record);
+  environment_.registry.Remove(this);
+  self_.reset();
+}
+
+}  // namespace latvox

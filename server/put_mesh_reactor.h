@@ -1,0 +1,84 @@
+// The call PutMesh: gRPC's callbacks on one side, a task of the compute arena on the other.
+#ifndef LATVOX_SERVER_PUT_MESH_REACTOR_H_
+#define LATVOX_SERVER_PUT_MESH_REACTOR_H_
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/call.h"
+#include "server/call_environment.h"
+#include "server/call_registry.h"
+#include "server/lane.h"
+#include "server/memory_budget.h"
+#include "server/mesh_store.h"
+#include "server/mesh_upload.h"
+
+namespace latvox {
+
+// Life of a call: spec, then pieces of the mesh, checked as they come; then a task that checks the digest and stores
+// the mesh. The object owns itself until OnDone; the task holds a share of its own. Finish follows once a status is
+// decided and the task is over.
+class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
+                             public LiveCall,
+                             public std::enable_shared_from_this<PutMeshReactor> {
+ public:
+  // `response` lives until OnDone.
+  PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response, std::string request_id,
+                 const CallEnvironment& environment);
+
+  // Starts to read if the registry admits the call, else refuses it. Once, before the reactor is handed to gRPC.
+  void Begin();
+
+  void OnReadDone(bool ok) override;
+  void OnCancel() override { End(CancellationOf(context_)); }
+  void OnDone() override;
+
+  void Stop(const absl::Status& status) override { End(status); }
+  void Work() override;
+  void EndIfStalled(absl::Duration patience) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  absl::StatusOr<bool> TakeRequest();
+  absl::StatusOr<bool> TakeSpec(const v1::PutMeshSpec& spec);
+  void FinishReading();
+  absl::Status Store();
+  void End(const absl::Status& status);
+  void SendStatus();
+
+  grpc::CallbackServerContext& context_;
+  CallCanceller canceller_;
+  v1::PutMeshResponse& response_;
+  const CallEnvironment environment_;
+  const std::string request_id_, peer_;
+  const Clock::time_point began_ = Clock::now();
+  std::shared_ptr<PutMeshReactor> self_;
+
+  // Used by whoever reads, then by the task.
+  v1::PutMeshRequest request_;
+  MeshDigest digest_{};
+  std::optional<MeshUpload> upload_;
+  MemoryReservation memory_;
+  uint64_t bytes_in_ = 0;
+
+  std::mutex mu_;
+  // All below is guarded by mu_.
+  bool working_ = false;
+  bool finishing_ = false;  // status_ is final, and SendStatus called or about to be
+  Clock::time_point last_read_ = began_;
+  absl::Status status_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_PUT_MESH_REACTOR_H_

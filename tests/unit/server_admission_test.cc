@@ -1,0 +1,226 @@
+// Who may work when, with how much memory, on which meshes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "server/call_registry.h"
+#include "server/errors.h"
+#include "server/memory_budget.h"
+#include "server/mesh_store.h"
+
+namespace latvox {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FakeCall : public LiveCall {
+ public:
+  void Stop(const absl::Status& status) override { stopped = status; }
+  void Work() override { ++turns; }
+  void EndIfStalled(absl::Duration patience) override { patience_asked = patience; }
+  absl::Status stopped;
+  int turns = 0;
+  absl::Duration patience_asked;
+};
+
+std::shared_ptr<FakeCall> Enter(CallRegistry& registry, const std::string& client) {
+  auto call = std::make_shared<FakeCall>();
+  EXPECT_TRUE(registry.Admit(call, client).ok());
+  return call;
+}
+
+std::shared_ptr<FakeCall> EnterAndWait(CallRegistry& registry, const std::string& client) {
+  auto call = Enter(registry, client);
+  registry.AwaitTurn(call.get());
+  return call;
+}
+
+TEST(CallRegistry, AdmitsUpToItsLimitAndAgainOnceAPlaceIsVacated) {
+  CallRegistry registry({1, 1, 9});
+  const auto a = Enter(registry, "x"), b = Enter(registry, "y"), c = std::make_shared<FakeCall>();
+  const absl::Status full = registry.Admit(c, "z");
+  EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(full.message()), HasSubstr("jobs: 2 of 2 are in progress"));
+  EXPECT_TRUE(RetryDelayOf(full));
+  registry.Vacate(a.get());
+  EXPECT_TRUE(registry.Admit(c, "z").ok());
+  EXPECT_EQ(registry.size(), 3);
+  for (const auto& call : {a, b, c}) registry.Remove(call.get());
+  registry.Remove(a.get());
+  EXPECT_TRUE(registry.WaitUntilEmpty(absl::ZeroDuration()));
+  EXPECT_EQ(registry.working() + registry.queued(), 0);
+}
+
+TEST(CallRegistry, HoldsEachClientAgainstItsShare) {
+  CallRegistry registry({4, 4, 2});
+  const auto a = Enter(registry, "x"), b = EnterAndWait(registry, "x");
+  const absl::Status over = registry.Admit(std::make_shared<FakeCall>(), "x");
+  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(over.message()), HasSubstr("jobs_of_client: 2 of 2"));
+  EXPECT_TRUE(RetryDelayOf(over));
+  EXPECT_TRUE(registry.Admit(std::make_shared<FakeCall>(), "y", 1).ok());
+  EXPECT_FALSE(registry.Admit(std::make_shared<FakeCall>(), "y", 1).ok()) << "its own share is one";
+  EXPECT_TRUE(registry.Admit(std::make_shared<FakeCall>(), "y", 5).ok()) << "no more than that of all, which is two";
+  EXPECT_FALSE(registry.Admit(std::make_shared<FakeCall>(), "y", 5).ok());
+  registry.Remove(a.get());
+  EXPECT_TRUE(registry.Admit(std::make_shared<FakeCall>(), "x").ok());
+}
+
+TEST(CallRegistry, GivesTurnsUpToItsLimitAndThenAsPlacesAreVacated) {
+  CallRegistry registry({2, 9, 9});
+  std::vector<std::shared_ptr<FakeCall>> calls;
+  for (int n = 0; n < 5; ++n) calls.push_back(EnterAndWait(registry, "x"));
+  const auto turns = [&] {
+    std::string text;
+    for (const auto& call : calls) text += static_cast<char>('0' + call->turns);
+    return text;
+  };
+  EXPECT_EQ(turns(), "11000");
+  EXPECT_EQ(registry.working(), 2);
+  EXPECT_EQ(registry.queued(), 3);
+  registry.Vacate(calls[1].get());
+  EXPECT_EQ(turns(), "11100");
+  registry.Remove(calls[1].get());
+  EXPECT_EQ(turns(), "11100") << "its place was vacated before";
+  registry.Remove(calls[3].get());  // gives up waiting
+  registry.Remove(calls[0].get());
+  EXPECT_EQ(turns(), "11101");
+}
+
+TEST(CallRegistry, ACallThatStillReceivesTakesNoTurn) {
+  CallRegistry registry({1, 9, 9});
+  const auto receiving = Enter(registry, "x"), ready = EnterAndWait(registry, "x");
+  EXPECT_EQ(receiving->turns, 0);
+  EXPECT_EQ(ready->turns, 1);
+}
+
+TEST(CallRegistry, PrefersTheClientThatHasTheFewestAtWork) {
+  CallRegistry registry({2, 9, 9});
+  std::vector<std::shared_ptr<FakeCall>> many;
+  for (int n = 0; n < 6; ++n) many.push_back(EnterAndWait(registry, "many"));
+  const auto one = EnterAndWait(registry, "one");
+  registry.Remove(many[0].get());
+  EXPECT_EQ(one->turns, 1) << "although five had waited longer";
+  registry.Remove(many[1].get());
+  EXPECT_EQ(many[2]->turns, 1);
+}
+
+TEST(CallRegistry, StopsItsCallsAndAdmitsNoneAfterClose) {
+  CallRegistry registry({1, 9, 9});
+  const auto working = EnterAndWait(registry, "x"), waiting = EnterAndWait(registry, "x"),
+             receiving = Enter(registry, "x");
+  registry.Close();
+  EXPECT_TRUE(working->stopped.ok());
+  EXPECT_TRUE(receiving->stopped.ok());
+  EXPECT_EQ(waiting->stopped.code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(RetryDelayOf(waiting->stopped));
+  registry.AwaitTurn(receiving.get());
+  EXPECT_EQ(receiving->stopped.code(), absl::StatusCode::kUnavailable) << "there is no place for it";
+  const absl::Status closed = registry.Admit(std::make_shared<FakeCall>(), "y");
+  EXPECT_EQ(closed.code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(RetryDelayOf(closed));
+  EXPECT_FALSE(registry.WaitUntilEmpty(absl::Milliseconds(1)));
+  registry.StopAll();
+  EXPECT_EQ(working->stopped.code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(CallRegistry, ACallThatHasReceivedAfterCloseStillWorksIfThereIsAPlace) {
+  CallRegistry registry({1, 9, 9});
+  const auto receiving = Enter(registry, "x");
+  registry.Close();
+  registry.AwaitTurn(receiving.get());
+  EXPECT_EQ(receiving->turns, 1);
+  EXPECT_TRUE(receiving->stopped.ok());
+}
+
+TEST(CallRegistry, AsksEveryCallWhetherItsClientStalls) {
+  CallRegistry registry({1, 9, 9});
+  const auto working = EnterAndWait(registry, "x"), waiting = EnterAndWait(registry, "x");
+  registry.EndStalled(absl::Seconds(7));
+  EXPECT_EQ(working->patience_asked, absl::Seconds(7));
+  EXPECT_EQ(waiting->patience_asked, absl::Seconds(7));
+}
+
+TEST(MemoryBudget, IsSharedAndGivenBack) {
+  MemoryBudget budget(100);
+  MemoryReservation a(budget);
+  {
+    MemoryReservation b(budget);
+    EXPECT_TRUE(a.Grow(60).ok());
+    EXPECT_TRUE(a.Grow(50).ok()) << "has that";
+    EXPECT_TRUE(b.Grow(40).ok());
+    EXPECT_EQ(budget.reserved(), 100);
+    const absl::Status busy = b.Grow(41);
+    EXPECT_EQ(busy.code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_EQ(busy.message(), "memory: 41 bytes are needed, and others have 60 of 100; try again");
+    EXPECT_TRUE(RetryDelayOf(busy));
+    const absl::Status never = b.Grow(101);
+    EXPECT_EQ(never.message(), "memory 101 exceeds 100");
+    EXPECT_FALSE(RetryDelayOf(never));
+  }
+  EXPECT_EQ(budget.reserved(), 60);
+  EXPECT_TRUE(a.Grow(100).ok());
+  a.Shrink(10);
+  a.Shrink(20);
+  EXPECT_EQ(a.bytes(), 10);
+  EXPECT_EQ(budget.reserved(), 10);
+}
+
+TEST(MemoryBudget, RefusesSizesThatWouldWrapAround) {
+  MemoryBudget budget(100);
+  MemoryReservation a(budget), b(budget);
+  ASSERT_TRUE(a.Grow(100).ok());
+  EXPECT_FALSE(b.Grow(UINT64_MAX).ok());
+  EXPECT_FALSE(a.Grow(UINT64_MAX).ok());
+  EXPECT_EQ(budget.reserved(), 100);
+}
+
+TEST(DefaultMemoryBudget, IsLessThanTheMachineHas) {
+  EXPECT_GT(DefaultMemoryBudget(), uint64_t{64} << 20);
+  EXPECT_LT(DefaultMemoryBudget(), uint64_t{1} << 50);
+}
+
+// FIPS 180-2, appendix B.1.
+TEST(MeshDigest, IsSha256OfAllPieces) {
+  absl::Cord cord("a");
+  cord.Append(absl::MakeCordFromExternal("bc", [](absl::string_view) {}));
+  const MeshDigest digest = DigestOf(cord);
+  EXPECT_EQ(absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), digest.size()}),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+MeshDigest Digest(int n) { return DigestOf(absl::Cord(std::string(1, static_cast<char>(n)))); }
+absl::Cord Bytes(size_t size) { return absl::Cord(std::string(size, 'x')); }
+
+TEST(MeshStore, DropsTheLeastRecentlyUsedFirst) {
+  MeshStore store(100);
+  store.Put(Digest(1), Bytes(40));
+  store.Put(Digest(2), Bytes(40));
+  EXPECT_TRUE(store.Find(Digest(1)));  // a use
+  store.Put(Digest(3), Bytes(40));
+  EXPECT_TRUE(store.Find(Digest(1)));
+  EXPECT_FALSE(store.Find(Digest(2)));
+  EXPECT_TRUE(store.Find(Digest(3)));
+  EXPECT_EQ(store.bytes(), 80);
+  store.Put(Digest(1), Bytes(40));  // again: a use, and no more bytes
+  EXPECT_EQ(store.bytes(), 80);
+  store.Put(Digest(4), Bytes(60));
+  EXPECT_FALSE(store.Find(Digest(3)));
+  EXPECT_EQ(store.Find(Digest(4))->size(), 60);
+  EXPECT_EQ(store.bytes(), 100);
+}
+
+TEST(MeshStore, LeavesAMeshOutThatAloneExceedsIt) {
+  MeshStore store(100);
+  store.Put(Digest(1), Bytes(40));
+  store.Put(Digest(2), Bytes(101));
+  EXPECT_FALSE(store.Find(Digest(2)));
+  EXPECT_TRUE(store.Find(Digest(1)));
+}
+
+}  // namespace
+}  // namespace latvox

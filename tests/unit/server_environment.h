@@ -1,0 +1,31 @@
+// What calls share, for tests that have no whole server.
+#ifndef LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
+#define LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
+
+#include "server/call_environment.h"
+#include "server/call_registry.h"
+#include "server/lane.h"
+#include "server/limits.h"
+#include "server/memory_budget.h"
+#include "server/mesh_decoder.h"
+#include "server/mesh_store.h"
+
+namespace latvox {
+
+struct TestEnvironment {
+  explicit TestEnvironment(MeshDecoder& mesh_decoder, const Limits& all_limits = {})
+      : limits(all_limits), decoder(mesh_decoder) {}
+
+  CallEnvironment shared() { return {limits, decoder, meshes, memory, quick, bulk, registry}; }
+
+  const Limits limits;
+  MeshDecoder& decoder;
+  MeshStore meshes{limits.mesh_store_bytes};
+  MemoryBudget memory{limits.memory_budget_bytes};
+  Lane quick{1}, bulk{1};
+  CallRegistry registry{{limits.max_jobs, limits.max_queued_jobs, limits.max_jobs_per_client}};
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_

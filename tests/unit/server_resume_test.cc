@@ -1,0 +1,247 @@
+// Streams that go on where they were broken, meshes that are kept, clients that stop taking part: through a real
+// channel.
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "core/voxelizer/digest.h"
+#include "server/mesh_store.h"
+#include "tests/unit/server_calls.h"
+
+namespace latvox {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Sha256(const std::string& bytes) {
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  return std::string(reinterpret_cast<const char*>(digest.data()), digest.size());
+}
+
+v1::PutMeshRequest PutSpec(const std::string& sha256, uint64_t bytes) {
+  v1::PutMeshRequest request;
+  request.mutable_spec()->set_mesh_sha256(sha256);
+  request.mutable_spec()->set_mesh_bytes(bytes);
+  return request;
+}
+
+// Sends the messages, whether they are still wanted or not.
+grpc::Status PutMesh(v1::Voxelizer::Stub& stub, const std::vector<v1::PutMeshRequest>& messages,
+                     v1::PutMeshResponse& response) {
+  grpc::ClientContext context;
+  const auto stream = stub.PutMesh(&context, &response);
+  for (const auto& message : messages) {
+    if (!stream->Write(message)) break;
+  }
+  stream->WritesDone();
+  return stream->Finish();
+}
+
+std::vector<v1::PutMeshRequest> WholeMesh(const std::string& bytes) {
+  std::vector<v1::PutMeshRequest> messages = {PutSpec(Sha256(bytes), bytes.size())};
+  for (size_t at = 0; at < bytes.size(); at += 5000) messages.emplace_back().set_mesh_piece(bytes.substr(at, 5000));
+  return messages;
+}
+
+v1::VoxelizeSpec SpecOfKept(uint32_t resolution, const std::string& bytes) {
+  v1::VoxelizeSpec spec = Spec(resolution);
+  spec.set_mesh_sha256(Sha256(bytes));
+  return spec;
+}
+
+using ResumeTest = ServerTest;
+
+TEST_F(ResumeTest, APutMeshServesManyRequests) {
+  Start();
+  v1::PutMeshResponse response;
+  ASSERT_TRUE(PutMesh(*stub_, WholeMesh(SphereBytes()), response).ok());
+  EXPECT_FALSE(response.already_stored());
+  EXPECT_FALSE(response.request_id().empty());
+  for (const uint32_t resolution : {20u, 50u}) {
+    const Answer sent = Voxelize(*stub_, Spec(resolution), SphereBytes());
+    const Answer kept = Voxelize(*stub_, SpecOfKept(resolution, SphereBytes()), "");
+    ASSERT_TRUE(kept.status.ok()) << kept.status.error_message();
+    EXPECT_EQ(kept.summary().certificate().digest(), sent.summary().certificate().digest());
+    EXPECT_EQ(kept.summary().mesh_bytes(), SphereBytes().size());
+  }
+  ASSERT_TRUE(PutMesh(*stub_, WholeMesh(SphereBytes()), response).ok());
+  EXPECT_TRUE(response.already_stored());
+}
+
+TEST_F(ResumeTest, AMeshThatIsNotKeptIsNotFoundUntilItIsSentWithItsDigest) {
+  Start();
+  const v1::VoxelizeSpec spec = SpecOfKept(20, SphereBytes());
+  const Answer missing = Voxelize(*stub_, spec, "");
+  EXPECT_EQ(missing.status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(missing.status.error_message(), HasSubstr("mesh_sha256"));
+  EXPECT_TRUE(Voxelize(*stub_, spec, SphereBytes()).status.ok());
+  EXPECT_TRUE(Voxelize(*stub_, spec, "").status.ok());
+}
+
+TEST_F(ResumeTest, RefusesAMeshUnderAnothersDigest) {
+  Start();
+  const std::string other = EncodeDraco(Sphere(9), {});
+  v1::PutMeshResponse response;
+  std::vector<v1::PutMeshRequest> messages = WholeMesh(other);
+  messages[0] = PutSpec(Sha256(SphereBytes()), other.size());
+  EXPECT_EQ(PutMesh(*stub_, messages, response).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Voxelize(*stub_, SpecOfKept(20, SphereBytes()), other).status.error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Voxelize(*stub_, SpecOfKept(20, SphereBytes()), "").status.error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(ResumeTest, RefusesEveryOtherFormOfPutMesh) {
+  options_.limits.max_mesh_bytes = 1 << 20;
+  Start();
+  v1::PutMeshRequest piece;
+  piece.set_mesh_piece("abc");
+  const std::string digest = Sha256("abc");
+  struct Case {
+    std::vector<v1::PutMeshRequest> messages;
+    std::string message;
+    grpc::StatusCode code = grpc::StatusCode::INVALID_ARGUMENT;
+  };
+  const std::vector<Case> cases = {
+      {{}, "ended before spec"},
+      {{v1::PutMeshRequest()}, "neither spec nor mesh_piece"},
+      {{piece}, "mesh_piece came before spec"},
+      {{PutSpec(digest, 3), PutSpec(digest, 3)}, "a second one came"},
+      {{PutSpec("short", 3), piece}, "mesh_sha256 has 5 bytes, not 32"},
+      {{PutSpec(digest, 0), piece}, "mesh_bytes 0 is below 1"},
+      {{PutSpec(digest, 4), piece}, "only 3 bytes came"},
+      {{PutSpec(digest, 2), piece}, "at least 3 bytes came"},
+      {{PutSpec(digest, (1 << 20) + 1)}, "exceeds 1048576", grpc::StatusCode::RESOURCE_EXHAUSTED},
+  };
+  for (const Case& bad : cases) {
+    v1::PutMeshResponse response;
+    const grpc::Status status = PutMesh(*stub_, bad.messages, response);
+    EXPECT_EQ(status.error_code(), bad.code) << bad.message;
+    EXPECT_THAT(status.error_message(), HasSubstr(bad.message));
+  }
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+}
+
+Vec3i TileOf(const v1::BrickBatch& batch, int brick) {
+  return {batch.brick_ijk(3 * brick) >> 3, batch.brick_ijk(3 * brick + 1) >> 3, batch.brick_ijk(3 * brick + 2) >> 3};
+}
+
+// After each batch of a stream, what a second request for the rest adds makes the whole; with verification, too.
+TEST_F(ResumeTest, TheRestOfAStreamCompletesIt) {
+  Start();
+  for (const bool verify : {false, true}) {
+    v1::VoxelizeSpec spec = SpecOfKept(1000, SphereBytes());
+    spec.set_verify(verify);
+    const Answer whole = Voxelize(*stub_, spec, SphereBytes());
+    ASSERT_TRUE(whole.status.ok()) << whole.status.error_message();
+    ASSERT_GT(whole.messages.size(), 4U);
+    Digest digest;
+    uint64_t voxels = 0;
+    std::set<Vec3i> tiles;
+    for (const v1::VoxelizeResponse& message : whole.messages) {
+      if (!message.has_bricks()) continue;
+      const int bricks = message.bricks().brick_ijk_size() / 3;
+      for (int n = 0; n < bricks; ++n) {
+        Brick brick;
+        for (int m = 0; m < 3; ++m) brick.brick_ijk[static_cast<size_t>(m)] = message.bricks().brick_ijk(3 * n + m);
+        std::memcpy(brick.mask.data(), message.bricks().masks().data() + n * sizeof(BrickMask), sizeof(BrickMask));
+        digest.Add(brick);
+        voxels += CountVoxels(brick.mask);
+        tiles.insert(TileOf(message.bricks(), n));
+      }
+      const Vec3i last = TileOf(message.bricks(), bricks - 1);
+      v1::VoxelizeSpec rest_spec = spec;
+      rest_spec.mutable_resume_after()->set_i(last[0]);
+      rest_spec.mutable_resume_after()->set_j(last[1]);
+      rest_spec.mutable_resume_after()->set_k(last[2]);
+      const Answer rest = Voxelize(*stub_, rest_spec, "");
+      ASSERT_TRUE(rest.status.ok()) << rest.status.error_message();
+      Digest sum = digest;
+      for (const Brick& brick : rest.Bricks()) sum.Add(brick);
+      EXPECT_EQ(sum.ToHex(), whole.summary().certificate().digest());
+      EXPECT_EQ(voxels + rest.summary().voxels(), whole.summary().voxels());
+      EXPECT_EQ(tiles.size() + rest.summary().tiles(), whole.summary().tiles());
+      EXPECT_EQ(rest.summary().certificate().verified(), verify);
+      EXPECT_EQ(rest.summary().certificate().redundant(), 0);
+      EXPECT_EQ(rest.accepted().grid().SerializeAsString(), whole.accepted().grid().SerializeAsString());
+    }
+  }
+}
+
+TEST_F(ResumeTest, RefusesToResumeAfterATileThatIsNotItsOwn) {
+  Start();
+  for (const bool verify : {false, true}) {
+    v1::VoxelizeSpec spec = Spec(20);
+    spec.set_verify(verify);
+    spec.mutable_resume_after()->set_j(-2000000000);
+    const Answer answer = Voxelize(*stub_, spec, SphereBytes());
+    EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_THAT(answer.status.error_message(), HasSubstr("resume_after: tile 0,-2000000000,0 does not meet"));
+  }
+}
+
+TEST_F(ResumeTest, GivesUpClientsThatStopToSendOrToRead) {
+  options_.stall_timeout = absl::Seconds(1);
+  options_.keepalive_time = options_.keepalive_timeout = absl::Seconds(100);
+  Start();
+  VoxelizeCall silent(*stub_), stopped(*stub_);
+  silent.Send(SpecMessage(Spec(9)));
+  StartBigJob(stopped);
+  EXPECT_EQ(server_->calls(), 2);
+  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+  const grpc::Status silent_status = silent.Receive().status;
+  EXPECT_NE(silent_status.error_code(), grpc::StatusCode::OK);
+  EXPECT_NE(stopped.Receive().status.error_code(), grpc::StatusCode::OK);
+}
+
+TEST_F(ResumeTest, AJobWaitsForItsTurnAndThenIsServed) {
+  options_.limits.max_jobs = 1;
+  Start();
+  VoxelizeCall holder(*stub_);
+  StartBigJob(holder);
+  VoxelizeCall waiting(*stub_);
+  waiting.Send(SpecMessage(Spec(20))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(server_->calls(), 2);
+  holder.context().TryCancel();
+  EXPECT_TRUE(waiting.Receive().status.ok());
+}
+
+TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
+  options_.memory_bytes = uint64_t{300} << 20;
+  Start();
+  v1::VoxelizeSpec spec = Spec(20);
+  spec.set_mesh_bytes(uint64_t{900} << 20);
+  const Answer large = Voxelize(*stub_, spec, "");
+  EXPECT_EQ(large.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(large.status.error_message(), HasSubstr("memory 943718400 exceeds "));
+  EXPECT_EQ(large.trailer("grpc-retry-pushback-ms"), "-1");
+
+  VoxelizeCall holder(*stub_);
+  spec.set_mesh_bytes(uint64_t{60} << 20);
+  holder.Send(SpecMessage(spec));
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 1; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const Answer busy = Voxelize(*stub_, spec, "");
+  EXPECT_EQ(busy.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(busy.status.error_message(), HasSubstr("try again"));
+  EXPECT_EQ(busy.trailer("grpc-retry-pushback-ms"), "1000");
+}
+
+TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {
+  options_.limits.max_voxels = 10000;
+  Start();
+  EXPECT_TRUE(Voxelize(*stub_, Spec(20), SphereBytes()).status.ok());
+  const Answer answer = Voxelize(*stub_, Spec(100), SphereBytes());
+  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(answer.status.error_message(), HasSubstr("voxels (estimated) "));
+  EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), "-1");
+  v1::VoxelizeSpec part = Spec(100);
+  part.mutable_region()->mutable_max()->set_i(20);
+  part.mutable_region()->mutable_max()->set_j(20);
+  part.mutable_region()->mutable_max()->set_k(20);
+  EXPECT_TRUE(Voxelize(*stub_, part, SphereBytes()).status.ok()) << "a small part of it";
+}
+
+}  // namespace
+}  // namespace latvox
