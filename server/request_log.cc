@@ -2,15 +2,12 @@
 
 #include <vector>
 
-#include "absl/strings/str_format.h"
 #include "server/log.h"
 
 namespace latvox {
 namespace {
 
 using Fields = std::vector<LogField>;
-
-std::string Milliseconds(double ms) { return absl::StrFormat("%.3f", ms); }
 
 void AppendCounts(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("triangles", facts.triangles);
@@ -24,13 +21,13 @@ void AppendCounts(const PixelizationFacts& facts, Fields& fields) {
 }
 
 void AppendTimes(const ComputationFacts& facts, Fields& fields) {
-  fields.emplace_back("decode_ms", Milliseconds(facts.decode_ms));
-  fields.emplace_back("voxelize_ms", Milliseconds(facts.voxelize_ms));
-  fields.emplace_back("stream_ms", Milliseconds(facts.stream_ms));
+  fields.emplace_back("decode_ms", facts.decode_ms);
+  fields.emplace_back("voxelize_ms", facts.voxelize_ms);
+  fields.emplace_back("stream_ms", facts.stream_ms);
 }
 
 void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
-  fields.emplace_back("pixelize_ms", Milliseconds(facts.pixelize_ms));
+  fields.emplace_back("pixelize_ms", facts.pixelize_ms);
 }
 
 }  // namespace
@@ -47,7 +44,7 @@ void LogRequest(const RequestRecord& record) {
   fields.emplace_back("bytes_in", record.bytes_in);
   fields.emplace_back("bytes_out", record.bytes_out);
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
-  fields.emplace_back("total_ms", Milliseconds(record.total_ms));
+  fields.emplace_back("total_ms", record.total_ms);
   if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});
   const bool ours = record.status.code() == absl::StatusCode::kInternal;
   Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);
