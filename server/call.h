@@ -13,9 +13,9 @@
 
 namespace latvox {
 
-// What all calls share. Must outlive them.
+// What all calls share, but for the limits, which are the caller's. What is referred to must outlive them.
 struct CallEnvironment {
-  const Limits& limits;
+  Limits limits;
   const MeshDecoder& decoder;
   oneapi::tbb::task_arena& arena;
   CallRegistry& registry;

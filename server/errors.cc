@@ -38,6 +38,8 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
       return grpc::StatusCode::DEADLINE_EXCEEDED;
     case absl::StatusCode::kUnavailable:
       return grpc::StatusCode::UNAVAILABLE;
+    case absl::StatusCode::kUnauthenticated:
+      return grpc::StatusCode::UNAUTHENTICATED;
     default:
       return grpc::StatusCode::INTERNAL;
   }

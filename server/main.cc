@@ -24,7 +24,8 @@ using latvox::LogLevel;
 
 int Fail(const absl::Status& status) {
   std::fprintf(stderr, "latvoxd: %s\n", std::string{status.message()}.c_str());
-  return 1;
+  constexpr int kFailed = 1, kWrongUsage = 2;
+  return absl::IsInvalidArgument(status) ? kWrongUsage : kFailed;
 }
 
 // Exit status 0 also if calls had to be abandoned: the process has ended as it was told to.
@@ -46,7 +47,7 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
 
 // Puts into force what can change while the server runs; the rest of a changed configuration file is named, and waits
 // for a new start. A file that is wrong changes nothing.
-void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_with) {
+void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_with, latvox::VoxelServer& server) {
   const auto configuration = latvox::ReadOptionsAgain(argc, argv);
   if (!configuration.ok()) {
     Log(LogLevel::kError, "reload_failed", {{"error", configuration.status().message()}});
@@ -55,6 +56,7 @@ void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_w
   latvox::SetLogLevel(configuration->options.log_level);
   const std::vector<std::string> waiting = latvox::ChangedForRestart(started_with, configuration->settings);
   if (!waiting.empty()) Log(LogLevel::kWarning, "restart_needed", {{"options", absl::StrJoin(waiting, ",")}});
+  server.Reload();
   Log(LogLevel::kInfo, "reloaded", {});
 }
 
@@ -68,7 +70,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   Log(LogLevel::kInfo, "started",
       {{"version", LATVOX_VERSION}, {"simd", std::string{latvox::SimdInUse()}}, {"pid", getpid()}});
   for (const std::string& address : (*server)->addresses()) Log(LogLevel::kInfo, "listening", {{"address", address}});
-  const std::string reason = signals.Wait([&] { Reload(argc, argv, configuration.settings); });
+  const std::string reason = signals.Wait([&] { Reload(argc, argv, configuration.settings, **server); });
   return StopServer(**server, signals, reason, options.grace);
 }
 
@@ -80,6 +82,8 @@ int main(int argc, char** argv) {
   if (const int* status = std::get_if<int>(&parsed)) return *status;
   const auto& configuration = std::get<latvox::Configuration>(parsed);
   if (configuration.options.check_config) {
+    const absl::Status status = latvox::VoxelServer::Check(configuration.options.server);
+    if (!status.ok()) return Fail(status);
     std::fputs(latvox::ToToml(configuration.settings).c_str(), stdout);
     return 0;
   }

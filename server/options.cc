@@ -17,6 +17,13 @@ void AddLimits(CLI::App& app, Limits& limits) {
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 
+void AddAccess(CLI::App& app, ServerOptions& server) {
+  Add(app, "--token-file", server.token_file,
+      "File of bearer tokens, a line each: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
+      "TOKEN may be sha256:HEX. Without it, everybody may call")
+      ->type_name("FILE");
+}
+
 void AddLog(CLI::App& app, ProgramOptions& options) {
   AddChoice<LogLevel>(app, "--log-level",
                       {{"debug", LogLevel::kDebug},
@@ -45,6 +52,7 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");
+  AddAccess(app, options.server);
   AddLog(app, options);
   AddSwitch(app, "--exit-with-parent", options.exit_with_parent, "Stop when the process that started this one ends");
 }

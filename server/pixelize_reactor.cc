@@ -7,14 +7,12 @@
 namespace latvox {
 
 PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1::PixelizeRequest& request,
-                                 v1::PixelizeResponse& response, std::string request_id,
-                                 const CallEnvironment& environment)
+                                 v1::PixelizeResponse& response, CallOrigin origin, const CallEnvironment& environment)
     : context_(context),
       request_(request),
       response_(response),
       environment_(environment),
-      request_id_(std::move(request_id)),
-      peer_(context.peer()),
+      origin_(std::move(origin)),
       bytes_in_(request.ByteSizeLong()) {}
 
 void PixelizeReactor::Begin() {
@@ -33,7 +31,7 @@ void PixelizeReactor::Compute() {
   const absl::Status computed = response.status();
   if (response.ok()) {
     response_ = *std::move(response);
-    response_.set_request_id(request_id_);
+    response_.set_request_id(origin_.request_id);
     bytes_out_ = response_.ByteSizeLong();
   }
   {
@@ -65,8 +63,7 @@ void PixelizeReactor::SendStatus() {
 
 void PixelizeReactor::OnDone() {
   RequestRecord record;
-  record.request_id = request_id_;
-  record.peer = peer_;
+  record.origin = origin_;
   record.status = status_;
   record.lattice = facts_.lattice;
   record.separability = facts_.separability;

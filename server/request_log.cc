@@ -9,6 +9,17 @@ namespace {
 
 using Fields = std::vector<LogField>;
 
+Fields OriginFields(const CallOrigin& origin) {
+  Fields fields = {{"request_id", origin.request_id}, {"method", origin.method}, {"peer", origin.peer}};
+  if (!origin.caller.name.empty()) fields.emplace_back("caller", origin.caller.name);
+  if (origin.trace) {
+    fields.emplace_back("trace_id", origin.trace->trace_id);
+    fields.emplace_back("span_id", origin.trace->span_id);
+    fields.emplace_back("parent_id", origin.trace->parent_id);
+  }
+  return fields;
+}
+
 void AppendCounts(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("triangles", facts.triangles);
   fields.emplace_back("voxels", facts.voxels);
@@ -33,9 +44,8 @@ void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
 }  // namespace
 
 void LogRequest(const RequestRecord& record) {
-  Fields fields = {{"request_id", record.request_id},
-                   {"peer", record.peer},
-                   {"code", absl::StatusCodeToString(record.status.code())}};
+  Fields fields = OriginFields(record.origin);
+  fields.emplace_back("code", absl::StatusCodeToString(record.status.code()));
   if (!record.lattice.empty()) {
     fields.emplace_back("lattice", record.lattice);
     fields.emplace_back("k", record.separability);

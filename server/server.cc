@@ -15,8 +15,10 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "server/authenticator.h"
 #include "server/call_registry.h"
 #include "server/draco_decoder.h"
+#include "server/file_watch.h"
 #include "server/service.h"
 #include "server/unix_socket.h"
 
@@ -49,7 +51,10 @@ class Server final : public VoxelServer {
         parallelism_(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads_) + 1),
         arena_(threads_, 0),
         registry_(options.limits.max_jobs),
-        service_({options_.limits, decoder_, arena_, registry_}) {}
+        authenticator_(options.token_file),
+        service_({options_.limits, decoder_, arena_, registry_}, authenticator_) {
+    watch_.Add({options_.token_file}, [this] { authenticator_.Reload(); });
+  }
 
   ~Server() override { Stop(absl::ZeroDuration()); }
 
@@ -57,6 +62,7 @@ class Server final : public VoxelServer {
 
   const std::vector<std::string>& addresses() const override { return addresses_; }
   size_t calls() const override { return registry_.size(); }
+  void Reload() override { authenticator_.Reload(); }
   bool Stop(absl::Duration grace) override;
 
  private:
@@ -70,9 +76,11 @@ class Server final : public VoxelServer {
   oneapi::tbb::task_arena arena_;
   const DracoDecoder decoder_;
   CallRegistry registry_;
+  Authenticator authenticator_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
+  FileWatch watch_;
 };
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
@@ -90,6 +98,7 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
 
 absl::Status Server::Listen() {
   if (options_.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  if (absl::Status status = authenticator_.Read(); !status.ok()) return status;
   grpc::ServerBuilder builder;
   Configure(builder);
   builder.RegisterService(&service_);
@@ -109,6 +118,7 @@ absl::Status Server::Listen() {
     const size_t n = std::min(static_cast<size_t>(failed), ports.size() - 1);
     return CannotListen(options_.listen[n], "the address is in use, not of this machine, or not permitted");
   }
+  watch_.Start();
   for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
   server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();
@@ -130,6 +140,11 @@ bool Server::Stop(absl::Duration grace) {
 }
 
 }  // namespace
+
+absl::Status VoxelServer::Check(const ServerOptions& options) {
+  if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  return Authenticator(options.token_file).Read();
+}
 
 absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOptions& options) {
   // The library stays up until the process ends: to shut it down takes 10 s if a peer had stopped reading.

@@ -7,9 +7,9 @@
 
 namespace latvox {
 
-VoxelizeReactor::VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id,
+VoxelizeReactor::VoxelizeReactor(grpc::CallbackServerContext& context, CallOrigin origin,
                                  const CallEnvironment& environment)
-    : context_(context), environment_(environment), request_id_(std::move(request_id)), peer_(context.peer()) {}
+    : context_(context), environment_(environment), origin_(std::move(origin)) {}
 
 void VoxelizeReactor::Begin() {
   self_ = shared_from_this();
@@ -46,7 +46,7 @@ absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
   if (!spec.ok()) return spec.status();
   upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
   auto computation =
-      std::make_unique<Computation>(*std::move(spec), request_id_, environment_.decoder, environment_.limits);
+      std::make_unique<Computation>(*std::move(spec), origin_.request_id, environment_.decoder, environment_.limits);
   const std::lock_guard lock(mu_);
   computation_ = std::move(computation);
   return absl::OkStatus();
@@ -186,8 +186,7 @@ void VoxelizeReactor::Proceed() {
 // Nothing else runs any more: no callback, no task.
 void VoxelizeReactor::OnDone() {
   RequestRecord record;
-  record.request_id = request_id_;
-  record.peer = peer_;
+  record.origin = origin_;
   record.bytes_in = bytes_in_;
   {
     const std::lock_guard lock(mu_);

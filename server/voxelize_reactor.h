@@ -16,6 +16,7 @@
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/call.h"
+#include "server/call_origin.h"
 #include "server/call_registry.h"
 #include "server/computation.h"
 #include "server/mesh_upload.h"
@@ -37,7 +38,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   // Bytes that may be finished but not yet written. gRPC and the kernel hold some 4 MiB more for a slow client.
   static constexpr size_t kCredit = size_t{4} << 20;
 
-  VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id, const CallEnvironment& environment);
+  VoxelizeReactor(grpc::CallbackServerContext& context, CallOrigin origin, const CallEnvironment& environment);
 
   // Starts to read if the registry admits the call, else refuses it. Once, before the reactor is handed to gRPC.
   void Begin();
@@ -73,7 +74,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
 
   grpc::CallbackServerContext& context_;
   const CallEnvironment environment_;
-  const std::string request_id_, peer_;
+  const CallOrigin origin_;
   const Clock::time_point began_ = Clock::now();
   std::shared_ptr<VoxelizeReactor> self_;
 

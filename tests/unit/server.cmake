@@ -8,6 +8,9 @@ latvox_add_test(server_decoder_test SOURCES unit/server_decoder_test.cc
                 LIBRARIES latvox::server latvox_server_meshes draco::draco GTest::gmock)
 latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_access_test SOURCES unit/server_access_test.cc LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_access_call_test SOURCES unit/server_access_call_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_call_test SOURCES unit/server_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)

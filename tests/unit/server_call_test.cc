@@ -28,6 +28,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/authenticator.h"
 #include "server/call_registry.h"
 #include "server/draco_decoder.h"
 #include "server/server.h"
@@ -601,7 +602,8 @@ TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheSe
   GatedDecoder decoder;
   oneapi::tbb::task_arena arena(1, 0);
   CallRegistry registry(limits.max_jobs);
-  VoxelizerService service({limits, decoder, arena, registry});
+  const Authenticator everybody("");
+  VoxelizerService service({limits, decoder, arena, registry}, everybody);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service);
   const auto server = builder.BuildAndStart();
