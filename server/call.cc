@@ -31,10 +31,4 @@ absl::Status StalledClient(absl::Duration patience) {
       absl::ZeroDuration());
 }
 
-// gRPC writes ipv4:192.0.2.1:50151, ipv6:%5B2001:db8::1%5D:50151, unix:PATH or unix:.
-std::string ClientOf(const grpc::CallbackServerContext& context) {
-  const std::string peer = context.peer();
-  return absl::StartsWith(peer, "unix") ? peer : peer.substr(0, peer.rfind(':'));
-}
-
 }  // namespace latvox

@@ -6,7 +6,6 @@
 #include <grpcpp/support/status.h>
 
 #include <mutex>
-#include <string>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
@@ -22,9 +21,6 @@ absl::Status CancellationOf(const grpc::CallbackServerContext& context);
 
 // Why a call ends whose client has neither sent nor taken anything for `patience`.
 absl::Status StalledClient(absl::Duration patience);
-
-// Whose share the call takes: the peer's network address, without the port.
-std::string ClientOf(const grpc::CallbackServerContext& context);
 
 // Cancels a call from a thread that does not know whether it is over. Not on gRPC's threads.
 class CallCanceller {

@@ -2,18 +2,19 @@
 #ifndef LATVOX_SERVER_CALL_ENVIRONMENT_H_
 #define LATVOX_SERVER_CALL_ENVIRONMENT_H_
 
+#include "server/limits.h"
+
 namespace latvox {
 
 class CallRegistry;
 class Lane;
-struct Limits;
 class MemoryBudget;
 class MeshDecoder;
 class MeshStore;
 
-// All must outlive the calls.
+// The limits are the caller's. What is referred to must outlive the calls.
 struct CallEnvironment {
-  const Limits& limits;
+  Limits limits;
   MeshDecoder& decoder;
   MeshStore& meshes;
   MemoryBudget& memory;

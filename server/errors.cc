@@ -40,6 +40,8 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
       return grpc::StatusCode::NOT_FOUND;
     case absl::StatusCode::kUnavailable:
       return grpc::StatusCode::UNAVAILABLE;
+    case absl::StatusCode::kUnauthenticated:
+      return grpc::StatusCode::UNAUTHENTICATED;
     default:
       return grpc::StatusCode::INTERNAL;
   }

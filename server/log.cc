@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
@@ -20,6 +21,8 @@ constexpr size_t kQueuedLines = 8192;
 
 // Alive from StartLog to StopLog; spdlog owns it.
 std::atomic<spdlog::logger*> g_logger = nullptr;
+// Set before g_logger.
+LogFormat g_format = LogFormat::kText;
 
 spdlog::level::level_enum ToSpdlog(LogLevel level) {
   switch (level) {
@@ -52,21 +55,47 @@ void AppendField(const LogField& field, std::string& line) {
   }
 }
 
+std::string TextLine(absl::string_view event, const std::vector<LogField>& fields) {
+  std::string line(event);
+  for (const LogField& field : fields) AppendField(field, line);
+  return line;
+}
+
+std::string Quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+// What stands behind time and level, up to the closing brace.
+std::string JsonLine(absl::string_view event, const std::vector<LogField>& fields) {
+  std::string line = absl::StrCat("\"event\":", Quoted(std::string{event}));
+  for (const LogField& field : fields) {
+    absl::StrAppend(&line, ",", Quoted(field.key), ":", field.is_number ? field.value : Quoted(field.value));
+  }
+  return line;
+}
+
 void LogFromGrpc(gpr_log_func_args* args) { Log(LogLevel::kDebug, "grpc", {{"message", args->message}}); }
 
 }  // namespace
 
-void StartLog(LogLevel level) {
+void StartLog(LogLevel level, LogFormat format) {
   spdlog::init_thread_pool(kQueuedLines, 1);
   auto logger =
       std::make_shared<spdlog::async_logger>("latvoxd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
                                              spdlog::thread_pool(), spdlog::async_overflow_policy::overrun_oldest);
   logger->set_level(ToSpdlog(level));
-  logger->set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l event=%v", spdlog::pattern_time_type::utc);
+  logger->set_pattern(format == LogFormat::kJson ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})"
+                                                 : "time=%Y-%m-%dT%H:%M:%S.%eZ level=%l event=%v",
+                      spdlog::pattern_time_type::utc);
   logger->flush_on(spdlog::level::debug);
   spdlog::set_default_logger(logger);
+  g_format = format;
   g_logger = logger.get();
   gpr_set_log_function(&LogFromGrpc);
+}
+
+void SetLogLevel(LogLevel level) {
+  if (spdlog::logger* logger = g_logger) logger->set_level(ToSpdlog(level));
 }
 
 void StopLog() {
@@ -77,9 +106,7 @@ void StopLog() {
 void Log(LogLevel level, absl::string_view event, const std::vector<LogField>& fields) {
   spdlog::logger* logger = g_logger;
   if (logger == nullptr || !logger->should_log(ToSpdlog(level))) return;
-  std::string line(event);
-  for (const LogField& field : fields) AppendField(field, line);
-  logger->log(ToSpdlog(level), "{}", line);
+  logger->log(ToSpdlog(level), "{}", g_format == LogFormat::kJson ? JsonLine(event, fields) : TextLine(event, fields));
 }
 
 }  // namespace latvox

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/strings/str_join.h"
 #include "core/base/simd.h"
 #include "server/log.h"
 #include "server/options.h"
@@ -20,6 +21,12 @@ namespace {
 
 using latvox::Log;
 using latvox::LogLevel;
+
+int Fail(const absl::Status& status) {
+  std::fprintf(stderr, "latvoxd: %s\n", std::string{status.message()}.c_str());
+  constexpr int kFailed = 1, kWrongUsage = 2;
+  return absl::IsInvalidArgument(status) ? kWrongUsage : kFailed;
+}
 
 // Exit status 0 also if calls had to be abandoned: the process has ended as it was told to.
 int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, const std::string& reason,
@@ -38,31 +45,49 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
   return 0;
 }
 
-int Run(const latvox::ProgramOptions& options, pid_t parent) {
+// Puts into force what can change while the server runs; the rest of a changed configuration file is named, and waits
+// for a new start. A file that is wrong changes nothing.
+void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_with, latvox::VoxelServer& server) {
+  const auto configuration = latvox::ReadOptionsAgain(argc, argv);
+  if (!configuration.ok()) {
+    Log(LogLevel::kError, "reload_failed", {{"error", configuration.status().message()}});
+    return;
+  }
+  latvox::SetLogLevel(configuration->options.log_level);
+  const std::vector<std::string> waiting = latvox::ChangedForRestart(started_with, configuration->settings);
+  if (!waiting.empty()) Log(LogLevel::kWarning, "restart_needed", {{"options", absl::StrJoin(waiting, ",")}});
+  server.Reload();
+  Log(LogLevel::kInfo, "reloaded", {});
+}
+
+int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t parent) {
+  const latvox::ProgramOptions& options = configuration.options;
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
-  if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) {
-    std::fprintf(stderr, "latvoxd: %s\n", std::string{forced.message()}.c_str());
-    return 1;
-  }
-  latvox::StartLog(options.log_level);
+  if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
+  latvox::StartLog(options.log_level, options.log_format);
   const auto server = latvox::VoxelServer::Start(options.server);
-  if (!server.ok()) {
-    std::fprintf(stderr, "latvoxd: %s\n", std::string{server.status().message()}.c_str());
-    return 1;
-  }
+  if (!server.ok()) return Fail(server.status());
   Log(LogLevel::kInfo, "started",
       {{"version", LATVOX_VERSION}, {"simd", std::string{latvox::SimdInUse()}}, {"pid", getpid()}});
   for (const std::string& address : (*server)->addresses()) Log(LogLevel::kInfo, "listening", {{"address", address}});
-  return StopServer(**server, signals, signals.Wait(), options.grace);
+  const std::string reason = signals.Wait([&] { Reload(argc, argv, configuration.settings, **server); });
+  return StopServer(**server, signals, reason, options.grace);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const pid_t parent = getppid();
-  const std::variant<latvox::ProgramOptions, int> options = latvox::ParseOptions(argc, argv);
-  if (const int* status = std::get_if<int>(&options)) return *status;
-  const int status = Run(std::get<latvox::ProgramOptions>(options), parent);
+  const std::variant<latvox::Configuration, int> parsed = latvox::ParseOptions(argc, argv);
+  if (const int* status = std::get_if<int>(&parsed)) return *status;
+  const auto& configuration = std::get<latvox::Configuration>(parsed);
+  if (configuration.options.check_config) {
+    const absl::Status status = latvox::VoxelServer::Check(configuration.options.server);
+    if (!status.ok()) return Fail(status);
+    std::fputs(latvox::ToToml(configuration.settings).c_str(), stdout);
+    return 0;
+  }
+  const int status = Run(configuration, argc, argv, parent);
   latvox::StopLog();
   return status;
 }

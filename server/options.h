@@ -3,25 +3,38 @@
 #define LATVOX_SERVER_OPTIONS_H_
 
 #include <variant>
+#include <vector>
 
+#include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "core/base/simd.h"
 #include "server/log.h"
 #include "server/server.h"
+#include "server/settings.h"
 
 namespace latvox {
 
 struct ProgramOptions {
   ServerOptions server;
   LogLevel log_level = LogLevel::kInfo;
+  LogFormat log_format = LogFormat::kText;
   Simd simd = Simd::kBest;
   absl::Duration grace = absl::Seconds(10);
   bool exit_with_parent = false;
+  bool check_config = false;  // tell the settings instead of serving
+};
+
+struct Configuration {
+  ProgramOptions options;
+  std::vector<Setting> settings;  // the same, as text with their sources
 };
 
 // The command line wins over the environment (LATVOX_LISTEN and so on), and that over the file. On --help, --version or
 // wrong usage, says so on standard output or error and returns the exit status instead: 0, or 2.
-std::variant<ProgramOptions, int> ParseOptions(int argc, const char* const* argv);
+std::variant<Configuration, int> ParseOptions(int argc, const char* const* argv);
+
+// The same again, for the file may have changed. INVALID_ARGUMENT instead of an exit status.
+absl::StatusOr<Configuration> ReadOptionsAgain(int argc, const char* const* argv);
 
 }  // namespace latvox
 

@@ -7,20 +7,19 @@
 namespace latvox {
 
 PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1::PixelizeRequest& request,
-                                 v1::PixelizeResponse& response, std::string request_id,
-                                 const CallEnvironment& environment)
+                                 v1::PixelizeResponse& response, CallOrigin origin, const CallEnvironment& environment)
     : context_(context),
       canceller_(context),
       request_(request),
       response_(response),
       environment_(environment),
-      request_id_(std::move(request_id)),
-      peer_(context.peer()),
+      origin_(std::move(origin)),
       bytes_in_(request.ByteSizeLong()) {}
 
 void PixelizeReactor::Begin() {
   self_ = shared_from_this();
-  if (absl::Status status = environment_.registry.Admit(self_, ClientOf(context_)); !status.ok()) {
+  if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
+      !status.ok()) {
     return End(status);
   }
   environment_.registry.AwaitTurn(this);
@@ -41,7 +40,7 @@ void PixelizeReactor::Compute() {
   const absl::Status computed = response.status();
   if (response.ok()) {
     response_ = *std::move(response);
-    response_.set_request_id(request_id_);
+    response_.set_request_id(origin_.request_id);
     bytes_out_ = response_.ByteSizeLong();
   }
   {
@@ -85,8 +84,7 @@ void PixelizeReactor::SendStatus() {
 void PixelizeReactor::OnDone() {
   canceller_.Over();
   RequestRecord record;
-  record.request_id = request_id_;
-  record.peer = peer_;
+  record.origin = origin_;
   record.status = status_;
   record.lattice = facts_.lattice;
   record.separability = facts_.separability;

@@ -16,6 +16,7 @@
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/call.h"
 #include "server/call_environment.h"
+#include "server/call_origin.h"
 #include "server/call_registry.h"
 #include "server/lane.h"
 #include "server/pixelization.h"
@@ -30,7 +31,7 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
  public:
   // `request` and `response` live until OnDone.
   PixelizeReactor(grpc::CallbackServerContext& context, const v1::PixelizeRequest& request,
-                  v1::PixelizeResponse& response, std::string request_id, const CallEnvironment& environment);
+                  v1::PixelizeResponse& response, CallOrigin origin, const CallEnvironment& environment);
 
   // Has the answer computed if the registry admits the call, else refuses it. Once, before the reactor is handed to
   // gRPC.
@@ -55,7 +56,7 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
   const v1::PixelizeRequest& request_;
   v1::PixelizeResponse& response_;
   const CallEnvironment environment_;
-  const std::string request_id_, peer_;
+  const CallOrigin origin_;
   const uint64_t bytes_in_;
   const Clock::time_point began_ = Clock::now();
   std::shared_ptr<PixelizeReactor> self_;

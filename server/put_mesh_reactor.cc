@@ -9,21 +9,22 @@
 
 namespace latvox {
 
-PutMeshReactor::PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response,
-                               std::string request_id, const CallEnvironment& environment)
+PutMeshReactor::PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response, CallOrigin origin,
+                               const CallEnvironment& environment)
     : context_(context),
       canceller_(context),
       response_(response),
       environment_(environment),
-      request_id_(std::move(request_id)),
-      peer_(context.peer()),
+      origin_(std::move(origin)),
       memory_(environment.memory) {
-  response_.set_request_id(request_id_);
+  response_.set_request_id(origin_.request_id);
 }
 
 void PutMeshReactor::Begin() {
   self_ = shared_from_this();
-  if (absl::Status status = environment_.registry.Admit(self_, ClientOf(context_)); !status.ok()) return End(status);
+  if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
+      !status.ok())
+    return End(status);
   StartRead(&request_);
 }
 
@@ -132,8 +133,7 @@ void PutMeshReactor::SendStatus() {
 void PutMeshReactor::OnDone() {
   canceller_.Over();
   RequestRecord record;
-  record.request_id = request_id_;
-  record.peer = peer_;
+  record.origin = origin_;
   record.status = status_;
   record.bytes_in = bytes_in_;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();

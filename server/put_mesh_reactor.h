@@ -16,6 +16,7 @@
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/call.h"
 #include "server/call_environment.h"
+#include "server/call_origin.h"
 #include "server/call_registry.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
@@ -32,7 +33,7 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
                              public std::enable_shared_from_this<PutMeshReactor> {
  public:
   // `response` lives until OnDone.
-  PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response, std::string request_id,
+  PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response, CallOrigin origin,
                  const CallEnvironment& environment);
 
   // Starts to read if the registry admits the call, else refuses it. Once, before the reactor is handed to gRPC.
@@ -60,7 +61,7 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
   CallCanceller canceller_;
   v1::PutMeshResponse& response_;
   const CallEnvironment environment_;
-  const std::string request_id_, peer_;
+  const CallOrigin origin_;
   const Clock::time_point began_ = Clock::now();
   std::shared_ptr<PutMeshReactor> self_;
 

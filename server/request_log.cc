@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "absl/strings/str_format.h"
 #include "server/log.h"
 
 namespace latvox {
@@ -10,7 +9,16 @@ namespace {
 
 using Fields = std::vector<LogField>;
 
-std::string Milliseconds(double ms) { return absl::StrFormat("%.3f", ms); }
+Fields OriginFields(const CallOrigin& origin) {
+  Fields fields = {{"request_id", origin.request_id}, {"method", origin.method}, {"peer", origin.peer}};
+  if (!origin.caller.name.empty()) fields.emplace_back("caller", origin.caller.name);
+  if (origin.trace) {
+    fields.emplace_back("trace_id", origin.trace->trace_id);
+    fields.emplace_back("span_id", origin.trace->span_id);
+    fields.emplace_back("parent_id", origin.trace->parent_id);
+  }
+  return fields;
+}
 
 void AppendCounts(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("triangles", facts.triangles);
@@ -24,21 +32,20 @@ void AppendCounts(const PixelizationFacts& facts, Fields& fields) {
 }
 
 void AppendTimes(const ComputationFacts& facts, Fields& fields) {
-  fields.emplace_back("decode_ms", Milliseconds(facts.decode_ms));
-  fields.emplace_back("voxelize_ms", Milliseconds(facts.voxelize_ms));
-  fields.emplace_back("stream_ms", Milliseconds(facts.stream_ms));
+  fields.emplace_back("decode_ms", facts.decode_ms);
+  fields.emplace_back("voxelize_ms", facts.voxelize_ms);
+  fields.emplace_back("stream_ms", facts.stream_ms);
 }
 
 void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
-  fields.emplace_back("pixelize_ms", Milliseconds(facts.pixelize_ms));
+  fields.emplace_back("pixelize_ms", facts.pixelize_ms);
 }
 
 }  // namespace
 
 void LogRequest(const RequestRecord& record) {
-  Fields fields = {{"request_id", record.request_id},
-                   {"peer", record.peer},
-                   {"code", absl::StatusCodeToString(record.status.code())}};
+  Fields fields = OriginFields(record.origin);
+  fields.emplace_back("code", absl::StatusCodeToString(record.status.code()));
   if (!record.lattice.empty()) {
     fields.emplace_back("lattice", record.lattice);
     fields.emplace_back("k", record.separability);
@@ -46,9 +53,9 @@ void LogRequest(const RequestRecord& record) {
   std::visit([&](const auto& facts) { AppendCounts(facts, fields); }, record.work);
   fields.emplace_back("bytes_in", record.bytes_in);
   fields.emplace_back("bytes_out", record.bytes_out);
-  fields.emplace_back("queue_ms", Milliseconds(record.queue_ms));
+  fields.emplace_back("queue_ms", record.queue_ms);
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
-  fields.emplace_back("total_ms", Milliseconds(record.total_ms));
+  fields.emplace_back("total_ms", record.total_ms);
   if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});
   const bool ours = record.status.code() == absl::StatusCode::kInternal;
   Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);

@@ -7,14 +7,14 @@
 #include <variant>
 
 #include "absl/status/status.h"
+#include "server/call_origin.h"
 #include "server/computation.h"
 #include "server/pixelization.h"
 
 namespace latvox {
 
 struct RequestRecord {
-  std::string request_id;
-  std::string peer;
+  CallOrigin origin;
   absl::Status status;
   std::string lattice;  // empty: there was no good specification
   int separability = 0;

@@ -18,7 +18,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "server/authenticator.h"
 #include "server/call_registry.h"
+#include "server/file_watch.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
@@ -76,7 +78,10 @@ class Server final : public VoxelServer {
         meshes_(options_.limits.mesh_store_bytes),
         memory_(options_.limits.memory_budget_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
-        service_({options_.limits, decoder_, meshes_, memory_, quick_, bulk_, registry_}) {}
+        authenticator_(options.token_file),
+        service_({options_.limits, decoder_, meshes_, memory_, quick_, bulk_, registry_}, authenticator_) {
+    files_.Add({options_.token_file}, [this] { authenticator_.Reload(); });
+  }
 
   ~Server() override { Stop(absl::ZeroDuration()); }
 
@@ -84,6 +89,7 @@ class Server final : public VoxelServer {
 
   const std::vector<std::string>& addresses() const override { return addresses_; }
   size_t calls() const override { return registry_.size(); }
+  void Reload() override { authenticator_.Reload(); }
   bool Stop(absl::Duration grace) override;
 
  private:
@@ -101,9 +107,11 @@ class Server final : public VoxelServer {
   MeshStore meshes_;
   MemoryBudget memory_;
   CallRegistry registry_;
+  Authenticator authenticator_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
+  FileWatch files_;
 
   std::mutex stop_mu_;
   std::condition_variable stopped_;
@@ -128,6 +136,7 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
 
 absl::Status Server::Listen() {
   if (options_.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  if (absl::Status status = authenticator_.Read(); !status.ok()) return status;
   grpc::ServerBuilder builder;
   Configure(builder);
   builder.RegisterService(&service_);
@@ -147,6 +156,7 @@ absl::Status Server::Listen() {
     const size_t n = std::min(static_cast<size_t>(failed), ports.size() - 1);
     return CannotListen(options_.listen[n], "the address is in use, not of this machine, or not permitted");
   }
+  files_.Start();
   for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
   watch_ = std::thread([this] { Watch(); });
   server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
@@ -192,6 +202,11 @@ bool Server::Stop(absl::Duration grace) {
 }
 
 }  // namespace
+
+absl::Status VoxelServer::Check(const ServerOptions& options) {
+  if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  return Authenticator(options.token_file).Read();
+}
 
 absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOptions& options) {
   // The library stays up until the process ends: to shut it down takes 10 s if a peer had stopped reading.

@@ -16,6 +16,7 @@ struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
   int threads = 0;                                        // for compute; 0: one for each core
   Limits limits;
+  std::string token_file;  // who may call, see server/token_set.h; empty: everybody
 
   // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
   // quarters of what the machine, or the control group, has.
@@ -33,9 +34,12 @@ struct ServerOptions {
 
 class VoxelServer {
  public:
-  // Serves when it returns. Errors: INVALID_ARGUMENT (no address), UNAVAILABLE naming the address that cannot be
-  // listened on.
+  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, or what Check finds), UNAVAILABLE naming the address
+  // that cannot be listened on.
   static absl::StatusOr<std::unique_ptr<VoxelServer>> Start(const ServerOptions& options);
+
+  // What Start would find wrong with the options before it listens: INVALID_ARGUMENT naming the option.
+  static absl::Status Check(const ServerOptions& options);
 
   // Precondition: Stop returned true, or was not called.
   virtual ~VoxelServer() = default;
@@ -45,6 +49,10 @@ class VoxelServer {
 
   // Calls in progress.
   virtual size_t calls() const = 0;
+
+  // Reads the files again that the options name. What is wrong with them is logged, and stays as it was. They are read
+  // as well whenever they change. Thread-safe.
+  virtual void Reload() = 0;
 
   // Ends: reports NOT_SERVING and refuses new calls at once, lets those in progress go on for `grace`, then stops them.
   // Returns whether all have ended. If not, for a decode under way can not be interrupted, the process has to exit

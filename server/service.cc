@@ -2,32 +2,83 @@
 
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/convert.h"
-#include "server/limits.h"
+#include "server/errors.h"
 #include "server/pixelize_reactor.h"
 #include "server/put_mesh_reactor.h"
+#include "server/refusal.h"
+#include "server/request_log.h"
 #include "server/voxelize_reactor.h"
 
 namespace latvox {
+namespace {
 
-VoxelizerService::VoxelizerService(const CallEnvironment& environment)
-    : environment_(environment), run_id_(absl::StrFormat("%08x", std::random_device()())) {}
+constexpr char kTraceparent[] = "traceparent";
 
-std::string VoxelizerService::NextRequestId() { return absl::StrCat(run_id_, "-", ++requests_); }
+}  // namespace
+
+VoxelizerService::VoxelizerService(const CallEnvironment& environment, const Authenticator& authenticator)
+    : environment_(environment),
+      authenticator_(authenticator),
+      run_id_(absl::StrFormat("%08x", std::random_device()())) {}
+
+CallOrigin VoxelizerService::OriginOf(const char* method, grpc::CallbackServerContext& context) {
+  CallOrigin origin{.method = method,
+                    .request_id = absl::StrCat(run_id_, "-", ++requests_),
+                    .peer = context.peer(),
+                    .caller = {},
+                    .trace = {}};
+  const auto [begin, end] = context.client_metadata().equal_range(kTraceparent);
+  if (begin != end && std::next(begin) == end) {
+    origin.trace = ReadTraceparent(absl::string_view(begin->second.data(), begin->second.size()));
+  }
+  if (origin.trace) context.AddInitialMetadata(kTraceparent, Traceparent(*origin.trace));
+  return origin;
+}
+
+grpc::Status VoxelizerService::Admit(const grpc::CallbackServerContext& context, CallOrigin& origin) const {
+  absl::StatusOr<Caller> caller = authenticator_.Authenticate(context);
+  if (caller.ok()) {
+    origin.caller = *std::move(caller);
+    return grpc::Status::OK;
+  }
+  RequestRecord record;
+  record.origin = origin;
+  record.status = caller.status();
+  LogRequest(record);
+  return ToGrpcStatus(caller.status());
+}
+
+CallEnvironment VoxelizerService::EnvironmentFor(const Caller& caller) const {
+  CallEnvironment environment = environment_;
+  environment.limits = LimitsOf(caller, environment.limits);
+  return environment;
+}
 
 grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* VoxelizerService::Voxelize(
     grpc::CallbackServerContext* context) {
-  const auto reactor = std::make_shared<VoxelizeReactor>(*context, NextRequestId(), environment_);
+  CallOrigin origin = OriginOf("Voxelize", *context);
+  if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
+    return new Refusal<grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>>(status);
+  }
+  const CallEnvironment environment = EnvironmentFor(origin.caller);
+  const auto reactor = std::make_shared<VoxelizeReactor>(*context, std::move(origin), environment);
   reactor->Begin();
   return reactor.get();
 }
 
 grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::CallbackServerContext* context,
                                                                        v1::PutMeshResponse* response) {
-  const auto reactor = std::make_shared<PutMeshReactor>(*context, *response, NextRequestId(), environment_);
+  CallOrigin origin = OriginOf("PutMesh", *context);
+  if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
+    return new Refusal<grpc::ServerReadReactor<v1::PutMeshRequest>>(status);
+  }
+  const CallEnvironment environment = EnvironmentFor(origin.caller);
+  const auto reactor = std::make_shared<PutMeshReactor>(*context, *response, std::move(origin), environment);
   reactor->Begin();
   return reactor.get();
 }
@@ -35,7 +86,12 @@ grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::Cal
 grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext* context,
                                                      const v1::PixelizeRequest* request,
                                                      v1::PixelizeResponse* response) {
-  const auto reactor = std::make_shared<PixelizeReactor>(*context, *request, *response, NextRequestId(), environment_);
+  CallOrigin origin = OriginOf("Pixelize", *context);
+  if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
+    return new Refusal<grpc::ServerUnaryReactor>(status);
+  }
+  const CallEnvironment environment = EnvironmentFor(origin.caller);
+  const auto reactor = std::make_shared<PixelizeReactor>(*context, *request, *response, std::move(origin), environment);
   reactor->Begin();
   return reactor.get();
 }
@@ -43,9 +99,11 @@ grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContext* context,
                                                       const v1::GetLimitsRequest* /*request*/,
                                                       v1::GetLimitsResponse* response) {
-  *response = LimitsToProto(environment_.limits);
+  CallOrigin origin = OriginOf("GetLimits", *context);
+  const grpc::Status status = Admit(*context, origin);
+  if (status.ok()) *response = LimitsToProto(LimitsOf(origin.caller, environment_.limits));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(grpc::Status::OK);
+  reactor->Finish(status);
   return reactor;
 }
 

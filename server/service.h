@@ -1,4 +1,4 @@
-// latvox.v1.Voxelizer on gRPC's callback API.
+// latvox.v1.Voxelizer on gRPC's callback API: who calls, and what takes care of the call.
 #ifndef LATVOX_SERVER_SERVICE_H_
 #define LATVOX_SERVER_SERVICE_H_
 
@@ -7,13 +7,15 @@
 #include <string>
 
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/authenticator.h"
 #include "server/call_environment.h"
+#include "server/call_origin.h"
 
 namespace latvox {
 
 class VoxelizerService final : public v1::Voxelizer::CallbackService {
  public:
-  explicit VoxelizerService(const CallEnvironment& environment);
+  VoxelizerService(const CallEnvironment& environment, const Authenticator& authenticator);
 
   grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* Voxelize(
       grpc::CallbackServerContext* context) override;
@@ -25,9 +27,16 @@ class VoxelizerService final : public v1::Voxelizer::CallbackService {
                                       v1::GetLimitsResponse* response) override;
 
  private:
-  std::string NextRequestId();
+  // What is known of a call before its first message. Answers its trace context, if it has one.
+  CallOrigin OriginOf(const char* method, grpc::CallbackServerContext& context);
+
+  // Whether the call may go on; then, `origin` has the caller. If not, logs it.
+  grpc::Status Admit(const grpc::CallbackServerContext& context, CallOrigin& origin) const;
+
+  CallEnvironment EnvironmentFor(const Caller& caller) const;
 
   const CallEnvironment environment_;
+  const Authenticator& authenticator_;
   const std::string run_id_;  // random, so that request ids of different runs and servers differ
   std::atomic<uint64_t> requests_ = 0;
 };

@@ -19,6 +19,7 @@ sigset_t WaitedFor() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGHUP);
   sigaddset(&signals, kParentSignal);
   return signals;
 }
@@ -40,20 +41,20 @@ StopSignals::StopSignals(std::optional<pid_t> parent) : parent_(parent) {
   if (parent_) prctl(PR_SET_PDEATHSIG, kParentSignal);
 }
 
-std::string StopSignals::Wait() const {
+std::string StopSignals::Wait(const std::function<void()>& reload) const {
   // The parent may have ended before prctl.
   while (!parent_ || getppid() == *parent_) {
     const int signal = NextSignal();
     if (signal == SIGTERM) return "SIGTERM";
     if (signal == SIGINT) return "SIGINT";
+    if (signal == SIGHUP) reload();
   }
   return "parent-exit";
 }
 
 void StopSignals::ExitOnNext(std::function<void()> last_words) const {
   std::thread([last_words = std::move(last_words)] {
-    while (NextSignal() == kParentSignal) {
-    }
+    for (int signal = 0; signal != SIGTERM && signal != SIGINT;) signal = NextSignal();
     last_words();
     std::_Exit(1);
   }).detach();

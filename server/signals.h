@@ -1,4 +1,4 @@
-// The signals by which the process is asked to stop.
+// The signals by which the process is asked to stop, or to read its configuration again.
 #ifndef LATVOX_SERVER_SIGNALS_H_
 #define LATVOX_SERVER_SIGNALS_H_
 
@@ -10,18 +10,18 @@
 
 namespace latvox {
 
-// SIGTERM and SIGINT, waited for instead of handled: no code runs in a signal handler, and a process with the id 1, to
-// which the kernel delivers only what it asks for, gets them too. There can be one object only.
+// SIGTERM, SIGINT and SIGHUP, waited for instead of handled: no code runs in a signal handler, and a process with the
+// id 1, to which the kernel delivers only what it asks for, gets them too. There can be one object only.
 class StopSignals {
  public:
   // Blocks the signals in this thread and in all it starts later: construct it before any thread. If `parent` is set,
   // its end is a request to stop as well. SIGPIPE is ignored.
   explicit StopSignals(std::optional<pid_t> parent);
 
-  // Blocks until the process is asked to stop; returns why, in a word.
-  std::string Wait() const;
+  // Blocks until the process is asked to stop; returns why, in a word. Meanwhile runs `reload` at each SIGHUP.
+  std::string Wait(const std::function<void()>& reload) const;
 
-  // From now on, the next request runs `last_words` and ends the process at once, with exit status 1.
+  // From now on, the next request to stop runs `last_words` and ends the process at once, with exit status 1.
   void ExitOnNext(std::function<void()> last_words) const;
 
  private:

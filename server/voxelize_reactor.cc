@@ -7,17 +7,15 @@
 
 namespace latvox {
 
-VoxelizeReactor::VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id,
+VoxelizeReactor::VoxelizeReactor(grpc::CallbackServerContext& context, CallOrigin origin,
                                  const CallEnvironment& environment)
-    : context_(context),
-      canceller_(context),
-      environment_(environment),
-      request_id_(std::move(request_id)),
-      peer_(context.peer()) {}
+    : context_(context), canceller_(context), environment_(environment), origin_(std::move(origin)) {}
 
 void VoxelizeReactor::Begin() {
   self_ = shared_from_this();
-  if (absl::Status status = environment_.registry.Admit(self_, ClientOf(context_)); !status.ok()) return End(status);
+  if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
+      !status.ok())
+    return End(status);
   StartRead(&request_);
 }
 
@@ -52,7 +50,7 @@ absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
   upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
   may_be_kept_ = spec->mesh_digest.has_value();
   const uint64_t mesh_bytes = spec->mesh_bytes;
-  auto computation = std::make_unique<Computation>(*std::move(spec), request_id_, environment_);
+  auto computation = std::make_unique<Computation>(*std::move(spec), origin_.request_id, environment_);
   if (absl::Status status = computation->Receive(mesh_bytes); !status.ok()) return status;
   const std::lock_guard lock(mu_);
   computation_ = std::move(computation);
@@ -246,8 +244,7 @@ void VoxelizeReactor::Proceed() {
 void VoxelizeReactor::OnDone() {
   canceller_.Over();
   RequestRecord record;
-  record.request_id = request_id_;
-  record.peer = peer_;
+  record.origin = origin_;
   record.bytes_in = bytes_in_;
   {
     const std::lock_guard lock(mu_);

@@ -17,6 +17,7 @@
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/call.h"
 #include "server/call_environment.h"
+#include "server/call_origin.h"
 #include "server/call_registry.h"
 #include "server/computation.h"
 #include "server/lane.h"
@@ -42,7 +43,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   // Bytes that may be finished but not yet written. gRPC and the kernel hold some 4 MiB more for a slow client.
   static constexpr size_t kCredit = size_t{4} << 20;
 
-  VoxelizeReactor(grpc::CallbackServerContext& context, std::string request_id, const CallEnvironment& environment);
+  VoxelizeReactor(grpc::CallbackServerContext& context, CallOrigin origin, const CallEnvironment& environment);
 
   // Starts to read if the registry admits the call, else refuses it. Once, before the reactor is handed to gRPC.
   void Begin();
@@ -84,7 +85,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   grpc::CallbackServerContext& context_;
   CallCanceller canceller_;
   const CallEnvironment environment_;
-  const std::string request_id_, peer_;
+  const CallOrigin origin_;
   const Clock::time_point began_ = Clock::now();
   std::shared_ptr<VoxelizeReactor> self_;
 

@@ -11,6 +11,9 @@ latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
 latvox_add_test(server_admission_test SOURCES unit/server_admission_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_resume_test SOURCES unit/server_resume_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_access_test SOURCES unit/server_access_test.cc LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_access_call_test SOURCES unit/server_access_call_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_call_test SOURCES unit/server_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)

@@ -444,7 +444,7 @@ TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheSe
   StuckDecoder decoder;
   TestEnvironment environment(decoder);
   CallRegistry& registry = environment.registry;
-  VoxelizerService service(environment.shared());
+  VoxelizerService service(environment.shared(), environment.everybody);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service);
   const auto server = builder.BuildAndStart();
@@ -466,7 +466,7 @@ TEST(VoxelizerService, NoThreadOfALaneWaitsForADecode) {
   StuckDecoder decoder;
   TestEnvironment environment(decoder);
   CallRegistry& registry = environment.registry;
-  VoxelizerService service(environment.shared());
+  VoxelizerService service(environment.shared(), environment.everybody);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service);
   const auto server = builder.BuildAndStart();

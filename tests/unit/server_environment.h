@@ -2,6 +2,7 @@
 #ifndef LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 #define LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 
+#include "server/authenticator.h"
 #include "server/call_environment.h"
 #include "server/call_registry.h"
 #include "server/lane.h"
@@ -23,6 +24,7 @@ struct TestEnvironment {
   MeshStore meshes{limits.mesh_store_bytes};
   MemoryBudget memory{limits.memory_budget_bytes};
   Lane quick{1}, bulk{1};
+  Authenticator everybody{""};
   CallRegistry registry{{limits.max_jobs, limits.max_queued_jobs, limits.max_jobs_per_client}};
 };
 

@@ -268,7 +268,7 @@ TEST(ErrorTable, MapsEveryCodeToOneOfTheContracts) {
       {absl::StatusCode::kInternal, StatusCode::INTERNAL},
       {absl::StatusCode::kUnavailable, StatusCode::UNAVAILABLE},
       {absl::StatusCode::kDataLoss, StatusCode::INTERNAL},
-      {absl::StatusCode::kUnauthenticated, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnauthenticated, StatusCode::UNAUTHENTICATED},
   };
   for (const auto& [ours, wire] : table) {
     const grpc::Status status = ToGrpcStatus(absl::Status(ours, "message"));

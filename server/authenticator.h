@@ -1,0 +1,44 @@
+// Who may call.
+#ifndef LATVOX_SERVER_AUTHENTICATOR_H_
+#define LATVOX_SERVER_AUTHENTICATOR_H_
+
+#include <grpcpp/server_context.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/caller.h"
+#include "server/token_set.h"
+
+namespace latvox {
+
+// Thread-safe.
+class Authenticator {
+ public:
+  // `token_file`: see server/token_set.h; nobody may call before it is read. Empty: everybody may call.
+  explicit Authenticator(std::string token_file) : token_file_(std::move(token_file)) {}
+
+  // Reads the file. INVALID_ARGUMENT naming it if it is wrong; the tokens stay as they were, then.
+  absl::Status Read();
+
+  // The same, and logs what came of it.
+  void Reload();
+
+  // UNAUTHENTICATED, always in the same words, unless the call has one good bearer token in its metadata.
+  absl::StatusOr<Caller> Authenticate(const grpc::CallbackServerContext& context) const;
+
+ private:
+  std::shared_ptr<const TokenSet> tokens() const;
+
+  const std::string token_file_;
+  mutable std::mutex mu_;
+  std::shared_ptr<const TokenSet> tokens_;  // guarded by mu_; null: none was read
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_AUTHENTICATOR_H_

@@ -1,0 +1,21 @@
+// A call that is over before it begins.
+#ifndef LATVOX_SERVER_REFUSAL_H_
+#define LATVOX_SERVER_REFUSAL_H_
+
+#include <grpcpp/support/server_callback.h>
+#include <grpcpp/support/status.h>
+
+namespace latvox {
+
+// `Reactor` is one of gRPC's server reactors. The object owns itself.
+template <class Reactor>
+class Refusal final : public Reactor {
+ public:
+  explicit Refusal(const grpc::Status& status) { this->Finish(status); }
+  void OnCancel() override {}
+  void OnDone() override { delete this; }
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_REFUSAL_H_

@@ -1,0 +1,108 @@
+"""Options from flags, environment and file: --check-config tells them, SIGHUP reads the file again; the log's lines."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import BIN, Case, latvox
+
+
+class CheckConfig(Case):
+    def check(self, *arguments, **environment):
+        command = [BIN / "latvoxd", "--check-config", *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment, cwd=self.dir)
+
+    def settings(self, *arguments, **environment):
+        """name -> (value, source)"""
+        done = self.check(*arguments, **environment)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        lines = [re.fullmatch(r"(\S+) = (.*?) +# ([^;]*)(;.*)?", line) for line in done.stdout.splitlines()]
+        return {line[1]: (line[2], line[3]) for line in lines if line}
+
+    def test_every_option_that_has_a_flag_is_told(self):
+        text = subprocess.run([BIN / "latvoxd", "--help"], capture_output=True, text=True).stdout
+        flags = set(re.findall(r"--([a-z][a-z-]*)", text)) - {"help", "version", "config", "check-config"}
+        told = set(re.findall(r"^(?:# )?(\S+) (?:=|is not set)", self.check().stdout, re.M))
+        self.assertGreater(len(flags), 10)
+        self.assertEqual(told, flags)
+
+    def test_flag_wins_over_environment_and_that_over_the_file(self):
+        file = self.dir / "latvoxd.toml"
+        file.write_text('max-jobs = 1\nmax-triangles = 1\nmax-vertices = 1\nmax-mesh-bytes = "3MiB"\n')
+        found = self.settings("--max-jobs", 3, LATVOX_CONFIG=str(file), LATVOX_MAX_JOBS="2", LATVOX_MAX_TRIANGLES="2")
+        self.assertEqual(found["max-jobs"], ("3", "flag"))
+        self.assertEqual(found["max-triangles"], ("2", "environment LATVOX_MAX_TRIANGLES"))
+        self.assertEqual(found["max-vertices"], ("1", f"file {file}"))
+        self.assertEqual(found["max-mesh-bytes"], ("3145728", f"file {file}"))
+        self.assertEqual(found["threads"], ("0", "default"))
+
+    def test_what_it_prints_is_a_configuration_file_of_the_same_values(self):
+        once = self.settings("--listen", "127.0.0.1:1", "--listen", "unix:a b", LATVOX_GRACE="2.5", LATVOX_THREADS="3")
+        (self.dir / "again.toml").write_text(self.check("--listen", "127.0.0.1:1,unix:a b", "--grace", 2.5, "--threads", 3).stdout)
+        again = self.settings("--config", "again.toml")
+        self.assertEqual({name: value for name, (value, _) in once.items()}, {name: value for name, (value, _) in again.items()})
+        self.assertEqual({source for _, source in again.values()}, {"file again.toml"})
+
+    def test_an_error_is_told_with_status_two(self):
+        (self.dir / "typo.toml").write_text("max-jbs = 3\n")
+        for says, arguments, environment in (
+            ("max-jobs.*0", ["--max-jobs", 0], {}),
+            ("LATVOX_MAX_JOBS|max-jobs.*many", [], {"LATVOX_MAX_JOBS": "many"}),
+            ("max-jbs", ["--config", "typo.toml"], {}),
+            ("missing.toml", ["--config", "missing.toml"], {}),
+            ("missing.toml", [], {"LATVOX_CONFIG": "missing.toml"}),
+        ):
+            with self.subTest(says):
+                done = self.check(*arguments, **environment)
+                self.assertEqual((done.returncode, done.stdout), (2, ""))
+                self.assertRegex(done.stderr, says)
+
+
+class RunningServer(Case):
+    def log(self):
+        return (self.dir / "latvoxd.log").read_text()
+
+    def await_log(self, pattern):
+        deadline = time.monotonic() + harness.PATIENCE
+        while not re.search(pattern, self.log()):
+            self.assertLess(time.monotonic(), deadline, f"no {pattern} in {self.log()}")
+            time.sleep(0.02)
+
+    def test_sighup_applies_the_files_log_level_and_names_what_needs_a_new_start(self):
+        file = self.dir / "latvoxd.toml"
+        file.write_text('log-level = "error"\nmax-jobs = 5\n')
+        with harness.server(self.dir, "--config", file) as server:
+            self.assertEqual(self.log(), "")
+            file.write_text('log-level = "info"\nmax-jobs = 6\n')
+            server.send_signal(signal.SIGHUP)
+            self.await_log("level=info event=reloaded")
+            self.assertRegex(self.log(), "level=warning event=restart_needed options=max-jobs\n")
+            file.write_text("max-jbs = 6\n")
+            server.send_signal(signal.SIGHUP)
+            self.await_log("level=error event=reload_failed error=.*max-jbs")
+            self.assertIn('"max_jobs": 5', latvox("limits", "--json", "--server", server.address).stdout)
+
+    def test_json_lines_are_objects_with_numbers_as_numbers(self):
+        mesh = harness.write_obj(self.dir / "octahedron.obj", harness.octahedron())
+        with harness.server(self.dir, "--log-format", "json") as server:
+            self.voxelize(mesh, "--lattice", "bcc", "--resolution", 16, "--server", server.address)
+            bad = latvox("voxelize", mesh, "-o", self.dir / "no.csv", "--basis", "1,0,0,0,1,0,1,1,0", "--server", server.address)
+            self.assertEqual(bad.returncode, 3)
+        lines = [json.loads(line) for line in self.log().splitlines()]
+        self.assertEqual({"started", "listening", "request", "stopping", "stopped"}, {line["event"] for line in lines})
+        good, bad = [line for line in lines if line["event"] == "request"]
+        self.assertRegex(good["time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")
+        self.assertEqual((good["level"], good["code"], good["lattice"], good["triangles"]), ("info", "OK", "bcc", 8))
+        self.assertRegex(good["request_id"], "^[0-9a-f]{8}-\d+$")
+        self.assertIsInstance(good["total_ms"], float)
+        self.assertEqual(bad["code"], "INVALID_ARGUMENT")
+        self.assertIn("basis", bad["error"])
+
+
+if __name__ == "__main__":
+    unittest.main()
