@@ -3,10 +3,13 @@
 #include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <memory>
 #include <new>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "server/draco_header.h"
@@ -38,23 +41,57 @@ bool IsBacked(const draco::PointAttribute& attribute) {
   return end <= attribute.buffer()->data_size();
 }
 
-// Reads one position for each point, of whatever number type the attribute has.
-absl::Status ReadVertices(const draco::PointAttribute& positions, uint32_t points, std::vector<Vec3f>& out) {
-  if (!IsBacked(positions)) return Corrupt("POSITION has no values");
-  if (!positions.is_mapping_identity() && positions.indices_map_size() < points) return Corrupt("point map");
-  out.resize(points);
-  for (uint32_t p = 0; p < points; ++p) {
-    const draco::AttributeValueIndex value = positions.mapped_index(draco::PointIndex(p));
-    if (value.value() >= positions.size()) return Corrupt(absl::StrCat("vertex ", p, " has no position"));
-    const bool converted = positions.ConvertValue<float>(value, 3, out[p].data());
-    if (!converted || !std::isfinite(out[p][0]) || !std::isfinite(out[p][1]) || !std::isfinite(out[p][2])) {
-      return BadMesh(absl::StrCat("vertex ", p, " is not finite"));
+// Sends `count` elements to `send` in pieces; `make(n, element)` fills in the nth. Stops at its first error.
+template <class Element, class Make, class Send>
+absl::Status SendPieces(uint32_t count, const Make& make, const Send& send) {
+  std::array<Element, MeshSink::kMaxPiece> piece;
+  for (uint32_t first = 0; first < count;) {
+    const uint32_t size = std::min<uint32_t>(count - first, MeshSink::kMaxPiece);
+    for (uint32_t n = 0; n < size; ++n) {
+      if (absl::Status status = make(first + n, piece[n]); !status.ok()) return status;
     }
+    send(absl::MakeSpan(piece.data(), size));
+    first += size;
   }
   return absl::OkStatus();
 }
 
-absl::Status ReadPositions(draco::Mesh& mesh, DecodedMesh& out) {
+absl::Status CheckValues(const draco::PointAttribute& positions, uint32_t points) {
+  if (!IsBacked(positions)) return Corrupt("POSITION has no values");
+  if (!positions.is_mapping_identity() && positions.indices_map_size() < points) return Corrupt("point map");
+  return absl::OkStatus();
+}
+
+// Sends one position for each point, of whatever number type the attribute has.
+absl::Status SendVertices(const draco::PointAttribute& positions, uint32_t points, MeshSink& sink) {
+  const auto read = [&](uint32_t p, Vec3f& out) {
+    const draco::AttributeValueIndex value = positions.mapped_index(draco::PointIndex(p));
+    if (value.value() >= positions.size()) return Corrupt(absl::StrCat("vertex ", p, " has no position"));
+    const bool converted = positions.ConvertValue<float>(value, 3, out.data());
+    if (!converted || !std::isfinite(out[0]) || !std::isfinite(out[1]) || !std::isfinite(out[2])) {
+      return BadMesh(absl::StrCat("vertex ", p, " is not finite"));
+    }
+    return absl::OkStatus();
+  };
+  return SendPieces<Vec3f>(points, read, [&](absl::Span<const Vec3f> piece) { sink.Vertices(piece); });
+}
+
+// The step that Draco's decoder was told to skip, by its own code: the same floats. Returns the bits.
+absl::StatusOr<uint32_t> Dequantize(const draco::PointAttribute& positions, draco::PointAttribute& out) {
+  draco::AttributeQuantizationTransform quantization;
+  if (!IsBacked(positions) || !quantization.InitFromAttribute(positions)) return Corrupt("quantization");
+  out.Init(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, false, positions.size());
+  if (!quantization.InverseTransformAttribute(positions, &out)) return Corrupt("quantization");
+  if (!positions.is_mapping_identity()) {
+    out.SetExplicitMapping(positions.indices_map_size());
+    for (uint32_t p = 0; p < positions.indices_map_size(); ++p) {
+      out.SetPointMapEntry(draco::PointIndex(p), positions.mapped_index(draco::PointIndex(p)));
+    }
+  }
+  return static_cast<uint32_t>(quantization.quantization_bits());
+}
+
+absl::StatusOr<draco::PointAttribute*> PositionsOf(draco::Mesh& mesh) {
   const int id = mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
   if (id < 0) return BadMesh("no POSITION attribute");
   draco::PointAttribute* positions = mesh.attribute(id);
@@ -63,74 +100,110 @@ absl::Status ReadPositions(draco::Mesh& mesh, DecodedMesh& out) {
   positions->set_normalized(false);
   const int components = positions->num_components();
   if (components != 3) return BadMesh(absl::StrCat("POSITION has ", components, " components, not 3"));
+  return positions;
+}
 
-  const draco::AttributeTransformData* transform = positions->GetAttributeTransformData();
-  if (transform == nullptr || transform->transform_type() != draco::ATTRIBUTE_QUANTIZATION_TRANSFORM) {
-    return ReadVertices(*positions, mesh.num_points(), out.mesh.vertices);
-  }
-  // This is the step that Draco's decoder was told to skip, by its own code: the same floats.
-  draco::AttributeQuantizationTransform quantization;
-  if (!IsBacked(*positions) || !quantization.InitFromAttribute(*positions)) return Corrupt("quantization");
-  draco::PointAttribute dequantized;
-  dequantized.Init(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, false, positions->size());
-  if (!quantization.InverseTransformAttribute(*positions, &dequantized)) return Corrupt("quantization");
-  if (!positions->is_mapping_identity()) {
-    dequantized.SetExplicitMapping(positions->indices_map_size());
-    for (uint32_t p = 0; p < positions->indices_map_size(); ++p) {
-      dequantized.SetPointMapEntry(draco::PointIndex(p), positions->mapped_index(draco::PointIndex(p)));
-    }
-  }
-  out.quantization_bits = static_cast<uint32_t>(quantization.quantization_bits());
-  return ReadVertices(dequantized, mesh.num_points(), out.mesh.vertices);
+bool IsQuantized(const draco::PointAttribute& attribute) {
+  const draco::AttributeTransformData* transform = attribute.GetAttributeTransformData();
+  return transform != nullptr && transform->transform_type() == draco::ATTRIBUTE_QUANTIZATION_TRANSFORM;
 }
 
 // Draco does not promise that indices are in range.
-absl::Status ReadTriangles(const draco::Mesh& mesh, TriangleMesh& out) {
+absl::Status SendTriangles(const draco::Mesh& mesh, MeshSink& sink) {
+  using Triangle = std::array<uint32_t, 3>;
   const uint32_t points = mesh.num_points();
-  out.triangles.resize(mesh.num_faces());
-  for (uint32_t t = 0; t < mesh.num_faces(); ++t) {
+  const auto read = [&](uint32_t t, Triangle& out) {
     const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(t));
     for (size_t corner = 0; corner < 3; ++corner) {
-      const uint32_t vertex = face[corner].value();
-      if (vertex >= points) {
-        return BadMesh(absl::StrCat("triangle ", t, " refers to vertex ", vertex, " of ", points));
+      out[corner] = face[corner].value();
+      if (out[corner] >= points) {
+        return BadMesh(absl::StrCat("triangle ", t, " refers to vertex ", out[corner], " of ", points));
       }
-      out.triangles[t][corner] = vertex;
     }
+    return absl::OkStatus();
+  };
+  return SendPieces<Triangle>(mesh.num_faces(), read, [&](absl::Span<const Triangle> piece) { sink.Triangles(piece); });
+}
+
+// Decoders split points, so that the header's counts are not the last word.
+absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits) {
+  if (mesh.num_faces() == 0) return BadMesh("no triangles");
+  if (mesh.num_faces() > limits.max_triangles) {
+    return LimitExceeded("mesh.triangles", mesh.num_faces(), limits.max_triangles);
+  }
+  if (mesh.num_points() > limits.max_vertices) {
+    return LimitExceeded("mesh.vertices", mesh.num_points(), limits.max_vertices);
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<DecodedMesh> DecodeChecked(absl::string_view bytes, const Limits& limits) {
+absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, MeshSink& sink) {
   if (absl::Status status = CheckDracoHeader(bytes, limits); !status.ok()) return status;
-  absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
+  const absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
   if (!mesh.ok()) return mesh.status();
-  draco::Mesh& draco_mesh = **mesh;
-  // Decoders split points, so that the header's counts are not the last word.
-  if (draco_mesh.num_faces() == 0) return BadMesh("no triangles");
-  if (draco_mesh.num_faces() > limits.max_triangles) {
-    return LimitExceeded("mesh.triangles", draco_mesh.num_faces(), limits.max_triangles);
+  if (absl::Status status = CheckCounts(**mesh, limits); !status.ok()) return status;
+  const absl::StatusOr<draco::PointAttribute*> encoded = PositionsOf(**mesh);
+  if (!encoded.ok()) return encoded.status();
+  const draco::PointAttribute* positions = *encoded;
+  draco::PointAttribute dequantized;
+  MeshSize size{(*mesh)->num_points(), (*mesh)->num_faces(), 0};
+  if (IsQuantized(*positions)) {
+    const absl::StatusOr<uint32_t> bits = Dequantize(*positions, dequantized);
+    if (!bits.ok()) return bits.status();
+    size.quantization_bits = *bits;
+    positions = &dequantized;
   }
-  if (draco_mesh.num_points() > limits.max_vertices) {
-    return LimitExceeded("mesh.vertices", draco_mesh.num_points(), limits.max_vertices);
-  }
-  DecodedMesh out;
-  if (absl::Status status = ReadPositions(draco_mesh, out); !status.ok()) return status;
-  if (absl::Status status = ReadTriangles(draco_mesh, out.mesh); !status.ok()) return status;
-  return out;
+  if (absl::Status status = CheckValues(*positions, size.vertices); !status.ok()) return status;
+  sink.Begin(size);
+  if (absl::Status status = SendVertices(*positions, size.vertices, sink); !status.ok()) return status;
+  return SendTriangles(**mesh, sink);
 }
+
+class CollectingSink final : public MeshSink {
+ public:
+  explicit CollectingSink(DecodedMesh& out) : out_(out) {}
+  void Begin(const MeshSize& size) override {
+    out_.quantization_bits = size.quantization_bits;
+    out_.mesh.vertices.reserve(size.vertices);
+    out_.mesh.triangles.reserve(size.triangles);
+  }
+  void Vertices(absl::Span<const Vec3f> piece) override {
+    out_.mesh.vertices.insert(out_.mesh.vertices.end(), piece.begin(), piece.end());
+  }
+  void Triangles(absl::Span<const std::array<uint32_t, 3>> piece) override {
+    out_.mesh.triangles.insert(out_.mesh.triangles.end(), piece.begin(), piece.end());
+  }
+
+ private:
+  DecodedMesh& out_;
+};
 
 }  // namespace
 
-absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits) {
+absl::Status NoMemoryToDecode() {
+  return MakeError(absl::StatusCode::kResourceExhausted, "mesh: decoding needs more memory than there is",
+                   {"OUT_OF_MEMORY", "mesh", "", ""});
+}
+
+bool IsOutOfMemory(const absl::Status& status) {
+  return CauseOf(status).value_or(ErrorCause{}).reason == "OUT_OF_MEMORY";
+}
+
+absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, MeshSink& sink) {
   try {
-    return DecodeChecked(bytes, limits);
+    return DecodeChecked(bytes, limits, sink);
   } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, "mesh: decoding needs more memory than there is",
-                     {"OUT_OF_MEMORY", "mesh", "", ""});
+    return NoMemoryToDecode();
   } catch (const std::exception& error) {
     return Corrupt(error.what());
   }
+}
+
+absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits) {
+  DecodedMesh mesh;
+  CollectingSink sink(mesh);
+  if (absl::Status status = DecodeDraco(bytes, limits, sink); !status.ok()) return status;
+  return mesh;
 }
 
 }  // namespace latvox

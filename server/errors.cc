@@ -78,6 +78,17 @@ absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t lim
                    {"LIMIT_EXCEEDED", std::string{field}, absl::StrCat(value), absl::StrCat(limit)});
 }
 
+std::optional<ErrorCause> CauseOf(const absl::Status& status) {
+  const auto payload = status.GetPayload(kErrorInfoUrl);
+  google::rpc::ErrorInfo info;
+  if (!payload || !info.ParseFromString(std::string{*payload})) return std::nullopt;
+  const auto value = [&](const char* key) {
+    const auto found = info.metadata().find(key);
+    return found == info.metadata().end() ? std::string() : found->second;
+  };
+  return ErrorCause{info.reason(), value("field"), value("value"), value("limit")};
+}
+
 absl::Status WithCause(absl::Status status, const ErrorCause& cause) {
   if (status.ok() || status.GetPayload(kErrorInfoUrl)) return status;
   status.SetPayload(kErrorInfoUrl, absl::Cord(ToProto(cause).SerializeAsString()));

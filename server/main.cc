@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_join.h"
 #include "core/base/simd.h"
+#include "server/decoder_worker.h"
 #include "server/log.h"
 #include "server/options.h"
 #include "server/server.h"
@@ -77,6 +78,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (const std::optional<int> status = latvox::RunIfDecoderProcess(argc, argv)) return *status;
   const pid_t parent = getppid();
   const std::variant<latvox::Configuration, int> parsed = latvox::ParseOptions(argc, argv);
   if (const int* status = std::get_if<int>(&parsed)) return *status;

@@ -43,6 +43,18 @@ void AddLog(CLI::App& app, ProgramOptions& options) {
                        options.log_format, "Lines of the log: key=value pairs, or JSON objects");
 }
 
+void AddDecoder(CLI::App& app, DecoderOptions& decoder) {
+  decoder.program = "/proc/self/exe";
+  Add(app, "--decoder-processes", decoder.processes, "Processes that decode meshes; 0: one for each thread, at most 4")
+      ->check(CLI::Range(0, 64));
+  Add(app, "--decoder-memory", decoder.memory, "Most memory that decoding one mesh may take; 0: no limit")
+      ->transform(CLI::AsSizeValue(false));
+  AddSeconds(app, "--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Most CPU time that decoding one mesh may take");
+  app.add_flag("--allow-unconfined-decoders", decoder.may_be_unconfined,
+               "Start also where the system does not allow to confine decoder processes (seccomp)")
+      ->envname("LATVOX_ALLOW_UNCONFINED_DECODERS");
+}
+
 void AddOptions(CLI::App& app, ProgramOptions& options) {
   app.set_version_flag("--version", "latvoxd " LATVOX_VERSION);
   AddConfigurationFile(app);
@@ -63,6 +75,7 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
       ->default_str("0");
   AddSeconds(app, "--stall-timeout", 1, options.server.stall_timeout,
              "Time after which a client that neither sends nor takes anything is given up");
+  AddDecoder(app, options.server.decoder);
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");

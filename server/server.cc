@@ -25,13 +25,12 @@
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
 #include "server/service.h"
-#include "server/thread_decoder.h"
 #include "server/unix_socket.h"
 
 namespace latvox {
 namespace {
 
-// How long stopped calls may take to end. They end within a tile's time, unless a decode is under way.
+// How long stopped calls may take to end. They end within a tile's time.
 constexpr absl::Duration kStopTimeout = absl::Seconds(5);
 
 // How long connections may take to close that have no call of ours, such as watchers of the health service.
@@ -67,19 +66,32 @@ absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
   return options;
 }
 
+int ThreadsOf(const ServerOptions& options) {
+  return options.threads > 0 ? options.threads : oneapi::tbb::info::default_concurrency();
+}
+
+// More than compute threads are of no use, nor are many: what they decode has to be received by one thread.
+DecoderOptions DecodersOf(const ServerOptions& options) {
+  constexpr int kMostByDefault = 4;
+  DecoderOptions decoder = options.decoder;
+  if (decoder.processes == 0) decoder.processes = std::min(ThreadsOf(options), kMostByDefault);
+  return decoder;
+}
+
 class Server final : public VoxelServer {
  public:
-  explicit Server(const ServerOptions& options)
+  Server(const ServerOptions& options, std::unique_ptr<DecoderPool> decoders)
       : options_(options),
-        threads_(options.threads > 0 ? options.threads : oneapi::tbb::info::default_concurrency()),
+        threads_(ThreadsOf(options)),
         parallelism_(oneapi::tbb::global_control::max_allowed_parallelism, 2 * static_cast<size_t>(threads_) + 1),
         quick_(threads_),
         bulk_(threads_),
+        decoders_(std::move(decoders)),
         meshes_(options_.limits.mesh_store_bytes),
         memory_(options_.limits.memory_budget_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
         authenticator_(options.token_file),
-        service_({options_.limits, decoder_, meshes_, memory_, quick_, bulk_, registry_}, authenticator_) {
+        service_({options_.limits, *decoders_, meshes_, memory_, quick_, bulk_, registry_}, authenticator_) {
     files_.Add({options_.token_file}, [this] { authenticator_.Reload(); });
   }
 
@@ -90,6 +102,7 @@ class Server final : public VoxelServer {
   const std::vector<std::string>& addresses() const override { return addresses_; }
   size_t calls() const override { return registry_.size(); }
   void Reload() override { authenticator_.Reload(); }
+  DecoderFacts decoder_facts() const override { return decoders_->facts(); }
   bool Stop(absl::Duration grace) override;
 
  private:
@@ -103,7 +116,7 @@ class Server final : public VoxelServer {
   // are workers.
   const oneapi::tbb::global_control parallelism_;
   Lane quick_, bulk_;
-  ThreadDecoder decoder_;
+  const std::unique_ptr<DecoderPool> decoders_;
   MeshStore meshes_;
   MemoryBudget memory_;
   CallRegistry registry_;
@@ -216,7 +229,9 @@ absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOpti
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   const absl::StatusOr<ServerOptions> complete = WithMemoryShared(options);
   if (!complete.ok()) return complete.status();
-  auto server = std::make_unique<Server>(*complete);
+  auto decoders = DecoderPool::Create(DecodersOf(options));
+  if (!decoders.ok()) return decoders.status();
+  auto server = std::make_unique<Server>(*complete, *std::move(decoders));
   if (absl::Status status = server->Listen(); !status.ok()) return status;
   return server;
 }

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "server/decoder_pool.h"
 #include "server/limits.h"
 
 namespace latvox {
@@ -17,6 +18,7 @@ struct ServerOptions {
   int threads = 0;                                        // for compute; 0: one for each core
   Limits limits;
   std::string token_file;  // who may call, see server/token_set.h; empty: everybody
+  DecoderOptions decoder;  // its `program` has to be set: the server has none of its own
 
   // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
   // quarters of what the machine, or the control group, has.
@@ -34,8 +36,8 @@ struct ServerOptions {
 
 class VoxelServer {
  public:
-  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, or what Check finds), UNAVAILABLE naming the address
-  // that cannot be listened on.
+  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, no program for decoder processes, or what Check finds),
+  // UNAVAILABLE naming the address that cannot be listened on, or why decoder processes cannot be started or confined.
   static absl::StatusOr<std::unique_ptr<VoxelServer>> Start(const ServerOptions& options);
 
   // What Start would find wrong with the options before it listens: INVALID_ARGUMENT naming the option.
@@ -50,13 +52,15 @@ class VoxelServer {
   // Calls in progress.
   virtual size_t calls() const = 0;
 
+  virtual DecoderFacts decoder_facts() const = 0;
+
   // Reads the files again that the options name. What is wrong with them is logged, and stays as it was. They are read
   // as well whenever they change. Thread-safe.
   virtual void Reload() = 0;
 
   // Ends: reports NOT_SERVING and refuses new calls at once, lets those in progress go on for `grace`, then stops them.
-  // Returns whether all have ended. If not, for a decode under way can not be interrupted, the process has to exit
-  // without destructors. Idempotent; any thread but gRPC's.
+  // Returns whether all have ended. If not, for a thread of theirs is stuck, the process has to exit without
+  // destructors. Idempotent; any thread but gRPC's.
   virtual bool Stop(absl::Duration grace) = 0;
 };
 

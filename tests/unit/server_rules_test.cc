@@ -21,9 +21,9 @@
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/mesh_upload.h"
-#include "server/thread_decoder.h"
 #include "tests/unit/server_environment.h"
 #include "tests/unit/server_meshes.h"
+#include "tests/unit/server_thread_decoder.h"
 
 namespace latvox {
 namespace {

@@ -1,6 +1,6 @@
 // Decoding in this process, on a thread for each decode: no protection from what the bytes make a codec do.
-#ifndef LATVOX_SERVER_THREAD_DECODER_H_
-#define LATVOX_SERVER_THREAD_DECODER_H_
+#ifndef LATVOX_TESTS_UNIT_SERVER_THREAD_DECODER_H_
+#define LATVOX_TESTS_UNIT_SERVER_THREAD_DECODER_H_
 
 #include <atomic>
 #include <memory>
@@ -43,4 +43,4 @@ class ThreadDecoder : public MeshDecoder {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_THREAD_DECODER_H_
+#endif  // LATVOX_TESTS_UNIT_SERVER_THREAD_DECODER_H_

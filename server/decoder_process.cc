@@ -1,0 +1,147 @@
+#include "server/decoder_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <iterator>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/decoder_worker.h"
+
+namespace latvox {
+namespace {
+
+absl::Status Failed(absl::string_view what, int error) {
+  return absl::InternalError(absl::StrCat("cannot start a decoder process: ", what, ": ", std::strerror(error)));
+}
+
+// posix_spawn's two arguments for a process that begins with nothing of the server's but its end of the socket: no
+// files, no signal settings, no environment; and a group of its own, for what is typed at a terminal is for the server.
+class SpawnSetting {
+ public:
+  explicit SpawnSetting(int channel) {
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, channel, kDecoderChannel);
+    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+      posix_spawn_file_actions_addopen(&files, fd, "/dev/null", O_RDWR, 0);
+    }
+    posix_spawn_file_actions_addclosefrom_np(&files, kDecoderChannel + 1);
+  }
+  ~SpawnSetting() {
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+  }
+  SpawnSetting(const SpawnSetting&) = delete;
+  SpawnSetting& operator=(const SpawnSetting&) = delete;
+
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_t files;
+};
+
+// Returns errno. posix_spawn is safe in a process with other threads; fork is not.
+int Spawn(const DecoderOptions& options, int channel, pid_t& pid) {
+  std::string words[] = {"latvoxd", kDecoderArgument, absl::StrCat(getpid()), absl::StrCat(options.memory),
+                         options.may_be_unconfined ? "unconfined" : "confined"};
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  char* no_environment[] = {nullptr};
+  SpawnSetting setting(channel);
+  return posix_spawn(&pid, options.program.c_str(), &setting.files, &setting.attributes, arguments.data(),
+                     no_environment);
+}
+
+}  // namespace
+
+bool ProcessEnd::is_crash() const {
+  if (!by_signal) return true;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTRAP, SIGSYS, SIGXCPU, SIGXFSZ}) {
+    if (status == signal) return true;
+  }
+  return false;
+}
+
+std::string ProcessEnd::ToString() const {
+  return by_signal ? absl::StrCat("signal ", status, " (", strsignal(status), ")") : absl::StrCat("status ", status);
+}
+
+absl::StatusOr<std::unique_ptr<DecoderProcess>> DecoderProcess::Start(const DecoderOptions& options) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return Failed("socketpair", errno);
+  pid_t pid = -1;
+  const int error = Spawn(options, ends[1], pid);
+  close(ends[1]);
+  if (error != 0) {
+    close(ends[0]);
+    return Failed(options.program, error);
+  }
+  // Debian 12's <sys/pidfd.h> does not link from C++.
+  const int pidfd = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+  const int pidfd_error = errno;
+  fcntl(ends[0], F_SETFL, O_NONBLOCK);
+  std::unique_ptr<DecoderProcess> process(new DecoderProcess(pid, ends[0], pidfd));
+  if (pidfd < 0) return Failed("pidfd_open", pidfd_error);
+  return process;
+}
+
+DecoderProcess::~DecoderProcess() {
+  if (!ended_) {
+    Kill();
+    TakeEnd(0);
+  }
+  close(channel_);
+  if (pidfd_ >= 0) close(pidfd_);
+}
+
+// Until TakeEnd, the process id is this process's own, ended or not.
+void DecoderProcess::Kill() {
+  if (!ended_) kill(pid_, SIGKILL);
+}
+
+std::optional<ProcessEnd> DecoderProcess::TakeEnd() { return TakeEnd(WNOHANG); }
+
+std::optional<ProcessEnd> DecoderProcess::TakeEnd(int options) {
+  siginfo_t info{};
+  while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | options) != 0) {
+    if (errno == EINTR) continue;
+    ended_ = true;  // somebody else has waited for it
+    return ProcessEnd{};
+  }
+  if (info.si_pid == 0) return std::nullopt;
+  ended_ = true;
+  return ProcessEnd{info.si_code != CLD_EXITED, info.si_status};
+}
+
+absl::Duration DecoderProcess::CpuTime() const {
+  clockid_t clock;
+  timespec time{};
+  if (clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &time) != 0) return absl::ZeroDuration();
+  return absl::DurationFromTimespec(time);
+}
+
+void DecoderProcess::LimitAddressSpace(uint64_t bytes) {
+  rlimit limit{};
+  if (prlimit(pid_, RLIMIT_AS, nullptr, &limit) != 0) return;
+  limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
+  prlimit(pid_, RLIMIT_AS, &limit, nullptr);
+}
+
+}  // namespace latvox

@@ -1,0 +1,134 @@
+#include "server/decoder_protocol.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "server/errors.h"
+
+namespace latvox {
+namespace {
+
+// Enough for every message of ours; a few of Draco's are a line long.
+constexpr size_t kMaxErrorBytes = 1024;
+constexpr uint32_t kMaxQuantizationBits = 31;
+
+template <class T>
+std::optional<T> As(absl::string_view frame) {
+  if (frame.size() != sizeof(T)) return std::nullopt;
+  T value;
+  std::memcpy(&value, frame.data(), sizeof(T));
+  return value;
+}
+
+// Appends the elements to `out` unless they are no whole number, or more than are missing to `total`.
+template <class T>
+bool Append(absl::string_view frame, size_t total, std::vector<T>& out) {
+  const size_t count = frame.size() / sizeof(T);
+  if (frame.size() % sizeof(T) != 0 || count > total - out.size()) return false;
+  const auto* first = reinterpret_cast<const T*>(frame.data());
+  out.insert(out.end(), first, first + count);
+  return true;
+}
+
+std::string Printable(absl::string_view text) {
+  std::string out(text);
+  for (char& c : out) {
+    if (!absl::ascii_isprint(static_cast<unsigned char>(c))) c = '?';
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string EncodeError(const absl::Status& status) {
+  const ErrorCause cause = CauseOf(status).value_or(ErrorCause{});
+  std::string frame = absl::StrCat(static_cast<int>(status.code()), absl::string_view("\0", 1), status.message(),
+                                   absl::string_view("\0", 1), cause.reason, absl::string_view("\0", 1), cause.field,
+                                   absl::string_view("\0", 1), cause.value);
+  absl::StrAppend(&frame, absl::string_view("\0", 1), cause.limit, absl::string_view("\0", 1));
+  frame.resize(std::min((frame.size() + 3) / 4 * 4, kMaxErrorBytes));
+  return frame;
+}
+
+absl::Status DecodeError(absl::string_view frame) {
+  std::vector<std::string> parts;
+  for (const absl::string_view part : absl::StrSplit(frame.substr(0, kMaxErrorBytes), '\0')) {
+    parts.push_back(Printable(part));
+  }
+  parts.resize(std::max<size_t>(parts.size(), 6));
+  const bool exhausted = parts[0] == absl::StrCat(static_cast<int>(absl::StatusCode::kResourceExhausted));
+  return MakeError(exhausted ? absl::StatusCode::kResourceExhausted : absl::StatusCode::kInvalidArgument, parts[1],
+                   {parts[2], parts[3], parts[4], parts[5]});
+}
+
+MeshReceiver::Progress MeshReceiver::Take(FrameKind kind, absl::string_view frame) {
+  switch (kind) {
+    case FrameKind::kMesh:
+      return TakeHead(frame);
+    case FrameKind::kVertices:
+      return TakeVertices(frame);
+    case FrameKind::kTriangles:
+      return TakeTriangles(frame);
+    case FrameKind::kDone: {
+      const bool complete = head_ && frame.empty() && mesh_.mesh.vertices.size() == head_->vertices &&
+                            mesh_.mesh.triangles.size() == head_->triangles;
+      return complete ? Progress::kDone : Progress::kBroken;
+    }
+    case FrameKind::kError:
+      error_ = DecodeError(frame);
+      return Progress::kDone;
+    case FrameKind::kReady:
+      break;
+  }
+  return Progress::kBroken;
+}
+
+MeshReceiver::Progress MeshReceiver::TakeHead(absl::string_view frame) {
+  const auto head = As<MeshFrame>(frame);
+  if (head_ || !head || head->triangles == 0 || head->triangles > limits_.max_triangles ||
+      head->vertices > limits_.max_vertices || head->quantization_bits > kMaxQuantizationBits) {
+    return Progress::kBroken;
+  }
+  head_ = head;
+  mesh_.quantization_bits = head->quantization_bits;
+  // Takes addresses now, and memory as the elements come.
+  mesh_.mesh.vertices.reserve(head->vertices);
+  mesh_.mesh.triangles.reserve(head->triangles);
+  return Progress::kMore;
+}
+
+MeshReceiver::Progress MeshReceiver::TakeVertices(absl::string_view frame) {
+  std::vector<Vec3f>& vertices = mesh_.mesh.vertices;
+  const size_t before = vertices.size();
+  if (!head_ || !Append(frame, head_->vertices, vertices)) return Progress::kBroken;
+  bool finite = true;
+  for (size_t v = before; v < vertices.size(); ++v) {
+    for (const float x : vertices[v]) finite &= std::abs(x) <= std::numeric_limits<float>::max();
+  }
+  return finite ? Progress::kMore : Progress::kBroken;
+}
+
+MeshReceiver::Progress MeshReceiver::TakeTriangles(absl::string_view frame) {
+  auto& triangles = mesh_.mesh.triangles;
+  const size_t before = triangles.size();
+  if (!head_ || !Append(frame, head_->triangles, triangles)) return Progress::kBroken;
+  uint32_t last = 0;
+  for (size_t t = before; t < triangles.size(); ++t) {
+    for (const uint32_t v : triangles[t]) last = std::max(last, v);
+  }
+  return before == triangles.size() || last < head_->vertices ? Progress::kMore : Progress::kBroken;
+}
+
+absl::StatusOr<DecodedMesh> MeshReceiver::result() && {
+  if (!error_.ok()) return error_;
+  return std::move(mesh_);
+}
+
+}  // namespace latvox

@@ -1,0 +1,94 @@
+// What the server and a decoder process say to each other, over one Unix stream socket. Host byte order: both are the
+// same program.
+//
+//   server -> process, for each mesh:  DecodeRequest, then the encoded bytes
+//   process -> server, once:           kReady, or kError
+//   process -> server, for each mesh:  kMesh, kVertices, ..., kTriangles, ..., kDone; or kError at any point
+//
+// A socket, not shared memory: what has been received can not change any more, a process can hold back no more than a
+// socket's buffer, and one that dies leaves no mapping behind to fault on. It is the fastest, too: 16 MB take 2.6 ms
+// through a socket, 4.5 through a pipe of 1 MiB, 6.5 by pwrite and pread of a memory file; and they are received while
+// the process works on what follows.
+#ifndef LATVOX_SERVER_DECODER_PROTOCOL_H_
+#define LATVOX_SERVER_DECODER_PROTOCOL_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/draco_decoder.h"
+#include "server/limits.h"
+#include "server/mesh_decoder.h"
+
+namespace latvox {
+
+struct DecodeRequest {
+  uint64_t bytes;  // that follow
+  uint64_t max_triangles, max_vertices;
+};
+
+enum class FrameKind : uint32_t {
+  kReady,      // ReadyFrame
+  kMesh,       // MeshFrame
+  kVertices,   // three floats each
+  kTriangles,  // three 32-bit indices each
+  kDone,       // nothing
+  kError       // EncodeError
+};
+
+struct FrameHeader {
+  FrameKind kind;
+  uint32_t bytes;  // that follow: a multiple of 4, at most kMaxFrameBytes
+};
+
+struct ReadyFrame {
+  uint64_t address_space_bytes;  // what the process takes before it has decoded anything
+};
+
+struct MeshFrame {
+  uint32_t vertices, triangles, quantization_bits;
+};
+
+// A MeshSink's largest piece. Small enough to stay in a core's own caches on the way.
+inline constexpr size_t kMaxFrameBytes = MeshSink::kMaxPiece * 12;
+
+// A status as the bytes of a frame, and back: code, message and cause. What comes back is INVALID_ARGUMENT or
+// RESOURCE_EXHAUSTED in printable ASCII, whatever the bytes are.
+std::string EncodeError(const absl::Status& status);
+absl::Status DecodeError(absl::string_view frame);
+
+// Puts a mesh together from a process that may have been taken over by a hostile file: it may send anything.
+class MeshReceiver {
+ public:
+  explicit MeshReceiver(const Limits& limits) : limits_(limits) {}
+
+  enum class Progress {
+    kMore,    // so far, so good
+    kDone,    // result() is complete
+    kBroken,  // this is not what a decoder of ours sends
+  };
+
+  // Takes the next frame; `frame` is aligned to 4 bytes. Not after anything but kMore.
+  Progress Take(FrameKind kind, absl::string_view frame);
+
+  // After kDone: the mesh, which Validate accepts and which is within the limits, or the process's error.
+  absl::StatusOr<DecodedMesh> result() &&;
+
+ private:
+  Progress TakeHead(absl::string_view frame);
+  Progress TakeVertices(absl::string_view frame);
+  Progress TakeTriangles(absl::string_view frame);
+
+  const Limits limits_;
+  std::optional<MeshFrame> head_;
+  DecodedMesh mesh_;
+  absl::Status error_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_DECODER_PROTOCOL_H_

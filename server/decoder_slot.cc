@@ -1,0 +1,279 @@
+#include "server/decoder_slot.h"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+#include "server/log.h"
+
+namespace latvox {
+namespace {
+
+constexpr absl::Duration kStartTimeout = absl::Seconds(30);
+constexpr absl::Duration kFirstDelay = absl::Milliseconds(50), kLongestDelay = absl::Seconds(5);
+
+// A process that uses no CPU time, for it was stopped or taken over, is given up after this many times the CPU limit:
+// on a machine under load an honest one may take long, too.
+constexpr int kWallPerCpu = 10;
+
+// A job whose processes are ended by someone else is tried so often. Not for ever: the kernel, short of memory, is
+// someone else, too.
+constexpr int kMostProcessesLost = 3;
+
+// What a decode may take of DecoderOptions::memory grows with what it has been sent: whatever a small file makes Draco
+// believe, it can not cost much. Real meshes need 1 KiB a byte, the densest that are accepted fifteen times that.
+constexpr uint64_t kSmallMemory = uint64_t{256} << 20, kMemoryPerByte = uint64_t{16} << 10;
+
+constexpr size_t kReceiveBytes = size_t{256} << 10;
+constexpr int kReceivesAtOnce = 4;  // then it is the other slots' turn
+constexpr size_t kSendBytesAtOnce = size_t{1} << 20;
+
+absl::Status TooSlow(absl::Duration limit) {
+  const std::string seconds = absl::StrCat(absl::ToDoubleSeconds(limit));
+  return MakeError(absl::StatusCode::kResourceExhausted, absl::StrCat("mesh: decoding takes more than ", seconds, " s"),
+                   {"DECODER_TIME", "mesh", "", seconds});
+}
+
+absl::Status TooBig(uint64_t limit) {
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   absl::StrCat("mesh: decoding takes more than ", limit, " bytes of memory"),
+                   {"OUT_OF_MEMORY", "mesh", "", absl::StrCat(limit)});
+}
+
+absl::Status KilledTooOften() {
+  return WithRetry(
+      MakeError(absl::StatusCode::kResourceExhausted,
+                absl::StrCat("mesh: ", kMostProcessesLost, " decoder processes were killed while they had it"),
+                {"DECODER_KILLED", "mesh", absl::StrCat(kMostProcessesLost), ""}),
+      absl::Seconds(1));
+}
+
+}  // namespace
+
+DecoderSlot::DecoderSlot(const DecoderOptions& options, DecoderCounters& counters)
+    : options_(options),
+      counters_(counters),
+      buffer_((kReceiveBytes + kMaxFrameBytes + sizeof(FrameHeader)) / sizeof(uint32_t)) {}
+
+void DecoderSlot::StartProcess() {
+  absl::StatusOr<std::unique_ptr<DecoderProcess>> process = DecoderProcess::Start(options_);
+  if (started_++ > 0) ++counters_.restarts;
+  if (!process.ok()) return Fail(std::string(process.status().message()));
+  process_ = *std::move(process);
+  ready_ = killed_ = false;
+  received_ = 0;
+  state_ = State::kStarting;
+  give_up_at_ = absl::Now() + kStartTimeout;
+}
+
+void DecoderSlot::Fail(std::string why) {
+  failure_ = std::move(why);
+  state_ = State::kEmpty;
+  start_at_ = absl::Now() + std::min(kLongestDelay, kFirstDelay * (1 << std::min(failures_, 10)));
+  ++failures_;
+  Log(LogLevel::kWarning, "decoder_failed", {{"error", failure_}, {"failures", failures_}});
+}
+
+void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
+  job_ = std::move(job);
+  const DecodeRequest request{job_->bytes.size(), job_->limits.max_triangles, job_->limits.max_vertices};
+  unsent_ = absl::Cord(absl::string_view(reinterpret_cast<const char*>(&request), sizeof(request)));
+  unsent_.Append(job_->bytes);
+  receiver_.emplace(job_->limits);
+  if (options_.memory > 0) {
+    memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
+    process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
+  }
+  cpu_at_begin_ = process_->CpuTime();
+  check_cpu_at_ = absl::Now() + options_.cpu_time;
+  give_up_at_ = absl::Now() + kWallPerCpu * options_.cpu_time;
+  state_ = State::kBusy;
+  Send();
+}
+
+void DecoderSlot::Abort(const absl::Status& status) {
+  Finish(status);
+  Kill();
+}
+
+void DecoderSlot::AppendPolls(std::vector<pollfd>& polls) const {
+  if (!process_) return;
+  polls.push_back({process_->end(), POLLIN, 0});
+  if (state_ == State::kEnding) return;
+  polls.push_back({process_->channel(), static_cast<short>(unsent_.empty() ? POLLIN : POLLIN | POLLOUT), 0});
+}
+
+absl::Time DecoderSlot::next_timer() const {
+  return state_ == State::kEmpty ? start_at_ : std::min(give_up_at_, check_cpu_at_);
+}
+
+std::shared_ptr<DecodeJob> DecoderSlot::Serve() {
+  if (state_ == State::kEmpty && absl::Now() >= start_at_) StartProcess();
+  if (!process_) return nullptr;
+  // The end is looked for first: what was sent before it is then all there.
+  const std::optional<ProcessEnd> end = process_->TakeEnd();
+  if (state_ != State::kEnding) {
+    Send();
+    Receive();
+    if (!end) CheckTimes();
+  }
+  return end ? TakeEnd(*end) : nullptr;
+}
+
+void DecoderSlot::Send() {
+  for (size_t sent = 0; !unsent_.empty() && sent < kSendBytesAtOnce;) {
+    const absl::string_view chunk = *unsent_.chunk_begin();
+    const ssize_t taken = send(process_->channel(), chunk.data(), chunk.size(), MSG_NOSIGNAL);
+    if (taken < 0) return;  // no room now; or there is nobody any more, which Receive finds, too
+    unsent_.RemovePrefix(static_cast<size_t>(taken));
+    sent += static_cast<size_t>(taken);
+  }
+}
+
+void DecoderSlot::Receive() {
+  char* const buffer = reinterpret_cast<char*>(buffer_.data());
+  for (int n = 0; n < kReceivesAtOnce && state_ != State::kEnding; ++n) {
+    const ssize_t got = recv(process_->channel(), buffer + received_, kReceiveBytes, 0);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (got <= 0) {
+      state_ = State::kEnding;
+      process_->Kill();  // if it has closed the socket and lives
+      return;
+    }
+    received_ += static_cast<size_t>(got);
+    bool good = false;
+    try {
+      good = TakeFrames();
+    } catch (const std::bad_alloc&) {
+      return Abort(NoMemoryToDecode());
+    }
+    if (good) continue;
+    ++counters_.crashes;
+    Log(LogLevel::kWarning, "decoder_broken", {{"pid", process_->pid()}});
+    return Abort(BadMesh("the decoder failed on it"));
+  }
+}
+
+// Takes all whole frames in the buffer; what is left of another moves to the front. Returns false for nonsense.
+bool DecoderSlot::TakeFrames() {
+  const char* const buffer = reinterpret_cast<const char*>(buffer_.data());
+  size_t at = 0;
+  for (FrameHeader header; received_ - at >= sizeof(header); at += sizeof(header) + header.bytes) {
+    std::memcpy(&header, buffer + at, sizeof(header));
+    if (header.bytes > kMaxFrameBytes || header.bytes % sizeof(uint32_t) != 0) return false;
+    if (received_ - at < sizeof(header) + header.bytes) break;
+    if (!TakeFrame(header.kind, {buffer + at + sizeof(header), header.bytes})) return false;
+    if (state_ == State::kEnding) return true;
+  }
+  std::memmove(buffer_.data(), buffer + at, received_ - at);
+  received_ -= at;
+  return true;
+}
+
+bool DecoderSlot::TakeFrame(FrameKind kind, absl::string_view frame) {
+  if (state_ == State::kStarting) {
+    if (kind == FrameKind::kError) {
+      failure_ = std::string(DecodeError(frame).message());
+      return true;
+    }
+    ReadyFrame ready{};
+    if (kind != FrameKind::kReady || frame.size() != sizeof(ready)) return false;
+    std::memcpy(&ready, frame.data(), sizeof(ready));
+    idle_bytes_ = ready.address_space_bytes;
+    ready_ = true;
+    failures_ = 0;
+    failure_.clear();
+    give_up_at_ = absl::InfiniteFuture();
+    state_ = State::kIdle;
+    return true;
+  }
+  if (state_ != State::kBusy) return false;
+  switch (receiver_->Take(kind, frame)) {
+    case MeshReceiver::Progress::kMore:
+      return true;
+    case MeshReceiver::Progress::kBroken:
+      return false;
+    case MeshReceiver::Progress::kDone:
+      break;
+  }
+  absl::StatusOr<DecodedMesh> result = std::move(*receiver_).result();
+  const bool out_of_memory = IsOutOfMemory(result.status());
+  if (out_of_memory) {
+    ++counters_.killed_for_memory;
+    result = TooBig(memory_limit_);
+  }
+  const bool all_sent = unsent_.empty();
+  Finish(std::move(result));
+  if (out_of_memory || !all_sent) Kill();
+  return true;
+}
+
+void DecoderSlot::CheckTimes() {
+  const absl::Time now = absl::Now();
+  if (state_ == State::kBusy && now >= check_cpu_at_) {
+    const absl::Duration left = options_.cpu_time - (process_->CpuTime() - cpu_at_begin_);
+    // A process of one thread uses no more of it than goes by.
+    check_cpu_at_ = now + std::max(left, absl::Milliseconds(1));
+    if (left <= absl::ZeroDuration()) give_up_at_ = now;
+  }
+  if (now < give_up_at_) return;
+  if (state_ == State::kStarting) {
+    failure_ = "it does not get ready";
+    return Kill();
+  }
+  ++counters_.killed_for_time;
+  Log(LogLevel::kWarning, "decoder_too_slow", {{"pid", process_->pid()}, {"bytes", job_->bytes.size()}});
+  Abort(TooSlow(options_.cpu_time));
+}
+
+std::shared_ptr<DecodeJob> DecoderSlot::TakeEnd(const ProcessEnd& end) {
+  if (ready_ && !killed_) {
+    Log(LogLevel::kWarning, "decoder_died",
+        {{"pid", process_->pid()}, {"end", end.ToString()}, {"bytes", job_ ? job_->bytes.size() : 0}});
+  }
+  process_.reset();
+  state_ = State::kEmpty;
+  start_at_ = absl::InfinitePast();
+  give_up_at_ = absl::InfiniteFuture();
+  if (!ready_) Fail(failure_.empty() ? absl::StrCat("it ended with ", end.ToString()) : failure_);
+  if (!job_) return nullptr;
+  if (end.is_crash()) {
+    ++counters_.crashes;
+    Finish(BadMesh("the decoder crashed on it"));
+    return nullptr;
+  }
+  if (++job_->processes_lost == kMostProcessesLost) {
+    Finish(KilledTooOften());
+    return nullptr;
+  }
+  unsent_.Clear();
+  receiver_.reset();
+  check_cpu_at_ = absl::InfiniteFuture();
+  return std::exchange(job_, nullptr);
+}
+
+void DecoderSlot::Finish(absl::StatusOr<DecodedMesh> result) {
+  unsent_.Clear();
+  receiver_.reset();
+  check_cpu_at_ = give_up_at_ = absl::InfiniteFuture();
+  if (state_ == State::kBusy) state_ = State::kIdle;
+  if (!job_) return;
+  ++counters_.decodes;
+  std::exchange(job_, nullptr)->done(std::move(result));
+}
+
+void DecoderSlot::Kill() {
+  if (!process_) return;
+  killed_ = true;
+  process_->Kill();
+  state_ = State::kEnding;
+  give_up_at_ = absl::InfiniteFuture();
+}
+
+}  // namespace latvox

@@ -1,0 +1,109 @@
+// One place of a decoder pool: a decoder process, and again another when that has ended, and the decode it is busy
+// with.
+#ifndef LATVOX_SERVER_DECODER_SLOT_H_
+#define LATVOX_SERVER_DECODER_SLOT_H_
+
+#include <poll.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/cord.h"
+#include "absl/time/time.h"
+#include "server/decoder_process.h"
+#include "server/decoder_protocol.h"
+#include "server/mesh_decoder.h"
+
+namespace latvox {
+
+struct DecodeJob {
+  absl::Cord bytes;
+  Limits limits;
+  MeshDecoder::Done done;
+  int processes_lost = 0;  // ended by someone while they had this job
+};
+
+// Events since the pool was started.
+struct DecoderCounters {
+  std::atomic<uint64_t> decodes = 0, restarts = 0, crashes = 0, killed_for_time = 0, killed_for_memory = 0;
+};
+
+// Not thread-safe: for the pool's thread. Never blocks for longer than it takes to start a process.
+class DecoderSlot {
+ public:
+  DecoderSlot(const DecoderOptions& options, DecoderCounters& counters);
+
+  // Whether there is a process that waits for a job.
+  bool idle() const { return state_ == State::kIdle; }
+  const std::shared_ptr<DecodeJob>& job() const { return job_; }
+
+  // How often in a row a process could not be started, and why.
+  int failures() const { return failures_; }
+  const std::string& failure() const { return failure_; }
+
+  // Hands `job` to the process. Precondition: idle().
+  void Begin(std::shared_ptr<DecodeJob> job);
+
+  // Ends the job with `status`, and its process, which has no other way to stop.
+  void Abort(const absl::Status& status);
+
+  // What to poll for before the next Serve, and until when at the latest.
+  void AppendPolls(std::vector<pollfd>& polls) const;
+  absl::Time next_timer() const;
+
+  // Does what can be done now: starts a process, sends, receives, holds the process against its limits, notices its
+  // end. Returns a job that was lost with its process by no fault of its own, to be done again.
+  std::shared_ptr<DecodeJob> Serve();
+
+ private:
+  enum class State {
+    kEmpty,     // a process is started at start_at_
+    kStarting,  // until it says that it is ready
+    kIdle,
+    kBusy,
+    kEnding,  // killed, or has hung up
+  };
+
+  void StartProcess();
+  void Fail(std::string why);
+  void Send();
+  void Receive();
+  bool TakeFrames();
+  bool TakeFrame(FrameKind kind, absl::string_view frame);
+  void TakeError(absl::string_view frame);
+  void CheckTimes();
+  std::shared_ptr<DecodeJob> TakeEnd(const ProcessEnd& end);
+  void Finish(absl::StatusOr<DecodedMesh> result);
+  void Kill();
+
+  const DecoderOptions& options_;
+  DecoderCounters& counters_;
+
+  State state_ = State::kEmpty;
+  std::unique_ptr<DecoderProcess> process_;
+  bool ready_ = false, killed_ = false;  // the process has said so; this has killed it
+  uint64_t idle_bytes_ = 0;              // of the process's address space
+  absl::Time start_at_ = absl::InfinitePast();
+  absl::Time give_up_at_ = absl::InfiniteFuture();  // on a process that neither gets ready nor ends its job
+  int failures_ = 0, started_ = 0;
+  std::string failure_;
+
+  std::shared_ptr<DecodeJob> job_;
+  absl::Cord unsent_;
+  std::optional<MeshReceiver> receiver_;
+  uint64_t memory_limit_ = 0;
+  absl::Duration cpu_at_begin_;
+  absl::Time check_cpu_at_ = absl::InfiniteFuture();
+
+  std::vector<uint32_t> buffer_;  // words, for frames are aligned to them
+  size_t received_ = 0;           // bytes in buffer_
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_DECODER_SLOT_H_

@@ -1,0 +1,115 @@
+#include "server/decoder_worker.h"
+
+#include <sys/prctl.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/string_view.h"
+#include "server/decoder_protocol.h"
+#include "server/decoder_sandbox.h"
+#include "server/draco_decoder.h"
+
+namespace latvox {
+namespace {
+
+constexpr int kLost = 1;  // exit status: the server is gone, or does not understand
+
+// Nobody is left to be told.
+[[noreturn]] void GiveUp() { _exit(kLost); }
+
+// Returns whether all came; false at the end of the stream.
+bool ReadAll(void* to, size_t bytes) {
+  char* at = static_cast<char*>(to);
+  while (bytes > 0) {
+    const ssize_t got = read(kDecoderChannel, at, bytes);
+    if (got <= 0) return false;
+    at += got;
+    bytes -= static_cast<size_t>(got);
+  }
+  return true;
+}
+
+void Send(FrameKind kind, const void* payload, size_t bytes) {
+  FrameHeader header{kind, static_cast<uint32_t>(bytes)};
+  iovec parts[2] = {{&header, sizeof(header)}, {const_cast<void*>(payload), bytes}};
+  for (size_t n = 0; n < 2;) {
+    ssize_t sent = writev(kDecoderChannel, parts + n, static_cast<int>(2 - n));
+    if (sent < 0) GiveUp();
+    for (; n < 2 && static_cast<size_t>(sent) >= parts[n].iov_len; ++n) sent -= static_cast<ssize_t>(parts[n].iov_len);
+    if (n == 2) break;
+    parts[n].iov_base = static_cast<char*>(parts[n].iov_base) + sent;
+    parts[n].iov_len -= static_cast<size_t>(sent);
+  }
+}
+
+void SendError(const absl::Status& status) {
+  const std::string frame = EncodeError(status);
+  Send(FrameKind::kError, frame.data(), frame.size());
+}
+
+// Sends the mesh on as it is decoded.
+class SendingSink final : public MeshSink {
+ public:
+  void Begin(const MeshSize& size) override {
+    const MeshFrame frame{size.vertices, size.triangles, size.quantization_bits};
+    Send(FrameKind::kMesh, &frame, sizeof(frame));
+  }
+  void Vertices(absl::Span<const Vec3f> vertices) override {
+    Send(FrameKind::kVertices, vertices.data(), vertices.size() * sizeof(Vec3f));
+  }
+  void Triangles(absl::Span<const std::array<uint32_t, 3>> triangles) override {
+    Send(FrameKind::kTriangles, triangles.data(), triangles.size() * sizeof(triangles[0]));
+  }
+};
+
+void DecodeOne(const DecodeRequest& request) {
+  const std::unique_ptr<char[]> bytes(new (std::nothrow) char[request.bytes]);
+  if (!bytes) {
+    SendError(NoMemoryToDecode());
+    GiveUp();  // what was sent is in the way of the next request
+  }
+  if (!ReadAll(bytes.get(), request.bytes)) GiveUp();
+  SendingSink sink;
+  Limits limits;
+  limits.max_triangles = request.max_triangles;
+  limits.max_vertices = request.max_vertices;
+  const absl::Status status = DecodeDraco(absl::string_view(bytes.get(), request.bytes), limits, sink);
+  if (status.ok()) return Send(FrameKind::kDone, nullptr, 0);
+  SendError(status);
+  if (IsOutOfMemory(status)) GiveUp();  // Draco does not promise to have given back what it had
+}
+
+absl::Status Confine(const char* const* arguments) {
+  pid_t parent = 0;
+  uint64_t memory = 0;
+  if (!absl::SimpleAtoi(arguments[0], &parent) || !absl::SimpleAtoi(arguments[1], &memory)) {
+    return absl::InternalError("wrong arguments");
+  }
+  if (absl::Status status = LimitSelf(parent, memory); !status.ok()) return status;
+  const absl::Status status = ForbidSystemCalls(kDecoderChannel);
+  return absl::string_view(arguments[2]) == "unconfined" && absl::IsUnavailable(status) ? absl::OkStatus() : status;
+}
+
+}  // namespace
+
+std::optional<int> RunIfDecoderProcess(int argc, const char* const* argv) {
+  if (argc != 5 || absl::string_view(argv[1]) != kDecoderArgument) return std::nullopt;
+  prctl(PR_SET_NAME, "latvoxd-decoder");
+  const uint64_t in_use = AddressSpaceInUse();
+  if (absl::Status status = Confine(argv + 2); !status.ok()) {
+    SendError(status);
+    return kLost;
+  }
+  const ReadyFrame ready{in_use};
+  Send(FrameKind::kReady, &ready, sizeof(ready));
+  for (DecodeRequest request; ReadAll(&request, sizeof(request));) DecodeOne(request);
+  // Without destructors: they may do what is forbidden now.
+  _exit(0);
+}
+
+}  // namespace latvox
