@@ -1,5 +1,6 @@
 #include "server/decoder_worker.h"
 
+#include <malloc.h>
 #include <sys/prctl.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -18,6 +19,14 @@ namespace latvox {
 namespace {
 
 constexpr int kLost = 1;  // exit status: the server is gone, or does not understand
+
+// Memory that decodes have given back, to be used again: without, a quarter of the time of a large one goes into page
+// faults, half as much as all that isolation costs is won.
+void KeepMemory() {
+  constexpr int kKeptBytes = 64 << 20;
+  mallopt(M_MMAP_THRESHOLD, kKeptBytes / 2);
+  mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+}
 
 // Nobody is left to be told.
 [[noreturn]] void GiveUp() { _exit(kLost); }
@@ -100,6 +109,7 @@ absl::Status Confine(const char* const* arguments) {
 std::optional<int> RunIfDecoderProcess(int argc, const char* const* argv) {
   if (argc != 5 || absl::string_view(argv[1]) != kDecoderArgument) return std::nullopt;
   prctl(PR_SET_NAME, "latvoxd-decoder");
+  KeepMemory();
   const uint64_t in_use = AddressSpaceInUse();
   if (absl::Status status = Confine(argv + 2); !status.ok()) {
     SendError(status);
