@@ -5,6 +5,12 @@ latvox_add_test(client_curve_test SOURCES unit/client_curve_test.cc LIBRARIES la
 latvox_add_test(client_output_test SOURCES unit/client_output_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_grid_test SOURCES unit/client_grid_test.cc LIBRARIES latvox::grid GTest::gmock)
 latvox_add_test(client_call_test SOURCES unit/client_call_test.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
+add_library(latvox_model_server STATIC unit/client_model_server.cc unit/client_relay.cc)
+target_link_libraries(latvox_model_server PUBLIC latvox::proto PRIVATE latvox_build latvox::client)
+latvox_add_test(client_resume_test SOURCES unit/client_resume_test.cc
+                LIBRARIES latvox::client latvox_model_server GTest::gmock)
+latvox_add_test(client_retry_test SOURCES unit/client_retry_test.cc
+                LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_tool_test SOURCES unit/client_tool_test.cc LIBRARIES latvox::tool GTest::gmock)
 
 # Both ends of one call.
