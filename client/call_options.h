@@ -12,8 +12,8 @@ namespace latvox::client {
 
 struct CallOptions {
   std::optional<absl::Time> deadline;  // DEADLINE_EXCEEDED after it, over all tries; default: none
-  Cancellation cancellation;           // CANCELLED soon after its Cancel()
-  RetryPolicy retry;
+  Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
+  RetryPolicy retry = {};
 };
 
 }  // namespace latvox::client
