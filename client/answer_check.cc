@@ -39,9 +39,24 @@ Vec3i TileOf(const Vec3i& brick_ijk) {
 
 }  // namespace
 
+void AnswerCheck::Tally::Add(const Tally& other) {
+  voxels += other.voxels;
+  bricks += other.bricks;
+  tiles += other.tiles;
+  digest.Add(other.digest);
+}
+
+void AnswerCheck::BeginStretch() {
+  before_.Add(stretch_);
+  stretch_ = {};
+  stretch_accepted_ = false;
+  summary_.reset();
+  progress_ = 0;
+}
+
 absl::Status AnswerCheck::Take(const v1::VoxelizeResponse& answer) {
   if (summary_) return Broken("an answer after the summary");
-  if (!accepted_ && !answer.has_accepted()) return Broken("the first answer is not Accepted");
+  if (!stretch_accepted_ && !answer.has_accepted()) return Broken("the first answer is not Accepted");
   switch (answer.part_case()) {
     case v1::VoxelizeResponse::kAccepted:
       return TakeAccepted(answer.accepted());
@@ -56,7 +71,9 @@ absl::Status AnswerCheck::Take(const v1::VoxelizeResponse& answer) {
 }
 
 absl::Status AnswerCheck::TakeAccepted(const v1::Accepted& message) {
-  if (accepted_) return Broken("Accepted came twice");
+  if (stretch_accepted_) return Broken("Accepted came twice");
+  stretch_accepted_ = true;
+  if (accepted_) return CompareAccepted(FromProto(message));
   accepted_ = FromProto(message);
   if (!IsUsable(accepted_->grid)) return Broken("the grid is not finite or is singular");
   if (const auto& box = accepted_->index_box) {
@@ -65,6 +82,16 @@ absl::Status AnswerCheck::TakeAccepted(const v1::Accepted& message) {
     }
   }
   return handlers_.on_accepted ? handlers_.on_accepted(*accepted_) : absl::OkStatus();
+}
+
+// What the request id identifies is the stream, and how many tiles are left is no fact of the whole.
+absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
+  const char* differs = !(again.grid == accepted_->grid)          ? "grid"
+                        : again.index_box != accepted_->index_box ? "index_box"
+                        : !(again.mesh == accepted_->mesh)        ? "mesh"
+                                                                  : nullptr;
+  if (differs == nullptr) return absl::OkStatus();
+  return Broken("the stream was resumed, and Accepted.", differs, " is not what it was before");
 }
 
 absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
@@ -79,6 +106,7 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
     return Broken("progress ", message.progress(), " after ", progress_);
   }
   progress_ = message.progress();
+  reported_ = std::max(reported_, progress_);
   batch_.resize(count);
   for (size_t n = 0; n < count; ++n) {
     Brick& brick = batch_[n];
@@ -86,7 +114,11 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
     std::memcpy(brick.mask.data(), message.masks().data() + n * kMaskBytes, kMaskBytes);
     if (auto status = CheckBrick(brick, n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
-  return handlers_.on_bricks ? handlers_.on_bricks({batch_, progress_}) : absl::OkStatus();
+  if (handlers_.on_bricks) {
+    if (absl::Status status = handlers_.on_bricks({batch_, reported_}); !status.ok()) return status;
+  }
+  if (!batch_.empty()) resume_after_ = TileOf(batch_.back().brick_ijk);
+  return absl::OkStatus();
 }
 
 // Tiles are told apart by a set rather than by their Morton order: that order starts at the whole mesh's index box,
@@ -108,24 +140,34 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
     if (!(previous->brick_ijk < brick.brick_ijk)) return Broken("brick ", where(), " is out of order");
   } else if (!tiles_.insert(tile).second) {
     return Broken("tile ", absl::StrJoin(tile, ","), " came twice");
+  } else {
+    ++stretch_.tiles;
   }
-  voxels_ += voxels;
-  ++bricks_;
-  digest_.Add(brick);
+  stretch_.voxels += voxels;
+  ++stretch_.bricks;
+  stretch_.digest.Add(brick);
   return absl::OkStatus();
 }
 
 absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
-  const Summary summary = FromProto(message);
-  if (summary.voxels != voxels_) return Broken("summary of ", summary.voxels, " voxels after ", voxels_);
-  if (summary.bricks != bricks_) return Broken("summary of ", summary.bricks, " bricks after ", bricks_);
-  if (summary.tiles != tiles_.size()) return Broken("summary of ", summary.tiles, " tiles after ", tiles_.size());
-  if (summary.mesh_bytes != mesh_bytes_) {
-    return Broken("summary of ", summary.mesh_bytes, " mesh bytes, sent were ", mesh_bytes_);
+  Summary summary = FromProto(message);
+  const auto check = [](const char* what, uint64_t theirs, uint64_t ours) {
+    return theirs == ours ? absl::OkStatus() : Broken("summary of ", theirs, " ", what, " after ", ours);
+  };
+  absl::Status status = check("voxels", summary.voxels, stretch_.voxels);
+  status.Update(check("bricks", summary.bricks, stretch_.bricks));
+  status.Update(check("tiles", summary.tiles, stretch_.tiles));
+  if (mesh_bytes_ != 0) status.Update(check("mesh bytes", summary.mesh_bytes, mesh_bytes_));
+  if (!status.ok()) return status;
+  if (summary.certificate.digest != stretch_.digest.ToHex()) {
+    return Broken("digest ", summary.certificate.digest, ", the bricks' is ", stretch_.digest.ToHex());
   }
-  if (summary.certificate.digest != digest_.ToHex()) {
-    return Broken("digest ", summary.certificate.digest, ", the bricks' is ", digest_.ToHex());
-  }
+  Tally all = before_;
+  all.Add(stretch_);
+  summary.voxels = all.voxels;
+  summary.bricks = all.bricks;
+  summary.tiles = all.tiles;
+  summary.certificate.digest = all.digest.ToHex();
   summary_ = summary;
   return absl::OkStatus();
 }

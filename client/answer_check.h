@@ -14,20 +14,30 @@
 
 namespace latvox::client {
 
-// The answers of one Voxelize call, taken in order. Memory: one batch and 12 bytes for each tile seen.
+// The answers of one Voxelize call, taken in order: of one stream, or of several, each but the first of which was asked
+// to go on after resume_after(). Memory: one batch and 12 bytes for each tile seen.
 class AnswerCheck {
  public:
-  // `mesh_bytes` is what the client sends.
+  // `mesh_bytes` is the length of the mesh; 0: not known.
   AnswerCheck(const VoxelizeHandlers& handlers, uint64_t mesh_bytes) : handlers_(handlers), mesh_bytes_(mesh_bytes) {}
+
+  // The next answers are of a new stream. Not needed before the first one.
+  void BeginStretch();
 
   // Checks the next answer and hands it on. Errors: DATA_LOSS naming what is wrong with it; what the handler returned.
   absl::Status Take(const v1::VoxelizeResponse& answer);
 
-  // What the stream ended with. Errors: DATA_LOSS if there was no Summary.
+  // Whether Accepted has been handed on, and the tile of the last brick that was: batches hold whole tiles.
+  bool accepted() const { return accepted_.has_value(); }
+  const std::optional<Vec3i>& resume_after() const { return resume_after_; }
+
+  // What the last stream ended with, counts and digest being those of all together. Errors: DATA_LOSS if there was no
+  // Summary.
   absl::StatusOr<Summary> End() const;
 
  private:
   absl::Status TakeAccepted(const v1::Accepted& message);
+  absl::Status CompareAccepted(const Accepted& again) const;
   absl::Status TakeBricks(const v1::BrickBatch& message);
   absl::Status TakeSummary(const v1::Summary& message);
   absl::Status CheckBrick(const Brick& brick, const Brick* previous);
@@ -36,11 +46,17 @@ class AnswerCheck {
   const uint64_t mesh_bytes_;
   std::optional<Accepted> accepted_;
   std::optional<Summary> summary_;
+  std::optional<Vec3i> resume_after_;
   std::vector<Brick> batch_;
   absl::flat_hash_set<Vec3i> tiles_;  // all that earlier bricks lie in
-  uint64_t voxels_ = 0, bricks_ = 0;
-  Digest digest_;
-  double progress_ = 0;
+  struct Tally {
+    uint64_t voxels = 0, bricks = 0, tiles = 0;
+    Digest digest;
+    void Add(const Tally& other);
+  };
+  Tally before_, stretch_;              // of the streams before this one, and of this one
+  bool stretch_accepted_ = false;       // this stream's Accepted has come
+  double progress_ = 0, reported_ = 0;  // of this stream, and as handed on
 };
 
 }  // namespace latvox::client

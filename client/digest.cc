@@ -19,8 +19,14 @@ void Digest::Add(const Brick& brick) {
   std::memcpy(bytes, brick.brick_ijk.data(), kIjkBytes);
   std::memcpy(bytes + kIjkBytes, brick.mask.data(), kMaskBytes);
   const XXH128_hash_t hash = XXH3_128bits(bytes, sizeof(bytes));
-  low_ += hash.low64;
-  high_ += hash.high64 + (low_ < hash.low64 ? 1 : 0);
+  Add(hash.high64, hash.low64);
+}
+
+void Digest::Add(const Digest& other) { Add(other.high_, other.low_); }
+
+void Digest::Add(uint64_t high, uint64_t low) {
+  low_ += low;
+  high_ += high + (low_ < low ? 1 : 0);
 }
 
 std::string Digest::ToHex() const {

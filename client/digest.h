@@ -14,9 +14,12 @@ namespace latvox::client {
 class Digest {
  public:
   void Add(const Brick& brick);
-  std::string ToHex() const;  // 32 hexadecimal digits
+  void Add(const Digest& other);  // all bricks of the other
+  std::string ToHex() const;      // 32 hexadecimal digits
 
  private:
+  void Add(uint64_t high, uint64_t low);
+
   uint64_t high_ = 0, low_ = 0;
 };
 

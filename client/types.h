@@ -61,6 +61,7 @@ struct GridTransform {
     }
     return world;
   }
+  bool operator==(const GridTransform&) const = default;
 };
 
 // The mesh as the server found it.
@@ -70,6 +71,7 @@ struct MeshFacts {
   uint32_t quantization_bits = 0;
   double snap_error_max = 0;
   Vec3d min{}, max{};  // bounding box, world
+  bool operator==(const MeshFacts&) const = default;
 };
 
 // The request as it will be carried out: the first answer.
@@ -108,7 +110,7 @@ struct Certificate {
   std::string digest;  // 32 hexadecimal digits
 };
 
-// Wall-clock milliseconds within the server.
+// Wall-clock milliseconds within the server; of a resumed call, within the last one.
 struct ServerTimings {
   double upload_ms = 0, decode_ms = 0, voxelize_ms = 0, stream_ms = 0;
 };
@@ -119,7 +121,8 @@ struct Summary {
   Certificate certificate;
   ServerTimings timings;
   uint64_t mesh_bytes = 0;
-  // Bytes of messages as this client counted them.
+  int resumed = 0;  // times that the stream broke and another one went on
+  // Bytes of messages as this client counted them, over all tries.
   uint64_t bytes_sent = 0, bytes_received = 0;
 };
 
@@ -131,6 +134,8 @@ struct Limits {
   uint32_t subvoxel_bits = 0;
   std::string version;
   uint64_t max_points = 0, max_crossings = 0, max_pixels = 0;  // of Pixelize
+  uint32_t max_queued_jobs = 0, max_jobs_per_client = 0;
+  uint64_t memory_budget_bytes = 0, mesh_store_bytes = 0, max_voxels = 0;
 };
 
 }  // namespace latvox::client

@@ -81,7 +81,7 @@ Certificate FromProto(const v1::Certificate& certificate) {
 
 }  // namespace
 
-v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, uint64_t mesh_bytes) {
+v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, const std::optional<Vec3i>& resume_after) {
   v1::VoxelizeSpec spec;
   if (const Basis* basis = std::get_if<Basis>(&request.lattice)) {
     *spec.mutable_lattice()->mutable_basis()->mutable_a() = ToProto(basis->a);
@@ -100,7 +100,9 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, uint64_t mesh_bytes) {
     *spec.mutable_region()->mutable_max() = ToProto(request.region->max);
   }
   spec.set_verify(request.verify);
-  spec.set_mesh_bytes(mesh_bytes);
+  spec.set_mesh_bytes(mesh.bytes);
+  spec.set_mesh_sha256(mesh.sha256.data(), mesh.sha256.size());
+  if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
   spec.set_algorithm(ToProto(request.algorithm));
   return spec;
 }
@@ -143,7 +145,12 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
           .version = limits.version(),
           .max_points = limits.max_points(),
           .max_crossings = limits.max_crossings(),
-          .max_pixels = limits.max_pixels()};
+          .max_pixels = limits.max_pixels(),
+          .max_queued_jobs = limits.max_queued_jobs(),
+          .max_jobs_per_client = limits.max_jobs_per_client(),
+          .memory_budget_bytes = limits.memory_budget_bytes(),
+          .mesh_store_bytes = limits.mesh_store_bytes(),
+          .max_voxels = limits.max_voxels()};
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {

@@ -4,14 +4,17 @@
 
 #include <grpcpp/support/status.h>
 
+#include <optional>
+
 #include "absl/status/status.h"
+#include "client/mesh_id.h"
 #include "client/types.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox::client {
 
-// `mesh_bytes` is the length of the encoded mesh.
-v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, uint64_t mesh_bytes);
+// `resume_after`: the tile behind which to go on.
+v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, const std::optional<Vec3i>& resume_after);
 
 Accepted FromProto(const v1::Accepted& accepted);
 Summary FromProto(const v1::Summary& summary);

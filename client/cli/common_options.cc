@@ -10,7 +10,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kMaxThreads = 1024;
+constexpr int kMaxThreads = 1024, kMaxRetries = 1000000;
 
 std::filesystem::path Place(const std::string& path) {
   std::error_code error;
@@ -60,11 +60,19 @@ void CheckOutputs(const std::vector<std::string>& outputs, const std::string& in
 }
 
 void AddServerOptions(CLI::App& command, ServerChoice& choice) {
-  command.add_option("--server", choice.address, "the server, as HOST:PORT or unix:PATH (default: a private latvoxd)")
+  command
+      .add_option("--server", choice.address,
+                  "the server, as HOST:PORT or unix:PATH, or several with commas (default: a private latvoxd)")
       ->type_name("ADDRESS");
   command.add_option("--timeout", choice.timeout_seconds, "give up after S seconds")
       ->type_name("S")
       ->check(CheckPositive);
+  command
+      .add_option("--retries", choice.retries,
+                  absl::StrCat("times to try again, without progress, when a server is lost or full (default: ",
+                               RetryPolicy().max_retries, ")"))
+      ->type_name("N")
+      ->check(Whole(0, kMaxRetries));
   command.add_option("--threads", choice.threads, "threads of a private latvoxd")
       ->type_name("N")
       ->check(Whole(1, kMaxThreads))

@@ -92,7 +92,7 @@ void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensio
 // Refuses an output that is given twice, or in the place of the input, which is called `what`.
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what);
 
-// Adds --server, --timeout and --threads.
+// Adds --server, --timeout, --retries and --threads.
 void AddServerOptions(CLI::App& command, ServerChoice& choice);
 
 }  // namespace latvox::client

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <string>
 
 #include "absl/time/clock.h"
 
@@ -13,6 +12,11 @@ ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar() {
   if (terminal_) std::fputs("\r\x1b[K", stderr);
+}
+
+void ProgressBar::Say(const std::string& line) {
+  std::fprintf(stderr, "%s%s\n", terminal_ ? "\r\x1b[K" : "", line.c_str());
+  next_ = absl::InfinitePast();
 }
 
 void ProgressBar::Show(double share, uint64_t bricks) {

@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_CLI_PROGRESS_BAR_H_
 
 #include <cstdint>
+#include <string>
 
 #include "absl/time/time.h"
 
@@ -18,6 +19,9 @@ class ProgressBar {
 
   // `share` of the work is done, 0 to 1, with so many bricks so far. Draws ten times a second at most.
   void Show(double share, uint64_t bricks);
+
+  // A line on standard error, whatever that is, in the bar's place.
+  void Say(const std::string& line);
 
  private:
   const bool terminal_;

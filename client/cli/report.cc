@@ -43,6 +43,11 @@ Json LimitsJson(const Limits& limits) {
           {"max_points", limits.max_points},
           {"max_crossings", limits.max_crossings},
           {"max_pixels", limits.max_pixels},
+          {"max_queued_jobs", limits.max_queued_jobs},
+          {"max_jobs_per_client", limits.max_jobs_per_client},
+          {"memory_budget_bytes", limits.memory_budget_bytes},
+          {"mesh_store_bytes", limits.mesh_store_bytes},
+          {"max_voxels", limits.max_voxels},
           {"version", limits.version}};
 }
 
@@ -77,6 +82,7 @@ std::string ToJson(const VoxelizeReport& report) {
                         {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
                         {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};
   json["bytes"] = {{"sent", summary.bytes_sent}, {"received", summary.bytes_received}};
+  json["resumed"] = summary.resumed;
   json["mesh"] = {{"triangles", mesh.triangles},
                   {"vertices", mesh.vertices},
                   {"degenerate_triangles", mesh.degenerate_triangles},
@@ -148,7 +154,7 @@ std::string ToText(const Limits& limits) {
   const Json json = LimitsJson(limits);
   for (const auto& [name, value] : json.items()) {
     const std::string shown = value.is_string() ? value.get<std::string>() : value.dump();
-    absl::StrAppendFormat(&text, "%-18s %s\n", name, shown);
+    absl::StrAppendFormat(&text, "%-20s %s\n", name, shown);
   }
   return text;
 }

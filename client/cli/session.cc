@@ -26,6 +26,8 @@ absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOpti
 CallOptions MakeCallOptions(const ServerChoice& choice, const Cancellation& cancellation) {
   CallOptions options;
   options.cancellation = cancellation;
+  if (choice.retries) options.retry.max_retries = *choice.retries;
+  if (choice.address.empty()) options.retry.max_retries = 0;
   if (choice.timeout_seconds) options.deadline = absl::Now() + absl::Seconds(*choice.timeout_seconds);
   return options;
 }

@@ -14,9 +14,10 @@ namespace latvox::client {
 
 // The options that every command with a server has.
 struct ServerChoice {
-  std::string address;         // empty: a private server
+  std::string address;         // one, or several with commas; empty: a private server
   std::optional<int> threads;  // of a private server
   std::optional<double> timeout_seconds;
+  std::optional<int> retries;  // of a server that was named; a private one that has died does not come back
 };
 
 class Session {

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client/cli/progress_bar.h"
 #include "client/mesh/mesh_encoder.h"
@@ -73,6 +75,13 @@ absl::Status CheckTime(const CallOptions& call) {
   return absl::OkStatus();
 }
 
+std::string ResumptionLine(const Resumption& resumption) {
+  const std::string where = resumption.after_tile
+                                ? absl::StrCat("resumed after tile ", absl::StrJoin(*resumption.after_tile, ","))
+                                : "begun anew";
+  return absl::StrCat("latvox: connection lost, ", where, " on ", resumption.address);
+}
+
 // The call itself, into the outputs.
 absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call, Outputs& outputs,
                   VoxelizeReport& report) {
@@ -89,6 +98,9 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
     bricks += batch.bricks.size();
     bar.Show(batch.progress, bricks);
     return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
+  };
+  handlers.on_resumed = [&](const Resumption& resumption) {
+    return bar.Say(ResumptionLine(resumption)), absl::OkStatus();
   };
   auto summary = session->client().Voxelize(options.request, drc, handlers, call);
   if (!summary.ok()) return summary.status();

@@ -201,7 +201,7 @@ class Interruptions(Case):
     def test_sigterm_ends_a_busy_server_and_its_client_hears_of_it(self):
         with contextlib.ExitStack() as stack:
             server = stack.enter_context(harness.server(self.dir))
-            client = self.start("--server", server.address)
+            client = self.start("--server", server.address, "--retries", "0")
             started = time.monotonic()
             stack.close()
             self.assertLess(time.monotonic() - started, 20)

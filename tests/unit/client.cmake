@@ -5,7 +5,19 @@ latvox_add_test(client_curve_test SOURCES unit/client_curve_test.cc LIBRARIES la
 latvox_add_test(client_output_test SOURCES unit/client_output_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_grid_test SOURCES unit/client_grid_test.cc LIBRARIES latvox::grid GTest::gmock)
 latvox_add_test(client_call_test SOURCES unit/client_call_test.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
+add_library(latvox_model_server STATIC unit/client_model_server.cc unit/client_relay.cc)
+target_link_libraries(latvox_model_server PUBLIC latvox::proto PRIVATE latvox_build latvox::client)
+latvox_add_test(client_resume_test SOURCES unit/client_resume_test.cc
+                LIBRARIES latvox::client latvox_model_server GTest::gmock)
+latvox_add_test(client_retry_test SOURCES unit/client_retry_test.cc
+                LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_tool_test SOURCES unit/client_tool_test.cc LIBRARIES latvox::tool GTest::gmock)
 
 # Both ends of one call.
 latvox_add_test(plane_call_test SOURCES unit/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
+latvox_add_test(client_failover_test UNSANITIZED SOURCES unit/client_failover_test.cc
+                LIBRARIES latvox::client latvox_server_meshes GTest::gmock)
+if(TARGET client_failover_test)
+  target_compile_definitions(client_failover_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
+  add_dependencies(client_failover_test latvoxd)
+endif()

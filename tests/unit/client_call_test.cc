@@ -263,9 +263,15 @@ grpc::Status Detailed() {
   return {grpc::StatusCode::RESOURCE_EXHAUSTED, "mesh_bytes 3000000 exceeds 1000", status.SerializeAsString()};
 }
 
+CallOptions OneTry() {
+  CallOptions options;
+  options.retry.max_retries = 0;
+  return options;
+}
+
 TEST(Call, ErrorsCarryTheServersDetails) {
   const Fake fake([](grpc::ServerContext*, Stream*) { return Detailed(); });
-  const absl::Status status = fake.client().Voxelize({}, kMesh, {}).status();
+  const absl::Status status = fake.client().Voxelize({}, kMesh, {}, OneTry()).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(status.message(), "mesh_bytes 3000000 exceeds 1000");
   const ErrorDetails details = GetErrorDetails(status);
@@ -293,7 +299,7 @@ TEST(Call, AnEarlyErrorEndsALargeUpload) {
   });
   const std::string mesh(200000000, 'm');
   const absl::Time start = absl::Now();
-  EXPECT_EQ(fake.client().Voxelize({}, mesh, {}).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(fake.client().Voxelize({}, mesh, {}, OneTry()).status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_LT(absl::Now() - start, absl::Seconds(5));
 }
 
@@ -380,7 +386,7 @@ TEST(Call, AServerThatGoesAwayIsUnavailable) {
     absl::SleepFor(absl::Milliseconds(50));
     fake->server().Shutdown(std::chrono::system_clock::now());
   });
-  EXPECT_EQ(fake->client().Voxelize({}, kMesh, {}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(fake->client().Voxelize({}, kMesh, {}, OneTry()).status().code(), absl::StatusCode::kUnavailable);
   stopper.join();
 }
 

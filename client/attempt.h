@@ -1,0 +1,44 @@
+// One try of one call. Internal to the SDK.
+#ifndef LATVOX_CLIENT_ATTEMPT_H_
+#define LATVOX_CLIENT_ATTEMPT_H_
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "client/call_options.h"
+
+namespace latvox::client {
+
+absl::Status CancelledByCaller();
+
+// How a try ended, and whether another one can end better.
+struct AttemptEnd {
+  enum class Retry { kNever, kElsewhere, kLater };
+
+  absl::Status status;
+  Retry retry = Retry::kNever;                 // kElsewhere: on other servers only. kLater: on all
+  absl::Duration wait = absl::ZeroDuration();  // what the server asked for, at least, before it is asked again
+};
+
+// The context of one try, under the call's deadline and cancellation.
+class Attempt {
+ public:
+  // `options` must outlive it.
+  explicit Attempt(const CallOptions& options);
+
+  grpc::ClientContext& context() { return context_; }
+
+  // Once the call is over, what its end means.
+  AttemptEnd End(const grpc::Status& status) const;
+
+ private:
+  const CallOptions& options_;
+  grpc::ClientContext context_;
+  const Cancellation::Subscription on_cancel_;  // goes before the context
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_ATTEMPT_H_

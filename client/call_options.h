@@ -1,0 +1,21 @@
+// What every call can be told.
+#ifndef LATVOX_CLIENT_CALL_OPTIONS_H_
+#define LATVOX_CLIENT_CALL_OPTIONS_H_
+
+#include <optional>
+
+#include "absl/time/time.h"
+#include "client/cancellation.h"
+#include "client/retry_policy.h"
+
+namespace latvox::client {
+
+struct CallOptions {
+  std::optional<absl::Time> deadline;  // DEADLINE_EXCEEDED after it, over all tries; default: none
+  Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
+  RetryPolicy retry = {};
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CALL_OPTIONS_H_

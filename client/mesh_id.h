@@ -1,0 +1,24 @@
+// What names a mesh to a server that keeps it.
+#ifndef LATVOX_CLIENT_MESH_ID_H_
+#define LATVOX_CLIENT_MESH_ID_H_
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+
+namespace latvox::client {
+
+struct MeshId {
+  std::array<uint8_t, 32> sha256{};  // of the encoded mesh
+  uint64_t bytes = 0;                // length of the encoded mesh; 0: not known
+  bool operator==(const MeshId&) const = default;
+};
+
+// The id of these bytes. Errors: INTERNAL if the machine's libcrypto offers no SHA-256.
+absl::StatusOr<MeshId> MeshIdOf(std::string_view mesh_drc);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_ID_H_

@@ -1,0 +1,92 @@
+// A server in the test's process that keeps the protocol, meshes and resumption included, but for the faults that it is
+// told to commit.
+#ifndef LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
+#define LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "latvox/v1/voxelizer.grpc.pb.h"
+
+namespace latvox::client {
+
+// What one call does instead of ending well.
+struct Fault {
+  enum class At { kNever, kStart, kUpload, kAccepted, kBatch, kSummary, kEnd };
+
+  At at = At::kNever;         // before it: the spec, the mesh's second piece, Accepted, a batch, Summary, the good end
+  int batch = 0;              // which one; 0: the first of this call
+  grpc::Status status = {};   // the call ends with this; OK: it hangs until it is over for other reasons
+  std::string pushback = {};  // if given: the trailer grpc-retry-pushback-ms
+  std::function<void(v1::VoxelizeResponse&)> change = {};  // every answer before that, as it is sent
+};
+
+// The status of a connection that broke, as gRPC tells it.
+grpc::Status BrokenConnection();
+
+// A status that a latvox server sets by itself, with ErrorInfo and perhaps RetryInfo.
+grpc::Status ServerSays(grpc::StatusCode code, const std::string& message,
+                        absl::Duration retry_after = absl::InfiniteDuration());
+
+// What a call asked for.
+struct SeenCall {
+  v1::VoxelizeSpec spec;
+  std::string mesh;  // what of it came
+};
+
+class ModelServer final : public v1::Voxelizer::Service {
+ public:
+  // The result has so many tiles, one to a batch: tile 0,0,n has n + 1 voxels. Fault n is that of call n; calls without
+  // one end well.
+  explicit ModelServer(std::deque<Fault> faults = {}, int tiles = 4, const std::string& address = "127.0.0.1:0");
+  ~ModelServer() override;
+
+  const std::string& address() const { return address_; }
+  static std::string DigestOfAll(int tiles = 4);
+
+  std::vector<SeenCall> calls() const;
+  uint64_t mesh_bytes_received() const;
+  void DropMeshes();
+  // So many of the next calls but Voxelize end with this.
+  void Refuse(int calls, const grpc::Status& status);
+  int refusals_left() const;
+  void Stop();  // and no more connections
+
+  grpc::Status Voxelize(grpc::ServerContext* context,
+                        grpc::ServerReaderWriter<v1::VoxelizeResponse, v1::VoxelizeRequest>* stream) override;
+  grpc::Status PutMesh(grpc::ServerContext* context, grpc::ServerReader<v1::PutMeshRequest>* stream,
+                       v1::PutMeshResponse* response) override;
+  grpc::Status Pixelize(grpc::ServerContext* context, const v1::PixelizeRequest* request,
+                        v1::PixelizeResponse* response) override;
+  grpc::Status GetLimits(grpc::ServerContext* context, const v1::GetLimitsRequest* request,
+                         v1::GetLimitsResponse* response) override;
+
+ private:
+  class Run;
+
+  grpc::Status Keep(const std::string& sha256, const std::string& mesh);
+  grpc::Status Refusal();
+
+  const int tiles_;
+  std::string address_;
+  std::unique_ptr<grpc::Server> server_;
+  mutable std::mutex mutex_;
+  std::deque<Fault> faults_;
+  std::vector<SeenCall> calls_;
+  std::map<std::string, std::string> meshes_;  // by SHA-256
+  uint64_t mesh_bytes_received_ = 0;
+  int refusals_ = 0;
+  grpc::Status refusal_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
