@@ -41,6 +41,7 @@ class AccessTest : public testing::Test {
     options.listen = {"unix:" + pattern + "/socket"};
     options.threads = 1;
     options.token_file = token_file_;
+    options.decoder.program = LATVOXD;
     auto server = VoxelServer::Start(options);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);

@@ -148,6 +148,7 @@ class ServerTest : public testing::Test {
     directory_ = mkdtemp(pattern.data());
     options_.listen = {"unix:" + directory_ + "/socket"};
     options_.threads = 2;
+    options_.decoder.program = LATVOXD;
     options_.keepalive_time = absl::Seconds(1);
     options_.keepalive_timeout = absl::Seconds(1);
   }
