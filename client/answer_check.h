@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_ANSWER_CHECK_H_
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
@@ -29,6 +30,8 @@ class AnswerCheck {
  private:
   absl::Status TakeAccepted(const v1::Accepted& message);
   absl::Status TakeBricks(const v1::BrickBatch& message);
+  absl::Status TakeMasks(const v1::BrickBatch& message);
+  absl::Status TakePacked(const v1::BrickBatch& message);
   absl::Status TakeSummary(const v1::Summary& message);
   absl::Status CheckBrick(const Brick& brick, const Brick* previous);
 
@@ -37,6 +40,7 @@ class AnswerCheck {
   std::optional<Accepted> accepted_;
   std::optional<Summary> summary_;
   std::vector<Brick> batch_;
+  std::string packed_;                // of the last batch that was a zstd frame
   absl::flat_hash_set<Vec3i> tiles_;  // all that earlier bricks lie in
   uint64_t voxels_ = 0, bricks_ = 0;
   Digest digest_;

@@ -52,6 +52,18 @@ v1::Algorithm ToProto(Algorithm algorithm) {
   return v1::ALGORITHM_UNSPECIFIED;
 }
 
+v1::BrickEncoding ToProto(BrickEncoding encoding) {
+  switch (encoding) {
+    case BrickEncoding::kMasks:
+      return v1::BRICK_ENCODING_MASKS;
+    case BrickEncoding::kPacked:
+      return v1::BRICK_ENCODING_PACKED;
+    case BrickEncoding::kPackedZstd:
+      return v1::BRICK_ENCODING_PACKED_ZSTD;
+  }
+  return v1::BRICK_ENCODING_UNSPECIFIED;
+}
+
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
   return {.triangles = mesh.triangles(),
           .vertices = mesh.vertices(),
@@ -102,6 +114,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, uint64_t mesh_bytes) {
   spec.set_verify(request.verify);
   spec.set_mesh_bytes(mesh_bytes);
   spec.set_algorithm(ToProto(request.algorithm));
+  spec.set_encoding(ToProto(request.encoding));
   return spec;
 }
 

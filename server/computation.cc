@@ -27,7 +27,11 @@ class Stopwatch {
 }  // namespace
 
 Computation::Computation(JobSpec spec, std::string request_id, const MeshDecoder& decoder, const Limits& limits)
-    : spec_(std::move(spec)), request_id_(std::move(request_id)), decoder_(decoder), limits_(limits) {}
+    : spec_(std::move(spec)),
+      request_id_(std::move(request_id)),
+      decoder_(decoder),
+      limits_(limits),
+      batcher_(spec_.encoding) {}
 
 absl::Status Computation::CheckCancelled() const {
   return cancelled_ ? absl::CancelledError("the request was cancelled") : absl::OkStatus();

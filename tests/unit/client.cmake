@@ -9,3 +9,7 @@ latvox_add_test(client_tool_test SOURCES unit/client_tool_test.cc LIBRARIES latv
 
 # Both ends of one call.
 latvox_add_test(plane_call_test SOURCES unit/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+latvox_add_test(brick_codec_test SOURCES unit/brick_codec_test.cc
+                LIBRARIES latvox::client latvox::server PkgConfig::zstd GTest::gmock)
