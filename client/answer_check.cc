@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/brick_codec.h"
 #include "client/wire.h"
 
 namespace latvox::client {
@@ -95,29 +96,49 @@ absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
 }
 
 absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
-  const size_t coordinates = static_cast<size_t>(message.brick_ijk_size());
-  const size_t count = coordinates / 3;
-  if (coordinates % 3 != 0) return Broken("brick_ijk has ", coordinates, " numbers, not a multiple of 3");
-  if (message.masks().size() != count * kMaskBytes) {
-    return Broken("masks has ", message.masks().size(), " bytes for ", count, " bricks of ", kMaskBytes);
-  }
   // Negated comparisons, so that NaN is caught.
   if (!(message.progress() >= progress_ && message.progress() <= 1)) {
     return Broken("progress ", message.progress(), " after ", progress_);
   }
   progress_ = message.progress();
   reported_ = std::max(reported_, progress_);
-  batch_.resize(count);
-  for (size_t n = 0; n < count; ++n) {
-    Brick& brick = batch_[n];
-    for (size_t m = 0; m < 3; ++m) brick.brick_ijk[m] = message.brick_ijk(static_cast<int>(3 * n + m));
-    std::memcpy(brick.mask.data(), message.masks().data() + n * kMaskBytes, kMaskBytes);
-    if (auto status = CheckBrick(brick, n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
+  const bool packed = !message.packed().empty() || message.packed_bytes() != 0;
+  if (absl::Status status = packed ? TakePacked(message) : TakeMasks(message); !status.ok()) return status;
+  for (size_t n = 0; n < batch_.size(); ++n) {
+    if (auto status = CheckBrick(batch_[n], n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
   if (handlers_.on_bricks) {
     if (absl::Status status = handlers_.on_bricks({batch_, reported_}); !status.ok()) return status;
   }
   if (!batch_.empty()) resume_after_ = TileOf(batch_.back().brick_ijk);
+  return absl::OkStatus();
+}
+
+absl::Status AnswerCheck::TakePacked(const v1::BrickBatch& message) {
+  if (message.brick_ijk_size() != 0 || !message.masks().empty()) return Broken("a batch of both masks and packed");
+  absl::Status status;
+  if (message.packed_bytes() != 0) {
+    status = Decompress(message.packed(), message.packed_bytes(), packed_);
+    if (status.ok()) status = UnpackBricks(packed_, batch_);
+  } else {
+    status = UnpackBricks(message.packed(), batch_);
+  }
+  return status.ok() ? status : Broken(status.message());
+}
+
+absl::Status AnswerCheck::TakeMasks(const v1::BrickBatch& message) {
+  const size_t coordinates = static_cast<size_t>(message.brick_ijk_size());
+  const size_t count = coordinates / 3;
+  if (coordinates % 3 != 0) return Broken("brick_ijk has ", coordinates, " numbers, not a multiple of 3");
+  if (message.masks().size() != count * kMaskBytes) {
+    return Broken("masks has ", message.masks().size(), " bytes for ", count, " bricks of ", kMaskBytes);
+  }
+  batch_.resize(count);
+  for (size_t n = 0; n < count; ++n) {
+    Brick& brick = batch_[n];
+    for (size_t m = 0; m < 3; ++m) brick.brick_ijk[m] = message.brick_ijk(static_cast<int>(3 * n + m));
+    std::memcpy(brick.mask.data(), message.masks().data() + n * kMaskBytes, kMaskBytes);
+  }
   return absl::OkStatus();
 }
 

@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_ANSWER_CHECK_H_
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
@@ -39,6 +40,8 @@ class AnswerCheck {
   absl::Status TakeAccepted(const v1::Accepted& message);
   absl::Status CompareAccepted(const Accepted& again) const;
   absl::Status TakeBricks(const v1::BrickBatch& message);
+  absl::Status TakeMasks(const v1::BrickBatch& message);
+  absl::Status TakePacked(const v1::BrickBatch& message);
   absl::Status TakeSummary(const v1::Summary& message);
   absl::Status CheckBrick(const Brick& brick, const Brick* previous);
 
@@ -48,6 +51,7 @@ class AnswerCheck {
   std::optional<Summary> summary_;
   std::optional<Vec3i> resume_after_;
   std::vector<Brick> batch_;
+  std::string packed_;                // of the last batch that was a zstd frame
   absl::flat_hash_set<Vec3i> tiles_;  // all that earlier bricks lie in
   struct Tally {
     uint64_t voxels = 0, bricks = 0, tiles = 0;

@@ -52,6 +52,18 @@ v1::Algorithm ToProto(Algorithm algorithm) {
   return v1::ALGORITHM_UNSPECIFIED;
 }
 
+v1::BrickEncoding ToProto(BrickEncoding encoding) {
+  switch (encoding) {
+    case BrickEncoding::kMasks:
+      return v1::BRICK_ENCODING_MASKS;
+    case BrickEncoding::kPacked:
+      return v1::BRICK_ENCODING_PACKED;
+    case BrickEncoding::kPackedZstd:
+      return v1::BRICK_ENCODING_PACKED_ZSTD;
+  }
+  return v1::BRICK_ENCODING_UNSPECIFIED;
+}
+
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
   return {.triangles = mesh.triangles(),
           .vertices = mesh.vertices(),
@@ -104,6 +116,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   spec.set_mesh_sha256(mesh.sha256.data(), mesh.sha256.size());
   if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
   spec.set_algorithm(ToProto(request.algorithm));
+  spec.set_encoding(ToProto(request.encoding));
   return spec;
 }
 

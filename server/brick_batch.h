@@ -9,22 +9,36 @@
 
 namespace latvox {
 
-// Packs whole tiles, in the order they come, into messages of the size that gRPC moves fastest: 256 KiB to 1 MiB.
+// How bricks travel: v1::BrickEncoding, without its default.
+enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
+
+// Puts whole tiles, in the order they come, into messages of the size that gRPC moves fastest: 256 KiB to 1 MiB.
 class BrickBatcher {
  public:
-  // A batch is full at this size. One more tile is at most 512 * 76 bytes, so that messages stay below 1 MiB.
+  // A batch is full at this size, before zstd, but the first ones of a stream at an eighth, a quarter and a half of it,
+  // so that the client has something to do early. One more tile is at most 512 * 76 bytes: messages stay below 1 MiB.
   static constexpr size_t kFullBytes = size_t{512} << 10;
+  static constexpr size_t kFirstFullBytes = kFullBytes / 8;
+  // The contract's limit, which what is packed well comes to first.
+  static constexpr size_t kMaxBricks = 32768;
+
+  explicit BrickBatcher(BrickEncoding encoding) : encoding_(encoding) {}
 
   void Add(const TileBricks& tile);
 
-  bool empty() const { return batch_.brick_ijk().empty(); }
+  bool empty() const { return bricks_ == 0; }
   bool full() const;
 
   // The batch so far; the next one begins empty. Its progress is that of the last tile, and never decreases.
   v1::BrickBatch Take();
 
  private:
+  void AddMasks(const TileBricks& tile);
+
+  const BrickEncoding encoding_;
   v1::BrickBatch batch_;
+  size_t bricks_ = 0;  // in batch_
+  size_t full_bytes_ = kFirstFullBytes;
   double progress_ = 0;
 };
 

@@ -64,7 +64,8 @@ Computation::Computation(JobSpec spec, std::string request_id, const CallEnviron
     : spec_(std::move(spec)),
       request_id_(std::move(request_id)),
       environment_(environment),
-      memory_(environment.memory) {}
+      memory_(environment.memory),
+      batcher_(spec_.encoding) {}
 
 absl::Status Computation::CheckCancelled() const {
   return cancelled_ ? absl::CancelledError("the request was cancelled") : absl::OkStatus();

@@ -119,6 +119,21 @@ absl::StatusOr<Algorithm> AlgorithmFromProto(v1::Algorithm algorithm) {
   }
 }
 
+absl::StatusOr<BrickEncoding> EncodingFromProto(v1::BrickEncoding encoding) {
+  switch (encoding) {
+    case v1::BRICK_ENCODING_UNSPECIFIED:
+    case v1::BRICK_ENCODING_MASKS:
+      return BrickEncoding::kMasks;
+    case v1::BRICK_ENCODING_PACKED:
+      return BrickEncoding::kPacked;
+    case v1::BRICK_ENCODING_PACKED_ZSTD:
+      return BrickEncoding::kPackedZstd;
+    default:
+      return BadSpec(absl::StrCat("encoding ", static_cast<int>(encoding), " is not an encoding"), "encoding",
+                     absl::StrCat(static_cast<int>(encoding)), "0 to 3");
+  }
+}
+
 absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
   VoxelizeOptions options;
   if (spec.separability() > 2) {
@@ -184,12 +199,14 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
   if (!density.ok()) return density.status();
   const absl::StatusOr<VoxelizeOptions> options = OptionsFromProto(spec);
   if (!options.ok()) return options.status();
+  const absl::StatusOr<BrickEncoding> encoding = EncodingFromProto(spec.encoding());
+  if (!encoding.ok()) return encoding.status();
   std::optional<Vec3d> origin;
   if (spec.has_origin()) {
     origin = FromProto(spec.origin());
     if (absl::Status status = CheckOrigin(*origin); !status.ok()) return status;
   }
-  JobSpec job{*std::move(lattice), *density, origin, *options, spec.verify(), spec.mesh_bytes()};
+  JobSpec job{*std::move(lattice), *density, origin, *options, spec.verify(), *encoding, spec.mesh_bytes()};
   if (!spec.mesh_sha256().empty()) {
     const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
     if (!digest.ok()) return digest.status();

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
+#include "server/brick_batch.h"
 #include "server/limits.h"
 #include "server/mesh_store.h"
 
@@ -21,6 +22,7 @@ struct JobSpec {
   std::optional<Vec3d> origin;
   VoxelizeOptions options;
   bool verify = false;
+  BrickEncoding encoding = BrickEncoding::kMasks;
   uint64_t mesh_bytes = 0;  // declared length of the encoded mesh; 0: unknown
   std::optional<MeshDigest> mesh_digest = std::nullopt;
 };

@@ -21,3 +21,7 @@ if(TARGET client_failover_test)
   target_compile_definitions(client_failover_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
   add_dependencies(client_failover_test latvoxd)
 endif()
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+latvox_add_test(brick_codec_test SOURCES unit/brick_codec_test.cc
+                LIBRARIES latvox::client latvox::server PkgConfig::zstd GTest::gmock)

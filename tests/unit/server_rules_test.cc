@@ -319,7 +319,7 @@ TileBricks Tile(int32_t i, size_t bricks, double progress) {
 }
 
 TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
-  BrickBatcher batcher;
+  BrickBatcher batcher(BrickEncoding::kMasks);
   EXPECT_TRUE(batcher.empty());
   batcher.Add(Tile(-2, 3, 0.5));
   EXPECT_FALSE(batcher.empty());
@@ -333,7 +333,7 @@ TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
 }
 
 TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyte) {
-  BrickBatcher batcher;
+  BrickBatcher batcher(BrickEncoding::kMasks);
   int batches = 0;
   for (int n = 0; n < 200; ++n) {
     batcher.Add(Tile(n, 512, n / 200.0));
@@ -347,7 +347,7 @@ TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyte) {
 }
 
 TEST(BrickBatcher, NeverTakesProgressBack) {
-  BrickBatcher batcher;
+  BrickBatcher batcher(BrickEncoding::kMasks);
   double last = 0;
   for (const double progress : {0.3, 0.2, 0.9, 0.1, 1.5, 0.4}) {
     batcher.Add(Tile(0, 1, progress));

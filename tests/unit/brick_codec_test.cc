@@ -1,0 +1,417 @@
+// Packed bricks: the server's encoder, the client's decoder, and the format between them, byte by byte.
+#include "client/brick_codec.h"
+
+#include <gmock/gmock.h>
+#include <zstd.h>
+
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/lattice/grid.h"
+#include "core/voxelizer/voxelizer.h"
+#include "server/brick_batch.h"
+#include "server/brick_codec.h"
+
+namespace latvox {
+namespace {
+
+using client::Decompress;
+using client::UnpackBricks;
+using client::UnpackKernel;
+using testing::HasSubstr;
+
+std::vector<PackKernel> PackKernels() {
+  if (BestPackKernel() == PackKernel::kPortable) return {PackKernel::kPortable};
+  return {PackKernel::kPortable, BestPackKernel()};
+}
+
+std::vector<UnpackKernel> UnpackKernels() {
+  if (client::BestUnpackKernel() == UnpackKernel::kPortable) return {UnpackKernel::kPortable};
+  return {UnpackKernel::kPortable, client::BestUnpackKernel()};
+}
+
+std::string Bytes(std::initializer_list<int> bytes) { return {bytes.begin(), bytes.end()}; }
+
+bool Has(const BrickMask& mask, int x, int y, int z) { return mask[x] >> (8 * y + z) & 1; }
+
+BrickMask With(int x, int y, int z, BrickMask mask = {}) {
+  mask[x] |= uint64_t{1} << (8 * y + z);
+  return mask;
+}
+
+// The contract's octree, straight from its definition: whether the cube of `side` at (x, y, z) holds a cell, and, in
+// levels[0..2], a byte for each node that does. Bytes of one level come in Morton order by the order of the recursion.
+bool AddOctree(const BrickMask& mask, int side, int x, int y, int z, std::string* levels) {
+  if (side == 1) return Has(mask, x, y, z);
+  int byte = 0;
+  const int half = side / 2;
+  for (int n = 0; n < 8; ++n) {
+    const bool child =
+        AddOctree(mask, half, x + (n >> 2) * half, y + (n >> 1 & 1) * half, z + (n & 1) * half, levels + 1);
+    byte |= child << n;
+  }
+  if (byte != 0) *levels += static_cast<char>(byte);
+  return byte != 0;
+}
+
+std::string OctreeOf(const BrickMask& mask) {
+  std::string levels[3];
+  AddOctree(mask, 8, 0, 0, 0, levels);
+  return levels[0] + levels[1] + levels[2];
+}
+
+// A tile of bricks at the places `which`, all with this mask.
+TileBricks TileWith(const Vec3i& tile_ijk, const BrickMask& which, const BrickMask& mask) {
+  TileBricks tile{tile_ijk, {}};
+  for (int n = 0; n < 512; ++n) {
+    const Vec3i place{n >> 6, n >> 3 & 7, n & 7};
+    if (Has(which, place[0], place[1], place[2])) tile.bricks.push_back({tile_ijk * 8 + place, mask});
+  }
+  return tile;
+}
+
+std::string Pack(const std::vector<TileBricks>& tiles, PackKernel kernel = BestPackKernel()) {
+  std::string packed;
+  for (const TileBricks& tile : tiles) PackTile(tile, packed, kernel);
+  return packed;
+}
+
+void ExpectSame(const std::vector<client::Brick>& bricks, const std::vector<TileBricks>& tiles) {
+  size_t n = 0;
+  for (const TileBricks& tile : tiles) {
+    for (const Brick& brick : tile.bricks) {
+      ASSERT_LT(n, bricks.size());
+      ASSERT_EQ(bricks[n].brick_ijk, brick.brick_ijk);
+      ASSERT_EQ(bricks[n].mask, brick.mask);
+      ++n;
+    }
+  }
+  ASSERT_EQ(n, bricks.size());
+}
+
+// By all kernels: the bytes that the format wants, and back.
+void ExpectRoundTrip(const std::vector<TileBricks>& tiles) {
+  std::string wanted;
+  for (const TileBricks& tile : tiles) {
+    wanted.append(reinterpret_cast<const char*>(&tile.tile_ijk), 12);
+    BrickMask which = {};
+    for (const Brick& brick : tile.bricks) {
+      const Vec3i place = brick.brick_ijk - tile.tile_ijk * 8;
+      which = With(place[0], place[1], place[2], which);
+    }
+    wanted += OctreeOf(which);
+    for (const Brick& brick : tile.bricks) wanted += OctreeOf(brick.mask);
+  }
+  for (const PackKernel kernel : PackKernels()) ASSERT_EQ(Pack(tiles, kernel), wanted);
+  for (const UnpackKernel kernel : UnpackKernels()) {
+    std::vector<client::Brick> bricks;
+    ASSERT_EQ(UnpackBricks(wanted, bricks, kernel), absl::OkStatus());
+    ExpectSame(bricks, tiles);
+  }
+}
+
+// What the first tile of a request might be: a curved surface through 512 bricks or fewer.
+TileBricks CurvedTile() {
+  TileBricks tile{{3, -7, 11}, {}};
+  for (int n = 0; n < 512; ++n) {
+    Brick brick{tile.tile_ijk * 8 + Vec3i{n >> 6, n >> 3 & 7, n & 7}, {}};
+    for (int v = 0; v < 512; ++v) {
+      const int x = (n >> 6) * 8 + (v >> 6), y = (n >> 3 & 7) * 8 + (v >> 3 & 7), z = (n & 7) * 8 + (v & 7);
+      const int distance = x * x + y * y + z * z - 60 * 60;
+      if (distance >= 0 && distance < 120) brick.mask = With(v >> 6, v >> 3 & 7, v & 7, brick.mask);
+    }
+    if (CountVoxels(brick.mask) != 0) tile.bricks.push_back(brick);
+  }
+  return tile;
+}
+
+TEST(PackedFormat, IsTheContractsExampleByteForByte) {
+  const TileBricks tile{{1, 0, -1}, {{{8, 0, -1}, With(0, 1, 7, With(6, 1, 7))}}};
+  EXPECT_EQ(Pack({tile}), Bytes({0x01, 0,    0,    0,    0,   0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF,  //
+                                 0x02, 0x02, 0x02,                                              //
+                                 0x22, 0x02, 0x20, 0x08, 0x08}));
+}
+
+TEST(PackedFormat, TakesOneByteANode) {
+  BrickMask full;
+  full.fill(~uint64_t{0});
+  EXPECT_EQ(Pack({TileWith({0, 0, 0}, With(0, 0, 0), full)}),
+            std::string(12, '\0') + Bytes({1, 1, 1}) + std::string(73, '\xFF'));
+  EXPECT_EQ(Pack({TileWith({0, 0, 0}, With(7, 7, 7), With(7, 7, 7))}),
+            std::string(12, '\0') + Bytes({0x80, 0x80, 0x80, 0x80, 0x80, 0x80}));
+  EXPECT_EQ(Pack({TileWith({-2, 0x01020304, 0}, With(4, 2, 1), With(0, 0, 1, With(2, 0, 0)))}),
+            Bytes({0xFE, 0xFF, 0xFF, 0xFF, 4, 3, 2, 1, 0, 0, 0, 0}) + Bytes({0x10, 0x04, 0x02}) +
+                Bytes({0x01, 0x11, 0x02, 0x01}));
+}
+
+TEST(PackedFormat, HoldsEachVoxelAndEachBrick) {
+  for (int n = 0; n < 512; ++n) {
+    const BrickMask one = With(n >> 6, n >> 3 & 7, n & 7);
+    BrickMask others = one;
+    for (uint64_t& word : others) word = ~word;
+    ExpectRoundTrip({TileWith({0, -1, 5}, one, With(1, 2, 3))});
+    ExpectRoundTrip({TileWith({0, -1, 5}, With(4, 5, 6), one), TileWith({0, 0, 5}, With(4, 5, 6), others)});
+    ExpectRoundTrip({TileWith({0, -1, 5}, others, one)});
+  }
+}
+
+TEST(PackedFormat, HoldsEachRowOfEightAtEachPlaceAlongEachAxis) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int place = 0; place < 64; ++place) {
+      TileBricks tile{{0, 0, 0}, {}};
+      for (int row = 1; row < 256; ++row) {
+        BrickMask mask = {};
+        for (int n = 0; n < 8; ++n) {
+          int xyz[3] = {place >> 3, place >> 3, place & 7};
+          xyz[axis] = n;
+          if (axis == 2) xyz[1] = place & 7;
+          if (row >> n & 1) mask = With(xyz[0], xyz[1], xyz[2], mask);
+        }
+        tile.bricks.push_back({{row >> 6, row >> 3 & 7, row & 7}, mask});
+      }
+      ExpectRoundTrip({tile});
+    }
+  }
+}
+
+TEST(PackedFormat, HoldsWhateverTheDensity) {
+  std::mt19937_64 random(20261120);
+  for (const int percent : {1, 3, 10, 30, 50, 80, 97, 100}) {
+    const auto mask = [&] {
+      BrickMask result = {};
+      for (int n = 0; n < 512; ++n) {
+        if (static_cast<int>(random() % 100) < percent) result = With(n >> 6, n >> 3 & 7, n & 7, result);
+      }
+      result[random() % 8] |= 1;
+      return result;
+    };
+    std::vector<TileBricks> tiles;
+    for (int t = 0; t < 20; ++t) {
+      tiles.push_back(TileWith({t, -t, 7 * t}, mask(), {}));
+      for (Brick& brick : tiles.back().bricks) brick.mask = mask();
+    }
+    ExpectRoundTrip(tiles);
+  }
+}
+
+TEST(PackedFormat, HoldsEveryTileOfLatticeCoordinatesAndNoOther) {
+  constexpr int32_t kMin = std::numeric_limits<int32_t>::min() >> 6, kMax = std::numeric_limits<int32_t>::max() >> 6;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int32_t good : {kMin, kMin + 1, -1, 0, 1, kMax}) {
+      Vec3i tile_ijk{};
+      tile_ijk[axis] = good;
+      ExpectRoundTrip({TileWith(tile_ijk, With(0, 7, 0, With(7, 0, 7)), With(3, 3, 3))});
+    }
+    for (const int32_t bad :
+         {kMin - 1, kMax + 1, std::numeric_limits<int32_t>::min(), std::numeric_limits<int32_t>::max()}) {
+      std::string packed = Pack({TileWith({}, With(0, 0, 0), With(0, 0, 0))});
+      std::memcpy(&packed[4 * axis], &bad, sizeof(bad));
+      std::vector<client::Brick> bricks;
+      EXPECT_THAT(UnpackBricks(packed, bricks).ToString(), HasSubstr("tile coordinate " + std::to_string(bad)));
+    }
+  }
+}
+
+// Where it ends makes no difference to how well it is read: the last octrees are read with less room behind them.
+TEST(Unpack, RefusesWhatEndsEarlyAndReadsNothingBeyond) {
+  const std::string whole = Pack({TileWith({0, 0, 0}, With(1, 2, 3), With(3, 2, 1)), CurvedTile()});
+  const size_t first = 12 + 3 + 3;
+  for (size_t size = 0; size < whole.size(); ++size) {
+    const std::vector<char> part(whole.begin(), whole.begin() + size);  // a sanitizer sees its end
+    for (const UnpackKernel kernel : UnpackKernels()) {
+      std::vector<client::Brick> bricks;
+      const absl::Status status = UnpackBricks({part.data(), part.size()}, bricks, kernel);
+      EXPECT_EQ(status.ok(), size == 0 || size == first) << size;
+      if (size <= first) continue;
+      EXPECT_THAT(status.ToString(), HasSubstr("tile at byte 18 of " + std::to_string(size)));
+    }
+  }
+}
+
+TEST(Unpack, RefusesNodesWithoutCells) {
+  const std::string whole = Pack({CurvedTile()});
+  for (size_t n = 12; n < whole.size(); ++n) {
+    std::string bad = whole;
+    bad[n] = '\0';
+    for (const UnpackKernel kernel : UnpackKernels()) {
+      std::vector<client::Brick> bricks;
+      EXPECT_FALSE(UnpackBricks(bad, bricks, kernel).ok()) << n;
+    }
+  }
+}
+
+// Bricks as tiles, where no tile follows upon itself.
+std::vector<TileBricks> TilesOf(const std::vector<client::Brick>& bricks) {
+  std::vector<TileBricks> tiles;
+  for (const client::Brick& brick : bricks) {
+    const Vec3i tile_ijk{brick.brick_ijk[0] >> 3, brick.brick_ijk[1] >> 3, brick.brick_ijk[2] >> 3};
+    if (tiles.empty() || tiles.back().tile_ijk != tile_ijk) tiles.push_back({tile_ijk, {}});
+    tiles.back().bricks.push_back({brick.brick_ijk, brick.mask});
+  }
+  return tiles;
+}
+
+// What is read from anything is the same by every kernel, and packs to the very bytes it came from.
+TEST(Unpack, MakesSenseOfAnythingOrRefusesIt) {
+  const std::string whole = Pack({CurvedTile(), TileWith({1, 1, 1}, With(0, 0, 0, With(7, 7, 7)), With(1, 1, 1))});
+  std::mt19937_64 random(7);
+  int accepted = 0, refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::string bad = random() % 4 == 0 ? whole.substr(0, 1 + random() % whole.size()) : whole;
+    for (uint64_t changes = random() % 3; changes > 0; --changes) {
+      const size_t n = random() % bad.size();
+      const auto byte = static_cast<uint8_t>(bad[n]);
+      bad[n] = static_cast<char>(random() % 4 == 0 ? random() : std::rotl(byte, 1));  // as many nodes as before
+    }
+    std::vector<client::Brick> bricks, others;
+    const absl::Status status = UnpackBricks(bad, bricks, UnpackKernel::kPortable);
+    ASSERT_EQ(status, UnpackBricks(bad, others));
+    ++(status.ok() ? accepted : refused);
+    if (!status.ok()) continue;
+    const std::vector<TileBricks> tiles = TilesOf(bricks);
+    ExpectSame(others, tiles);
+    ASSERT_EQ(Pack(tiles), bad);
+  }
+  EXPECT_GT(accepted, 1000);
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(Unpack, RefusesMoreThanABatchMayHold) {
+  std::vector<TileBricks> tiles;
+  BrickMask full;
+  full.fill(~uint64_t{0});
+  for (int n = 0; n < 64; ++n) tiles.push_back(TileWith({n, 0, 0}, full, With(0, 0, 0)));
+  std::vector<client::Brick> bricks;
+  EXPECT_EQ(UnpackBricks(Pack(tiles), bricks), absl::OkStatus());
+  ExpectSame(bricks, tiles);
+  tiles.push_back(TileWith({64, 0, 0}, With(0, 0, 0), With(0, 0, 0)));
+  EXPECT_THAT(UnpackBricks(Pack(tiles), bricks).ToString(), HasSubstr("32769 bricks exceed 32768"));
+  EXPECT_THAT(UnpackBricks(std::string((1 << 20) + 1, 'x'), bricks).ToString(),
+              HasSubstr("packed has 1048577 bytes, over 1048576"));
+}
+
+TEST(Zstd, IsUsedWhereItSavesAnEighth) {
+  std::string surface;
+  for (int n = 0; n < 20; ++n) PackTile(CurvedTile(), surface);
+  std::string frame = surface, packed;
+  ASSERT_TRUE(CompressWherePays(frame));
+  EXPECT_LT(frame.size(), surface.size() * 7 / 8);
+  EXPECT_EQ(Decompress(frame, surface.size(), packed), absl::OkStatus());
+  EXPECT_EQ(packed, surface);
+
+  std::string noise(10000, '\0');
+  std::mt19937_64 random(1);
+  for (char& byte : noise) byte = static_cast<char>(random());
+  for (const std::string& hardly : {noise, Pack({TileWith({0, 0, 0}, With(1, 2, 3), With(3, 2, 1))})}) {
+    std::string same = hardly;
+    EXPECT_FALSE(CompressWherePays(same));
+    EXPECT_EQ(same, hardly);
+  }
+}
+
+TEST(Zstd, RefusesFramesThatAreNotWhatTheySay) {
+  const std::string packed = Pack({CurvedTile()});
+  std::string frame = packed, out;
+  ASSERT_TRUE(CompressWherePays(frame));
+  for (const size_t other : {packed.size() - 1, packed.size() + 1, size_t{1}}) {
+    EXPECT_FALSE(Decompress(frame, other, out).ok()) << other;
+  }
+  for (size_t size = 0; size < frame.size(); ++size) {
+    EXPECT_FALSE(Decompress(frame.substr(0, size), packed.size(), out).ok()) << size;
+  }
+  EXPECT_FALSE(Decompress(packed, packed.size(), out).ok());
+  EXPECT_THAT(Decompress(frame, size_t{1} << 32, out).ToString(), HasSubstr("packed_bytes 4294967296 exceeds 1048576"));
+  EXPECT_LE(out.capacity(), 2u << 20);
+
+  const std::string zeros(64 << 20, '\0');
+  std::string bomb(ZSTD_compressBound(zeros.size()), '\0');
+  bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), zeros.data(), zeros.size(), 1));
+  ASSERT_LT(bomb.size(), 1u << 16);
+  EXPECT_FALSE(Decompress(bomb, 1 << 20, out).ok());
+  EXPECT_LE(out.capacity(), 2u << 20);
+}
+
+// All of a job's bricks through batches of this encoding, held against what the job gave.
+void ExpectWholeJob(NamedLattice name, int separability, BrickEncoding encoding) {
+  TriangleMesh mesh{{{0, 0, 0}, {90, 13, 31}, {7, 88, -20}, {35, 23, 97}},
+                    {{{0, 1, 2}}, {{0, 3, 1}}, {{1, 3, 2}}, {{0, 2, 3}}}};
+  const auto grid = ResolveGrid(Lattice::Named(name), {.resolution = 200}, std::nullopt, BoundsOf(mesh));
+  ASSERT_TRUE(grid.ok());
+  const auto job = VoxelizeJob::Create(mesh, *grid, {.separability = separability});
+  ASSERT_TRUE(job.ok()) << job.status();
+  std::vector<TileBricks> tiles;
+  std::vector<client::Brick> bricks;
+  BrickBatcher batcher(encoding);
+  const auto take = [&] {
+    v1::BrickBatch batch = batcher.Take();
+    EXPECT_EQ(batch.brick_ijk_size(), 0);
+    EXPECT_EQ(batch.packed_bytes() != 0, encoding == BrickEncoding::kPackedZstd);
+    std::string packed = batch.packed();
+    if (batch.packed_bytes() != 0) {
+      ASSERT_EQ(Decompress(batch.packed(), batch.packed_bytes(), packed), absl::OkStatus());
+    }
+    std::vector<client::Brick> part;
+    ASSERT_EQ(UnpackBricks(packed, part), absl::OkStatus());
+    bricks.insert(bricks.end(), part.begin(), part.end());
+  };
+  ASSERT_TRUE((*job)
+                  ->Advance([&](TileBricks&& tile) {
+                    batcher.Add(tile);
+                    tiles.push_back(std::move(tile));
+                    if (batcher.full()) take();
+                    return true;
+                  })
+                  .ok());
+  take();
+  ExpectSame(bricks, tiles);
+  EXPECT_GT(bricks.size(), 1000u);
+}
+
+TEST(PackedBatches, HoldARealJobOnEachLattice) {
+  for (const NamedLattice name :
+       {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
+    for (const int separability : {0, 2}) {
+      ExpectWholeJob(name, separability, BrickEncoding::kPacked);
+      ExpectWholeJob(name, separability, BrickEncoding::kPackedZstd);
+    }
+  }
+}
+
+TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
+  for (const BrickEncoding encoding : {BrickEncoding::kPacked, BrickEncoding::kPackedZstd}) {
+    BrickBatcher batcher(encoding);
+    std::vector<size_t> sizes;
+    TileBricks tile = CurvedTile();
+    while (sizes.size() < 8) {
+      ++tile.tile_ijk[0];
+      for (Brick& brick : tile.bricks) brick.brick_ijk[0] += 8;
+      batcher.Add(tile);
+      if (batcher.full()) sizes.push_back(batcher.Take().ByteSizeLong());
+    }
+    EXPECT_LT(sizes[0], 100u << 10);
+    for (size_t n = 3; n < sizes.size(); ++n) {
+      EXPECT_GE(sizes[n], 256u << 10);
+      EXPECT_LE(sizes[n], 1u << 20);
+    }
+  }
+}
+
+TEST(PackedBatches, NeverHoldMoreBricksThanTheContractAllows) {
+  BrickBatcher batcher(BrickEncoding::kPacked);
+  BrickMask full;
+  full.fill(~uint64_t{0});
+  for (int n = 0, batches = 0; batches < 6; ++n) {
+    batcher.Add(TileWith({n, 0, 0}, full, With(0, 0, 0)));
+    if (!batcher.full()) continue;
+    ++batches;
+    std::vector<client::Brick> bricks;
+    EXPECT_EQ(UnpackBricks(batcher.Take().packed(), bricks), absl::OkStatus());
+  }
+}
+
+}  // namespace
+}  // namespace latvox
