@@ -10,6 +10,7 @@
 #include "server/call_registry.h"
 #include "server/limits.h"
 #include "server/mesh_decoder.h"
+#include "server/metrics.h"
 
 namespace latvox {
 
@@ -19,6 +20,7 @@ struct CallEnvironment {
   const MeshDecoder& decoder;
   oneapi::tbb::task_arena& arena;
   CallRegistry& registry;
+  Metrics& metrics;
 };
 
 // The status as it is sent. For one that is not OK, before it is sent: a client that retries by itself is told when to,

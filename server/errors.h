@@ -39,6 +39,9 @@ absl::Status BadStream(absl::string_view message);
 // pointless.
 absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit);
 
+// ErrorInfo.reason as the client gets it. Empty if the status is OK.
+std::string ReasonOf(const absl::Status& status);
+
 // The same status with `cause`, unless it is OK or has one already.
 absl::Status WithCause(absl::Status status, const ErrorCause& cause);
 

@@ -72,6 +72,7 @@ void PixelizeReactor::OnDone() {
   record.bytes_out = status_.ok() ? bytes_out_ : 0;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
+  environment_.metrics.Record(record);
   environment_.registry.Remove(this);
   self_.reset();
 }

@@ -19,6 +19,8 @@
 #include "server/call_registry.h"
 #include "server/draco_decoder.h"
 #include "server/file_watch.h"
+#include "server/metrics.h"
+#include "server/metrics_server.h"
 #include "server/service.h"
 #include "server/unix_socket.h"
 
@@ -52,7 +54,9 @@ class Server final : public VoxelServer {
         arena_(threads_, 0),
         registry_(options.limits.max_jobs),
         authenticator_(options.token_file),
-        service_({options_.limits, decoder_, arena_, registry_}, authenticator_) {
+        service_({options_.limits, decoder_, arena_, registry_, metrics_}, authenticator_) {
+    metrics_.AddGauge("latvox_jobs_running", "Calls in progress.", [this] { return registry_.size(); });
+    metrics_.AddGauge("latvox_jobs_max", "Jobs that may run at once.", [this] { return options_.limits.max_jobs; });
     watch_.Add({options_.token_file}, [this] { authenticator_.Reload(); });
   }
 
@@ -61,6 +65,7 @@ class Server final : public VoxelServer {
   absl::Status Listen();
 
   const std::vector<std::string>& addresses() const override { return addresses_; }
+  std::string metrics_address() const override { return metrics_server_ ? metrics_server_->address() : ""; }
   size_t calls() const override { return registry_.size(); }
   void Reload() override { authenticator_.Reload(); }
   bool Stop(absl::Duration grace) override;
@@ -77,10 +82,12 @@ class Server final : public VoxelServer {
   const DracoDecoder decoder_;
   CallRegistry registry_;
   Authenticator authenticator_;
+  Metrics metrics_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
   FileWatch watch_;
+  std::unique_ptr<MetricsServer> metrics_server_;
 };
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
@@ -117,6 +124,11 @@ absl::Status Server::Listen() {
     const auto failed = std::find_if(ports.begin(), ports.end(), [](int port) { return port <= 0; }) - ports.begin();
     const size_t n = std::min(static_cast<size_t>(failed), ports.size() - 1);
     return CannotListen(options_.listen[n], "the address is in use, not of this machine, or not permitted");
+  }
+  if (!options_.metrics_listen.empty()) {
+    auto metrics_server = MetricsServer::Start(options_.metrics_listen, metrics_);
+    if (!metrics_server.ok()) return metrics_server.status();
+    metrics_server_ = *std::move(metrics_server);
   }
   watch_.Start();
   for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));

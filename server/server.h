@@ -16,7 +16,8 @@ struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
   int threads = 0;                                        // for compute; 0: one for each core
   Limits limits;
-  std::string token_file;  // who may call, see server/token_set.h; empty: everybody
+  std::string metrics_listen;  // HOST:PORT for Prometheus; empty: none
+  std::string token_file;      // who may call, see server/token_set.h; empty: everybody
 
   // A peer that does not answer a ping within `keepalive_timeout` is dead, and its calls are cancelled; it gets one
   // after `keepalive_time` without a byte from it. A client that polls only while it is called answers within 5 s.
@@ -38,6 +39,9 @@ class VoxelServer {
 
   // As given, but with the ports that were chosen.
   virtual const std::vector<std::string>& addresses() const = 0;
+
+  // Empty if there is none.
+  virtual std::string metrics_address() const = 0;
 
   // Calls in progress.
   virtual size_t calls() const = 0;

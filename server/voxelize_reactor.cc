@@ -200,6 +200,7 @@ void VoxelizeReactor::OnDone() {
   }
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
+  environment_.metrics.Record(record);
   environment_.registry.Remove(this);
   self_.reset();
 }

@@ -31,6 +31,7 @@
 #include "server/authenticator.h"
 #include "server/call_registry.h"
 #include "server/draco_decoder.h"
+#include "server/metrics.h"
 #include "server/server.h"
 #include "server/service.h"
 #include "tests/unit/server_meshes.h"
@@ -603,7 +604,8 @@ TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheSe
   oneapi::tbb::task_arena arena(1, 0);
   CallRegistry registry(limits.max_jobs);
   const Authenticator everybody("");
-  VoxelizerService service({limits, decoder, arena, registry}, everybody);
+  Metrics metrics;
+  VoxelizerService service({limits, decoder, arena, registry, metrics}, everybody);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service);
   const auto server = builder.BuildAndStart();
