@@ -109,6 +109,7 @@ TEST_F(AccessTest, EveryCallNeedsAGoodTokenAndIsNotToldWhatIsWrongWithAnother) {
     }
     EXPECT_EQ(limits_.version(), "");
   }
+  EXPECT_EQ(server_->calls(), 0);
   google::rpc::Status status;
   google::rpc::ErrorInfo info;
   ASSERT_TRUE(status.ParseFromString(*details));
@@ -119,7 +120,6 @@ TEST_F(AccessTest, EveryCallNeedsAGoodTokenAndIsNotToldWhatIsWrongWithAnother) {
     EXPECT_TRUE(GetLimits(std::string(scheme) + kAlice).ok());
     EXPECT_TRUE(Pixelize(std::string(scheme) + kAlice).ok());
   }
-  EXPECT_EQ(server_->calls(), 0);
 }
 
 TEST_F(AccessTest, TwoTokensInOneCallAreNone) {

@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <ctime>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -100,10 +102,10 @@ double ValueOf(const std::string& text, const std::string& name) {
 
 TEST(Metrics, TellOfTheProcessWhatTheKernelCounts) {
   Metrics metrics;
-  std::string much(64 << 20, 'x');
+  auto much = std::make_unique<std::vector<char>>(64 << 20, 'x');
   const double before = ValueOf(metrics.Text(), "process_resident_memory_bytes");
   EXPECT_GT(before, 64 << 20);
-  much = std::string();
+  much.reset();
   EXPECT_LT(ValueOf(metrics.Text(), "process_resident_memory_bytes"), before - (60 << 20));
   const double age = static_cast<double>(time(nullptr)) - ValueOf(metrics.Text(), "process_start_time_seconds");
   EXPECT_GE(age, -2);
