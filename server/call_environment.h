@@ -11,6 +11,7 @@ class Lane;
 class MemoryBudget;
 class MeshDecoder;
 class MeshStore;
+class Metrics;
 
 // The limits are the caller's. What is referred to must outlive the calls.
 struct CallEnvironment {
@@ -21,6 +22,7 @@ struct CallEnvironment {
   Lane& quick;  // for what takes some milliseconds
   Lane& bulk;   // for what takes longer
   CallRegistry& registry;
+  Metrics& metrics;
 };
 
 }  // namespace latvox

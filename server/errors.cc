@@ -47,6 +47,9 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
   }
 }
 
+// What ErrorInfo tells of an error without a cause of its own.
+ErrorCause CauseByCode(const absl::Status& status) { return {absl::StatusCodeToString(status.code()), "", "", ""}; }
+
 void AddDetail(absl::string_view url, const absl::Cord& bytes, google::rpc::Status& out) {
   google::protobuf::Any& any = *out.add_details();
   any.set_type_url(std::string{url});
@@ -95,6 +98,13 @@ absl::Status WithCause(absl::Status status, const ErrorCause& cause) {
   return status;
 }
 
+std::string ReasonOf(const absl::Status& status) {
+  if (status.ok()) return "";
+  const auto payload = WithCause(status, CauseByCode(status)).GetPayload(kErrorInfoUrl);
+  google::rpc::ErrorInfo info;
+  return payload && info.ParseFromString(std::string{*payload}) ? info.reason() : "";
+}
+
 absl::Status WithCauseOfCore(absl::Status status) {
   if (status.code() != absl::StatusCode::kInvalidArgument) return status;
   const absl::string_view field = status.message().substr(0, status.message().find(':'));
@@ -123,7 +133,7 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   google::rpc::Status details;
   details.set_code(static_cast<int32_t>(code));
   details.set_message(std::string{status.message()});
-  const absl::Status complete = WithCause(status, {absl::StatusCodeToString(status.code()), "", "", ""});
+  const absl::Status complete = WithCause(status, CauseByCode(status));
   for (const char* url : {kErrorInfoUrl, kRetryInfoUrl}) {
     if (const auto payload = complete.GetPayload(url)) AddDetail(url, *payload, details);
   }

@@ -42,6 +42,9 @@ absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t lim
 // The cause that the status has been given, if any.
 std::optional<ErrorCause> CauseOf(const absl::Status& status);
 
+// ErrorInfo.reason as the client gets it. Empty if the status is OK.
+std::string ReasonOf(const absl::Status& status);
+
 // The same status with `cause`, unless it is OK or has one already.
 absl::Status WithCause(absl::Status status, const ErrorCause& cause);
 

@@ -80,6 +80,9 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");
   AddAccess(app, options.server);
+  Add(app, "--metrics-listen", options.server.metrics_listen,
+      "Address for Prometheus, HOST:PORT with an IP address: plain HTTP, for everybody; path /metrics")
+      ->type_name("ADDRESS");
   AddLog(app, options);
   AddSwitch(app, "--exit-with-parent", options.exit_with_parent, "Stop when the process that started this one ends");
 }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/metrics.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -94,6 +95,7 @@ void PixelizeReactor::OnDone() {
   record.queue_ms = queue_ms_;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
+  environment_.metrics.Record(record);
   environment_.registry.Remove(this);
   self_.reset();
 }

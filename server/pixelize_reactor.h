@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -68,7 +69,7 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
   std::atomic<bool> cancelled_ = false;
   std::mutex mu_;
   // All below is guarded by mu_.
-  double queue_ms_ = 0;
+  std::optional<double> queue_ms_;
   Clock::time_point finished_;
   bool computing_ = false;
   bool finishing_ = false;  // status_ is final, and SendStatus called or about to be

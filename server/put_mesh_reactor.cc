@@ -5,6 +5,7 @@
 
 #include "server/errors.h"
 #include "server/exceptions.h"
+#include "server/metrics.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -138,6 +139,7 @@ void PutMeshReactor::OnDone() {
   record.bytes_in = bytes_in_;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
+  environment_.metrics.Record(record);
   environment_.registry.Remove(this);
   self_.reset();
 }

@@ -53,7 +53,8 @@ void LogRequest(const RequestRecord& record) {
   std::visit([&](const auto& facts) { AppendCounts(facts, fields); }, record.work);
   fields.emplace_back("bytes_in", record.bytes_in);
   fields.emplace_back("bytes_out", record.bytes_out);
-  fields.emplace_back("queue_ms", record.queue_ms);
+  if (record.upload_ms) fields.emplace_back("upload_ms", *record.upload_ms);
+  if (record.queue_ms) fields.emplace_back("queue_ms", *record.queue_ms);
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
   fields.emplace_back("total_ms", record.total_ms);
   if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});

@@ -3,6 +3,7 @@
 #define LATVOX_SERVER_REQUEST_LOG_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -21,8 +22,8 @@ struct RequestRecord {
   std::variant<ComputationFacts, PixelizationFacts> work;
   uint64_t bytes_in = 0;   // encoded mesh; of Pixelize the message
   uint64_t bytes_out = 0;  // messages
-  double queue_ms = 0;     // waiting for its turn
   double total_ms = 0;
+  std::optional<double> upload_ms, queue_ms;  // if the call came to the end of these stages
 };
 
 // At level info; errors that are ours, at level error.

@@ -24,6 +24,8 @@
 #include "server/lane.h"
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
+#include "server/metrics.h"
+#include "server/metrics_server.h"
 #include "server/service.h"
 #include "server/unix_socket.h"
 
@@ -91,7 +93,8 @@ class Server final : public VoxelServer {
         memory_(options_.limits.memory_budget_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
         authenticator_(options.token_file),
-        service_({options_.limits, *decoders_, meshes_, memory_, quick_, bulk_, registry_}, authenticator_) {
+        service_({options_.limits, *decoders_, meshes_, memory_, quick_, bulk_, registry_, metrics_}, authenticator_) {
+    AddMetrics();
     files_.Add({options_.token_file}, [this] { authenticator_.Reload(); });
   }
 
@@ -100,12 +103,14 @@ class Server final : public VoxelServer {
   absl::Status Listen();
 
   const std::vector<std::string>& addresses() const override { return addresses_; }
+  std::string metrics_address() const override { return metrics_server_ ? metrics_server_->address() : ""; }
   size_t calls() const override { return registry_.size(); }
   void Reload() override { authenticator_.Reload(); }
   DecoderFacts decoder_facts() const override { return decoders_->facts(); }
   bool Stop(absl::Duration grace) override;
 
  private:
+  void AddMetrics();
   void Configure(grpc::ServerBuilder& builder) const;
   void Watch();
   void StopWatch();
@@ -121,16 +126,43 @@ class Server final : public VoxelServer {
   MemoryBudget memory_;
   CallRegistry registry_;
   Authenticator authenticator_;
+  Metrics metrics_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
   FileWatch files_;
+  std::unique_ptr<MetricsServer> metrics_server_;
 
   std::mutex stop_mu_;
   std::condition_variable stopped_;
   bool stopping_ = false;  // guarded by stop_mu_
   std::thread watch_;      // ends stalled calls
 };
+
+void Server::AddMetrics() {
+  metrics_.AddGauge("latvox_jobs_running", "Jobs at work.", [this] { return registry_.working(); });
+  metrics_.AddGauge("latvox_jobs_queued", "Jobs that send their input or wait for their turn.",
+                    [this] { return registry_.queued(); });
+  metrics_.AddGauge("latvox_jobs_max", "Jobs that may be at work at once.",
+                    [this] { return options_.limits.max_jobs; });
+  metrics_.AddGauge("latvox_memory_reserved_bytes", "Memory that jobs have reserved.",
+                    [this] { return memory_.reserved(); });
+  metrics_.AddGauge("latvox_memory_budget_bytes", "Memory that jobs may reserve.", [this] { return memory_.total(); });
+  metrics_.AddGauge("latvox_mesh_store_bytes", "Encoded meshes that are kept.", [this] { return meshes_.bytes(); });
+  metrics_.AddGauge("latvox_decoder_processes", "Processes that decode meshes.",
+                    [this] { return decoders_->facts().processes; });
+  const auto add_counter = [this](const char* name, const char* help, uint64_t DecoderFacts::*count) {
+    metrics_.AddCounter(name, help, [this, count] { return decoders_->facts().*count; });
+  };
+  add_counter("latvox_decoder_decodes_total", "Decodes that ended, well or not.", &DecoderFacts::decodes);
+  add_counter("latvox_decoder_restarts_total", "Decoder processes that were replaced.", &DecoderFacts::restarts);
+  add_counter("latvox_decoder_crashes_total", "Decoder processes that ended by themselves while they decoded.",
+              &DecoderFacts::crashes);
+  add_counter("latvox_decoder_timeouts_total", "Decodes that came to the end of their CPU time.",
+              &DecoderFacts::killed_for_time);
+  add_counter("latvox_decoder_out_of_memory_total", "Decodes that came to the end of their memory.",
+              &DecoderFacts::killed_for_memory);
+}
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
   const auto message_bytes = std::min<uint64_t>(options_.limits.max_message_bytes, std::numeric_limits<int>::max());
@@ -168,6 +200,11 @@ absl::Status Server::Listen() {
     const auto failed = std::find_if(ports.begin(), ports.end(), [](int port) { return port <= 0; }) - ports.begin();
     const size_t n = std::min(static_cast<size_t>(failed), ports.size() - 1);
     return CannotListen(options_.listen[n], "the address is in use, not of this machine, or not permitted");
+  }
+  if (!options_.metrics_listen.empty()) {
+    auto metrics_server = MetricsServer::Start(options_.metrics_listen, metrics_);
+    if (!metrics_server.ok()) return metrics_server.status();
+    metrics_server_ = *std::move(metrics_server);
   }
   files_.Start();
   for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));

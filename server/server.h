@@ -17,8 +17,9 @@ struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
   int threads = 0;                                        // for compute; 0: one for each core
   Limits limits;
-  std::string token_file;  // who may call, see server/token_set.h; empty: everybody
-  DecoderOptions decoder;  // its `program` has to be set: the server has none of its own
+  std::string metrics_listen;  // HOST:PORT for Prometheus; empty: none
+  std::string token_file;      // who may call, see server/token_set.h; empty: everybody
+  DecoderOptions decoder;      // its `program` has to be set: the server has none of its own
 
   // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
   // quarters of what the machine, or the control group, has.
@@ -48,6 +49,9 @@ class VoxelServer {
 
   // As given, but with the ports that were chosen.
   virtual const std::vector<std::string>& addresses() const = 0;
+
+  // Empty if there is none.
+  virtual std::string metrics_address() const = 0;
 
   // Calls in progress.
   virtual size_t calls() const = 0;

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "server/convert.h"
 #include "server/errors.h"
+#include "server/metrics.h"
 #include "server/pixelize_reactor.h"
 #include "server/put_mesh_reactor.h"
 #include "server/refusal.h"
@@ -50,6 +51,7 @@ grpc::Status VoxelizerService::Admit(const grpc::CallbackServerContext& context,
   record.origin = origin;
   record.status = caller.status();
   LogRequest(record);
+  environment_.metrics.Record(record);
   return ToGrpcStatus(caller.status());
 }
 
@@ -101,7 +103,13 @@ grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContex
                                                       v1::GetLimitsResponse* response) {
   CallOrigin origin = OriginOf("GetLimits", *context);
   const grpc::Status status = Admit(*context, origin);
-  if (status.ok()) *response = LimitsToProto(LimitsOf(origin.caller, environment_.limits));
+  if (status.ok()) {
+    *response = LimitsToProto(LimitsOf(origin.caller, environment_.limits));
+    RequestRecord record;  // counted, but not worth a line
+    record.origin = std::move(origin);
+    record.bytes_out = response->ByteSizeLong();
+    environment_.metrics.Record(record);
+  }
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(status);
   return reactor;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/errors.h"
+#include "server/metrics.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -67,6 +68,7 @@ void VoxelizeReactor::FinishReading() {
   {
     const std::lock_guard lock(mu_);
     reading_ = false;
+    upload_ms_ = upload_->milliseconds();
     waits_since_ = Clock::now();
   }
   environment_.registry.AwaitTurn(this);
@@ -250,6 +252,7 @@ void VoxelizeReactor::OnDone() {
     const std::lock_guard lock(mu_);
     record.status = status_;
     record.bytes_out = bytes_out_;
+    record.upload_ms = upload_ms_;
     record.queue_ms = queue_ms_;
     if (computation_) {
       record.lattice = std::string{computation_->spec().lattice.name()};
@@ -259,6 +262,7 @@ void VoxelizeReactor::OnDone() {
   }
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
+  environment_.metrics.Record(record);
   environment_.registry.Remove(this);
   self_.reset();
 }

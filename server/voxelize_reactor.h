@@ -104,7 +104,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   size_t unwritten_bytes_ = 0;  // of outbox_ and writing_message_
   size_t writing_bytes_ = 0;    // of writing_message_
   uint64_t bytes_out_ = 0;
-  double queue_ms_ = 0;
+  std::optional<double> upload_ms_, queue_ms_;
   Clock::time_point waits_since_, heard_of_client_ = began_;
   bool reading_ = true;
   bool decoding_ = false, computing_ = false, paused_ = false, writing_ = false;

@@ -16,6 +16,7 @@ latvox_add_test(server_access_call_test SOURCES unit/server_access_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_call_test SOURCES unit/server_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_metrics_test SOURCES unit/server_metrics_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)
 
 # Tests that start the server's program, as a whole or as what decodes meshes.

@@ -110,6 +110,7 @@ TEST_F(AccessTest, EveryCallNeedsAGoodTokenAndIsNotToldWhatIsWrongWithAnother) {
     }
     EXPECT_EQ(limits_.version(), "");
   }
+  EXPECT_EQ(server_->calls(), 0);
   google::rpc::Status status;
   google::rpc::ErrorInfo info;
   ASSERT_TRUE(status.ParseFromString(*details));

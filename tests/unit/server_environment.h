@@ -10,6 +10,7 @@
 #include "server/memory_budget.h"
 #include "server/mesh_decoder.h"
 #include "server/mesh_store.h"
+#include "server/metrics.h"
 
 namespace latvox {
 
@@ -17,7 +18,7 @@ struct TestEnvironment {
   explicit TestEnvironment(MeshDecoder& mesh_decoder, const Limits& all_limits = {})
       : limits(all_limits), decoder(mesh_decoder) {}
 
-  CallEnvironment shared() { return {limits, decoder, meshes, memory, quick, bulk, registry}; }
+  CallEnvironment shared() { return {limits, decoder, meshes, memory, quick, bulk, registry, metrics}; }
 
   const Limits limits;
   MeshDecoder& decoder;
@@ -25,6 +26,7 @@ struct TestEnvironment {
   MemoryBudget memory{limits.memory_budget_bytes};
   Lane quick{1}, bulk{1};
   Authenticator everybody{""};
+  Metrics metrics;
   CallRegistry registry{{limits.max_jobs, limits.max_queued_jobs, limits.max_jobs_per_client}};
 };
 

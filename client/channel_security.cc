@@ -1,0 +1,100 @@
+#include "client/channel_security.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <tuple>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace latvox::client {
+namespace {
+
+bool WantsTls(const Credentials& credentials) {
+  return credentials.tls || !credentials.tls_ca_file.empty() || !credentials.tls_cert_file.empty() ||
+         !credentials.tls_key_file.empty();
+}
+
+bool IsUnixSocket(absl::string_view address) {
+  return absl::StartsWith(address, "unix:") || absl::StartsWith(address, "unix-abstract:");
+}
+
+// Whether what is sent there cannot leave this machine. Of the many forms of an address only the plain ones are.
+bool IsLocal(absl::string_view address) {
+  if (IsUnixSocket(address)) return true;
+  const std::string host{address.substr(0, address.rfind(':'))};
+  in_addr v4{};
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
+  return host == "localhost" || host == "[::1]";
+}
+
+absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view what) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (file) text << file.rdbuf();
+  if (!file || !text) {
+    return absl::InvalidArgumentError(absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
+  }
+  if (!absl::StrContains(text.str(), "-----BEGIN ")) {
+    return absl::InvalidArgumentError(absl::StrCat("the ", what, " \"", path, "\" is not in PEM form"));
+  }
+  return text.str();
+}
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeTlsCredentials(const Credentials& credentials) {
+  if (credentials.tls_cert_file.empty() != credentials.tls_key_file.empty()) {
+    return absl::InvalidArgumentError("a client's certificate and its key go together; one of them is missing");
+  }
+  grpc::SslCredentialsOptions options;
+  for (const auto& [path, what, text] :
+       {std::tuple(&credentials.tls_ca_file, "root certificates", &options.pem_root_certs),
+        std::tuple(&credentials.tls_cert_file, "certificate", &options.pem_cert_chain),
+        std::tuple(&credentials.tls_key_file, "key", &options.pem_private_key)}) {
+    if (path->empty()) continue;
+    auto read = ReadFile(*path, what);
+    if (!read.ok()) return read.status();
+    *text = *std::move(read);
+  }
+  return grpc::SslCredentials(options);
+}
+
+// RFC 6750, section 2.1. Anything else could not stand in the metadata.
+bool IsToken(absl::string_view token) {
+  constexpr absl::string_view kOthers = "-._~+/=";
+  return std::all_of(token.begin(), token.end(), [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || absl::StrContains(kOthers, c);
+  });
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(const std::string& address,
+                                                                                 const Credentials& credentials) {
+  if (!IsToken(credentials.token)) {
+    return absl::InvalidArgumentError("the token has other characters than A-Z a-z 0-9 - . _ ~ + / =");
+  }
+  if (WantsTls(credentials)) {
+    if (!IsUnixSocket(address)) return MakeTlsCredentials(credentials);
+    return absl::InvalidArgumentError(absl::StrCat("there is no TLS on a Unix socket, which ", address, " is"));
+  }
+  if (!credentials.token.empty() && !IsLocal(address)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the token is not sent in plain text to ", address, ", which may be another machine: use TLS"));
+  }
+  return grpc::InsecureChannelCredentials();
+}
+
+void AddCallMetadata(const Credentials& credentials, const std::string& traceparent, grpc::ClientContext& context) {
+  if (!credentials.token.empty()) context.AddMetadata("authorization", absl::StrCat("Bearer ", credentials.token));
+  if (!traceparent.empty()) context.AddMetadata("traceparent", traceparent);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,65 @@
+#include "server/endpoint.h"
+
+#include <arpa/inet.h>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "server/unix_socket.h"
+
+namespace latvox {
+namespace {
+
+// Without the brackets of IPv6.
+absl::string_view HostPart(absl::string_view address) {
+  if (absl::ConsumePrefix(&address, "[")) return address.substr(0, address.find(']'));
+  return address.substr(0, address.rfind(':'));
+}
+
+bool IsLoopback(const std::string& host) {
+  in_addr v4{};
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) {
+    return IN6_IS_ADDR_LOOPBACK(&v6) || (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == 127);
+  }
+  return host == "localhost";
+}
+
+}  // namespace
+
+bool IsLocal(const std::string& address) {
+  for (const char* scheme : {"unix:", "unix-abstract:"}) {
+    if (absl::StartsWith(address, scheme)) return true;
+  }
+  return IsLoopback(std::string{HostPart(address)});
+}
+
+absl::Status CheckProtected(const std::string& address, bool tls, bool insecure) {
+  if (tls && insecure) {
+    return absl::InvalidArgumentError("--insecure and --tls-cert contradict each other: give one of them");
+  }
+  if (tls || insecure || IsLocal(address)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("refusing to listen on ", address,
+                   " in plain text, for others than this machine can reach it: give --tls-cert and --tls-key, or, if "
+                   "something else protects it, --insecure"));
+}
+
+std::string BoundAddress(const std::string& address, int port) {
+  if (SocketPathOf(address) || !absl::EndsWith(address, ":0")) return address;
+  return absl::StrCat(address.substr(0, address.size() - 1), port);
+}
+
+absl::Status CannotListen(const std::string& address, absl::string_view why) {
+  return absl::UnavailableError(absl::StrCat("cannot listen on ", address, ": ", why));
+}
+
+absl::Status CheckAddressIsFree(const std::string& address) {
+  const auto path = SocketPathOf(address);
+  if (!path) return absl::OkStatus();
+  const absl::Status status = CheckSocketPathIsFree(*path);
+  return status.ok() ? status : CannotListen(address, status.message());
+}
+
+}  // namespace latvox

@@ -1,0 +1,182 @@
+#include "server/metrics.h"
+
+#include <prometheus/collectable.h>
+#include <prometheus/counter.h>
+#include <prometheus/family.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "core/base/simd.h"
+#include "server/errors.h"
+#include "server/process_facts.h"
+
+namespace latvox {
+namespace {
+
+using Counters = prometheus::Family<prometheus::Counter>;
+using Histograms = prometheus::Family<prometheus::Histogram>;
+using prometheus::MetricType;
+
+// Seconds. The bunny at 64 takes some 5 ms, a job at the limits minutes.
+const prometheus::Histogram::BucketBoundaries& Buckets() {
+  static const auto& buckets = *new prometheus::Histogram::BucketBoundaries{
+      0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300};
+  return buckets;
+}
+
+// Values that are read when they are asked for.
+class Readings final : public prometheus::Collectable {
+ public:
+  void Add(MetricType type, const std::string& name, const std::string& help, Metrics::Read read,
+           const Metrics::Labels& labels) {
+    const std::lock_guard lock(mu_);
+    auto found = std::find_if(families_.begin(), families_.end(), [&](const auto& it) { return it.name == name; });
+    if (found == families_.end()) found = families_.insert(families_.end(), {type, name, help, {}});
+    found->readings.push_back({labels, std::move(read)});
+  }
+
+  std::vector<prometheus::MetricFamily> Collect() const override {
+    const std::lock_guard lock(mu_);
+    std::vector<prometheus::MetricFamily> collected;
+    for (const Family& family : families_) {
+      prometheus::MetricFamily& out = collected.emplace_back();
+      out.name = family.name;
+      out.help = family.help;
+      out.type = family.type;
+      for (const Reading& reading : family.readings) {
+        prometheus::ClientMetric& metric = out.metric.emplace_back();
+        for (const auto& [name, value] : reading.labels) metric.label.push_back({name, value});
+        (family.type == MetricType::Gauge ? metric.gauge.value : metric.counter.value) = reading.read();
+      }
+    }
+    return collected;
+  }
+
+ private:
+  struct Reading {
+    Metrics::Labels labels;
+    Metrics::Read read;
+  };
+  struct Family {
+    MetricType type;
+    std::string name, help;
+    std::vector<Reading> readings;
+  };
+
+  mutable std::mutex mu_;
+  std::vector<Family> families_;  // guarded by mu_
+};
+
+class Everything final : public prometheus::Collectable {
+ public:
+  std::vector<prometheus::MetricFamily> Collect() const override {
+    std::vector<prometheus::MetricFamily> all = registry.Collect();
+    for (prometheus::MetricFamily& family : readings.Collect()) all.push_back(std::move(family));
+    return all;
+  }
+
+  prometheus::Registry registry;
+  Readings readings;
+};
+
+// What the caller's side of a call brought about, and what is a defect of ours, is no rejection.
+bool IsRejection(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kInvalidArgument:
+    case absl::StatusCode::kNotFound:
+    case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kUnauthenticated:
+    case absl::StatusCode::kUnavailable:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+struct Metrics::Families {
+  std::shared_ptr<Everything> everything = std::make_shared<Everything>();
+  prometheus::Registry& registry = everything->registry;
+
+  Counters& requests = Counter("latvox_requests_total", "Calls that are over, by method and status code.");
+  Counters& rejections = Counter("latvox_rejections_total", "Calls that were refused, by ErrorInfo.reason.");
+  Counters& received = Counter("latvox_received_bytes_total", "Bytes of meshes and drawings, by method.");
+  Counters& sent = Counter("latvox_sent_bytes_total", "Bytes of messages that were sent, by method.");
+  prometheus::Counter& triangles = Counter("latvox_triangles_total", "Triangles decoded.").Add({});
+  prometheus::Counter& voxels = Counter("latvox_voxels_total", "Voxels found.").Add({});
+  prometheus::Counter& pixels = Counter("latvox_pixels_total", "Pixels found.").Add({});
+  Histograms& durations = Histogram("latvox_request_duration_seconds", "Time of calls that ended OK, by method.");
+  Histograms& stages = Histogram("latvox_stage_duration_seconds",
+                                 "Time that calls spent in each stage they came to: upload, queue, decode, voxelize "
+                                 "(without waiting), stream (waiting for the client to take bricks), pixelize.");
+
+  Counters& Counter(const std::string& name, const std::string& help) {
+    return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
+  }
+  Histograms& Histogram(const std::string& name, const std::string& help) {
+    return prometheus::BuildHistogram().Name(name).Help(help).Register(registry);
+  }
+
+  void ObserveStage(const char* stage, double ms) { stages.Add({{"stage", stage}}, Buckets()).Observe(ms / 1e3); }
+
+  void Record(const ComputationFacts& facts) {
+    triangles.Increment(static_cast<double>(facts.triangles));
+    voxels.Increment(static_cast<double>(facts.voxels));
+    if (facts.decode_ms > 0) ObserveStage("decode", facts.decode_ms);
+    if (facts.voxelize_ms <= 0) return;
+    ObserveStage("voxelize", facts.voxelize_ms);
+    ObserveStage("stream", facts.stream_ms);
+  }
+
+  void Record(const PixelizationFacts& facts) {
+    pixels.Increment(static_cast<double>(facts.pixels));
+    if (facts.pixelize_ms > 0) ObserveStage("pixelize", facts.pixelize_ms);
+  }
+};
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) {
+  AddGauge("latvox_build_info", "1, always; what runs.", [] { return 1; },
+           {{"version", LATVOX_VERSION}, {"simd", std::string{SimdInUse()}}});
+  AddGauge("process_start_time_seconds", "When the process started, since 1970-01-01 UTC.",
+           [start = StartTimeSeconds()] { return start; });
+  AddGauge("process_resident_memory_bytes", "Resident memory.", ResidentMemoryBytes);
+  AddCounter("process_cpu_seconds_total", "Processor time, user and system.", CpuSeconds);
+  AddGauge("process_threads", "Threads.", Threads);
+  AddGauge("process_open_fds", "Open file descriptors.", OpenFiles);
+  AddGauge("process_max_fds", "Most file descriptors that may be open.", MaxOpenFiles);
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::Record(const RequestRecord& record) {
+  const std::string& method = record.origin.method;
+  families_->requests.Add({{"method", method}, {"code", absl::StatusCodeToString(record.status.code())}}).Increment();
+  if (IsRejection(record.status)) families_->rejections.Add({{"reason", ReasonOf(record.status)}}).Increment();
+  families_->received.Add({{"method", method}}).Increment(static_cast<double>(record.bytes_in));
+  families_->sent.Add({{"method", method}}).Increment(static_cast<double>(record.bytes_out));
+  if (record.status.ok()) families_->durations.Add({{"method", method}}, Buckets()).Observe(record.total_ms / 1e3);
+  if (record.upload_ms) families_->ObserveStage("upload", *record.upload_ms);
+  if (record.queue_ms) families_->ObserveStage("queue", *record.queue_ms);
+  std::visit([&](const auto& facts) { families_->Record(facts); }, record.work);
+}
+
+void Metrics::AddGauge(const std::string& name, const std::string& help, Read read, const Labels& labels) {
+  families_->everything->readings.Add(MetricType::Gauge, name, help, std::move(read), labels);
+}
+
+void Metrics::AddCounter(const std::string& name, const std::string& help, Read read, const Labels& labels) {
+  families_->everything->readings.Add(MetricType::Counter, name, help, std::move(read), labels);
+}
+
+std::shared_ptr<prometheus::Collectable> Metrics::collectable() const { return families_->everything; }
+
+std::string Metrics::Text() const { return prometheus::TextSerializer().Serialize(collectable()->Collect()); }
+
+}  // namespace latvox

@@ -1,0 +1,28 @@
+// Metrics over HTTP, as Prometheus fetches them: GET /metrics.
+#ifndef LATVOX_SERVER_METRICS_SERVER_H_
+#define LATVOX_SERVER_METRICS_SERVER_H_
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/metrics.h"
+
+namespace latvox {
+
+class MetricsServer {
+ public:
+  // Serves when it returns, in plain text and to everybody that can reach the address, HOST:PORT with an IP address as
+  // the host and port 0 for any that is free. `metrics` must outlive the object. Errors: UNAVAILABLE naming the
+  // address.
+  static absl::StatusOr<std::unique_ptr<MetricsServer>> Start(const std::string& address, const Metrics& metrics);
+
+  virtual ~MetricsServer() = default;
+
+  // As given, but with the port that was chosen.
+  virtual const std::string& address() const = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_METRICS_SERVER_H_

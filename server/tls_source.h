@@ -1,0 +1,46 @@
+// TLS whose certificates may change while the server runs.
+#ifndef LATVOX_SERVER_TLS_SOURCE_H_
+#define LATVOX_SERVER_TLS_SOURCE_H_
+
+#include <grpcpp/security/server_credentials.h>
+
+#include <memory>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "server/tls_files.h"
+
+namespace latvox {
+
+// Thread-safe. TLS 1.2 and 1.3.
+class TlsSource {
+ public:
+  explicit TlsSource(const TlsFiles& files);
+  ~TlsSource();
+
+  bool enabled() const { return !files_.certificate.empty(); }
+  const TlsFiles& files() const { return files_; }
+
+  // Reads the files. As ReadTlsFiles; if they are wrong, what was read before stays. Does nothing if no path is given.
+  absl::Status Read();
+
+  // The same, and logs what came of it.
+  void Reload();
+
+  // When the certificate that is shown ends. InfiniteFuture without TLS.
+  absl::Time expires() const;
+
+  // Each new connection gets the certificate that was read last; those that there are go on. For one port; after Read.
+  // May outlive this object.
+  std::shared_ptr<grpc::ServerCredentials> Credentials() const;
+
+ private:
+  struct Current;
+
+  const TlsFiles files_;
+  const std::shared_ptr<Current> current_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_TLS_SOURCE_H_
