@@ -145,7 +145,7 @@ void Participant::CallBySdk() {
   options.deadline = absl::Now() + swarm_.patience;
   std::optional<Alarm> alarm;
   const absl::Duration middle = absl::Milliseconds(chance_.LogBetween(1, 1000));
-  const bool stops = role_ == "cancel" || role_ == "stopped";
+  const bool reads_badly = role_ == "slow" || role_ == "stopped";
   if (role_ == "cancel" && chance_.OneIn(3)) {
     options.deadline = absl::Now() + middle;
   } else if (role_ == "cancel") {
@@ -157,7 +157,7 @@ void Participant::CallBySdk() {
       records_.Write(last);
       raise(SIGKILL);
     });
-  } else if (role_ == "stopped") {
+  } else if (reads_badly) {
     alarm.emplace(swarm_.end - absl::Now(), [cancellation = options.cancellation] { cancellation.Cancel(); });
   }
   const absl::Time first = absl::Now();
@@ -168,7 +168,7 @@ void Participant::CallBySdk() {
     const auto summary = CallOnce(job, options);
     record.ms = MillisecondsSince(start);
     record.wait_ms = MillisecondsSince(first);
-    Judge(job, summary, stops, record);
+    Judge(job, summary, reads_badly || role_ == "cancel", record);
     records_.Write(record);
     again = record.outcome == "refused" || record.outcome == "interrupted";
     if (!again) break;

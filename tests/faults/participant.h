@@ -33,8 +33,8 @@ struct Swarm {
 //   bare     uses the protocol alone, and holds overload answers against it
 //   cancel   as good, but cancels or has a deadline, somewhere in the middle
 //   vanish   as good, but the process kills itself somewhere in the middle
-//   slow     as good, but takes a while over each batch
-//   stopped  takes no batch at all
+//   slow     as good, but takes a while over each batch, and cancels in the end
+//   stopped  takes no batch at all, and cancels in the end
 //   hostile  see hostile.h
 class Participant {
  public:
