@@ -220,11 +220,14 @@ class Faults(Case):
     def setUpClass(cls):
         two_cores()
         cls.figures = []
+        cls.began = time.monotonic()
+        with contextlib.suppress(FileNotFoundError):
+            OUT.joinpath(f"{cls.scenario}.json").unlink()
 
     @classmethod
     def tearDownClass(cls):
         OUT.mkdir(parents=True, exist_ok=True)
-        report = {"scenario": cls.scenario, "seconds": SECONDS, "seed": SEED, "figures": cls.figures}
+        report = {"scenario": cls.scenario, "seconds": SECONDS, "seed": SEED, "took": time.monotonic() - cls.began, "figures": cls.figures}
         (OUT / f"{cls.scenario}.json").write_text(json.dumps(report, indent=1) + "\n")
 
     def figure(self, what, value, unit="", promise="", kept=None):
