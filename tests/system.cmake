@@ -3,6 +3,7 @@
 #   layering   who depends on whom
 #   node       a client of its own, from the protocol file alone
 #   e2e        command line tool, files, failures
+#   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
 #   readme     the examples of README.md
 # A build with sanitizers runs the failures at most: the others are about results, and slow there.
 
@@ -25,6 +26,12 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(e2e.digest "${latvox_python};e2e/digest_test.py")
   latvox_add_system_test(e2e.openvdb "${latvox_python};e2e/openvdb_test.py")
   latvox_add_system_test(e2e.pixelize "${latvox_python};e2e/pixelize_test.py")
+  # They want both cores for themselves: their figures are of a machine that does nothing else.
+  latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)
+  foreach(scenario swarm kill readers half_open sigterm mutated fairness cancel overhead)
+    latvox_add_system_test(faults.${scenario} "${latvox_python};faults/${scenario}_test.py" FIXTURES_REQUIRED faults
+                           LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
+  endforeach()
   latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")
   latvox_add_system_test(node "node;--test;node/voxelize.test.js")
   latvox_add_system_test(readme "${latvox_python};readme/readme_test.py")

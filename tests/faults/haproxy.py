@@ -1,0 +1,88 @@
+"""haproxy in front of several servers: each call goes to the next one that says that it serves."""
+
+import contextlib
+import socket
+import subprocess
+import time
+
+from stage import free_port, harness
+
+# Streams may be silent for half an hour: a job computes, or its client stands still. A call that no byte of was sent yet
+# is tried again at another server. A server that drains gets no more calls, and ends those that it has.
+CONFIG = """
+global
+    maxconn 4000
+defaults
+    mode http
+    timeout connect 1s
+    timeout client 30m
+    timeout server 30m
+    retries 3
+    option redispatch
+frontend calls
+    bind 127.0.0.1:{port} proto h2
+    default_backend servers
+backend servers
+    balance roundrobin
+    option tcp-check
+    tcp-check connect
+    tcp-check send-binary {question}
+    tcp-check expect binary {answer}
+    default-server proto h2 check inter 200ms fall 1 rise 1
+"""
+
+
+def frame(kind, flags, stream, payload):
+    return len(payload).to_bytes(3, "big") + bytes([kind, flags]) + stream.to_bytes(4, "big") + payload
+
+
+def header(name, value):
+    return b"\0" + bytes([len(name)]) + name + bytes([len(value)]) + value
+
+
+def health_check():
+    """A call of grpc.health.v1.Health.Check as bytes of HTTP/2, and the answer's body for SERVING. haproxy's own checks
+    by HTTP cannot send a gRPC message, which begins with zeros."""
+    headers = {
+        b":method": b"POST",
+        b":scheme": b"http",
+        b":path": b"/grpc.health.v1.Health/Check",
+        b":authority": b"haproxy",
+        b"te": b"trailers",
+        b"content-type": b"application/grpc",
+    }
+    fields = b"".join(header(*pair) for pair in headers.items())
+    empty = bytes(5)  # a message of no bytes: the whole server is meant
+    preface = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(4, 0, 0, b"")
+    question = preface + frame(1, 4, 1, fields) + frame(0, 1, 1, empty)
+    return question.hex(), bytes([0, 0, 0, 0, 2, 8, 1]).hex()
+
+
+@contextlib.contextmanager
+def haproxy(directory, servers):
+    """Its address. Ends with the context."""
+    port = free_port()
+    question, answer = health_check()
+    lines = [CONFIG.format(port=port, question=question, answer=answer)]
+    lines += [f"    server s{n} {server.address}\n" for n, server in enumerate(servers)]
+    config = directory / "haproxy.cfg"
+    config.write_text("".join(lines))
+    with open(directory / "haproxy.log", "ab") as log:
+        process = subprocess.Popen(["haproxy", "-db", "-f", config], stdout=log, stderr=log)
+    try:
+        wait_until_open(process, port, directory / "haproxy.log")
+        yield f"127.0.0.1:{port}"
+        assert process.poll() is None, (directory / "haproxy.log").read_text()
+    finally:
+        process.kill()
+        process.wait()
+
+
+def wait_until_open(process, port, log):
+    deadline = time.monotonic() + harness.PATIENCE
+    while time.monotonic() < deadline:
+        assert process.poll() is None, log.read_text()
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
+            return
+        time.sleep(0.02)
+    raise AssertionError("haproxy does not listen")

@@ -1,0 +1,23 @@
+// Clients that mean harm.
+#ifndef LATVOX_TESTS_FAULTS_HOSTILE_H_
+#define LATVOX_TESTS_FAULTS_HOSTILE_H_
+
+#include <string>
+
+#include "tests/faults/chance.h"
+#include "tests/faults/jobs.h"
+#include "tests/faults/raw_stream.h"
+#include "tests/faults/records.h"
+
+namespace latvox::faults {
+
+// Does one hostile thing, and fills in `job` (what it was), `outcome` and `detail`: "rejected" if the server answered
+// with an error that is not its own defect, or with what was asked for.
+void BeHostile(const std::string& address, grpc::Channel& channel, const Job& job, Chance& chance, Record& record);
+
+// Whether a server that gave this answer to a bad request has kept its promises: no INTERNAL, no UNKNOWN.
+bool IsFairAnswer(const grpc::Status& status);
+
+}  // namespace latvox::faults
+
+#endif  // LATVOX_TESTS_FAULTS_HOSTILE_H_

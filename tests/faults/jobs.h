@@ -1,0 +1,34 @@
+// What the clients of the fault suite ask for, and what the answer must be.
+#ifndef LATVOX_TESTS_FAULTS_JOBS_H_
+#define LATVOX_TESTS_FAULTS_JOBS_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/types.h"
+#include "latvox/v1/voxelizer.pb.h"
+
+namespace latvox::faults {
+
+struct Job {
+  std::string name;  // unique
+  std::string drc;   // bytes of the mesh
+  std::string lattice;
+  uint32_t resolution = 0;
+  uint32_t separability = 0;
+  std::string digest;  // what the voxels must have; found by latvox_bench, without any server
+  double weight = 1;   // how often it is asked for, relative to the others
+};
+
+// From a JSON file: an array of objects with the members above, `mesh`, the path of a .drc file, in place of `drc`.
+// With `names`, only those. Errors: INVALID_ARGUMENT, NOT_FOUND.
+absl::StatusOr<std::vector<Job>> ReadJobs(const std::string& path, const std::vector<std::string>& names);
+
+client::VoxelizeRequest RequestOf(const Job& job);
+v1::VoxelizeSpec SpecOf(const Job& job);
+
+}  // namespace latvox::faults
+
+#endif  // LATVOX_TESTS_FAULTS_JOBS_H_

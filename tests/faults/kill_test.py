@@ -1,0 +1,93 @@
+"""kill -9 of servers and of their decoders under load: every digest is right in the end."""
+
+import os
+import random
+import signal
+import threading
+import time
+import unittest
+
+import stage
+from haproxy import haproxy
+from stage import SECONDS, SEED, Faults, Server, Swarm, harness, percentile, select, tally
+
+CLIENTS = 24
+JOBS = ["small bunny-64-bcc", "medium bunny-256-fcc", "medium bunny-512-cartesian", "large bunny-x4-512-cartesian", "large bunny-1024-bcc"]
+LOAD = max(6.0, SECONDS / 3)  # of each of the three ways
+EVERY = 1.5 if not stage.FULL else 4.0  # seconds from kill to kill
+
+
+class Killer:
+    """Kills one victim after the other, and starts a server again at once, as a supervisor would."""
+
+    def __init__(self, kill):
+        self.kills, self._kill, self._over = 0, kill, threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self):
+        chance = random.Random(SEED)
+        while not self._over.wait(EVERY * chance.uniform(0.7, 1.3)):
+            self.kills += self._kill(self.kills)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join()
+
+
+class Kill(Faults):
+    scenario = "kill"
+
+    def servers(self, count):
+        running = []
+        for n in range(count):
+            running.append(Server(self.dir, name=f"latvoxd{n}"))
+            self.addCleanup(running[-1].kill)
+            harness.wait_until_healthy(running[-1].process)
+        return running
+
+    def load(self, what, address, kill):
+        """Clients at `address` while `kill` does its work."""
+        name = what.replace(" ", "-")
+        with Swarm(self.dir, address, LOAD, "--servers-die", clients=CLIENTS, roles=["good"], jobs=JOBS, name=name) as swarm:
+            with Killer(kill) as killer:
+                swarm.process.wait(LOAD + 200)
+            records = swarm.wait(10)
+        self.nothing_wrong(records)
+        done = select(records, "done")
+        self.figure(f"{what}: kills", killer.kills, "", "some", killer.kills > 0)
+        self.figure(f"{what}: calls", tally(r["outcome"] for r in records), "", "done, all of them", len(done) > 0 and all(r["outcome"] in ("done", "refused") for r in records))
+        times = [r["wait_ms"] for r in done]
+        self.figure(f"{what}: p50 / p99", f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}", "ms")
+
+    def test_killed_servers_behind_a_proxy(self):
+        servers = self.servers(2)
+        with haproxy(self.dir, servers) as address:
+            self.load("servers behind haproxy", address, lambda n: self.kill_and_restart(servers[n % 2]))
+
+    def test_killed_servers_at_two_addresses(self):
+        servers = self.servers(2)
+        self.load("servers at two addresses", ",".join(s.address for s in servers), lambda n: self.kill_and_restart(servers[n % 2]))
+
+    def kill_and_restart(self, server):
+        server.kill()
+        server.start()
+        return 1
+
+    def test_killed_decoders(self):
+        with stage.server(self.dir) as server:
+            self.load("decoders", server.address, lambda n: self.kill_decoder(server))
+            self.assert_serves(server)
+
+    def kill_decoder(self, server):
+        workers = server.workers()
+        for pid in workers[:1]:
+            os.kill(pid, signal.SIGKILL)
+        return len(workers[:1])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,133 @@
+// What the service costs: one job through a server, and the same within this process, in turns, so that whatever else
+// the machine does hits both alike. Prints the medians as JSON.
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/client.h"
+#include "client/mesh/mesh_file.h"
+#include "core/voxelizer/voxelizer.h"
+#include "tests/bench/meshes.h"
+#include "tests/faults/commands.h"
+
+namespace latvox::faults {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string server, mesh;
+  uint32_t resolution = 512;
+  int separability = 0;
+  int rounds = 30;
+};
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+double Median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+struct Result {
+  double ms = 0;
+  std::string digest;
+};
+
+// Decodes and voxelizes to bricks in memory, as latvox_bench does.
+absl::StatusOr<Result> InProcess(const Options& options) {
+  const Clock::time_point start = Clock::now();
+  auto mesh = MeshNamed(options.mesh);
+  if (!mesh.ok()) return mesh.status();
+  const auto lattice = Lattice::FromBasis({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
+  if (!lattice.ok()) return lattice.status();
+  const auto grid = ResolveGrid(*lattice, {.resolution = options.resolution}, std::nullopt, BoundsOf(*mesh));
+  if (!grid.ok()) return grid.status();
+  const auto job = VoxelizeJob::Create(*std::move(mesh), *grid, {.separability = options.separability});
+  if (!job.ok()) return job.status();
+  std::vector<TileBricks> tiles;
+  const auto done = (*job)->Advance([&](TileBricks&& tile) { return tiles.push_back(std::move(tile)), true; });
+  if (!done.ok()) return done.status();
+  return Result{MillisecondsSince(start), (*job)->totals().digest.ToHex()};
+}
+
+absl::StatusOr<Result> ThroughServer(const Options& options, const client::Client& client, const std::string& drc,
+                                     client::ServerTimings& timings) {
+  client::VoxelizeRequest request;
+  request.resolution = options.resolution;
+  request.separability = static_cast<uint32_t>(options.separability);
+  std::vector<client::Brick> bricks;
+  const auto keep = [&](const client::BrickBatch& batch) {
+    bricks.insert(bricks.end(), batch.bricks.begin(), batch.bricks.end());
+    return absl::OkStatus();
+  };
+  const Clock::time_point start = Clock::now();
+  const auto summary = client.Voxelize(request, drc, {.on_bricks = keep});
+  if (!summary.ok()) return summary.status();
+  timings = summary->timings;
+  return Result{MillisecondsSince(start), summary->certificate.digest};
+}
+
+absl::StatusOr<std::string> MeasureOverhead(const Options& options) {
+  const auto client = client::Client::Connect(options.server);
+  if (!client.ok()) return client.status();
+  const auto drc = client::ReadBytes(options.mesh);
+  if (!drc.ok()) return drc.status();
+  oneapi::tbb::task_arena arena(oneapi::tbb::info::default_concurrency());
+  std::vector<double> service, process, decode, voxelize, stream;
+  for (int round = 0; round < options.rounds + 2; ++round) {
+    client::ServerTimings timings;
+    const auto theirs = ThroughServer(options, *client, *drc, timings);
+    if (!theirs.ok()) return theirs.status();
+    const auto ours = arena.execute([&] { return InProcess(options); });
+    if (!ours.ok()) return ours.status();
+    if (ours->digest != theirs->digest) return absl::InternalError("the server's voxels are others");
+    if (round < 2) continue;  // to warm up
+    service.push_back(theirs->ms);
+    process.push_back(ours->ms);
+    decode.push_back(timings.decode_ms);
+    voxelize.push_back(timings.voxelize_ms);
+    stream.push_back(timings.stream_ms);
+  }
+  return nlohmann::json{{"service_ms", Median(service)},
+                        {"process_ms", Median(process)},
+                        {"service_min_ms", *std::min_element(service.begin(), service.end())},
+                        {"process_min_ms", *std::min_element(process.begin(), process.end())},
+                        {"server_decode_ms", Median(decode)},
+                        {"server_voxelize_ms", Median(voxelize)},
+                        {"server_stream_ms", Median(stream)}}
+      .dump();
+}
+
+int RunOverhead(const Options& options) {
+  const auto json = MeasureOverhead(options);
+  if (json.ok()) return std::puts(json->c_str()) < 0 ? 1 : 0;
+  std::fprintf(stderr, "latvox_faults: %s\n", json.status().ToString().c_str());
+  return 2;
+}
+
+}  // namespace
+
+void AddOverhead(CLI::App& program, Command& run) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("overhead", "A job through the server and in one process, in turns");
+  command.add_option("--server", options->server, "Address")->required();
+  command.add_option("--mesh", options->mesh, "A .drc file")->required();
+  command.add_option("--resolution", options->resolution);
+  command.add_option("--separability", options->separability);
+  command.add_option("--rounds", options->rounds);
+  command.callback([options, &run] { run = [options] { return RunOverhead(*options); }; });
+}
+
+}  // namespace latvox::faults

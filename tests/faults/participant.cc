@@ -1,0 +1,220 @@
+#include "tests/faults/participant.h"
+
+#include <csignal>
+#include <thread>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "client/error.h"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "tests/faults/hostile.h"
+#include "tests/faults/raw_stream.h"
+
+namespace latvox::faults {
+namespace {
+
+constexpr int kCallsPerConnection = 20;
+constexpr absl::Duration kReconnectDelay = absl::Milliseconds(200);
+
+double MillisecondsSince(absl::Time start) { return absl::ToDoubleMilliseconds(absl::Now() - start); }
+
+// Bare and hostile clients know one address only.
+std::string FirstOf(const std::string& servers) { return servers.substr(0, servers.find(',')); }
+
+// The delay of google.rpc.RetryInfo, if it is there as the protocol has it.
+std::optional<absl::Duration> RetryDelayOf(const grpc::Status& status) {
+  google::rpc::Status details;
+  if (!details.ParseFromString(status.error_details())) return std::nullopt;
+  for (const auto& any : details.details()) {
+    google::rpc::RetryInfo info;
+    if (any.Is<google::rpc::RetryInfo>() && any.UnpackTo(&info)) {
+      return absl::Seconds(info.retry_delay().seconds()) + absl::Nanoseconds(info.retry_delay().nanos());
+    }
+  }
+  return std::nullopt;
+}
+
+// Runs `action` after `delay`, unless it is destroyed before.
+class Alarm {
+ public:
+  Alarm(absl::Duration delay, std::function<void()> action)
+      : thread_([end = absl::Now() + delay, action = std::move(action)](const std::stop_token& stop) {
+          while (!stop.stop_requested() && absl::Now() < end) absl::SleepFor(absl::Milliseconds(1));
+          if (!stop.stop_requested()) action();
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+}  // namespace
+
+Participant::Participant(const Swarm& swarm, int number, int life, const Records& records)
+    : swarm_(swarm),
+      number_(number),
+      role_(swarm.roles[static_cast<size_t>(number) % swarm.roles.size()]),
+      records_(records),
+      channel_(OwnChannel(FirstOf(swarm.server))),
+      chance_(swarm.seed * 1'000'003 + static_cast<uint64_t>(number) * 1009 + static_cast<uint64_t>(life)) {}
+
+void Participant::Run() {
+  Wait(absl::Milliseconds(chance_.Between(0, 300)));
+  while (absl::Now() < swarm_.end) {
+    if (role_ == "hostile") {
+      Record record = NewRecord("");
+      const absl::Time start = absl::Now();
+      BeHostile(FirstOf(swarm_.server), *channel_, AnyJob(), chance_, record);
+      record.ms = MillisecondsSince(start);
+      records_.Write(record);
+      Wait(absl::Milliseconds(20));
+    } else if (role_ == "bare") {
+      CallBare();
+    } else {
+      CallBySdk();
+    }
+  }
+}
+
+// A refused call is made again, as its answer says, until it is done.
+void Participant::CallBare() {
+  const Job& job = AnyJob();
+  Script script;
+  v1::VoxelizeRequest request;
+  *request.mutable_spec() = SpecOf(job);
+  script.messages.push_back(request.SerializeAsString());
+  request.set_mesh_piece(job.drc);
+  script.messages.push_back(request.SerializeAsString());
+  script.timeout = swarm_.patience;
+  for (const absl::Time first = absl::Now(); absl::Now() < swarm_.end;) {
+    Record record = NewRecord(job.name);
+    const absl::Time start = absl::Now();
+    const Ending ending = faults::Run(*channel_, script);
+    record.ms = MillisecondsSince(start);
+    record.wait_ms = MillisecondsSince(first);
+    record.detail = absl::StrCat(ending.status.error_code(), " ", ending.status.error_message());
+    v1::VoxelizeResponse last;
+    const bool whole = ending.status.ok() && last.ParseFromString(ending.last_answer) && last.has_summary();
+    const auto delay = RetryDelayOf(ending.status);
+    int64_t pushback = -1;
+    if (whole) {
+      record.outcome = last.summary().certificate().digest() == job.digest ? "done" : "wrong";
+    } else if (ending.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED && delay &&
+               absl::SimpleAtoi(ending.pushback, &pushback) && pushback == absl::ToInt64Milliseconds(*delay)) {
+      record.outcome = "refused";
+    } else if (swarm_.servers_die && ending.status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+      record.outcome = "interrupted";
+    } else {
+      record.outcome = "wrong";
+    }
+    records_.Write(record);
+    if (whole) return;
+    Wait(delay.value_or(kReconnectDelay) * chance_.Between(1, 1.5));
+  }
+}
+
+bool Participant::Connect(Record& record) {
+  if (client_ && ++calls_ < kCallsPerConnection) return true;
+  client_.reset();
+  calls_ = 0;
+  auto connected = client::Client::Connect(swarm_.server);
+  if (connected.ok()) {
+    client_ = *std::move(connected);
+    return true;
+  }
+  record.detail = absl::StrCat("connect: ", connected.status().ToString());
+  record.outcome = swarm_.servers_die && absl::IsUnavailable(connected.status()) ? "interrupted" : "wrong";
+  records_.Write(record);
+  Wait(kReconnectDelay);
+  return false;
+}
+
+absl::StatusOr<client::Summary> Participant::CallOnce(const Job& job, const client::CallOptions& options) {
+  client::VoxelizeHandlers handlers;
+  handlers.on_bricks = [this](const client::BrickBatch&) {
+    if (role_ == "slow") absl::SleepFor(absl::Milliseconds(100));
+    if (role_ == "stopped") absl::SleepFor(swarm_.end - absl::Now());
+    return absl::OkStatus();
+  };
+  return client_->Voxelize(RequestOf(job), job.drc, handlers, options);
+}
+
+void Participant::CallBySdk() {
+  const Job& job = AnyJob();
+  client::CallOptions options;
+  options.deadline = absl::Now() + swarm_.patience;
+  std::optional<Alarm> alarm;
+  const absl::Duration middle = absl::Milliseconds(chance_.LogBetween(1, 1000));
+  const bool reads_badly = role_ == "slow" || role_ == "stopped";
+  if (role_ == "cancel" && chance_.OneIn(3)) {
+    options.deadline = absl::Now() + middle;
+  } else if (role_ == "cancel") {
+    alarm.emplace(middle, [cancellation = options.cancellation] { cancellation.Cancel(); });
+  } else if (role_ == "vanish") {
+    alarm.emplace(middle, [this, name = job.name] {
+      Record last = NewRecord(name);
+      last.outcome = "vanished";
+      records_.Write(last);
+      raise(SIGKILL);
+    });
+  } else if (reads_badly) {
+    alarm.emplace(swarm_.end - absl::Now(), [cancellation = options.cancellation] { cancellation.Cancel(); });
+  }
+  const absl::Time first = absl::Now();
+  for (bool again = true; again && absl::Now() < swarm_.end;) {
+    Record record = NewRecord(job.name);
+    if (!Connect(record)) continue;
+    const absl::Time start = absl::Now();
+    const auto summary = CallOnce(job, options);
+    record.ms = MillisecondsSince(start);
+    record.wait_ms = MillisecondsSince(first);
+    Judge(job, summary, reads_badly || role_ == "cancel", record);
+    records_.Write(record);
+    again = record.outcome == "refused" || record.outcome == "interrupted";
+    if (!again) break;
+    Wait(client::GetErrorDetails(summary.status()).retry_after.value_or(kReconnectDelay) * chance_.Between(1, 1.5));
+    again = !options.cancellation.cancelled() && absl::Now() < *options.deadline;
+  }
+}
+
+void Participant::Judge(const Job& job, const absl::StatusOr<client::Summary>& summary, bool meant_to_stop,
+                        Record& record) const {
+  if (summary.ok()) {
+    record.outcome = summary->certificate.digest == job.digest ? "done" : "wrong";
+    record.detail = summary->certificate.digest;
+    return;
+  }
+  const absl::Status& status = summary.status();
+  record.detail = status.ToString();
+  if (meant_to_stop && (absl::IsCancelled(status) || absl::IsDeadlineExceeded(status))) {
+    record.outcome = "stopped";
+  } else if (absl::IsResourceExhausted(status) && client::GetErrorDetails(status).retry_after) {
+    record.outcome = "refused";
+  } else if (swarm_.servers_die && absl::IsUnavailable(status)) {
+    record.outcome = "interrupted";
+  } else {
+    record.outcome = "wrong";
+  }
+}
+
+const Job& Participant::AnyJob() {
+  double total = 0;
+  for (const Job& job : swarm_.jobs) total += job.weight;
+  double at = chance_.Between(0, total);
+  for (const Job& job : swarm_.jobs) {
+    if ((at -= job.weight) <= 0) return job;
+  }
+  return swarm_.jobs.front();
+}
+
+Record Participant::NewRecord(const std::string& job) const {
+  Record record;
+  record.client = number_;
+  record.role = role_;
+  record.job = job;
+  return record;
+}
+
+void Participant::Wait(absl::Duration delay) { absl::SleepFor(std::min(delay, swarm_.end - absl::Now())); }
+
+}  // namespace latvox::faults

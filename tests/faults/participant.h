@@ -1,0 +1,68 @@
+// One client of the swarm: a process of its own, with a connection of its own.
+#ifndef LATVOX_TESTS_FAULTS_PARTICIPANT_H_
+#define LATVOX_TESTS_FAULTS_PARTICIPANT_H_
+
+#include <grpcpp/channel.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/time/clock.h"
+#include "client/client.h"
+#include "tests/faults/chance.h"
+#include "tests/faults/jobs.h"
+#include "tests/faults/records.h"
+
+namespace latvox::faults {
+
+// What all clients share.
+struct Swarm {
+  std::string server;  // as Client::Connect takes it
+  std::vector<Job> jobs;
+  std::vector<std::string> roles;  // of client n: roles[n % size]
+  uint64_t seed = 1;
+  absl::Time end;            // no call begins after it
+  absl::Duration patience;   // that a good call may take, tries and waits included
+  bool servers_die = false;  // a server may be gone at any time
+};
+
+// Roles:
+//   good     uses the SDK, checks every answer and the digest of what it got
+//   bare     uses the protocol alone, and holds overload answers against it
+//   cancel   as good, but cancels or has a deadline, somewhere in the middle
+//   vanish   as good, but the process kills itself somewhere in the middle
+//   slow     as good, but takes a while over each batch, and cancels in the end
+//   stopped  takes no batch at all, and cancels in the end
+//   hostile  see hostile.h
+class Participant {
+ public:
+  Participant(const Swarm& swarm, int number, int life, const Records& records);
+
+  // Calls, one at a time, until swarm.end.
+  void Run();
+
+ private:
+  void CallBySdk();
+  void CallBare();
+  bool Connect(Record& record);
+  absl::StatusOr<client::Summary> CallOnce(const Job& job, const client::CallOptions& options);
+  void Judge(const Job& job, const absl::StatusOr<client::Summary>& summary, bool meant_to_stop, Record& record) const;
+  const Job& AnyJob();
+  Record NewRecord(const std::string& job) const;
+  void Wait(absl::Duration delay);
+
+  const Swarm& swarm_;
+  const int number_;
+  const std::string role_;
+  const Records& records_;
+  const std::shared_ptr<grpc::Channel> channel_;  // connects when it is used
+  Chance chance_;
+  std::optional<client::Client> client_;
+  int calls_ = 0;  // over client_
+};
+
+}  // namespace latvox::faults
+
+#endif  // LATVOX_TESTS_FAULTS_PARTICIPANT_H_

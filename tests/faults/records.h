@@ -1,0 +1,38 @@
+// What became of each call, as lines of JSON in one file that many processes append to.
+#ifndef LATVOX_TESTS_FAULTS_RECORDS_H_
+#define LATVOX_TESTS_FAULTS_RECORDS_H_
+
+#include <string>
+
+namespace latvox::faults {
+
+struct Record {
+  int client = 0;
+  std::string role, job;
+  // done        the right voxels came
+  // refused     an overload answer, complete: with a delay after which to try again
+  // stopped     it was cancelled, or its deadline passed, as intended
+  // rejected    a hostile call got the error it deserves
+  // vanished    the process ends now, without a word
+  // interrupted the server is gone, and the call is tried again
+  // wrong       anything else
+  std::string outcome;
+  std::string detail;  // for people
+  double ms = 0;       // of the call, from its first byte to its last
+  double wait_ms = 0;  // from the first try, refusals and delays included
+};
+
+// Appends to a file. Each line is one write, so that those of other processes are not torn, nor lost if one is killed.
+class Records {
+ public:
+  // Ends the program if the file cannot be opened.
+  explicit Records(const std::string& path);
+  void Write(const Record& record) const;
+
+ private:
+  int file_;
+};
+
+}  // namespace latvox::faults
+
+#endif  // LATVOX_TESTS_FAULTS_RECORDS_H_

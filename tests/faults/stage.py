@@ -1,0 +1,254 @@
+"""What the fault suite's tests stand on: servers that can be killed, a look at their memory, clients, and figures.
+
+How long and how much is up to $LATVOX_FAULTS_SECONDS, the time of load in the longest tests: 600 is the full dose, the
+default is continuous integration's. Meshes and what their voxels must be are made once, by `prepare.py`.
+"""
+
+import contextlib
+import json
+import os
+import pathlib
+import shlex
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "e2e"))
+
+import harness  # noqa: E402
+from harness import BIN, Case, latvox  # noqa: E402
+
+SECONDS = float(os.environ.get("LATVOX_FAULTS_SECONDS", "15"))
+FULL = SECONDS >= 120  # the full dose, or much of it
+SEED = int(os.environ.get("LATVOX_FAULTS_SEED", "1"))
+OUT = ROOT / "build" / "faults"
+MESHES = OUT / "meshes"
+JOBS = MESHES / "jobs.json"
+MIB = 1 << 20
+
+
+def two_cores():
+    """What the promises are about, whatever the machine has. Children inherit it."""
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2])
+
+
+def free_port():
+    """Of this moment: a server that is to come back at the same address cannot ask for any."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def ticks(pid):
+    """Processor seconds of one process."""
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def descendants(pid):
+    """The process and all below it."""
+    pids = [pid]
+    for parent in pids:
+        for task in pathlib.Path(f"/proc/{parent}/task").glob("*/children"):
+            with contextlib.suppress(OSError):
+                pids += map(int, task.read_text().split())
+    return pids
+
+
+def memory(pids):
+    """Bytes of all: what several of them share counts once."""
+    total = 0
+    for pid in pids:
+        with contextlib.suppress(OSError):
+            for line in pathlib.Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines():
+                if line.startswith("Pss:"):
+                    total += int(line.split()[1]) * 1024
+    return total
+
+
+class Watch:
+    """Looks at a server and its children every 100 ms."""
+
+    def __init__(self, server):
+        self.server, self.peak, self.samples, self.most_threads = server, 0, 0, 0
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self):
+        while not self._over.wait(0.1):
+            with contextlib.suppress(OSError, AttributeError):
+                self.peak = max(self.peak, memory(descendants(self.server.pid)))
+                self.most_threads = max(self.most_threads, self.server.threads())
+                self.samples += 1
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join()
+
+
+class Server:
+    """A latvoxd that may be killed and started again, always at the same address."""
+
+    def __init__(self, directory, *options, name="latvoxd"):
+        self.address = f"127.0.0.1:{free_port()}"
+        self.options, self.log, self.process = options, directory / f"{name}.log", None
+        self.start()
+
+    @property
+    def pid(self):
+        return self.process.pid
+
+    def start(self):
+        with open(self.log, "ab") as log:
+            command = [BIN / "latvoxd", "--listen", self.address, *self.options]
+            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        self.process.address = self.address
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def threads(self):
+        return len(os.listdir(f"/proc/{self.pid}/task"))
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.pid}/fd"))
+
+    def workers(self):
+        return descendants(self.pid)[1:]
+
+    def cpu(self):
+        return sum(ticks(pid) for pid in descendants(self.pid))
+
+    def lines(self, event=None):
+        """The log, as dictionaries."""
+        parsed = []
+        for line in self.log.read_text(errors="replace").splitlines():
+            with contextlib.suppress(ValueError):
+                fields = dict(word.split("=", 1) for word in shlex.split(line) if "=" in word)
+                if event in (None, fields.get("event")):
+                    parsed.append(fields)
+        return parsed
+
+    def tail(self):
+        return "\n".join(self.log.read_text(errors="replace").splitlines()[-20:])
+
+
+@contextlib.contextmanager
+def server(directory, *options, name="latvoxd"):
+    """A server that must be alive in the end, and end with 0 when it is told to."""
+    running = Server(directory, *options, name=name)
+    try:
+        harness.wait_until_healthy(running.process)
+        yield running
+        assert running.process.poll() is None, f"{name} ended with {running.process.returncode}: {running.tail()}"
+        running.process.send_signal(signal.SIGTERM)
+        code = running.process.wait(harness.PATIENCE)
+        assert code == 0, f"{name} exited with {code}: {running.tail()}"
+    finally:
+        running.kill()
+
+
+def faults(*arguments, **options):
+    """latvox_faults, to its end."""
+    command = [BIN / "latvox_faults", *map(str, arguments)]
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, **options).stdout
+
+
+class Swarm:
+    """latvox_faults swarm, in the background."""
+
+    def __init__(self, directory, address, seconds, *options, clients, roles, jobs=(), name="swarm"):
+        self.records_file = directory / f"{name}.jsonl"
+        command = [BIN / "latvox_faults", "swarm", "--server", address, "--jobs", JOBS, "--seed", str(SEED)]
+        command += ["--records", self.records_file, "--clients", str(clients), "--roles", ",".join(roles)]
+        command += ["--seconds", str(seconds), *[w for job in jobs for w in ("--job", job)], *map(str, options)]
+        self.before = os.times()
+        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL)
+
+    def wait(self, seconds):
+        """Waits for its end; returns its records."""
+        code = self.process.wait(seconds)
+        assert code == 0, f"the swarm exited with {code}"
+        return self.records()
+
+    def records(self):
+        if not self.records_file.exists():
+            return []
+        return [json.loads(line) for line in self.records_file.read_text().splitlines() if line.endswith("}")]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()  # its clients die with it
+        self.process.wait()
+
+
+def select(records, outcome=None, **wanted):
+    """Records with these values; a tuple is a choice."""
+    if outcome:
+        wanted["outcome"] = outcome
+    return [r for r in records if all(r[k] in v if isinstance(v, tuple) else r[k] == v for k, v in wanted.items())]
+
+
+def percentile(values, percent):
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(len(ordered) * percent / 100))] if ordered else float("nan")
+
+
+def tally(values):
+    """How often each, as words: "3 a, 1 b"."""
+    values = list(values)
+    return ", ".join(f"{values.count(v)} {v}" for v in sorted(set(values))) or "none"
+
+
+class Faults(Case):
+    """A scenario of the suite. Its figures go into the report, also if it fails."""
+
+    scenario = None
+
+    @classmethod
+    def setUpClass(cls):
+        two_cores()
+        cls.figures = []
+        cls.began = time.monotonic()
+        with contextlib.suppress(FileNotFoundError):
+            OUT.joinpath(f"{cls.scenario}.json").unlink()
+
+    @classmethod
+    def tearDownClass(cls):
+        OUT.mkdir(parents=True, exist_ok=True)
+        report = {"scenario": cls.scenario, "seconds": SECONDS, "seed": SEED, "took": time.monotonic() - cls.began, "figures": cls.figures}
+        (OUT / f"{cls.scenario}.json").write_text(json.dumps(report, indent=1) + "\n")
+
+    def figure(self, what, value, unit="", promise="", kept=None):
+        """One line of the report. `kept`: whether the promise was; it is a failure if it was not."""
+        text = f"{value:.3g}" if isinstance(value, float) and abs(value) < 100 else f"{value:.0f}" if isinstance(value, float) else str(value)
+        row = {"what": what, "value": value, "text": f"{text} {unit}".strip(), "promise": promise, "kept": kept}
+        type(self).figures.append(row)
+        if kept is False:
+            with self.subTest(what):
+                self.fail(f"{what}: {row['text']}; promised: {promise}")
+
+    def assert_serves(self, running, job="small bunny-64-bcc"):
+        """A good request, right in the end."""
+        with Swarm(self.dir, running.address, 0.5, clients=1, roles=["good"], jobs=[job], name="last") as swarm:
+            records = swarm.wait(60)
+        done = select(records, "done")
+        self.figure("good requests afterwards", tally(r["outcome"] for r in records), "", "right", bool(done) and len(done) == len(records))
+
+    def nothing_wrong(self, records):
+        wrong = select(records, "wrong")
+        lines = sorted({f"{r['role']} {r['job']}: {r['detail'][:200]}" for r in wrong})
+        for line in lines[:10]:
+            print(line, file=sys.stderr)
+        self.figure("wrong answers, lost jobs, crashed clients", len(wrong), "", "0", not wrong)
