@@ -139,6 +139,13 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <array>
+#include <numeric>
+
 #include "core/base/simd.h"
 
 namespace latvox {
@@ -146,17 +153,53 @@ namespace {
 
 HWY_EXPORT(FindInLanes);
 
+void Find(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Forms& forms,
+          std::vector<uint32_t>& touching) {
+  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
+                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
+}
+
+// Whether triangles spread over the mesh say that it pays to ask all.
+bool FewTouch(const SnappedMesh& mesh, const Forms& forms) {
+  constexpr size_t kSample = 1024;
+  const size_t count = mesh.triangles.size();
+  if (count < 16 * kSample) return false;
+  std::vector<uint32_t> sample(kSample), touching;
+  for (size_t n = 0; n < kSample; ++n) sample[n] = static_cast<uint32_t>(n * count / kSample);
+  Find(mesh, sample, forms, touching);
+  return touching.size() < kSample / 4 * 3;
+}
+
 }  // namespace
 
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  const std::atomic<bool>& cancelled, std::vector<uint32_t>& touching) {
-  constexpr size_t kCancelInterval = 1 << 14;
+                  std::vector<uint32_t>& touching) {
+  Find(mesh, triangles, Forms(frames), touching);
+}
+
+std::optional<std::vector<uint32_t>> TouchingIfFew(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
+                                                   const std::atomic<bool>& cancelled) {
+  constexpr size_t kChunk = 1 << 14;
   const Forms forms(frames);
-  for (size_t n = 0; n < triangles.size() && !cancelled; n += kCancelInterval) {
-    const auto some = triangles.subspan(n, std::min(kCancelInterval, triangles.size() - n));
-    SimdIsScalar() ? FindScalar(mesh, some, forms, touching)
-                   : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, some, forms, touching);
-  }
+  if (!FewTouch(mesh, forms)) return std::nullopt;
+  const size_t count = mesh.triangles.size();
+  std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
+    std::vector<uint32_t> chunk(kChunk), touching;
+    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
+      chunk.resize(std::min(kChunk, count - n * kChunk));
+      std::iota(chunk.begin(), chunk.end(), static_cast<uint32_t>(n * kChunk));
+      touching.clear();
+      Find(mesh, chunk, forms, touching);
+      parts[n].assign(touching.begin(), touching.end());
+    }
+  });
+  size_t size = 0;
+  for (const auto& part : parts) size += part.size();
+  std::vector<uint32_t> all;
+  all.reserve(size);
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace latvox

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,15 +14,20 @@
 namespace latvox {
 
 // Appends those of `triangles` that a lattice line along some direction may meet, in their order; the others cross no
-// lattice edge and contribute nothing. Worth its while where triangles are much smaller than voxels.
+// lattice edge and contribute nothing.
 //
 // A line along q is a point (a, b) of the projection along q (core/lattice/frame.h). It can only meet a triangle whose
 // corners lie on both sides of a, and on both sides of b. Rows of frames are few linear forms, shared by many frames:
 // the floors of a form at the corners differ, or no line lies between them. That holds with the shift of
 // core/digitize/crossing.h, too, which moves a form with a first nonzero entry above 0 up; forms are turned so.
-// Returns early, with some of them, once the job is cancelled.
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  const std::atomic<bool>& cancelled, std::vector<uint32_t>& touching);
+                  std::vector<uint32_t>& touching);
+
+// The same for all triangles of the mesh, by all threads of the arena; or nullopt if a sample says that most of them
+// touch. Then it does not pay: triangles are not much smaller than voxels.
+// Some are missing once the job is cancelled.
+std::optional<std::vector<uint32_t>> TouchingIfFew(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
+                                                   const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

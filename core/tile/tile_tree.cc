@@ -89,12 +89,17 @@ int TileTree::level() const {
   return level;
 }
 
-std::vector<TileNode> TileTree::Top() const {
+std::vector<TileNode> TileTree::Top(std::optional<std::vector<uint32_t>> triangles) const {
+  if (triangles && triangles->empty()) return {};
   // The cube begins at the lowest tile of the whole mesh, whatever the region, so that the order is always the same.
   TileNode root{{}, level(), {}, {}, 0, 1};
   for (size_t m = 0; m < 3; ++m) {
     if (region_.min[m] >= region_.max[m]) return {};
     root.tile_ijk[m] = mesh_.box.min[m] >> kTileBits;
+  }
+  if (triangles) {
+    root.triangles = *std::move(triangles);
+    return Children(root);
   }
   return Split(root, mesh_.triangles.size());
 }

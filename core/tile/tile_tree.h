@@ -54,7 +54,8 @@ class TileTree {
   bool IsLeaf(const TileNode& node) const { return node.level <= leaf_level_; }
 
   // The children of the cube of all tiles, or that cube if it is a leaf.
-  std::vector<TileNode> Top() const;
+  //   triangles  ascending: only these count; nullopt: all of the mesh
+  std::vector<TileNode> Top(std::optional<std::vector<uint32_t>> triangles = std::nullopt) const;
 
   // The children within the near margin of which triangles come, in canonical order. Precondition: !IsLeaf(node).
   std::vector<TileNode> Children(const TileNode& node) const;

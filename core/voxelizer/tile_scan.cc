@@ -4,14 +4,10 @@
 #include <bit>
 
 #include "absl/container/flat_hash_set.h"
-#include "core/digitize/touching.h"
 #include "core/tile/cut_out.h"
 
 namespace latvox {
 namespace {
-
-// So many triangles in one tile are smaller than voxels: a tile's section of a surface has some 2^12 voxels or more.
-constexpr size_t kManyTriangles = 8192, kSample = 1024;
 
 // Sets all bits but those of the box.
 void SetOutside(const BitsLayout& layout, const IndexBox& box, TileBits& bits) {
@@ -63,15 +59,6 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   surface_.words() = unknown_.words();
   candidates_.Clear();
   triangles_ = triangles;
-  if (triangles.size() > kManyTriangles << 2 * node.level) {
-    // Not all, if the first say that it would not pay.
-    touching_.clear();
-    FindTouching(context.mesh, triangles.first(kSample), context.frames, context.cancelled, touching_);
-    if (touching_.size() < kSample / 4 * 3) {
-      FindTouching(context.mesh, triangles.subspan(kSample), context.frames, context.cancelled, touching_);
-      triangles_ = touching_;
-    }
-  }
   FindCandidates(context.mesh, triangles_, context.frames, box_, layout_, context.cancelled, candidates_);
   for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
   AddRim(context);

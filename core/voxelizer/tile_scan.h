@@ -64,8 +64,7 @@ class TileScan {
   TileBits unknown_{0}, incomplete_{0};
   TileBits surface_{0};
   TileBits rest_{0};                     // what nothing has shown essential yet
-  std::span<const uint32_t> triangles_;  // what Scan was given, or touching_
-  std::vector<uint32_t> touching_;
+  std::span<const uint32_t> triangles_;  // what Scan was given
   Candidates candidates_;
   NumberList positions_, open_;
   std::vector<uint32_t> rim_only_;  // members that no triangle crosses along its principal direction

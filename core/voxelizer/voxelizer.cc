@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/digitize/touching.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
@@ -133,7 +134,8 @@ bool Job::IsPassed(const TileNode& node) const {
 std::optional<TileNode> Job::NextUnit() {
   if (!std::exchange(started_, true)) {
     tree_.SetLeafLevel(BlockLevel(tree_.level()));
-    todo_ = tree_.Top();
+    // Isolated, lest the thread that waits here take up a unit meanwhile.
+    oneapi::tbb::this_task_arena::isolate([&] { todo_ = tree_.Top(TouchingIfFew(mesh_, scan_frames_, cancelled_)); });
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {
@@ -156,8 +158,7 @@ void Job::SplitNext() {
   const size_t count = std::min(todo_.size(), static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
   const size_t kept = todo_.size() - count;
   std::vector<std::vector<TileNode>> parts(count);
-  // Isolated, lest the thread that waits here take up a unit meanwhile.
-  oneapi::tbb::this_task_arena::isolate([&] {
+  oneapi::tbb::this_task_arena::isolate([&] {  // as in NextUnit
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
       for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
         TileNode& node = todo_[kept + n];

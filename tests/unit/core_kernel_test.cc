@@ -140,7 +140,7 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
         for (const Simd simd : SimdHere()) {
           const ForcedSimd forced(simd);
           std::vector<uint32_t> touching{7};  // what is there stays
-          FindTouching(mesh, Iota(triangles.size()), frames, kNotCancelled, touching);
+          FindTouching(mesh, Iota(triangles.size()), frames, touching);
           ASSERT_TRUE(std::is_sorted(touching.begin() + 1, touching.end())) << SimdInUse();
           ASSERT_TRUE(std::includes(touching.begin() + 1, touching.end(), crossed.begin(), crossed.end()))
               << l.name << " k " << k << " size " << size << " " << SimdInUse();
