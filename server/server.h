@@ -37,8 +37,9 @@ struct ServerOptions {
 
 class VoxelServer {
  public:
-  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, no program for decoder processes, or what Check finds),
-  // UNAVAILABLE naming the address that cannot be listened on, or why decoder processes cannot be started or confined.
+  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, no program for decoder processes, or what Check
+  // finds), UNAVAILABLE naming the address that cannot be listened on, or why decoder processes cannot be started or
+  // confined.
   static absl::StatusOr<std::unique_ptr<VoxelServer>> Start(const ServerOptions& options);
 
   // What Start would find wrong with the options before it listens: INVALID_ARGUMENT naming the option.

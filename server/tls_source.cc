@@ -54,8 +54,8 @@ class ReloadingCredentials final : public grpc::ServerCredentials {
     auto texts = current_->Get();
     if (texts == given_) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {texts->key.c_str(), texts->certificate.c_str()};
-    *config = grpc_ssl_server_certificate_config_create(
-        texts->client_ca.empty() ? nullptr : texts->client_ca.c_str(), &pair, 1);
+    *config = grpc_ssl_server_certificate_config_create(texts->client_ca.empty() ? nullptr : texts->client_ca.c_str(),
+                                                        &pair, 1);
     given_ = std::move(texts);
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }

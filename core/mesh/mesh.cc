@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
@@ -62,17 +63,32 @@ absl::Status Validate(const TriangleMesh& mesh) {
 }
 
 Bounds BoundsOf(const TriangleMesh& mesh) {
+  using Part = oneapi::tbb::blocked_range<size_t>;
+  constexpr size_t kGrain = 16384;  // triangles a task
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (const auto& triangle : mesh.triangles) {
-    for (uint32_t v : triangle) {
-      for (size_t m = 0; m < 3; ++m) {
-        bounds.min[m] = std::min(bounds.min[m], static_cast<double>(mesh.vertices[v][m]));
-        bounds.max[m] = std::max(bounds.max[m], static_cast<double>(mesh.vertices[v][m]));
-      }
+  const auto add = [](Bounds& bounds, const Vec3d& low, const Vec3d& high) {
+    for (size_t m = 0; m < 3; ++m) {
+      bounds.min[m] = std::min(bounds.min[m], low[m]);
+      bounds.max[m] = std::max(bounds.max[m], high[m]);
     }
-  }
-  return bounds;
+  };
+  return oneapi::tbb::parallel_reduce(
+      Part(0, mesh.triangles.size(), kGrain),
+      Bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}},
+      [&](const Part& part, Bounds bounds) {
+        for (size_t t = part.begin(); t < part.end(); ++t) {
+          for (uint32_t index : mesh.triangles[t]) {
+            const Vec3f& v = mesh.vertices[index];
+            const Vec3d position = {v[0], v[1], v[2]};
+            add(bounds, position, position);
+          }
+        }
+        return bounds;
+      },
+      [&](Bounds a, const Bounds& b) {
+        add(a, b.min, b.max);
+        return a;
+      });
 }
 
 }  // namespace latvox

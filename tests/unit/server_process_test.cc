@@ -1,4 +1,6 @@
 // latvoxd as a process: options, exit status, signals.
+#include "tests/unit/server_process.h"
+
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
@@ -14,7 +16,6 @@
 #include <vector>
 
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "tests/unit/server_process.h"
 
 namespace latvox {
 namespace {
