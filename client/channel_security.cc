@@ -41,7 +41,8 @@ absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view 
   std::ostringstream text;
   if (file) text << file.rdbuf();
   if (!file || !text) {
-    return absl::InvalidArgumentError(absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
   }
   if (!absl::StrContains(text.str(), "-----BEGIN ")) {
     return absl::InvalidArgumentError(absl::StrCat("the ", what, " \"", path, "\" is not in PEM form"));
