@@ -8,9 +8,9 @@
 #include "absl/strings/str_split.h"
 #include "client/attempt.h"
 #include "client/connection.h"
+#include "client/mesh_pieces.h"
 #include "client/plane_wire.h"
 #include "client/tries.h"
-#include "client/upload.h"
 #include "client/voxelize_call.h"
 #include "client/wire.h"
 
@@ -59,7 +59,11 @@ absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_drc, const CallOpti
     Attempt attempt(options);
     v1::PutMeshResponse response;
     const auto stream = connection_->endpoint(server).stub->PutMesh(&attempt.context(), &response);
-    Upload(first, mesh_drc, *stream);
+    MeshPieces<v1::PutMeshRequest> pieces(mesh_drc);
+    // A write that fails means that the call is over: the server has the mesh already, for one.
+    bool open = stream->Write(first);
+    while (open && !pieces.empty()) open = stream->Write(pieces.Next());
+    if (open) stream->WritesDone();
     AttemptEnd end = attempt.End(stream->Finish());
     if (end.status.ok()) connection_->Remember(server, *mesh);
     return end;

@@ -8,8 +8,7 @@ namespace latvox::client {
 
 struct ConnectionOptions {
   // While calls are under way, a server gets a ping after `keepalive_time` without a byte from it; one that does not
-  // answer within `keepalive_timeout` is dead, and its calls end with UNAVAILABLE, or go on elsewhere. While a handler
-  // runs, answers are looked for every 5 s only: a shorter timeout takes slow handlers for dead servers.
+  // answer within `keepalive_timeout` is dead, and its calls go on elsewhere, or end with UNAVAILABLE.
   absl::Duration keepalive_time = absl::Seconds(5);
   absl::Duration keepalive_timeout = absl::Seconds(10);
   // One attempt to connect to one address.

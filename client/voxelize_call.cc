@@ -1,11 +1,8 @@
 #include "client/voxelize_call.h"
 
-#include <future>
-#include <system_error>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "client/upload.h"
+#include "client/voxelize_stream.h"
 #include "client/wire.h"
 
 namespace latvox::client {
@@ -50,34 +47,23 @@ AttemptEnd VoxelizeCall::TryServer() {
   return end;
 }
 
-// One thread writes and the calling thread reads, so that an early error is seen while the upload still runs, and a
-// server that answers before it has read everything cannot block both sides.
 AttemptEnd VoxelizeCall::Stretch(bool with_mesh) {
   check_.BeginStretch();
   v1::VoxelizeRequest first;
   *first.mutable_spec() = ToProto(request_, mesh_, check_.resume_after());
   Attempt attempt(options_);
-  const auto stream = connection_.endpoint(tries_.server()).stub->Voxelize(&attempt.context());
-  std::future<uint64_t> upload;
-  try {
-    upload =
-        std::async(std::launch::async, [&] { return Upload(first, with_mesh ? *drc_ : std::string_view(), *stream); });
-  } catch (const std::system_error& error) {
-    attempt.context().TryCancel();
-    stream->Finish();
-    return {absl::ResourceExhaustedError(absl::StrCat("no thread for the upload: ", error.what()))};
-  }
+  VoxelizeStream stream(*connection_.endpoint(tries_.server()).stub, attempt.context(), first,
+                        with_mesh ? *drc_ : std::string_view());
   absl::Status ours;
-  for (v1::VoxelizeResponse answer; stream->Read(&answer);) {
+  for (v1::VoxelizeResponse answer; stream.Read(answer);) {
     bytes_received_ += answer.ByteSizeLong();
     if (ours = Take(answer); !ours.ok()) {
       attempt.context().TryCancel();
       break;
     }
   }
-  // Without this, an answer that ended early would leave the writer waiting for a server that does not read.
-  bytes_sent_ += upload.get();
-  const grpc::Status status = stream->Finish();
+  const grpc::Status status = stream.Finish();
+  bytes_sent_ += stream.sent();
   return ours.ok() ? attempt.End(status) : AttemptEnd{ours};
 }
 

@@ -28,12 +28,11 @@ bool IsLoopback(const std::string& host) {
 
 }  // namespace
 
-bool IsLocal(const std::string& address) {
-  for (const char* scheme : {"unix:", "unix-abstract:"}) {
-    if (absl::StartsWith(address, scheme)) return true;
-  }
-  return IsLoopback(std::string{HostPart(address)});
+bool IsUnixSocket(absl::string_view address) {
+  return absl::StartsWith(address, "unix:") || absl::StartsWith(address, "unix-abstract:");
 }
+
+bool IsLocal(const std::string& address) { return IsUnixSocket(address) || IsLoopback(std::string{HostPart(address)}); }
 
 absl::Status CheckProtected(const std::string& address, bool tls, bool insecure) {
   if (tls && insecure) {

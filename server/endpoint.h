@@ -9,6 +9,9 @@
 
 namespace latvox {
 
+// unix:PATH and unix-abstract:NAME.
+bool IsUnixSocket(absl::string_view address);
+
 // Whether only this machine can connect to it: a Unix socket, a loopback address, or localhost.
 bool IsLocal(const std::string& address);
 

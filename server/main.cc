@@ -71,8 +71,9 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   Log(LogLevel::kInfo, "started",
       {{"version", LATVOX_VERSION}, {"simd", std::string{latvox::SimdInUse()}}, {"pid", getpid()}});
   for (const std::string& address : (*server)->addresses()) Log(LogLevel::kInfo, "listening", {{"address", address}});
-  if (const std::string address = (*server)->metrics_address(); !address.empty()) {
-    Log(LogLevel::kInfo, "metrics", {{"address", address}});
+  for (const auto& [event, address] :
+       {std::pair("health", (*server)->health_address()), {"metrics", (*server)->metrics_address()}}) {
+    if (!address.empty()) Log(LogLevel::kInfo, event, {{"address", address}});
   }
   const std::string reason = signals.Wait([&] { Reload(argc, argv, configuration.settings, **server); });
   return StopServer(**server, signals, reason, options.grace);

@@ -24,8 +24,15 @@ void AddLimits(CLI::App& app, Limits& limits) {
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 
-void AddAccess(CLI::App& app, ServerOptions& server) {
-  Add(app, "--token-file", server.token_file,
+void AddAccess(CLI::App& app, AccessOptions& access) {
+  Add(app, "--tls-cert", access.tls.certificate, "Certificate chain (PEM): TLS on all addresses but Unix sockets")
+      ->type_name("FILE");
+  Add(app, "--tls-key", access.tls.key, "Key of the certificate (PEM, without a passphrase)")->type_name("FILE");
+  Add(app, "--tls-client-ca", access.tls.client_ca,
+      "Roots (PEM): clients have to show a certificate that leads to one of them")
+      ->type_name("FILE");
+  AddSwitch(app, "--insecure", access.insecure, "Serve others than this machine in plain text");
+  Add(app, "--token-file", access.token_file,
       "File of bearer tokens, a line each: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
       "TOKEN may be sha256:HEX. Without it, everybody may call")
       ->type_name("FILE");
@@ -79,7 +86,10 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");
-  AddAccess(app, options.server);
+  AddAccess(app, options.server.access);
+  Add(app, "--health-listen", options.server.health_listen,
+      "Address for grpc.health.v1 alone, in plain text, for probes that know no TLS")
+      ->type_name("ADDRESS");
   Add(app, "--metrics-listen", options.server.metrics_listen,
       "Address for Prometheus, HOST:PORT with an IP address: plain HTTP, for everybody; path /metrics")
       ->type_name("ADDRESS");

@@ -18,9 +18,10 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/authenticator.h"
+#include "server/access.h"
 #include "server/call_registry.h"
-#include "server/file_watch.h"
+#include "server/endpoint.h"
+#include "server/health_server.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
@@ -39,16 +40,6 @@ constexpr absl::Duration kStopTimeout = absl::Seconds(5);
 constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
 
 int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToInt64Milliseconds(duration)); }
-
-absl::Status CannotListen(const std::string& address, absl::string_view why) {
-  return absl::UnavailableError(absl::StrCat("cannot listen on ", address, ": ", why));
-}
-
-// "HOST:0" with the port that was chosen.
-std::string BoundAddress(const std::string& address, int port) {
-  if (SocketPathOf(address) || !absl::EndsWith(address, ":0")) return address;
-  return absl::StrCat(address.substr(0, address.size() - 1), port);
-}
 
 // Parts of the memory: gRPC's quota, and at most so much of kept meshes; what the process takes besides jobs.
 constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
@@ -92,10 +83,10 @@ class Server final : public VoxelServer {
         meshes_(options_.limits.mesh_store_bytes),
         memory_(options_.limits.memory_budget_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
-        authenticator_(options.token_file),
-        service_({options_.limits, *decoders_, meshes_, memory_, quick_, bulk_, registry_, metrics_}, authenticator_) {
+        access_(options_.access),
+        service_({options_.limits, *decoders_, meshes_, memory_, quick_, bulk_, registry_, metrics_},
+                 access_.authenticator()) {
     AddMetrics();
-    files_.Add({options_.token_file}, [this] { authenticator_.Reload(); });
   }
 
   ~Server() override { Stop(absl::ZeroDuration()); }
@@ -104,13 +95,15 @@ class Server final : public VoxelServer {
 
   const std::vector<std::string>& addresses() const override { return addresses_; }
   std::string metrics_address() const override { return metrics_server_ ? metrics_server_->address() : ""; }
+  std::string health_address() const override { return health_server_ ? health_server_->address() : ""; }
   size_t calls() const override { return registry_.size(); }
-  void Reload() override { authenticator_.Reload(); }
+  void Reload() override { access_.Reload(); }
   DecoderFacts decoder_facts() const override { return decoders_->facts(); }
   bool Stop(absl::Duration grace) override;
 
  private:
   void AddMetrics();
+  absl::Status ListenBesides();
   void Configure(grpc::ServerBuilder& builder) const;
   void Watch();
   void StopWatch();
@@ -125,43 +118,45 @@ class Server final : public VoxelServer {
   MeshStore meshes_;
   MemoryBudget memory_;
   CallRegistry registry_;
-  Authenticator authenticator_;
+  Access access_;
   Metrics metrics_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
-  FileWatch files_;
-  std::unique_ptr<MetricsServer> metrics_server_;
 
   std::mutex stop_mu_;
   std::condition_variable stopped_;
   bool stopping_ = false;  // guarded by stop_mu_
   std::thread watch_;      // ends stalled calls
+
+  std::unique_ptr<HealthServer> health_server_;
+  std::unique_ptr<MetricsServer> metrics_server_;  // the first to go: it reads the others
 };
 
+// What is read when somebody asks for the metrics.
 void Server::AddMetrics() {
-  metrics_.AddGauge("latvox_jobs_running", "Jobs at work.", [this] { return registry_.working(); });
-  metrics_.AddGauge("latvox_jobs_queued", "Jobs that send their input or wait for their turn.",
-                    [this] { return registry_.queued(); });
-  metrics_.AddGauge("latvox_jobs_max", "Jobs that may be at work at once.",
-                    [this] { return options_.limits.max_jobs; });
-  metrics_.AddGauge("latvox_memory_reserved_bytes", "Memory that jobs have reserved.",
-                    [this] { return memory_.reserved(); });
-  metrics_.AddGauge("latvox_memory_budget_bytes", "Memory that jobs may reserve.", [this] { return memory_.total(); });
-  metrics_.AddGauge("latvox_mesh_store_bytes", "Encoded meshes that are kept.", [this] { return meshes_.bytes(); });
-  metrics_.AddGauge("latvox_decoder_processes", "Processes that decode meshes.",
-                    [this] { return decoders_->facts().processes; });
-  const auto add_counter = [this](const char* name, const char* help, uint64_t DecoderFacts::*count) {
-    metrics_.AddCounter(name, help, [this, count] { return decoders_->facts().*count; });
+  const auto add = [this](const char* name, const char* help, auto read) { metrics_.AddGauge(name, help, read); };
+  add("latvox_jobs_running", "Jobs at work.", [this] { return registry_.working(); });
+  add("latvox_jobs_max", "Jobs that may be at work at once.", [this] { return options_.limits.max_jobs; });
+  add("latvox_jobs_queued", "Jobs that send their input or wait for their turn.",
+      [this] { return registry_.queued(); });
+  add("latvox_jobs_queued_max", "Jobs that may do so.", [this] { return options_.limits.max_queued_jobs; });
+  add("latvox_memory_limit_bytes", "Memory that the process stays below.", [this] { return options_.memory_bytes; });
+  add("latvox_memory_budget_bytes", "Memory that jobs may reserve, of that.", [this] { return memory_.total(); });
+  add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });
+  add("latvox_mesh_store_bytes", "Encoded meshes that are kept.", [this] { return meshes_.bytes(); });
+  add("latvox_decoder_processes", "Processes that decode meshes.", [this] { return decoders_->facts().processes; });
+  const auto count = [this](const char* name, const char* help, uint64_t DecoderFacts::*fact) {
+    metrics_.AddCounter(name, help, [this, fact] { return decoders_->facts().*fact; });
   };
-  add_counter("latvox_decoder_decodes_total", "Decodes that ended, well or not.", &DecoderFacts::decodes);
-  add_counter("latvox_decoder_restarts_total", "Decoder processes that were replaced.", &DecoderFacts::restarts);
-  add_counter("latvox_decoder_crashes_total", "Decoder processes that ended by themselves while they decoded.",
-              &DecoderFacts::crashes);
-  add_counter("latvox_decoder_timeouts_total", "Decodes that came to the end of their CPU time.",
-              &DecoderFacts::killed_for_time);
-  add_counter("latvox_decoder_out_of_memory_total", "Decodes that came to the end of their memory.",
-              &DecoderFacts::killed_for_memory);
+  count("latvox_decoder_decodes_total", "Decodes that ended, well or not.", &DecoderFacts::decodes);
+  count("latvox_decoder_restarts_total", "Decoder processes that were replaced.", &DecoderFacts::restarts);
+  count("latvox_decoder_crashes_total", "Decoder processes that ended by themselves while they decoded.",
+        &DecoderFacts::crashes);
+  count("latvox_decoder_timeouts_total", "Decodes that came to the end of their CPU time.",
+        &DecoderFacts::killed_for_time);
+  count("latvox_decoder_out_of_memory_total", "Decodes that came to the end of their memory.",
+        &DecoderFacts::killed_for_memory);
 }
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
@@ -181,35 +176,46 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
 
 absl::Status Server::Listen() {
   if (options_.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
-  if (absl::Status status = authenticator_.Read(); !status.ok()) return status;
+  if (absl::Status status = access_.Open(options_.listen); !status.ok()) return status;
   grpc::ServerBuilder builder;
   Configure(builder);
   builder.RegisterService(&service_);
   std::vector<int> ports(options_.listen.size(), -1);
   for (size_t n = 0; n < ports.size(); ++n) {
     const std::string& address = options_.listen[n];
-    if (const auto path = SocketPathOf(address)) {
-      if (absl::Status status = CheckSocketPathIsFree(*path); !status.ok()) {
-        return CannotListen(address, status.message());
-      }
-    }
-    builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &ports[n]);
+    if (absl::Status status = CheckAddressIsFree(address); !status.ok()) return status;
+    builder.AddListeningPort(address, access_.CredentialsFor(address), &ports[n]);
   }
   server_ = builder.BuildAndStart();
   if (!server_) {
     const auto failed = std::find_if(ports.begin(), ports.end(), [](int port) { return port <= 0; }) - ports.begin();
     const size_t n = std::min(static_cast<size_t>(failed), ports.size() - 1);
-    return CannotListen(options_.listen[n], "the address is in use, not of this machine, or not permitted");
+    return CannotListen(options_.listen[n]);
+  }
+  for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
+  if (absl::Status status = ListenBesides(); !status.ok()) return status;
+  if (access_.certificate_expires()) {
+    metrics_.AddGauge("latvox_tls_certificate_expiry_timestamp_seconds", "When the server's certificate ends.",
+                      [this] { return absl::ToDoubleSeconds(*access_.certificate_expires() - absl::UnixEpoch()); });
+  }
+  access_.Follow();
+  watch_ = std::thread([this] { Watch(); });
+  server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
+  return absl::OkStatus();
+}
+
+// For those that watch the server.
+absl::Status Server::ListenBesides() {
+  if (!options_.health_listen.empty()) {
+    auto health_server = HealthServer::Start(options_.health_listen);
+    if (!health_server.ok()) return health_server.status();
+    health_server_ = *std::move(health_server);
   }
   if (!options_.metrics_listen.empty()) {
     auto metrics_server = MetricsServer::Start(options_.metrics_listen, metrics_);
     if (!metrics_server.ok()) return metrics_server.status();
     metrics_server_ = *std::move(metrics_server);
   }
-  files_.Start();
-  for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
-  watch_ = std::thread([this] { Watch(); });
-  server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();
 }
 
@@ -236,6 +242,7 @@ void Server::StopWatch() {
 bool Server::Stop(absl::Duration grace) {
   if (!server_) return true;
   server_->GetHealthCheckService()->Shutdown();
+  if (health_server_) health_server_->SetNotServing();
   registry_.Close();
   if (!registry_.WaitUntilEmpty(grace)) {
     registry_.StopAll();
@@ -255,7 +262,7 @@ bool Server::Stop(absl::Duration grace) {
 
 absl::Status VoxelServer::Check(const ServerOptions& options) {
   if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
-  return Authenticator(options.token_file).Read();
+  return Access(options.access).Open(options.listen);
 }
 
 absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOptions& options) {

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "server/access.h"
 #include "server/decoder_pool.h"
 #include "server/limits.h"
 
@@ -17,8 +18,9 @@ struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
   int threads = 0;                                        // for compute; 0: one for each core
   Limits limits;
+  AccessOptions access;
   std::string metrics_listen;  // HOST:PORT for Prometheus; empty: none
-  std::string token_file;      // who may call, see server/token_set.h; empty: everybody
+  std::string health_listen;   // of grpc.health.v1 alone, in plain text; empty: none
   DecoderOptions decoder;      // its `program` has to be set: the server has none of its own
 
   // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
@@ -53,6 +55,7 @@ class VoxelServer {
 
   // Empty if there is none.
   virtual std::string metrics_address() const = 0;
+  virtual std::string health_address() const = 0;
 
   // Calls in progress.
   virtual size_t calls() const = 0;

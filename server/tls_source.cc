@@ -45,23 +45,26 @@ class ReloadingCredentials final : public grpc::ServerCredentials {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);
   }
 
-  // On gRPC's threads, under a lock of the port's: one at a time.
+  // On gRPC's threads.
   static grpc_ssl_certificate_config_reload_status Fetch(void* self, grpc_ssl_server_certificate_config** config) {
     return static_cast<ReloadingCredentials*>(self)->FetchNew(config);
   }
 
   grpc_ssl_certificate_config_reload_status FetchNew(grpc_ssl_server_certificate_config** config) {
     auto texts = current_->Get();
+    const std::lock_guard lock(mu_);
     if (texts == given_) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {texts->key.c_str(), texts->certificate.c_str()};
-    *config = grpc_ssl_server_certificate_config_create(texts->client_ca.empty() ? nullptr : texts->client_ca.c_str(),
-                                                        &pair, 1);
+    // gRPC insists on roots even where no client is asked for a certificate; then, nothing is held against them.
+    const std::string& roots = texts->client_ca.empty() ? texts->certificate : texts->client_ca;
+    *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
     given_ = std::move(texts);
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }
 
   const std::shared_ptr<const Current> current_;
-  std::shared_ptr<const TlsTexts> given_;
+  std::mutex mu_;
+  std::shared_ptr<const TlsTexts> given_;  // guarded by mu_
   grpc_server_credentials* credentials_ = nullptr;
 };
 
@@ -99,8 +102,8 @@ absl::Time TlsSource::expires() const {
   return texts ? texts->expires : absl::InfiniteFuture();
 }
 
-std::shared_ptr<grpc::ServerCredentials> TlsSource::Credentials() const {
-  return std::make_shared<ReloadingCredentials<Current>>(current_);
+std::shared_ptr<grpc::ServerCredentials> TlsSource::Credentials() {
+  return credentials_.emplace_back(std::make_shared<ReloadingCredentials<Current>>(current_));
 }
 
 }  // namespace latvox

@@ -5,6 +5,7 @@
 #include <grpcpp/security/server_credentials.h>
 
 #include <memory>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
@@ -30,15 +31,17 @@ class TlsSource {
   // When the certificate that is shown ends. InfiniteFuture without TLS.
   absl::Time expires() const;
 
-  // Each new connection gets the certificate that was read last; those that there are go on. For one port; after Read.
-  // May outlive this object.
-  std::shared_ptr<grpc::ServerCredentials> Credentials() const;
+  // Each new connection gets the certificate that was read last; those that there are go on. For one port, whose server
+  // this object must outlive; after Read, and on one thread.
+  std::shared_ptr<grpc::ServerCredentials> Credentials();
 
  private:
   struct Current;
 
   const TlsFiles files_;
   const std::shared_ptr<Current> current_;
+  // A server does not keep the credentials of its ports, but asks them for certificates to its end.
+  std::vector<std::shared_ptr<grpc::ServerCredentials>> credentials_;
 };
 
 }  // namespace latvox

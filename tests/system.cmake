@@ -32,6 +32,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
     latvox_add_system_test(faults.${scenario} "${latvox_python};faults/${scenario}_test.py" FIXTURES_REQUIRED faults
                            LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
   endforeach()
+  latvox_add_system_test(e2e.resume "${latvox_python};e2e/resume_test.py")
   latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")
   latvox_add_system_test(node "node;--test;node/voxelize.test.js")
   latvox_add_system_test(readme "${latvox_python};readme/readme_test.py")

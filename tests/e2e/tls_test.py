@@ -59,6 +59,11 @@ class TlsCase(Case):
             server.tcp = self.await_log(r"event=listening address=(127\.0\.0\.1:\d+)")
             yield server
 
+    def serial(self, server):
+        """Of the certificate that a new connection sees."""
+        with Connection(server.tcp, self.authority.root) as connection:
+            return connection.serial
+
     def log(self):
         return (self.dir / "latvoxd.log").read_text()
 
@@ -71,17 +76,19 @@ class TlsCase(Case):
         return found[count - 1]
 
 
-class Connection:
+class Connection(contextlib.ExitStack):
     """TLS with HTTP/2 on it, by hand."""
 
     def __init__(self, address, root, version=None):
+        super().__init__()
         context = ssl.create_default_context(cafile=root)
         context.set_alpn_protocols(["h2"])
         if version:
             context.set_ciphers("ALL:@SECLEVEL=0")
             context.minimum_version = context.maximum_version = version
         host, port = address.split(":")
-        self.socket = context.wrap_socket(socket.create_connection((host, int(port)), timeout=harness.PATIENCE), server_hostname=host)
+        plain = self.enter_context(socket.create_connection((host, int(port)), timeout=harness.PATIENCE))
+        self.socket = self.enter_context(context.wrap_socket(plain, server_hostname=host))
         self.serial = self.socket.getpeercert()["serialNumber"]
         self.received = b""
         self.socket.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + b"\0\0\0\4\0\0\0\0\0")
@@ -122,9 +129,10 @@ class Tls(TlsCase):
     def test_versions_below_1_2_are_refused(self):
         with self.server(*self.tls) as server:
             for version in (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3):
-                self.assertTrue(Connection(server.tcp, self.authority.root, version).ping(b"12345678"))
+                with Connection(server.tcp, self.authority.root, version) as connection:
+                    self.assertTrue(connection.ping(b"12345678"))
             for version in (ssl.TLSVersion.TLSv1, ssl.TLSVersion.TLSv1_1):
-                with self.assertRaisesRegex(ssl.SSLError, "(?i)protocol|version|alert|handshake"):
+                with self.assertWarns(DeprecationWarning), self.assertRaisesRegex(ssl.SSLError, "(?i)protocol|version|alert|handshake"):
                     Connection(server.tcp, self.authority.root, version)
 
     def test_mutual_tls_wants_a_certificate_of_the_authority_and_knows_the_caller_by_it(self):
@@ -141,28 +149,28 @@ class Tls(TlsCase):
 
     def test_new_connections_see_a_new_certificate_and_old_ones_go_on(self):
         with self.server(*self.tls) as server:
-            old = Connection(server.tcp, self.authority.root)
-            self.assertEqual(Connection(server.tcp, self.authority.root).serial, old.serial)
+            old = self.enterContext(Connection(server.tcp, self.authority.root))
+            self.assertEqual(self.serial(server), old.serial)
             certificate, key = self.server_certificate("next")
             os.replace(certificate, self.certificate)
             os.replace(key, self.key)
             self.await_log("event=tls_certificate_read")
-            new = Connection(server.tcp, self.authority.root)
+            new = self.enterContext(Connection(server.tcp, self.authority.root))
             self.assertNotEqual(new.serial, old.serial)
             self.assertTrue(old.ping(b"old one."))
             self.assertTrue(new.ping(b"new one."))
 
     def test_files_that_do_not_go_together_change_nothing_until_they_do(self):
         with self.server(*self.tls) as server:
-            serial = Connection(server.tcp, self.authority.root).serial
+            serial = self.serial(server)
             certificate, key = self.server_certificate("next")
             os.replace(key, self.key)
             self.await_log("level=error event=tls_certificate_kept error=.*the key is not that of the certificate")
-            self.assertEqual(Connection(server.tcp, self.authority.root).serial, serial)
+            self.assertEqual(self.serial(server), serial)
             os.replace(certificate, self.certificate)
             server.send_signal(signal.SIGHUP)
             self.await_log("event=tls_certificate_read")
-            self.assertNotEqual(Connection(server.tcp, self.authority.root).serial, serial)
+            self.assertNotEqual(self.serial(server), serial)
 
     def test_wrong_files_are_refused_at_the_start_by_name(self):
         other, other_key = self.server_certificate("other")

@@ -73,6 +73,8 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "3",
                                          "--timeout",
                                          "1.5",
+                                         "--retries",
+                                         "7",
                                          "-o",
                                          "b.csv",
                                          "--out",
@@ -92,7 +94,17 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_TRUE(options.json);
   EXPECT_EQ(options.server.threads, 3);
   EXPECT_EQ(options.server.timeout_seconds, 1.5);
+  EXPECT_EQ(options.server.retries, 7);
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png"));
+}
+
+TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
+  ServerChoice choice;
+  EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 0);
+  choice.address = "a:1,b:2";
+  EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, RetryPolicy().max_retries);
+  choice.retries = 7;
+  EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 7);
 }
 
 TEST(Options, NeighbourCountsNameSeparabilitiesOnTheCartesianLatticeOnly) {
@@ -135,6 +147,7 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
+  refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
   refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
   refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
   refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});

@@ -40,8 +40,8 @@ class AccessTest : public testing::Test {
     ServerOptions options;
     options.listen = {"unix:" + pattern + "/socket"};
     options.threads = 1;
-    options.token_file = token_file_;
     options.decoder.program = LATVOXD;
+    options.access.token_file = token_file_;
     auto server = VoxelServer::Start(options);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -170,10 +170,10 @@ TEST_F(AccessTest, AChangedFileHoldsSoonAndABrokenOneNever) {
 TEST_F(AccessTest, AServerDoesNotStartWithAFileThatIsWrong) {
   ServerOptions options;
   options.listen = {"unix:" + token_file_ + ".socket"};
-  options.token_file = token_file_ + ".missing";
+  options.access.token_file = token_file_ + ".missing";
   const auto server = VoxelServer::Start(options);
   EXPECT_EQ(server.status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(server.status().message()), testing::HasSubstr(options.token_file));
+  EXPECT_THAT(std::string(server.status().message()), testing::HasSubstr(options.access.token_file));
   EXPECT_EQ(VoxelServer::Check(options), server.status());
 }
 
