@@ -186,20 +186,22 @@ absl::Status ReadTileIjk(const uint8_t*& in, Vec3i& tile_ijk) {
   return absl::OkStatus();
 }
 
-// Reads one tile and appends its bricks.
-absl::Status UnpackTile(const uint8_t*& in, const uint8_t* end, std::vector<Brick>& bricks, UnpackKernel kernel) {
+// Reads one tile and puts its bricks behind the first `count`, which becomes their number.
+absl::Status UnpackTile(const uint8_t*& in, const uint8_t* end, std::vector<Brick>& bricks, size_t& count,
+                        UnpackKernel kernel) {
   if (static_cast<size_t>(end - in) < kTileIjkBytes) return absl::InvalidArgumentError("half a tile");
   Vec3i tile_ijk;
   if (absl::Status status = ReadTileIjk(in, tile_ijk); !status.ok()) return status;
   Brick which;
   if (!UnpackAll(in, end, &which, 1, kernel)) return absl::InvalidArgumentError("no octree of a tile's bricks");
-  const size_t begin = bricks.size(), count = Count(which.mask);
-  if (begin + count > kMaxBatchBricks) {
-    return absl::InvalidArgumentError(absl::StrCat(begin + count, " bricks exceed ", kMaxBatchBricks));
+  const size_t begin = count, added = Count(which.mask);
+  count += added;
+  if (count > kMaxBatchBricks) {
+    return absl::InvalidArgumentError(absl::StrCat(count, " bricks exceed ", kMaxBatchBricks));
   }
-  bricks.resize(begin + count);
+  if (bricks.size() < count) bricks.resize(count);
   Place(tile_ijk, which.mask, &bricks[begin]);
-  if (!UnpackAll(in, end, &bricks[begin], count, kernel)) return absl::InvalidArgumentError("no octree of a brick");
+  if (!UnpackAll(in, end, &bricks[begin], added, kernel)) return absl::InvalidArgumentError("no octree of a brick");
   return absl::OkStatus();
 }
 
@@ -217,16 +219,18 @@ absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks, U
   if (packed.size() > kMaxPackedBytes) {
     return absl::InvalidArgumentError(absl::StrCat("packed has ", packed.size(), " bytes, over ", kMaxPackedBytes));
   }
-  bricks.clear();
+  // Bricks of an earlier batch are written over rather than made anew.
+  size_t count = 0;
   const auto* const begin = reinterpret_cast<const uint8_t*>(packed.data());
   const uint8_t* const end = begin + packed.size();
   for (const uint8_t* in = begin; in != end;) {
     const auto tile = in - begin;
-    if (absl::Status status = UnpackTile(in, end, bricks, kernel); !status.ok()) {
+    if (absl::Status status = UnpackTile(in, end, bricks, count, kernel); !status.ok()) {
       return absl::InvalidArgumentError(
           absl::StrCat("packed, tile at byte ", tile, " of ", packed.size(), ": ", status.message()));
     }
   }
+  bricks.resize(count);
   return absl::OkStatus();
 }
 

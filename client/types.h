@@ -50,7 +50,7 @@ struct VoxelizeRequest {
   std::optional<IndexBox> region;      // only these voxels, as they are in the whole
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region
   Algorithm algorithm = Algorithm::kExact;
-  BrickEncoding encoding = BrickEncoding::kPackedZstd;
+  BrickEncoding encoding = BrickEncoding::kPacked;
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/brick_codec.h"
@@ -20,11 +24,7 @@ static_assert(std::endian::native == std::endian::little, "masks are sent as the
 }  // namespace
 
 void BrickBatcher::Add(const TileBricks& tile) {
-  if (encoding_ == BrickEncoding::kMasks) {
-    AddMasks(tile);
-  } else {
-    PackTile(tile, *batch_.mutable_packed());
-  }
+  encoding_ == BrickEncoding::kMasks ? AddMasks(tile) : AddPacked(tile);
   bricks_ += tile.bricks.size();
   progress_ = std::clamp(tile.progress, progress_, 1.0);
 }
@@ -41,16 +41,38 @@ void BrickBatcher::AddMasks(const TileBricks& tile) {
   }
 }
 
+void BrickBatcher::AddPacked(const TileBricks& tile) {
+  if (packed_room_ - packed_bytes_ < kMaxPackedTileBytes) GrowPacked();
+  packed_bytes_ = static_cast<size_t>(PackTile(tile, packed_.get() + packed_bytes_) - packed_.get());
+}
+
+// To what one more tile needs, and most of what full batches will.
+void BrickBatcher::GrowPacked() {
+  packed_room_ = std::max(2 * packed_bytes_, full_bytes_) + kMaxPackedTileBytes;
+  auto grown = std::make_unique_for_overwrite<uint8_t[]>(packed_room_);
+  if (packed_bytes_ != 0) std::memcpy(grown.get(), packed_.get(), packed_bytes_);
+  packed_ = std::move(grown);
+}
+
+void BrickBatcher::TakePacked() {
+  const std::string_view packed(reinterpret_cast<const char*>(packed_.get()), std::exchange(packed_bytes_, 0));
+  std::optional<std::string> frame;
+  if (encoding_ == BrickEncoding::kPackedZstd) frame = CompressWherePays(packed);
+  if (frame) {
+    batch_.set_packed(*std::move(frame));
+    batch_.set_packed_bytes(static_cast<uint32_t>(packed.size()));
+  } else {
+    batch_.set_packed(packed.data(), packed.size());
+  }
+}
+
 bool BrickBatcher::full() const {
-  const size_t bytes = encoding_ == BrickEncoding::kMasks ? bricks_ * kBrickBytes : batch_.packed().size();
+  const size_t bytes = encoding_ == BrickEncoding::kMasks ? bricks_ * kBrickBytes : packed_bytes_;
   return bytes >= full_bytes_ || bricks_ > kMaxBricks - kMaxTileBricks;
 }
 
 v1::BrickBatch BrickBatcher::Take() {
-  if (encoding_ == BrickEncoding::kPackedZstd) {
-    const auto bytes = static_cast<uint32_t>(batch_.packed().size());
-    if (CompressWherePays(*batch_.mutable_packed())) batch_.set_packed_bytes(bytes);
-  }
+  if (packed_bytes_ != 0) TakePacked();
   batch_.set_progress(progress_);
   bricks_ = 0;
   full_bytes_ = std::min(2 * full_bytes_, kFullBytes);

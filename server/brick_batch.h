@@ -3,6 +3,8 @@
 #define LATVOX_SERVER_BRICK_BATCH_H_
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 
 #include "core/tile/brick.h"
 #include "latvox/v1/voxelizer.pb.h"
@@ -34,10 +36,15 @@ class BrickBatcher {
 
  private:
   void AddMasks(const TileBricks& tile);
+  void AddPacked(const TileBricks& tile);
+  void GrowPacked();
+  void TakePacked();
 
   const BrickEncoding encoding_;
   v1::BrickBatch batch_;
-  size_t bricks_ = 0;  // in batch_
+  std::unique_ptr<uint8_t[]> packed_;  // kept from batch to batch
+  size_t packed_room_ = 0, packed_bytes_ = 0;
+  size_t bricks_ = 0;  // in batch_ or packed_
   size_t full_bytes_ = kFirstFullBytes;
   double progress_ = 0;
 };

@@ -158,32 +158,28 @@ PackKernel BestPackKernel() {
   return PackKernel::kPortable;
 }
 
-void PackTile(const TileBricks& tile, std::string& packed, PackKernel kernel) {
+uint8_t* PackTile(const TileBricks& tile, uint8_t* out, PackKernel kernel) {
+  std::memcpy(out, &tile.tile_ijk, sizeof(tile.tile_ijk));
+  out += sizeof(tile.tile_ijk);
   BrickMask which = {};
   for (const Brick& brick : tile.bricks) {
     const auto& [i, j, k] = brick.brick_ijk;
     which[i & 7] |= uint64_t{1} << ((j & 7) << 3 | (k & 7));
   }
-  const size_t begin = packed.size();
-  packed.resize(begin + sizeof(tile.tile_ijk) + (1 + tile.bricks.size()) * kMaxOctreeBytes);
-  auto* out = reinterpret_cast<uint8_t*>(packed.data() + begin);
-  std::memcpy(out, &tile.tile_ijk, sizeof(tile.tile_ijk));
-  out += sizeof(tile.tile_ijk);
 #if defined(__x86_64__)
-  out = kernel == PackKernel::kSsse3 ? PackAllFast(which, tile.bricks, out) : PackAllPortably(which, tile.bricks, out);
-#else
-  assert(kernel == PackKernel::kPortable);
-  out = PackAllPortably(which, tile.bricks, out);
+  if (kernel == PackKernel::kSsse3) return PackAllFast(which, tile.bricks, out);
 #endif
-  packed.resize(static_cast<size_t>(out - reinterpret_cast<uint8_t*>(packed.data())));
+  assert(kernel == PackKernel::kPortable);
+  return PackAllPortably(which, tile.bricks, out);
 }
 
 // Octrees hardly repeat themselves, and looking for repetitions is what takes zstd's time: of all levels, the one that
 // looks least, but with the literals' Huffman code that levels below 1 leave out. Compared with level 1, this takes
 // a third of the time and saves two thirds as much.
-bool CompressWherePays(std::string& packed) {
-  const std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
-  if (context == nullptr) return false;  // no memory: goes as it is
+std::optional<std::string> CompressWherePays(std::string_view packed) {
+  // Kept by the threads of the arena rather than by jobs: it has several hundred kilobytes.
+  thread_local const std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
+  if (context == nullptr) return std::nullopt;  // no memory: goes as it is
   for (const auto& [parameter, value] : {std::pair{ZSTD_c_compressionLevel, ZSTD_minCLevel()},
                                          std::pair{ZSTD_c_literalCompressionMode, int{ZSTD_lcm_huffman}}}) {
     [[maybe_unused]] const size_t error = ZSTD_CCtx_setParameter(context.get(), parameter, value);
@@ -191,10 +187,9 @@ bool CompressWherePays(std::string& packed) {
   }
   std::string frame(packed.size() - packed.size() / 8, '\0');
   const size_t size = ZSTD_compress2(context.get(), frame.data(), frame.size(), packed.data(), packed.size());
-  if (ZSTD_isError(size)) return false;  // it does not fit
+  if (ZSTD_isError(size)) return std::nullopt;  // it does not fit
   frame.resize(size);
-  packed = std::move(frame);
-  return true;
+  return frame;
 }
 
 }  // namespace latvox

@@ -3,7 +3,10 @@
 #define LATVOX_SERVER_BRICK_CODEC_H_
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/tile/brick.h"
 
@@ -20,11 +23,12 @@ inline constexpr size_t kMaxOctreeBytes = 1 + 8 + 64;
 // A tile: where it is, which bricks it has, and all of them.
 inline constexpr size_t kMaxPackedTileBytes = 3 * sizeof(int32_t) + (1 + 512) * kMaxOctreeBytes;
 
-// Appends one tile. Precondition: its bricks lie in it, in order, none of them empty.
-void PackTile(const TileBricks& tile, std::string& packed, PackKernel kernel = BestPackKernel());
+// Writes one tile and returns where it ends. Preconditions: its bricks lie in it, in order, none of them empty; at
+// `out` there is room for kMaxPackedTileBytes, all of which may be overwritten.
+uint8_t* PackTile(const TileBricks& tile, uint8_t* out, PackKernel kernel = BestPackKernel());
 
-// Puts `packed` in one zstd frame, if that saves an eighth of it or more; else leaves it as it is and returns false.
-bool CompressWherePays(std::string& packed);
+// `packed` as one zstd frame, if that saves an eighth of it or more.
+std::optional<std::string> CompressWherePays(std::string_view packed);
 
 }  // namespace latvox
 

@@ -1,4 +1,4 @@
-// The stages of the core one by one, for each kind of kernel, on one thread.
+// The stages of the core one by one, for each kind of kernel, and the codec of bricks, on one thread.
 //   latvox_bench_kernels --benchmark_filter=Tile
 #include <benchmark/benchmark.h>
 #include <oneapi/tbb/global_control.h>
@@ -16,6 +16,7 @@
 #include "core/snap/surface_facts.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/voxelizer.h"
+#include "tests/bench/codec_kernels.h"
 #include "tests/bench/meshes.h"
 
 namespace latvox {
@@ -140,6 +141,7 @@ void RegisterAll() {
 int main(int argc, char** argv) {
   const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   latvox::RegisterAll();
+  latvox::RegisterCodec();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

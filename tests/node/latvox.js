@@ -6,6 +6,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import grpc from '@grpc/grpc-js';
 import loader from '@grpc/proto-loader';
+import { decompress } from 'fzstd';
 import { xxhash128 } from 'hash-wasm';
 
 export const BIN = process.env.LATVOX_BIN;
@@ -60,14 +61,50 @@ export async function voxelize(client, spec, drc, pieceBytes = 1 << 16) {
   const expected = ['accepted', ...Array(Math.max(0, kinds.length - 2)).fill('bricks'), 'summary'];
   if (kinds.join() !== expected.join()) throw new Error(`answers in a wrong order: ${kinds}`);
   const bricks = answers.slice(1, -1).flatMap((answer) => bricksOf(answer.bricks));
-  return { accepted: answers[0].accepted, bricks, summary: answers.at(-1).summary };
+  const batches = answers.slice(1, -1).map((answer) => answer.bricks);
+  return { accepted: answers[0].accepted, bricks, batches, summary: answers.at(-1).summary };
 }
 
-function bricksOf({ brickIjk, masks }) {
+function bricksOf({ brickIjk, masks, packed, packedBytes }) {
+  if (packed.length > 0) {
+    if (masks.length > 0 || brickIjk.length > 0) throw new Error('a batch is both masks and packed');
+    const plain = packedBytes > 0 ? Buffer.from(decompress(packed)) : packed;
+    if (packedBytes > 0 && plain.length !== packedBytes) throw new Error(`${plain.length} bytes, not ${packedBytes}`);
+    return unpack(plain);
+  }
   if (masks.length * 3 !== brickIjk.length * 64) throw new Error('masks and brick_ijk do not match');
   const bricks = [];
   for (let n = 0; 64 * n < masks.length; ++n) {
     bricks.push({ ijk: brickIjk.slice(3 * n, 3 * n + 3), mask: masks.subarray(64 * n, 64 * n + 64) });
+  }
+  return bricks;
+}
+
+// BrickBatch.packed: tiles.
+function unpack(packed) {
+  const bricks = [];
+  let at = 0;
+  const octree = () => {
+    let boxes = [[0, 0, 0]]; // low corners
+    for (const half of [4, 2, 1]) {
+      boxes = boxes.flatMap(([x, y, z]) => {
+        const node = packed.readUInt8(at++);
+        if (node === 0) throw new Error('a node without cells');
+        const octants = [0, 1, 2, 3, 4, 5, 6, 7].filter((n) => node & (1 << n));
+        return octants.map((n) => [x + half * (n >> 2), y + half * ((n >> 1) & 1), z + half * (n & 1)]);
+      });
+    }
+    return boxes;
+  };
+  while (at < packed.length) {
+    const tile = [0, 4, 8].map((n) => packed.readInt32LE(at + n));
+    at += 12;
+    const places = octree().sort(([a, b, c], [d, e, f]) => a - d || b - e || c - f);
+    for (const place of places) {
+      const mask = Buffer.alloc(64);
+      for (const [x, y, z] of octree()) mask[8 * x + y] |= 1 << z;
+      bricks.push({ ijk: place.map((p, m) => 8 * tile[m] + p), mask });
+    }
   }
   return bricks;
 }

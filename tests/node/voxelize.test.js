@@ -126,6 +126,25 @@ test('mesh pieces of any size give the same voxels', async () => {
   assert.equal(digests.size, 1);
 });
 
+test('bricks are the same as masks, packed, and packed with zstd', async () => {
+  const drc = await encode(readObj(BUNNY));
+  for (const lattice of ['NAMED_LATTICE_CARTESIAN', 'NAMED_LATTICE_FCC']) {
+    const spec = { ...byResolution(lattice, 200), origin: vector([-0.3, 0.7, 0.2]) };
+    const masks = await voxelize(server.client, spec, drc);
+    assert.ok(masks.batches.every(({ packed }) => packed.length === 0), 'masks are what comes without a wish');
+    const wireBytes = new Map();
+    for (const encoding of ['BRICK_ENCODING_PACKED', 'BRICK_ENCODING_PACKED_ZSTD']) {
+      const packed = await voxelize(server.client, { ...spec, encoding }, drc);
+      assert.deepEqual(packed.bricks, masks.bricks);
+      assert.equal(await digestOf(packed.bricks), packed.summary.certificate.digest);
+      assert.ok(packed.batches.every(({ packedBytes }) => packedBytes > 0 === (encoding === 'BRICK_ENCODING_PACKED_ZSTD')));
+      wireBytes.set(encoding, packed.batches.reduce((sum, { packed }) => sum + packed.length, 0));
+    }
+    const [packed, zstd] = [...wireBytes.values()];
+    assert.ok(packed < 26 * masks.bricks.length && zstd < (7 / 8) * packed, `${packed} and ${zstd} bytes`);
+  }
+});
+
 test('wrong requests are INVALID_ARGUMENT and say which field', async () => {
   const drc = await encode(octahedron());
   const good = byResolution('NAMED_LATTICE_BCC', 16);
@@ -134,6 +153,7 @@ test('wrong requests are INVALID_ARGUMENT and say which field', async () => {
     ['resolution', [{ spec: byResolution('NAMED_LATTICE_BCC', 1) }, { meshPiece: drc }]],
     ['voxel_size', [{ spec: { lattice: { named: 'NAMED_LATTICE_BCC' }, voxelSize: -1 } }, { meshPiece: drc }]],
     ['separability', [{ spec: { ...good, separability: 3 } }, { meshPiece: drc }]],
+    ['encoding', [{ spec: { ...good, encoding: 4 } }, { meshPiece: drc }]],
     ['lattice', [{ spec: { resolution: 16 } }, { meshPiece: drc }]],
     ['lattice', [{ spec: byResolution('NAMED_LATTICE_UNSPECIFIED', 16) }, { meshPiece: drc }]],
     ['basis', [{ spec: { lattice: asGiven([[1, 0, 0], [0, 1, 0], [1, 1, 0]]) } }, { meshPiece: drc }]],
