@@ -167,19 +167,7 @@ static_assert(kTriangleLanes <= Candidates::kMaxRun);
 void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out) {
   const Lanes d;
   const Target& target = scan.target;
-  LaneVectors corner[3];
-  const hn::CappedTag<int32_t, 4> d4;
-  const auto from = hn::LoadU(d4, scan.origin.data());
-  for (size_t t = 0; t < kTriangleLanes; ++t) {
-    const auto& indices = scan.mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
-    for (size_t n = 0; n < 3; ++n)
-      hn::Store(hn::Sub(hn::LoadU(d4, scan.vertices[indices[n]]), from), d4, corner[n].of[t]);
-  }
-  std::array<Ints3, 3> v;
-  for (size_t n = 0; n < 3; ++n) {
-    Ints unused;
-    hn::LoadInterleaved4(d, corner[n].of[0], v[n][0], v[n][1], v[n][2], unused);
-  }
+  const std::array<Ints3, 3> v = LoadCorners(scan.mesh, scan.vertices, triangles, scan.origin);
   auto near = hn::FirstN(d, triangles.size()), small = near;
   Ints3 lowest, highest;
   for (size_t m = 0; m < 3; ++m) {
@@ -212,7 +200,8 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
     const auto t = static_cast<size_t>(std::countr_zero(large));
     Triangle triangle;
     for (size_t n = 0; n < 3; ++n) {
-      for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[n].of[t][m];
+      const Vec3i& corner = scan.mesh.vertices_lat[scan.mesh.triangles[triangles[t]][n]];
+      for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[m] - scan.origin[m];
     }
     ScanLarge(triangle, t, scan.frames, target, out);
   }

@@ -12,27 +12,17 @@
 #include <bit>
 
 #include "core/digitize/line_scan.h"
+#include "core/digitize/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes = hn::ScalableTag<int32_t>;
-using Ints = hn::Vec<Lanes>;
-inline constexpr size_t kTriangleLanes = HWY_LANES(int32_t);
-
 // An integer for each lane, in memory.
 struct alignas(64) LaneInts {
   int32_t of[kTriangleLanes];
   HWY_INLINE void operator=(Ints v) { hn::Store(v, Lanes(), of); }
-};
-
-// Four integers for each lane.
-struct alignas(64) LaneVectors {
-  int32_t of[kTriangleLanes][4];
 };
 
 // LineScan<int32_t> of each lane, and the number of its frame.
@@ -69,32 +59,12 @@ struct LineScanLanes {
   }
 };
 
-using Ints3 = std::array<Ints, 3>;
-
 // Blocks of lines are vectors: as wide as they are long, or half as wide and two high, or a quarter and four.
 inline constexpr int32_t kShapes = 3;
 template <class T>
 constexpr int32_t BlockWidth(int32_t shape) {
   return std::max(static_cast<int32_t>(HWY_LANES(T)) >> shape, 1);
 }
-
-HWY_INLINE Ints Fill(int64_t x) { return hn::Set(Lanes(), static_cast<int32_t>(x)); }
-HWY_INLINE Ints3 Minus(const Ints3& a, const Ints3& b) {
-  return {hn::Sub(a[0], b[0]), hn::Sub(a[1], b[1]), hn::Sub(a[2], b[2])};
-}
-HWY_INLINE Ints DotOf(const Ints3& a, const Ints3& b) {
-  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
-}
-HWY_INLINE Ints Minor(Ints a, Ints b, Ints c, Ints d) { return hn::Sub(hn::Mul(a, d), hn::Mul(b, c)); }
-HWY_INLINE Ints3 CrossOf(const Ints3& a, const Ints3& b) {
-  return {Minor(a[1], a[2], b[1], b[2]), Minor(a[2], a[0], b[2], b[0]), Minor(a[0], a[1], b[0], b[1])};
-}
-HWY_INLINE Ints FirstNonzero(const Ints3& v) {
-  const Ints zero = hn::Zero(Lanes());
-  return hn::IfThenElse(hn::Eq(v[0], zero), hn::IfThenElse(hn::Eq(v[1], zero), v[2], v[1]), v[0]);
-}
-HWY_INLINE Ints Least(Ints a, Ints b, Ints c) { return hn::Min(a, hn::Min(b, c)); }
-HWY_INLINE Ints Most(Ints a, Ints b, Ints c) { return hn::Max(a, hn::Max(b, c)); }
 
 // Adds a * b, which may not fit, to kLatticeUnit * whole + rest.
 HWY_INLINE void AddProduct(Ints a, Ints b, Ints& whole, Ints& rest) {

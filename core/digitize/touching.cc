@@ -9,6 +9,8 @@
 #include <algorithm>
 
 #include "core/base/append_lanes-inl.h"
+#include "core/digitize/line_forms.h"
+#include "core/digitize/triangle_lanes-inl.h"
 #include "core/snap/padded_vertices.h"
 
 namespace latvox {
@@ -16,39 +18,17 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_TOUCHING_CC_ONCE
 namespace {
 
-constexpr size_t kMaxForms = 2 * kMaxPairs;
-static_assert(kMaxForms < 32);
-
-// The rows of all frames up to sign, and for each frame its two.
-struct Forms {
-  std::vector<Vec3i> rows;
-  std::vector<std::array<size_t, 2>> of_frame;
-
-  explicit Forms(const std::vector<ScanFrame>& frames) {
-    for (const ScanFrame& scan : frames) {
-      auto& pair = of_frame.emplace_back();
-      for (size_t axis = 0; axis < 2; ++axis) {
-        Vec3i row = scan.frame.r[axis];
-        if (!FirstNonzeroIsPositive(row)) row = -row;
-        pair[axis] = static_cast<size_t>(std::find(rows.begin(), rows.end(), row) - rows.begin());
-        if (pair[axis] == rows.size()) rows.push_back(row);
-      }
-    }
-  }
-};
-
-bool Touches(const Forms& forms, const std::array<Vec3i, 3>& v) {
+bool Touches(const LineForms& forms, const std::array<Vec3i, 3>& v) {
   std::array<bool, kMaxForms> between{};
-  for (size_t n = 0; n < forms.rows.size(); ++n) {
-    // With a first nonzero entry above 0, the shift moves the form up.
-    const auto floor = [&](size_t corner) { return Dot(forms.rows[n], v[corner]) >> kSubvoxelBits; };
+  for (size_t n = 0; n < forms.between; ++n) {
+    const auto floor = [&](size_t corner) { return Dot(forms.forms[n], v[corner]) >> kSubvoxelBits; };
     between[n] = floor(0) != floor(1) || floor(0) != floor(2);
   }
   return std::any_of(forms.of_frame.begin(), forms.of_frame.end(),
-                     [&](const auto& pair) { return between[pair[0]] && between[pair[1]]; });
+                     [&](const auto& frame) { return between[frame.form[0]] && between[frame.form[1]]; });
 }
 
-void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Forms& forms,
+void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
                 std::vector<uint32_t>& touching) {
   for (const uint32_t t : triangles) {
     const auto& [v0, v1, v2] = mesh.triangles[t];
@@ -66,7 +46,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Forms& forms,
+void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
                  std::vector<uint32_t>& touching) {
   FindScalar(mesh, triangles, forms, touching);
 }
@@ -74,58 +54,34 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr size_t kLanes = HWY_LANES(int32_t);
-
-void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Forms& forms,
+void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
                  std::vector<uint32_t>& touching) {
-  const hn::ScalableTag<int32_t> d;
-  const hn::CappedTag<int32_t, 4> d4;
-  const hn::RebindToUnsigned<decltype(d)> du;
-  using V = hn::Vec<decltype(d)>;
+  const Lanes d;
+  const hn::RebindToUnsigned<Lanes> du;
   const PaddedVertices vertices(mesh);
-  const V above_fraction = hn::Set(d, ~(kLatticeUnit - 1));
   const size_t before = touching.size();
-  touching.resize(before + triangles.size() + kLanes);
+  touching.resize(before + triangles.size() + kTriangleLanes);
   uint32_t* end = touching.data() + before;
-  for (size_t first = 0; first < triangles.size(); first += kLanes) {
-    const size_t count = std::min(kLanes, triangles.size() - first);
-    alignas(64) int32_t corners[3][kLanes][4];
-    alignas(64) uint32_t numbers[kLanes];
-    for (size_t t = 0; t < kLanes; ++t) {
-      numbers[t] = triangles[first + std::min(t, count - 1)];
-      const auto& indices = mesh.triangles[numbers[t]];
-      for (size_t n = 0; n < 3; ++n) hn::Store(hn::LoadU(d4, vertices[indices[n]]), d4, corners[n][t]);
-    }
-    V v[3][3];
-    for (size_t n = 0; n < 3; ++n) {
-      V unused;
-      hn::LoadInterleaved4(d, corners[n][0], v[n][0], v[n][1], v[n][2], unused);
-    }
+  for (size_t first = 0; first < triangles.size(); first += kTriangleLanes) {
+    const auto some = triangles.subspan(first, std::min(kTriangleLanes, triangles.size() - first));
+    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, some, {});
     // A bit for each form between whose floors at the corners there is a difference.
-    V between = hn::Zero(d);
-    for (size_t n = 0; n < forms.rows.size(); ++n) {
-      const auto value = [&](const V(&corner)[3]) HWY_ATTR {
-        V sum = hn::Zero(d);
-        for (size_t m = 0; m < 3; ++m) {
-          const int32_t c = forms.rows[n][m];
-          sum = c == 0    ? sum
-                : c == 1  ? hn::Add(sum, corner[m])
-                : c == -1 ? hn::Sub(sum, corner[m])
-                          : hn::Add(sum, hn::Mul(corner[m], hn::Set(d, c)));
-        }
-        return sum;
-      };
-      const V a = value(v[0]), b = value(v[1]), c = value(v[2]);
-      const V differs = hn::And(hn::Or(hn::Xor(a, b), hn::Xor(a, c)), above_fraction);
-      const V bit = hn::Set(d, static_cast<int32_t>(1U << n));
-      between = hn::Or(between, hn::IfThenZeroElse(hn::Eq(differs, hn::Zero(d)), bit));
+    Ints between = hn::Zero(d);
+    for (size_t n = 0; n < forms.between; ++n) {
+      const Ints3 form = Fill3(forms.forms[n]);
+      const Ints a = DotOf(form, v[0]);
+      const Ints differs = hn::Or(hn::Xor(a, DotOf(form, v[1])), hn::Xor(a, DotOf(form, v[2])));
+      const auto same_floor = hn::Eq(hn::ShiftRight<kSubvoxelBits>(differs), hn::Zero(d));
+      between = hn::Or(between, hn::IfThenZeroElse(same_floor, Fill(1 << n)));
     }
     auto touches = hn::FirstN(d, 0);
-    for (const auto& [a, b] : forms.of_frame) {
-      const V both = hn::Set(d, static_cast<int32_t>(1U << a | 1U << b));
+    for (const auto& frame : forms.of_frame) {
+      const Ints both = Fill(1 << frame.form[0] | 1 << frame.form[1]);
       touches = hn::Or(touches, hn::Eq(hn::And(between, both), both));
     }
-    touches = hn::And(touches, hn::FirstN(d, count));
+    touches = hn::And(touches, hn::FirstN(d, some.size()));
+    alignas(64) uint32_t numbers[kTriangleLanes] = {};
+    std::copy(some.begin(), some.end(), numbers);
     end += AppendLanes(du, hn::Load(du, numbers), hn::RebindMask(du, touches), end);
   }
   touching.resize(static_cast<size_t>(end - touching.data()));
@@ -153,35 +109,23 @@ namespace {
 
 HWY_EXPORT(FindInLanes);
 
-void Find(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Forms& forms,
+void Find(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
           std::vector<uint32_t>& touching) {
   SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
                  : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
-}
-
-// Whether triangles spread over the mesh say that it pays to ask all.
-bool FewTouch(const SnappedMesh& mesh, const Forms& forms) {
-  constexpr size_t kSample = 1024;
-  const size_t count = mesh.triangles.size();
-  if (count < 16 * kSample) return false;
-  std::vector<uint32_t> sample(kSample), touching;
-  for (size_t n = 0; n < kSample; ++n) sample[n] = static_cast<uint32_t>(n * count / kSample);
-  Find(mesh, sample, forms, touching);
-  return touching.size() < kSample / 4 * 3;
 }
 
 }  // namespace
 
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   std::vector<uint32_t>& touching) {
-  Find(mesh, triangles, Forms(frames), touching);
+  Find(mesh, triangles, LineForms(frames), touching);
 }
 
-std::optional<std::vector<uint32_t>> TouchingIfFew(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
-                                                   const std::atomic<bool>& cancelled) {
+std::vector<uint32_t> AllTouching(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
+                                  const std::atomic<bool>& cancelled) {
   constexpr size_t kChunk = 1 << 14;
-  const Forms forms(frames);
-  if (!FewTouch(mesh, forms)) return std::nullopt;
+  const LineForms forms(frames);
   const size_t count = mesh.triangles.size();
   std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {

@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,11 +22,9 @@ namespace latvox {
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   std::vector<uint32_t>& touching);
 
-// The same for all triangles of the mesh, by all threads of the arena; or nullopt if a sample says that most of them
-// touch. Then it does not pay: triangles are not much smaller than voxels.
-// Some are missing once the job is cancelled.
-std::optional<std::vector<uint32_t>> TouchingIfFew(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
-                                                   const std::atomic<bool>& cancelled);
+// The same for all triangles of the mesh, by all threads of the arena. Some are missing once the job is cancelled.
+std::vector<uint32_t> AllTouching(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
+                                  const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

@@ -58,9 +58,16 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   }
   surface_.words() = unknown_.words();
   candidates_.Clear();
+  crossings_.Clear();
   triangles_ = triangles;
+  if (context.fine) {
+    others_.clear();
+    FindTinyCrossings(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, crossings_, others_);
+    triangles_ = others_;
+  }
   FindCandidates(context.mesh, triangles_, context.frames, box_, layout_, context.cancelled, candidates_);
   for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
+  for (const uint32_t voxel : crossings_.nearer.view()) surface_.Set(voxel);
   AddRim(context);
 }
 
@@ -111,9 +118,19 @@ void TileScan::AskStars(const TileContext& context) {
 // along principal directions, which are at hand, do so for nearly all.
 void TileScan::FindRest() {
   rest_.Resize(layout_.Words());  // empty
-  maybe_ = rim_only_;
+  maybe_.clear();
+  // For a while, rest_ holds what tiny triangles show essential, of which all edges are at hand.
+  surface_.Find(crossings_.farther.view(), false, closed_);
+  for (const uint32_t n : closed_.view()) rest_.Set(crossings_.nearer[n]);
+  rest_.Find(crossings_.nearer.view(), false, inner_);
+  for (const uint32_t n : inner_.view()) maybe_.push_back(crossings_.nearer[n]);
+  const auto add = [&](uint32_t voxel) {
+    if (!rest_.Test(voxel)) maybe_.push_back(voxel);
+  };
   surface_.Find(candidates_.farther.view(), true, open_);
-  for (const uint32_t n : open_.view()) maybe_.push_back(candidates_.nearer[n] & kNumberMask);
+  for (const uint32_t n : open_.view()) add(candidates_.nearer[n] & kNumberMask);
+  for (const uint32_t voxel : rim_only_) add(voxel);
+  for (const uint32_t n : closed_.view()) rest_.Clear(crossings_.nearer[n]);
   for (const uint32_t voxel : maybe_) rest_.Set(voxel);
   rest_.Find(candidates_.nearer.view(), true, positions_);
   for (const uint32_t n : positions_.view()) {
@@ -162,6 +179,7 @@ bool TileScan::Thin(const TileContext& context) {
     pairs_ = std::move(at_border);
     AskStars(context);
   }
+  for (const uint32_t n : inner_.view()) edges_.push_back({crossings_.nearer[n], crossings_.farther[n]});
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
   for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
   return latvox::Thin(layout_, doubtful, edges_, block_, surface_);

@@ -10,6 +10,7 @@
 #include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
 #include "core/digitize/stars.h"
+#include "core/digitize/tiny.h"
 #include "core/snap/snap.h"
 #include "core/thin/thin.h"
 #include "core/tile/brick.h"
@@ -27,6 +28,7 @@ struct TileContext {
   const std::vector<ScanFrame>& frames;
   Vec3i reach;      // per axis, the largest |q| of the frames
   bool minimal;     // whether to thin
+  bool fine;        // most triangles are tiny: see FindTinyCrossings
   IndexBox region;  // local voxels outside are not delivered
   const std::atomic<bool>& cancelled;
 
@@ -64,9 +66,11 @@ class TileScan {
   TileBits unknown_{0}, incomplete_{0};
   TileBits surface_{0};
   TileBits rest_{0};                     // what nothing has shown essential yet
-  std::span<const uint32_t> triangles_;  // what Scan was given
+  std::span<const uint32_t> triangles_;  // what Scan was given, or others_
+  std::vector<uint32_t> others_;         // those of its triangles that are not tiny
+  Crossings crossings_;                  // of the tiny ones
   Candidates candidates_;
-  NumberList positions_, open_;
+  NumberList positions_, open_, closed_, inner_;
   std::vector<uint32_t> rim_only_;  // members that no triangle crosses along its principal direction
   std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
   std::vector<VoxelTriangle> pairs_;

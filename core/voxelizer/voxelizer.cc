@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/digitize/fineness.h"
 #include "core/digitize/touching.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
@@ -68,7 +69,8 @@ class Job : public VoxelizeJob {
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
-        context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, region, cancelled_},
+        fineness_(FinenessOf(mesh_, scan_frames_)),
+        context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, fineness_.most_tiny, region, cancelled_},
         tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
         facts_(FactsOfJob(mesh_, region)) {
     if (options.resume_after) resume_after_ = *options.resume_after - tile_base_;
@@ -95,6 +97,7 @@ class Job : public VoxelizeJob {
   const std::vector<Frame> frames_;
   const std::vector<ScanFrame> scan_frames_;
   std::atomic<bool> cancelled_ = false;
+  const Fineness fineness_;
   const TileContext context_;
   TileTree tree_;
   mutable ScanPool scans_;
@@ -135,7 +138,8 @@ std::optional<TileNode> Job::NextUnit() {
   if (!std::exchange(started_, true)) {
     tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
-    oneapi::tbb::this_task_arena::isolate([&] { todo_ = tree_.Top(TouchingIfFew(mesh_, scan_frames_, cancelled_)); });
+    oneapi::tbb::this_task_arena::isolate(
+        [&] { todo_ = fineness_.few_touch ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top(); });
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {

@@ -9,6 +9,7 @@
 #include "core/digitize/crossing.h"
 #include "core/digitize/star.h"
 #include "core/digitize/stars.h"
+#include "core/digitize/tiny.h"
 #include "core/digitize/touching.h"
 #include "core/tile/cut_out.h"
 #include "tests/unit/core_exact.h"
@@ -149,6 +150,52 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
         }
         if (size == 8) {
           EXPECT_LT(scalar.size(), triangles.size() / 2) << l.name << " k " << k;
+        }
+      }
+    }
+  }
+}
+
+// Crossed edges, with their numbers: nearer, farther.
+using Edges = std::multiset<std::pair<uint32_t, uint32_t>>;
+
+void AddEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, const IndexBox& box,
+              const BitsLayout& layout, Edges& edges) {
+  for (const ScanFrame& scan : frames) {
+    ForEachCrossing(triangle, scan.frame, box, [&](const Vec3i& nearer, const Vec3i& farther) {
+      edges.insert({layout.NumberOf(nearer), layout.NumberOf(farther)});
+    });
+  }
+}
+
+TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
+  const Vec3i tile_min{128, 64, 192};
+  for (const ExactLattice& l : ExactLattices()) {
+    for (int k : {0, 2}) {
+      const auto frames = MakeScanFrames(l.lattice.frames(k));
+      const Vec3i reach = ReachOf(frames);
+      const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
+      const BitsLayout layout(tile_min, tile_min - box.min + reach);
+      for (const int32_t size : {8, 40, 90, 200}) {
+        const auto triangles = TrianglesAround(tile_min, size, 3001);
+        const SnappedMesh mesh = MeshOf(triangles);
+        Edges expected;
+        for (const Triangle& triangle : triangles) AddEdges(triangle, frames, box, layout, expected);
+        for (const Simd simd : SimdHere()) {
+          const ForcedSimd forced(simd);
+          Crossings crossings;
+          std::vector<uint32_t> others{7};  // what is there stays
+          FindTinyCrossings(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, crossings, others);
+          ASSERT_TRUE(std::is_sorted(others.begin() + 1, others.end())) << SimdInUse();
+          Edges edges;
+          for (size_t n = 0; n < crossings.nearer.size(); ++n) {
+            edges.insert({crossings.nearer[n], crossings.farther[n]});
+          }
+          if (size == 40 && simd != Simd::kScalar) {
+            EXPECT_GT(edges.size(), expected.size() / 3) << l.name << " k " << k << " " << SimdInUse();
+          }
+          for (size_t n = 1; n < others.size(); ++n) AddEdges(triangles[others[n]], frames, box, layout, edges);
+          ASSERT_EQ(edges, expected) << l.name << " k " << k << " size " << size << " " << SimdInUse();
         }
       }
     }

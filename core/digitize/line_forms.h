@@ -1,0 +1,35 @@
+// The linear forms that number lattice lines, of all directions together.
+#ifndef LATVOX_CORE_DIGITIZE_LINE_FORMS_H_
+#define LATVOX_CORE_DIGITIZE_LINE_FORMS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/vec.h"
+#include "core/digitize/principal_scan.h"
+
+namespace latvox {
+
+// Rows of frames (core/lattice/frame.h), each with a first nonzero entry above 0: then the shift of
+// core/digitize/crossing.h moves the form's value up, and floors of values need not know of it. Many frames share them.
+struct LineForms {
+  // Row n of a frame is sign[n] times the form of that number.
+  struct OfFrame {
+    std::array<size_t, 3> form;
+    std::array<int32_t, 3> sign;
+  };
+  std::vector<Vec3i> forms;
+  size_t between = 0;  // the first so many occur as rows 0 or 1: lattice lines lie between a form's values
+  std::vector<OfFrame> of_frame;
+
+  explicit LineForms(const std::vector<ScanFrame>& frames);
+};
+
+// Rows 0 and 1 of all frames have a bit each in a mask of 32; with rows 2 there are some more.
+inline constexpr size_t kMaxForms = 3 * kMaxPairs;
+static_assert(2 * kMaxPairs < 32);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_DIGITIZE_LINE_FORMS_H_
