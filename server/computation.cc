@@ -145,7 +145,7 @@ absl::Status Computation::CreateJob() {
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
-  auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options);
+  auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);
   if (!job.ok()) return WithCauseOfCore(job.status());
   job_ = *std::move(job);
   running_ = job_.get();

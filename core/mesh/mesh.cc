@@ -40,12 +40,13 @@ absl::Status Complain(const TriangleMesh& mesh) {
 
 }  // namespace
 
-absl::Status Validate(const TriangleMesh& mesh) {
+absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // vertices or triangles a task
   std::atomic<bool> valid = true;
   oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
+    if (cancelled) return;
     bool finite = true;
     for (size_t v = part.begin(); v < part.end(); ++v) {
       for (float x : mesh.vertices[v]) finite &= std::abs(x) <= std::numeric_limits<float>::max();
@@ -53,6 +54,7 @@ absl::Status Validate(const TriangleMesh& mesh) {
     if (!finite) valid = false;
   });
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+    if (cancelled) return;
     uint32_t last = 0;
     for (size_t t = part.begin(); t < part.end(); ++t) {
       for (uint32_t v : mesh.triangles[t]) last = std::max(last, v);

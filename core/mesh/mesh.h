@@ -3,10 +3,12 @@
 #define LATVOX_CORE_MESH_MESH_H_
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/cancelled.h"
 #include "core/base/vec.h"
 
 namespace latvox {
@@ -25,7 +27,7 @@ struct Bounds {
 
 // INVALID_ARGUMENT, naming the element, for a mesh without triangles, an index out of range or a vertex that is not
 // finite.
-absl::Status Validate(const TriangleMesh& mesh);
+absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // Box of the vertices that triangles use. Precondition: Validate(mesh).
 Bounds BoundsOf(const TriangleMesh& mesh);

@@ -22,9 +22,10 @@ constexpr size_t kGrain = 4096;  // vertices or triangles a task
 constexpr char kAxisName[] = "ijk";
 
 // Nonzero for each vertex that a triangle uses.
-std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh) {
+std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
   std::vector<uint8_t> used(mesh.vertices.size());
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+    if (cancelled) return;
     // Bytes may alias anything, pointers to them included; hence the copies. And they are not read first: whether a
     // mark is set already is hard to predict.
     uint8_t* const marks = used.data();
@@ -37,11 +38,12 @@ std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh) {
 }
 
 // Only vertices that triangles use count.
-LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map) {
-  const std::vector<uint8_t> used = UsedVertices(mesh);
+LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled) {
+  const std::vector<uint8_t> used = UsedVertices(mesh, cancelled);
   return oneapi::tbb::parallel_reduce(
       Part(0, mesh.vertices.size(), kGrain), LatticeRange{},
       [&](const Part& part, LatticeRange range) {
+        if (cancelled) return range;
         range.Add(RangeOf(map, &mesh.vertices[part.begin()], &used[part.begin()], part.size()));
         return range;
       },
@@ -53,9 +55,11 @@ LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map) {
 
 }  // namespace
 
-absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach) {
+absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
+                                 const std::atomic<bool>& cancelled) {
   const LatticeMap map{lattice.inverse(), origin};
-  const LatticeRange range = RangeOf(mesh, map);
+  const LatticeRange range = RangeOf(mesh, map, cancelled);
+  if (cancelled) return absl::CancelledError("voxelization cancelled");
   constexpr double kMaxPosition = 1 << kPositionBits;
   SnappedMesh snapped;
   for (size_t m = 0; m < 3; ++m) {
@@ -80,6 +84,7 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
   // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
   snapped.vertices_lat.resize(mesh.vertices.size());
   oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
+    if (cancelled) return;
     RoundVertices(map, range, snapped.base_ijk, &mesh.vertices[part.begin()], part.size(),
                   &snapped.vertices_lat[part.begin()]);
   });

@@ -7,10 +7,12 @@
 #ifndef LATVOX_CORE_SNAP_SNAP_H_
 #define LATVOX_CORE_SNAP_SNAP_H_
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/cancelled.h"
 #include "core/base/uninitialized.h"
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
@@ -62,7 +64,8 @@ inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 //   reach   per axis, the largest |q| of the frames in use, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).
-absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach);
+absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
+                                 const std::atomic<bool>& cancelled = kNeverCancelled);
 
 }  // namespace latvox
 

@@ -176,12 +176,13 @@ namespace latvox {
 
 HWY_EXPORT(Sum);
 
-SurfaceFacts FactsOf(const SnappedMesh& mesh) {
+SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
   constexpr size_t kGrain = 4096;  // triangles a task
   using Part = oneapi::tbb::blocked_range<size_t>;
   const FactsSum sum = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), FactsSum{},
       [&](const Part& part, FactsSum s) {
+        if (cancelled) return s;
         const Triangle* triangles = &mesh.triangles[part.begin()];
         s.Add(SimdIsScalar() ? PlainSum(mesh, triangles, part.size())
                              : HWY_DYNAMIC_DISPATCH(Sum)(mesh, triangles, part.size()));

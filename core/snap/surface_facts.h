@@ -16,7 +16,7 @@ struct SurfaceFacts {
 // `closed` welds by position, which codecs' duplicated vertices do not disturb. It is never denied to a mesh that is
 // closed; one that is not gets it with a probability of 2^-126 at most, as far as hashes of positions pass for random.
 // They are fixed: a mesh could be made to be taken for closed.
-SurfaceFacts FactsOf(const SnappedMesh& mesh);
+SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 }  // namespace latvox
 

@@ -29,8 +29,8 @@ bool HasTile(const IndexBox& box, const Vec3i& tile_ijk) {
 
 bool JobFacts::HasTile(const Vec3i& tile_ijk) const { return index_box && latvox::HasTile(*index_box, tile_ijk); }
 
-JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region) {
-  const SurfaceFacts surface = FactsOf(mesh);
+JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::atomic<bool>& cancelled) {
+  const SurfaceFacts surface = FactsOf(mesh, cancelled);
   JobFacts facts;
   facts.triangles = mesh.triangles.size();
   facts.vertices = mesh.vertices_lat.size();

@@ -2,13 +2,15 @@
 #ifndef LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 #define LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 
+#include <atomic>
+
 #include "core/snap/snap.h"
 #include "core/voxelizer/voxelizer.h"
 
 namespace latvox {
 
 // Facts of a job that delivers the voxels of `region` (local; empty if none).
-JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region);
+JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::atomic<bool>& cancelled);
 
 bool IsEmpty(const IndexBox& box);
 

@@ -38,8 +38,9 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
 
 class ThesisJob : public VoxelizeJob {
  public:
-  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region)
-      : mesh_(std::move(mesh)), lattice_(lattice), options_(options), facts_(FactsOfJob(mesh_, region)) {}
+  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region,
+            const std::atomic<bool>& cancelled)
+      : mesh_(std::move(mesh)), lattice_(lattice), options_(options), facts_(FactsOfJob(mesh_, region, cancelled)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -85,8 +86,8 @@ class ThesisJob : public VoxelizeJob {
 }  // namespace
 
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
-                                           const IndexBox& region) {
-  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region);
+                                           const IndexBox& region, const std::atomic<bool>& cancelled) {
+  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region, cancelled);
 }
 
 }  // namespace latvox

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_THESIS_JOB_H_
 #define LATVOX_CORE_VOXELIZER_THESIS_JOB_H_
 
+#include <atomic>
 #include <memory>
 
 #include "core/snap/snap.h"
@@ -14,7 +15,7 @@ namespace latvox {
 //   region   local voxels to deliver, within mesh.box
 // Memory: the whole set. Precondition: options.algorithm is not kExact.
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
-                                           const IndexBox& region);
+                                           const IndexBox& region, const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

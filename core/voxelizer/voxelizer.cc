@@ -41,6 +41,8 @@ IndexBox Intersection(IndexBox a, const IndexBox& b) {
   return a;
 }
 
+absl::Status Cancelled() { return absl::CancelledError("voxelization cancelled"); }
+
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
 
 // What was allocated for one block serves the next: as many scans as there are threads at work.
@@ -65,14 +67,15 @@ class ScanPool {
 
 class Job : public VoxelizeJob {
  public:
-  Job(SnappedMesh mesh, std::vector<Frame> frames, const VoxelizeOptions& options, const IndexBox& region)
+  Job(SnappedMesh mesh, std::vector<Frame> frames, const VoxelizeOptions& options, const IndexBox& region,
+      const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
         fineness_(FinenessOf(mesh_, scan_frames_)),
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, fineness_.most_tiny, region, cancelled_},
         tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
-        facts_(FactsOfJob(mesh_, region)) {
+        facts_(FactsOfJob(mesh_, region, cancelled)) {
     if (options.resume_after) resume_after_ = *options.resume_after - tile_base_;
   }
 
@@ -220,7 +223,7 @@ absl::StatusOr<bool> Job::Advance(const Sink& sink) {
                 }
                 if (paused) stop = true;
               }));
-  if (cancelled_) return absl::CancelledError("voxelization cancelled");
+  if (cancelled_) return Cancelled();
   return todo_.empty();
 }
 
@@ -263,18 +266,20 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
 }
 
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh mesh, const Grid& grid,
-                                                                 const VoxelizeOptions& options) {
+                                                                 const VoxelizeOptions& options,
+                                                                 const std::atomic<bool>& cancelled) {
   if (options.separability < 0 || options.separability > 2) {
     return OutOfRange("separability", options.separability, "0, 1 or 2");
   }
   if (options.region && IsEmpty(*options.region)) {
     return absl::InvalidArgumentError("region: min is not below max on every axis");
   }
-  if (auto status = Validate(mesh); !status.ok()) return status;
+  if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
   const bool exact = options.algorithm == Algorithm::kExact;
   const Vec3i reach = exact ? ReachOf(frames) : ThesisReach(grid.lattice, options.separability, options.algorithm);
-  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach);
+  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
+  if (cancelled) return Cancelled();
   if (!snapped.ok()) return snapped.status();
   IndexBox region = snapped->box;
   if (options.region)
@@ -284,8 +289,14 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
     return absl::InvalidArgumentError(
         absl::StrFormat("resume_after: tile %d,%d,%d does not meet the index box", i, j, k));
   }
-  if (!exact) return MakeThesisJob(*std::move(snapped), grid.lattice, options, region);
-  return std::make_unique<Job>(*std::move(snapped), frames, options, region);
+  std::unique_ptr<VoxelizeJob> job;
+  if (exact) {
+    job = std::make_unique<Job>(*std::move(snapped), frames, options, region, cancelled);
+  } else {
+    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, cancelled);
+  }
+  if (cancelled) return Cancelled();
+  return job;
 }
 
 }  // namespace latvox

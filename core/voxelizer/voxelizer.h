@@ -67,8 +67,10 @@ class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
   // separability, region, resume_after.
+  // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
-                                                             const VoxelizeOptions& options);
+                                                             const VoxelizeOptions& options,
+                                                             const std::atomic<bool>& cancelled = kNeverCancelled);
   virtual ~VoxelizeJob() = default;
 
   virtual const JobFacts& facts() const = 0;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <thread>
@@ -317,6 +319,25 @@ TEST(Pipeline, CancelEndsAdvanceFromAnotherThreadAndFromTheSink) {
                 .code(),
             absl::StatusCode::kCancelled);
   EXPECT_EQ(after, 1);
+}
+
+TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
+  const TriangleMesh mesh = Sphere(400, 100);  // 640,000 triangles
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  std::atomic<bool> cancelled = true;
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {}, cancelled).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.algorithm = Algorithm::kIncremental}, cancelled).status().code(),
+            absl::StatusCode::kCancelled);
+  for (int n = 0; n < 20; ++n) {
+    cancelled = false;
+    std::thread canceller([&cancelled, n] {
+      std::this_thread::sleep_for(std::chrono::microseconds(300 * n));
+      cancelled = true;
+    });
+    const auto job = VoxelizeJob::Create(mesh, grid, {}, cancelled);
+    canceller.join();
+    EXPECT_TRUE(job.ok() || job.status().code() == absl::StatusCode::kCancelled);
+  }
 }
 
 TEST(Pipeline, HugeLatticeCostsWhatTheRegionCosts) {
