@@ -70,7 +70,7 @@ TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
 // scanned, or done as tiny ones.
 TEST(Pipeline, MeshesMuchFinerThanTheLatticeAreCoveredAndMinimalOnEachKernel) {
   const Grid grid = Unscaled(ExactLattices().front().lattice);
-  for (const double radius : {14.0, 70.0}) {
+  for (const float radius : {14.0F, 70.0F}) {
     const TriangleMesh sphere = Sphere(160, radius);
     std::string digest;
     for (const Simd simd : SimdHere()) {
