@@ -175,7 +175,7 @@ uint8_t* PackTile(const TileBricks& tile, uint8_t* out, PackKernel kernel) {
 
 // Octrees hardly repeat themselves, and looking for repetitions is what takes zstd's time: of all levels, the one that
 // looks least, but with the literals' Huffman code that levels below 1 leave out. Compared with level 1, this takes
-// a third of the time and saves two thirds as much.
+// a third of the time and saves three quarters as much.
 std::optional<std::string> CompressWherePays(std::string_view packed) {
   // Kept by the threads of the arena rather than by jobs: it has several hundred kilobytes.
   thread_local const std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
