@@ -35,8 +35,8 @@ struct IndexBox {
   bool operator==(const IndexBox&) const = default;
 };
 
-// How bricks travel; what arrives is the same. Packed takes about a quarter of the bytes of masks, and zstd a quarter
-// less again, for some time on both sides: it pays on networks below about one gigabit a second.
+// How bricks travel; what arrives is the same. kPacked has about a quarter of kMasks' bytes; kPackedZstd a quarter less
+// again, for twice the time on both sides: it pays on networks below about one gigabit a second.
 enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
 
 // What to compute. At most one of voxel_size and resolution; a named lattice needs one of them.

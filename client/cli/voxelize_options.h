@@ -27,7 +27,7 @@ struct VoxelizeWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, quantization = "auto";
   int separability = 0;
-  std::string algorithm, fill, cover;
+  std::string algorithm, encoding, fill, cover;
 };
 
 // Adds the options to a command. Parsing checks each option by itself.

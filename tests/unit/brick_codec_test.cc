@@ -310,6 +310,7 @@ TEST(Zstd, IsUsedWhereItSavesAnEighth) {
   for (char& byte : noise) byte = static_cast<char>(random());
   for (const std::string& hardly : {noise, Pack({TileWith({0, 0, 0}, With(1, 2, 3), With(3, 2, 1))})}) {
     EXPECT_FALSE(CompressWherePays(hardly));
+    EXPECT_EQ(CompressWherePays(surface), frame) << "after one that did not fit";
   }
 }
 

@@ -191,6 +191,15 @@ struct Breach {
   const char* says;
 };
 
+// Tile (0, 0, 0) with voxel (0, 0, 0) alone, packed.
+const std::string kTile0 = std::string(12, '\0') + "\1\1\1\1\1\1";
+
+void Packed(v1::BrickBatch* batch, const std::string& packed) {
+  batch->clear_brick_ijk();
+  batch->clear_masks();
+  batch->set_packed(packed);
+}
+
 std::vector<Breach> Breaches() {
   using Messages = std::vector<v1::VoxelizeResponse>;
   const auto first = [](Messages& m) { return m[1].mutable_bricks(); };
@@ -223,6 +232,14 @@ std::vector<Breach> Breaches() {
       {"mesh bytes", [=](Messages& m) { summary(m)->set_mesh_bytes(1); }, "1 mesh bytes"},
       {"bit flipped in flight", [=](Messages& m) { (*second(m)->mutable_masks())[0] = '\x0F'; }, "digest"},
       {"no digest", [=](Messages& m) { summary(m)->mutable_certificate()->clear_digest(); }, "digest"},
+      {"packed and masks", [=](Messages& m) { second(m)->set_packed("x"); }, "both masks and packed"},
+      {"half a tile", [=](Messages& m) { Packed(second(m), std::string(11, 1)); }, "tile at byte 0 of 11: half a tile"},
+      {"packed brick outside", [=](Messages& m) { Packed(second(m), std::string(12, 1) + "\1\1\1\1\1\1"); }, "outside"},
+      {"packed brick twice", [=](Messages& m) { Packed(second(m), kTile0 + kTile0); }, "brick 0,0,0 is out of order"},
+      {"packed bits flipped", [=](Messages& m) { Packed(second(m), kTile0); }, "summary of 6 voxels after 2"},
+      {"no zstd frame", [=](Messages& m) { Packed(second(m), kTile0), second(m)->set_packed_bytes(18); }, "zstd"},
+      {"a bomb", [=](Messages& m) { Packed(second(m), "x"), second(m)->set_packed_bytes(UINT32_MAX); },
+       "packed_bytes 4294967295 exceeds 1048576"},
       {"progress falls", [=](Messages& m) { second(m)->set_progress(0.25); }, "progress"},
       {"progress NaN", [=](Messages& m) { first(m)->set_progress(NAN); }, "progress"},
       {"progress over 1", [=](Messages& m) { second(m)->set_progress(1.5); }, "progress"},
@@ -234,6 +251,20 @@ std::vector<Breach> Breaches() {
       {"empty box", [](Messages& m) { m[0].mutable_accepted()->mutable_index_box()->mutable_max()->set_j(0); },
        "index_box"},
   };
+}
+
+// Tile (-1, 0, 0) with its brick (7, 0, 0), of which (0, 0, 0), and tile (0, 0, 0), which has two bricks: what Answers
+// has.
+TEST(Call, TakesPackedBricksAsWell) {
+  Answers answers(kMesh.size());
+  Packed(answers.first.mutable_bricks(), "\xFF\xFF\xFF\xFF" + std::string(8, '\0') + "\x10\x10\x10\1\1\1");
+  const std::string second = std::string(12, '\0') + "\5\1\4\1\x08" + "\2\3\3\3" + "\1\1\2";
+  Packed(answers.second.mutable_bricks(), second);
+  EXPECT_EQ(CallWith(answers.All()), absl::OkStatus());
+  // The same as a zstd frame: its magic number, a header that has the size in a byte, one raw block.
+  Packed(answers.second.mutable_bricks(), std::string("\x28\xB5\x2F\xFD\x20\x18\xC1\0\0", 9) + second);
+  answers.second.mutable_bricks()->set_packed_bytes(24);
+  EXPECT_EQ(CallWith(answers.All()), absl::OkStatus());
 }
 
 TEST(Call, EveryBreachOfTheProtocolIsDataLossThatNamesIt) {
