@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/strings/numbers.h"
+#include "client/channel_security.h"
 #include "client/error.h"
 #include "client/wire.h"
 
@@ -45,9 +46,10 @@ bool MayPassByItself(absl::StatusCode code, const ErrorDetails& details, bool as
 
 absl::Status CancelledByCaller() { return absl::CancelledError("cancelled by the caller"); }
 
-Attempt::Attempt(const CallOptions& options)
+Attempt::Attempt(const CallOptions& options, const Credentials& credentials)
     : options_(options), on_cancel_(options.cancellation, [this] { context_.TryCancel(); }) {
   if (options.deadline) context_.set_deadline(absl::ToChronoTime(*options.deadline));
+  AddCallMetadata(credentials, options.traceparent, context_);
 }
 
 // gRPC's own words for the two ends that the caller brought about say less than these.

@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/time/time.h"
 #include "client/call_options.h"
+#include "client/credentials.h"
 
 namespace latvox::client {
 
@@ -26,7 +27,7 @@ struct AttemptEnd {
 class Attempt {
  public:
   // `options` must outlive it.
-  explicit Attempt(const CallOptions& options);
+  Attempt(const CallOptions& options, const Credentials& credentials);
 
   grpc::ClientContext& context() { return context_; }
 

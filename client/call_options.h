@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_CALL_OPTIONS_H_
 
 #include <optional>
+#include <string>
 
 #include "absl/time/time.h"
 #include "client/cancellation.h"
@@ -14,6 +15,7 @@ struct CallOptions {
   std::optional<absl::Time> deadline;  // DEADLINE_EXCEEDED after it, over all tries; default: none
   Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
   RetryPolicy retry = {};
+  std::string traceparent = {};  // W3C trace context that the call belongs to; a malformed one is not sent
 };
 
 }  // namespace latvox::client

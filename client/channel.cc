@@ -1,8 +1,9 @@
 #include "client/channel.h"
 
 #include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
+
+#include "client/channel_security.h"
 
 namespace latvox::client {
 namespace {
@@ -35,8 +36,11 @@ grpc::ChannelArguments Arguments(const ConnectionOptions& options) {
 
 }  // namespace
 
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address, const ConnectionOptions& options) {
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments(options));
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
+                                                           const ConnectionOptions& options) {
+  const auto credentials = MakeChannelCredentials(address, options.credentials);
+  if (!credentials.ok()) return credentials.status();
+  return grpc::CreateCustomChannel(address, *credentials, Arguments(options));
 }
 
 }  // namespace latvox::client

@@ -7,13 +7,15 @@
 #include <memory>
 #include <string>
 
+#include "absl/status/statusor.h"
 #include "client/connection_options.h"
 
 namespace latvox::client {
 
 // A channel, not connected yet, to "HOST:PORT" or "unix:PATH". Calls go in turn to all addresses that HOST resolves to
-// and that can be reached.
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address, const ConnectionOptions& options);
+// and that can be reached. Errors: as MakeChannelCredentials.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
+                                                           const ConnectionOptions& options);
 
 }  // namespace latvox::client
 

@@ -95,7 +95,9 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials
 
 void AddCallMetadata(const Credentials& credentials, const std::string& traceparent, grpc::ClientContext& context) {
   if (!credentials.token.empty()) context.AddMetadata("authorization", absl::StrCat("Bearer ", credentials.token));
-  if (!traceparent.empty()) context.AddMetadata("traceparent", traceparent);
+  // gRPC would fail the call for what cannot stand in metadata.
+  const bool good = traceparent.find_first_not_of("0123456789abcdef-") == std::string::npos;
+  if (good && !traceparent.empty()) context.AddMetadata("traceparent", traceparent);
 }
 
 }  // namespace latvox::client

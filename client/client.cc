@@ -56,7 +56,7 @@ absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_drc, const CallOpti
   first.mutable_spec()->set_mesh_sha256(mesh->sha256.data(), mesh->sha256.size());
   first.mutable_spec()->set_mesh_bytes(mesh->bytes);
   const absl::Status status = Repeat(*connection_, options, [&](size_t server) {
-    Attempt attempt(options);
+    Attempt attempt(options, connection_->credentials());
     v1::PutMeshResponse response;
     const auto stream = connection_->endpoint(server).stub->PutMesh(&attempt.context(), &response);
     MeshPieces<v1::PutMeshRequest> pieces(mesh_drc);
@@ -76,7 +76,7 @@ absl::StatusOr<Pixelization> Client::Pixelize(const PixelizeRequest& request, co
   const v1::PixelizeRequest message = ToProto(request);
   v1::PixelizeResponse response;
   const absl::Status status = Repeat(*connection_, options, [&](size_t server) {
-    Attempt attempt(options);
+    Attempt attempt(options, connection_->credentials());
     return attempt.End(connection_->endpoint(server).stub->Pixelize(&attempt.context(), message, &response));
   });
   if (!status.ok()) return status;
@@ -91,7 +91,7 @@ absl::StatusOr<Pixelization> Client::Pixelize(const PixelizeRequest& request, co
 absl::StatusOr<Limits> Client::GetLimits(const CallOptions& options) const {
   v1::GetLimitsResponse response;
   const absl::Status status = Repeat(*connection_, options, [&](size_t server) {
-    Attempt attempt(options);
+    Attempt attempt(options, connection_->credentials());
     const v1::GetLimitsRequest message;
     return attempt.End(connection_->endpoint(server).stub->GetLimits(&attempt.context(), message, &response));
   });
@@ -102,7 +102,7 @@ absl::StatusOr<Limits> Client::GetLimits(const CallOptions& options) const {
 // grpc.health.v1 written out by hand, as two bytes at most are spoken: the request {} asks for the whole server, and
 // the answer's field 1 is the status, 1 for SERVING.
 absl::StatusOr<bool> Client::Health(const CallOptions& options) const {
-  Attempt attempt(options);
+  Attempt attempt(options, connection_->credentials());
   const grpc::Slice nothing;
   const grpc::ByteBuffer request(&nothing, 1);
   grpc::ByteBuffer response;

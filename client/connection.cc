@@ -25,10 +25,12 @@ absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::vector<s
                                                              const CallOptions& options,
                                                              const ConnectionOptions& connection_options) {
   std::unique_ptr<Connection> connection(new Connection);
+  connection->credentials_ = connection_options.credentials;
   for (const std::string& address : addresses) {
     auto channel = MakeChannel(address, connection_options);
-    auto stub = v1::Voxelizer::NewStub(channel);
-    connection->endpoints_.push_back({address, std::move(channel), std::move(stub)});
+    if (!channel.ok()) return channel.status();
+    auto stub = v1::Voxelizer::NewStub(*channel);
+    connection->endpoints_.push_back({address, *std::move(channel), std::move(stub)});
   }
   if (absl::Status status = connection->AwaitReady(addresses, options); !status.ok()) return status;
   return connection;

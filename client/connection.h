@@ -37,6 +37,7 @@ class Connection {
                                                           const ConnectionOptions& connection_options);
 
   size_t size() const { return endpoints_.size(); }
+  const Credentials& credentials() const { return credentials_; }
   const Endpoint& endpoint(size_t index) const { return endpoints_[index]; }
 
   // The endpoint for the next try: of those that are not `tried` (one bool for each), the next in turn that is
@@ -60,6 +61,7 @@ class Connection {
   absl::Status AwaitReady(const std::vector<std::string>& addresses, const CallOptions& options) const;
 
   std::vector<Endpoint> endpoints_;
+  Credentials credentials_;
   std::atomic<size_t> turn_ = 0;
   mutable std::mutex mutex_;
   std::deque<Kept> kept_;  // guarded by mutex_; the oldest first

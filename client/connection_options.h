@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_CONNECTION_OPTIONS_H_
 
 #include "absl/time/time.h"
+#include "client/credentials.h"
 
 namespace latvox::client {
 
@@ -13,6 +14,7 @@ struct ConnectionOptions {
   absl::Duration keepalive_timeout = absl::Seconds(10);
   // One attempt to connect to one address.
   absl::Duration connect_timeout = absl::Seconds(5);
+  Credentials credentials = {};
 };
 
 }  // namespace latvox::client

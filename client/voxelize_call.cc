@@ -51,7 +51,7 @@ AttemptEnd VoxelizeCall::Stretch(bool with_mesh) {
   check_.BeginStretch();
   v1::VoxelizeRequest first;
   *first.mutable_spec() = ToProto(request_, mesh_, check_.resume_after());
-  Attempt attempt(options_);
+  Attempt attempt(options_, connection_.credentials());
   VoxelizeStream stream(*connection_.endpoint(tries_.server()).stub, attempt.context(), first,
                         with_mesh ? *drc_ : std::string_view());
   absl::Status ours;

@@ -1,6 +1,7 @@
 #include "server/health_server.h"
 
 #include <grpc/grpc.h>
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/server_builder_option.h>
@@ -26,11 +27,11 @@ class WithoutPlugins final : public grpc::ServerBuilderOption {
 
 class Server final : public HealthServer {
  public:
-  Server(std::unique_ptr<grpc::Server> server, std::string address)
-      : server_(std::move(server)), address_(std::move(address)) {
-    server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
-  }
+  // UNAVAILABLE naming the address.
+  absl::Status Listen(const std::string& address);
+
   ~Server() override {
+    if (!server_) return;
     server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
     RemoveSocketFiles({address_});
   }
@@ -39,23 +40,35 @@ class Server final : public HealthServer {
   void SetNotServing() override { server_->GetHealthCheckService()->Shutdown(); }
 
  private:
-  const std::unique_ptr<grpc::Server> server_;
-  const std::string address_;
+  // gRPC builds no server without a service of its user's. Answers UNIMPLEMENTED to all calls but those of the health
+  // service.
+  grpc::CallbackGenericService nothing_;
+  std::unique_ptr<grpc::Server> server_;
+  std::string address_;
 };
+
+absl::Status Server::Listen(const std::string& address) {
+  if (absl::Status status = CheckAddressIsFree(address); !status.ok()) return status;
+  grpc::ServerBuilder builder;
+  builder.SetOption(std::make_unique<WithoutPlugins>());
+  builder.RegisterCallbackGenericService(&nothing_);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  int port = -1;
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
+  server_ = builder.BuildAndStart();
+  if (!server_) return CannotListen(address);
+  address_ = BoundAddress(address, port);
+  server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
+  return absl::OkStatus();
+}
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<HealthServer>> HealthServer::Start(const std::string& address) {
-  if (absl::Status status = CheckAddressIsFree(address); !status.ok()) return status;
   grpc::EnableDefaultHealthCheckService(true);
-  grpc::ServerBuilder builder;
-  builder.SetOption(std::make_unique<WithoutPlugins>());
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  int port = -1;
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
-  auto server = builder.BuildAndStart();
-  if (!server) return CannotListen(address);
-  return std::make_unique<Server>(std::move(server), BoundAddress(address, port));
+  auto server = std::make_unique<Server>();
+  if (absl::Status status = server->Listen(address); !status.ok()) return status;
+  return server;
 }
 
 }  // namespace latvox

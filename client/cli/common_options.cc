@@ -59,6 +59,24 @@ void CheckOutputs(const std::vector<std::string>& outputs, const std::string& in
   }
 }
 
+namespace {
+
+void AddCredentials(CLI::App& command, ServerChoice& choice) {
+  Credentials& credentials = choice.credentials;
+  command.add_flag("--tls", credentials.tls, "encrypt, and believe a server with a certificate of the system's roots")
+      ->needs("--server");
+  const auto add_file = [&command](const char* name, std::string& path, const char* description) {
+    command.add_option(name, path, description)->type_name("FILE")->needs("--server");
+  };
+  add_file("--tls-ca", credentials.tls_ca_file, "the same with these roots (PEM)");
+  add_file("--tls-cert", credentials.tls_cert_file, "certificate of this client (PEM), for a server that wants one");
+  add_file("--tls-key", credentials.tls_key_file, "its key (PEM)");
+  add_file("--token-file", choice.token_file,
+           "file with a bearer token; it is not sent in plain text to another machine");
+}
+
+}  // namespace
+
 void AddServerOptions(CLI::App& command, ServerChoice& choice) {
   command
       .add_option("--server", choice.address,
@@ -77,6 +95,7 @@ void AddServerOptions(CLI::App& command, ServerChoice& choice) {
       ->type_name("N")
       ->check(Whole(1, kMaxThreads))
       ->excludes("--server");
+  AddCredentials(command, choice);
 }
 
 }  // namespace latvox::client

@@ -19,6 +19,7 @@ ExitStatus ExitStatusOf(const absl::Status& status) {
     case absl::StatusCode::kUnavailable:
       return ExitStatus::kUnreachable;
     case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kUnauthenticated:
       return ExitStatus::kRefused;
     case absl::StatusCode::kCancelled:
     case absl::StatusCode::kDeadlineExceeded:

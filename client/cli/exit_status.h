@@ -15,7 +15,7 @@ enum class ExitStatus {
   kWrongUsage = 2,
   kBadInput = 3,
   kUnreachable = 4,
-  kRefused = 5,    // by a limit or overload
+  kRefused = 5,    // by a limit or overload, or for want of a token
   kCancelled = 6,  // or timed out
 };
 

@@ -1,9 +1,26 @@
 #include "client/cli/session.h"
 
 #include <cstdio>
+#include <fstream>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+
 namespace latvox::client {
+namespace {
+
+// Without what surrounds it, an end of the line for one.
+absl::StatusOr<std::string> ReadToken(const std::string& path) {
+  std::ifstream file(path);
+  std::string token, more;
+  if (!(file >> token) || file >> more) {
+    return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold one word"));
+  }
+  return token;
+}
+
+}  // namespace
 
 absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOptions& options) {
   Session session;
@@ -16,7 +33,13 @@ absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOpti
     std::fprintf(stderr, "latvox: no --server given, started a private %s for this call\n",
                  session.server_->program().c_str());
   }
-  auto client = Client::Connect(address, options);
+  ConnectionOptions connection{.credentials = choice.credentials};
+  if (!choice.token_file.empty()) {
+    auto token = ReadToken(choice.token_file);
+    if (!token.ok()) return token.status();
+    connection.credentials.token = *std::move(token);
+  }
+  auto client = Client::Connect(address, options, connection);
   if (!client.ok()) return client.status();
   if (session.server_) session.server_->RemoveDirectory();
   session.client_ = *std::move(client);

@@ -16,6 +16,8 @@ namespace latvox::client {
 struct ServerChoice {
   std::string address;         // one, or several with commas; empty: a private server
   std::optional<int> threads;  // of a private server
+  Credentials credentials;     // for a server that was named
+  std::string token_file;      // holds their token; empty: there is none
   std::optional<double> timeout_seconds;
   std::optional<int> retries;  // of a server that was named; a private one that has died does not come back
 };
@@ -23,7 +25,7 @@ struct ServerChoice {
 class Session {
  public:
   // Connects, and starts a private server before if none was named, of which it tells on standard error.
-  // Errors: as PrivateServer::Start and Client::Connect.
+  // Errors: as PrivateServer::Start and Client::Connect; INVALID_ARGUMENT if the token file holds no token.
   static absl::StatusOr<Session> Open(const ServerChoice& choice, const CallOptions& options);
 
   const Client& client() const { return *client_; }
