@@ -55,6 +55,7 @@ absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
     return absl::InvalidArgumentError(absl::StrCat("memory budget ", all, " leaves less than ", kLeastForJobs,
                                                    " for jobs, beside ", taken, " for the process itself"));
   }
+  options.memory_bytes = all;
   options.limits.memory_budget_bytes = all - taken;
   return options;
 }

@@ -23,8 +23,9 @@ struct TlsSource::Current {
 
 namespace {
 
-// gRPC's FileWatcherCertificateProvider would take a certificate that does not go with its key, and serve nobody until
-// the next change. Its core has a fetcher instead, asked at each new connection; only the wrapper is missing in C++.
+// gRPC's FileWatcherCertificateProvider leaves it to the operator that key and certificate change at once and go
+// together. Its core has a fetcher instead, asked at each new connection, so that we can look at them first; only the
+// wrapper is missing in C++.
 template <class Current>
 class ReloadingCredentials final : public grpc::ServerCredentials {
  public:
