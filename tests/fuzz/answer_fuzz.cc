@@ -4,8 +4,8 @@
 
 #include "client/answer_check.h"
 
-// Input: answers, each behind its length in two bytes. The length 0xFFFF has no answer: the stream broke, and another one
-// goes on.
+// Input: answers, each behind its length in two bytes. The length 0xFFFF has no answer: the stream broke, and another
+// one goes on.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   latvox::client::VoxelizeHandlers handlers;
   handlers.on_bricks = [](const latvox::client::BrickBatch&) { return absl::OkStatus(); };
