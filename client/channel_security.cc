@@ -69,7 +69,7 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeTlsCredentials(con
 
 // RFC 6750, section 2.1. Anything else could not stand in the metadata.
 bool IsToken(absl::string_view token) {
-  constexpr absl::string_view kOthers = "-._~+/=";
+  static constexpr absl::string_view kOthers = "-._~+/=";
   return std::all_of(token.begin(), token.end(), [](char c) {
     return absl::ascii_isalnum(static_cast<unsigned char>(c)) || absl::StrContains(kOthers, c);
   });

@@ -162,6 +162,17 @@ TEST(Failover, AServerThatDrainsTellsItsCallsToGoOnElsewhere) {
   EXPECT_EQ(first.Wait(), 0);
 }
 
+// Here, not with a model server: one in the same process would poll the client's connection, too.
+TEST(Failover, AHandlerThatTakesItsTimeIsNotTakenForADeadServer) {
+  Server server;
+  ConnectionOptions options;
+  options.keepalive_time = absl::Seconds(1);
+  options.keepalive_timeout = absl::Seconds(2);
+  const absl::StatusOr<Client> client = Client::Connect(server.address(), {}, options);
+  ASSERT_TRUE(client.ok()) << client.status();
+  ExpectLikeUndisturbed(client->Voxelize(Large(), Mesh(), After(1, [] { absl::SleepFor(absl::Seconds(4)); })), 0);
+}
+
 TEST(Failover, ManyCallsWithOneMeshUploadItOnce) {
   Server server;
   const Client client = ConnectTo(server.address());

@@ -97,7 +97,7 @@ class ModelServer::Run {
     const int first = spec_.has_resume_after() ? spec_.resume_after().k() + 1 : 0;
     for (int tile = first; tile < server_.tiles_; ++tile) {
       if (Hit(Fault::At::kBatch, tile - first)) return status_;
-      Send(BatchOf(tile, double(tile - first + 1) / (server_.tiles_ - first)));
+      Send(BatchOf(tile, double(tile - first + 1) / server_.tiles_));
     }
     if (Hit(Fault::At::kSummary)) return status_;
     Send(SummaryOf(first, server_.tiles_, mesh_.size()));

@@ -291,20 +291,5 @@ TEST(Resume, AConnectionThatFallsSilentIsNoticedAndGoesOn) {
   EXPECT_LT(absl::Now() - start, absl::Seconds(8));
 }
 
-TEST(Resume, AHandlerThatTakesItsTimeIsNotTakenForADeadServer) {
-  ModelServer server;
-  Seen seen;
-  VoxelizeHandlers handlers = seen.Handlers();
-  handlers.on_bricks = [&, take = handlers.on_bricks](const BrickBatch& batch) {
-    if (seen.tiles.empty()) absl::SleepFor(absl::Seconds(4));
-    return take(batch);
-  };
-  ConnectionOptions options;
-  options.keepalive_time = absl::Milliseconds(500);
-  options.keepalive_timeout = absl::Milliseconds(500);
-  ExpectWhole(ConnectTo(server.address(), options).Voxelize({}, kMesh, handlers, Fast()), seen);
-  EXPECT_TRUE(seen.resumptions.empty());
-}
-
 }  // namespace
 }  // namespace latvox::client
