@@ -11,7 +11,7 @@ from stage import SECONDS, Faults, Swarm, percentile, select
 
 SMALL = "small bunny-64-bcc"
 HUGE = "huge bunny-8192-cartesian"
-LOAD = max(4.0, SECONDS / 6)
+LOAD = max(2.5, SECONDS / 6)
 GROSS = 30  # promised: 3
 
 
@@ -26,14 +26,26 @@ class Fairness(Faults):
 
     def beside(self, server, what, job, idle):
         """Small requests while `job` runs, again and again."""
-        with Swarm(self.dir, server.address, LOAD + 2, clients=1, roles=["good"], jobs=[job], name=what) as swarm:
-            time.sleep(1)
+        with Swarm(self.dir, server.address, LOAD + 0.5, clients=1, roles=["good"], jobs=[job], name=what) as swarm:
+            time.sleep(0.5)
             times = self.small_times(server, f"beside-{what}")
             records = swarm.wait(LOAD + 200)
         self.nothing_wrong(records)
         ratio = percentile(times, 99) / percentile(idle, 99)
-        self.figure(f"small requests beside {what}: p50 / p99", f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}", "ms", "some", len(times) > 3)
-        self.figure(f"small requests beside {what}: p99 over the idle p99", ratio, "times", f"3; fails over {GROSS}", ratio <= GROSS)
+        self.figure(
+            f"small requests beside {what}: p50 / p99",
+            f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}",
+            "ms",
+            "some",
+            len(times) > 3,
+        )
+        self.figure(
+            f"small requests beside {what}: p99 over the idle p99",
+            ratio,
+            "times",
+            f"3; fails over {GROSS}",
+            ratio <= GROSS,
+        )
         done = [r["ms"] for r in select(records, "done")]
         self.figure(f"{what}: done meanwhile", len(done), "", "it goes on", bool(done))
         if done:
@@ -42,7 +54,9 @@ class Fairness(Faults):
     def test_small_requests_beside_huge_ones(self):
         with stage.server(self.dir) as server:
             idle = self.small_times(server, "idle")
-            self.figure("small requests, idle: p50 / p99", f"{percentile(idle, 50):.0f} / {percentile(idle, 99):.0f}", "ms")
+            self.figure(
+                "small requests, idle: p50 / p99", f"{percentile(idle, 50):.0f} / {percentile(idle, 99):.0f}", "ms"
+            )
             self.beside(server, "many voxels", HUGE, idle)
             self.beside(server, "many triangles", "huge bunny-x16-512-cartesian", idle)
 

@@ -7,8 +7,8 @@ import time
 
 from stage import free_port, harness
 
-# Streams may be silent for half an hour: a job computes, or its client stands still. A call that no byte of was sent yet
-# is tried again at another server. A server that drains gets no more calls, and ends those that it has.
+# Streams may be silent for half an hour: a job computes, or its client stands still. A call of which no byte was sent
+# yet is tried again at another server. A server that drains gets no more calls, and ends those that it has.
 CONFIG = """
 global
     maxconn 4000

@@ -12,9 +12,15 @@ from haproxy import haproxy
 from stage import SECONDS, SEED, Faults, Server, Swarm, harness, percentile, select, tally
 
 CLIENTS = 24
-JOBS = ["small bunny-64-bcc", "medium bunny-256-fcc", "medium bunny-512-cartesian", "large bunny-x4-512-cartesian", "large bunny-1024-bcc"]
-LOAD = max(6.0, SECONDS / 3)  # of each of the three ways
-EVERY = 1.5 if not stage.FULL else 4.0  # seconds from kill to kill
+JOBS = [
+    "small bunny-64-bcc",
+    "medium bunny-256-fcc",
+    "medium bunny-512-cartesian",
+    "large bunny-x4-512-cartesian",
+    "large bunny-1024-bcc",
+]
+LOAD = max(4.0, SECONDS / 3)  # of each of the three ways
+EVERY = 4.0 if stage.FULL else 1.2  # seconds from kill to kill
 
 
 class Killer:
@@ -52,14 +58,20 @@ class Kill(Faults):
     def load(self, what, address, kill):
         """Clients at `address` while `kill` does its work."""
         name = what.replace(" ", "-")
-        with Swarm(self.dir, address, LOAD, "--servers-die", clients=CLIENTS, roles=["good"], jobs=JOBS, name=name) as swarm:
+        with Swarm(self.dir, address, LOAD, clients=CLIENTS, roles=["good"], jobs=JOBS, name=name) as swarm:
             with Killer(kill) as killer:
                 swarm.process.wait(LOAD + 200)
             records = swarm.wait(10)
         self.nothing_wrong(records)
         done = select(records, "done")
         self.figure(f"{what}: kills", killer.kills, "", "some", killer.kills > 0)
-        self.figure(f"{what}: calls", tally(r["outcome"] for r in records), "", "done, all of them", len(done) > 0 and all(r["outcome"] in ("done", "refused") for r in records))
+        self.figure(
+            f"{what}: calls",
+            tally(r["outcome"] for r in records),
+            "",
+            "done, all of them",
+            len(done) > 0 and all(r["outcome"] in ("done", "refused") for r in records),
+        )
         times = [r["wait_ms"] for r in done]
         self.figure(f"{what}: p50 / p99", f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}", "ms")
 
@@ -70,7 +82,11 @@ class Kill(Faults):
 
     def test_killed_servers_at_two_addresses(self):
         servers = self.servers(2)
-        self.load("servers at two addresses", ",".join(s.address for s in servers), lambda n: self.kill_and_restart(servers[n % 2]))
+        self.load(
+            "servers at two addresses",
+            ",".join(s.address for s in servers),
+            lambda n: self.kill_and_restart(servers[n % 2]),
+        )
 
     def kill_and_restart(self, server):
         server.kill()

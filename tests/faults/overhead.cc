@@ -80,27 +80,32 @@ absl::StatusOr<Result> ThroughServer(const Options& options, const client::Clien
 }
 
 absl::StatusOr<std::string> MeasureOverhead(const Options& options) {
-  const auto client = client::Client::Connect(options.server);
-  if (!client.ok()) return client.status();
   const auto drc = client::ReadBytes(options.mesh);
   if (!drc.ok()) return drc.status();
   oneapi::tbb::task_arena arena(oneapi::tbb::info::default_concurrency());
-  std::vector<double> service, process, decode, voxelize, stream;
+  std::vector<double> service, kept, process, decode, voxelize, stream;
   for (int round = 0; round < options.rounds + 2; ++round) {
-    client::ServerTimings timings;
+    // A new client sends the mesh; the second time, it knows that the server has it.
+    const auto client = client::Client::Connect(options.server);
+    if (!client.ok()) return client.status();
+    client::ServerTimings timings, ignored;
     const auto theirs = ThroughServer(options, *client, *drc, timings);
     if (!theirs.ok()) return theirs.status();
+    const auto again = ThroughServer(options, *client, *drc, ignored);
+    if (!again.ok()) return again.status();
     const auto ours = arena.execute([&] { return InProcess(options); });
     if (!ours.ok()) return ours.status();
     if (ours->digest != theirs->digest) return absl::InternalError("the server's voxels are others");
     if (round < 2) continue;  // to warm up
     service.push_back(theirs->ms);
+    kept.push_back(again->ms);
     process.push_back(ours->ms);
     decode.push_back(timings.decode_ms);
     voxelize.push_back(timings.voxelize_ms);
     stream.push_back(timings.stream_ms);
   }
   return nlohmann::json{{"service_ms", Median(service)},
+                        {"service_with_kept_mesh_ms", Median(kept)},
                         {"process_ms", Median(process)},
                         {"service_min_ms", *std::min_element(service.begin(), service.end())},
                         {"process_min_ms", *std::min_element(process.begin(), process.end())},

@@ -18,13 +18,21 @@ class Overhead(Faults):
         with stage.server(self.dir) as server:
             for separability in (0, 2):
                 options = ["--resolution", 512, "--separability", separability, "--rounds", ROUNDS]
-                told = json.loads(stage.faults("overhead", "--server", server.address, "--mesh", MESHES / "bunny.drc", *options))
+                told = json.loads(
+                    stage.faults("overhead", "--server", server.address, "--mesh", MESHES / "bunny.drc", *options)
+                )
                 percent = 100 * (told["service_ms"] / told["process_ms"] - 1)
                 best = 100 * (told["service_min_ms"] / told["process_min_ms"] - 1)
                 what = f"bunny at 512, k = {separability}"
                 for name, ms in told.items():
                     self.figure(f"{what}: {name.removesuffix('_ms').replace('_', ' ')}", float(ms), "ms")
-                self.figure(f"{what}: more than in one process, medians", percent, "%", f"{PROMISED} %; fails over {GROSS} %", percent <= GROSS)
+                self.figure(
+                    f"{what}: more than in one process, medians",
+                    percent,
+                    "%",
+                    f"{PROMISED} %; fails over {GROSS} %",
+                    percent <= GROSS,
+                )
                 self.figure(f"{what}: more than in one process, minima", best, "%")
 
 

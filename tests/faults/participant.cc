@@ -102,8 +102,6 @@ void Participant::CallBare() {
     } else if (ending.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED && delay &&
                absl::SimpleAtoi(ending.pushback, &pushback) && pushback == absl::ToInt64Milliseconds(*delay)) {
       record.outcome = "refused";
-    } else if (swarm_.servers_die && ending.status.error_code() == grpc::StatusCode::UNAVAILABLE) {
-      record.outcome = "interrupted";
     } else {
       record.outcome = "wrong";
     }
@@ -117,13 +115,13 @@ bool Participant::Connect(Record& record) {
   if (client_ && ++calls_ < kCallsPerConnection) return true;
   client_.reset();
   calls_ = 0;
-  auto connected = client::Client::Connect(swarm_.server);
+  auto connected = client::Client::Connect(swarm_.server, {}, swarm_.connection);
   if (connected.ok()) {
     client_ = *std::move(connected);
     return true;
   }
   record.detail = absl::StrCat("connect: ", connected.status().ToString());
-  record.outcome = swarm_.servers_die && absl::IsUnavailable(connected.status()) ? "interrupted" : "wrong";
+  record.outcome = "wrong";
   records_.Write(record);
   Wait(kReconnectDelay);
   return false;
@@ -143,6 +141,7 @@ void Participant::CallBySdk() {
   const Job& job = AnyJob();
   client::CallOptions options;
   options.deadline = absl::Now() + swarm_.patience;
+  options.retry = swarm_.retry;
   std::optional<Alarm> alarm;
   const absl::Duration middle = absl::Milliseconds(chance_.LogBetween(1, 1000));
   const bool reads_badly = role_ == "slow" || role_ == "stopped";
@@ -170,7 +169,7 @@ void Participant::CallBySdk() {
     record.wait_ms = MillisecondsSince(first);
     Judge(job, summary, reads_badly || role_ == "cancel", record);
     records_.Write(record);
-    again = record.outcome == "refused" || record.outcome == "interrupted";
+    again = record.outcome == "refused";
     if (!again) break;
     Wait(client::GetErrorDetails(summary.status()).retry_after.value_or(kReconnectDelay) * chance_.Between(1, 1.5));
     again = !options.cancellation.cancelled() && absl::Now() < *options.deadline;
@@ -190,8 +189,6 @@ void Participant::Judge(const Job& job, const absl::StatusOr<client::Summary>& s
     record.outcome = "stopped";
   } else if (absl::IsResourceExhausted(status) && client::GetErrorDetails(status).retry_after) {
     record.outcome = "refused";
-  } else if (swarm_.servers_die && absl::IsUnavailable(status)) {
-    record.outcome = "interrupted";
   } else {
     record.outcome = "wrong";
   }

@@ -23,9 +23,10 @@ struct Swarm {
   std::vector<Job> jobs;
   std::vector<std::string> roles;  // of client n: roles[n % size]
   uint64_t seed = 1;
-  absl::Time end;            // no call begins after it
-  absl::Duration patience;   // that a good call may take, tries and waits included
-  bool servers_die = false;  // a server may be gone at any time
+  absl::Time end;           // no call begins after it
+  absl::Duration patience;  // that a good call may take, tries and waits included
+  client::ConnectionOptions connection;
+  client::RetryPolicy retry;
 };
 
 // Roles:

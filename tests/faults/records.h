@@ -9,13 +9,12 @@ namespace latvox::faults {
 struct Record {
   int client = 0;
   std::string role, job;
-  // done        the right voxels came
-  // refused     an overload answer, complete: with a delay after which to try again
-  // stopped     it was cancelled, or its deadline passed, as intended
-  // rejected    a hostile call got the error it deserves
-  // vanished    the process ends now, without a word
-  // interrupted the server is gone, and the call is tried again
-  // wrong       anything else
+  // done      the right voxels came
+  // refused   an overload answer, complete: with a delay after which to try again
+  // stopped   it was cancelled, or its deadline passed, as intended
+  // rejected  a hostile call got the error it deserves
+  // vanished  the process ends now, without a word
+  // wrong     anything else
   std::string outcome;
   std::string detail;  // for people
   double ms = 0;       // of the call, from its first byte to its last

@@ -1,4 +1,4 @@
-"""Joins the figures of the fault suite's scenarios into build/faults/report.md and report.json, and prints the table."""
+"""Joins the figures of the fault suite's scenarios into build/faults/report.md and .json, and prints the table."""
 
 import json
 import pathlib

@@ -9,7 +9,7 @@ import stage
 from haproxy import haproxy
 from stage import FULL, Faults, Server, Swarm, harness, latvox, select, tally
 
-GRACE = 3
+GRACE = 2
 CLIENTS = 16
 ROUNDS = 10 if FULL else 2
 JOBS = ["small bunny-64-bcc", "medium bunny-256-fcc", "large bunny-1024-bcc"]
@@ -35,12 +35,12 @@ class Drain(Faults):
 
     def test_jobs_finish_or_go_on_elsewhere(self):
         servers = [self.start("latvoxd0"), self.start("latvoxd1")]
-        seconds = ROUNDS * 2.5 + 1
+        seconds = ROUNDS * 2
         waits, ends, codes = [], [], []
         with haproxy(self.dir, servers) as address:
-            with Swarm(self.dir, address, seconds, "--servers-die", clients=CLIENTS, roles=["good"], jobs=JOBS) as swarm:
+            with Swarm(self.dir, address, seconds, clients=CLIENTS, roles=["good"], jobs=JOBS) as swarm:
                 for n in range(ROUNDS):
-                    time.sleep(1.5)
+                    time.sleep(1)
                     server = servers[n % 2]
                     start = time.monotonic()
                     waits.append(self.not_serving_after(server))
@@ -51,13 +51,21 @@ class Drain(Faults):
                 records = swarm.wait(200)
         self.nothing_wrong(records)
         self.figure("SIGTERM under load: not serving after at most", max(waits), "s", "<= 0.5", max(waits) <= 0.5)
-        self.figure("SIGTERM under load: ended after at most", max(ends), "s", f"<= {GRACE} + 6", max(ends) <= GRACE + 6)
+        self.figure(
+            "SIGTERM under load: ended after at most", max(ends), "s", f"<= {GRACE} + 6", max(ends) <= GRACE + 6
+        )
         self.figure("SIGTERM under load: exit statuses", tally(codes), "", "0", set(codes) == {0})
-        self.figure("SIGTERM under load: calls", tally(r["outcome"] for r in records), "", "done, all of them", bool(records) and all(r["outcome"] in ("done", "refused") for r in records))
+        self.figure(
+            "SIGTERM under load: calls",
+            tally(r["outcome"] for r in records),
+            "",
+            "done, all of them",
+            bool(records) and all(r["outcome"] in ("done", "refused") for r in records),
+        )
 
     def test_a_job_that_does_not_end_is_ended(self):
         server = self.start()
-        with Swarm(self.dir, server.address, 20, "--servers-die", clients=4, roles=["stopped"], jobs=[HUGE]) as swarm:
+        with Swarm(self.dir, server.address, 20, clients=4, roles=["stopped"], jobs=[HUGE]) as swarm:
             time.sleep(1.5)
             start = time.monotonic()
             server.process.send_signal(signal.SIGTERM)
@@ -65,11 +73,13 @@ class Drain(Faults):
             took = time.monotonic() - start
             del swarm
         self.figure("SIGTERM with readers that stand still: exit status", code, "", "0", code == 0)
-        self.figure("SIGTERM with readers that stand still: ended after", took, "s", f"<= {GRACE} + 6", took <= GRACE + 6)
+        self.figure(
+            "SIGTERM with readers that stand still: ended after", took, "s", f"<= {GRACE} + 6", took <= GRACE + 6
+        )
 
     def test_a_second_signal_ends_at_once(self):
         server = self.start()
-        with Swarm(self.dir, server.address, 20, "--servers-die", clients=4, roles=["stopped"], jobs=[HUGE]):
+        with Swarm(self.dir, server.address, 20, clients=4, roles=["stopped"], jobs=[HUGE]):
             time.sleep(1.5)
             server.process.send_signal(signal.SIGTERM)
             time.sleep(0.3)

@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 import harness  # noqa: E402
 from harness import BIN, Case, latvox  # noqa: E402
 
-SECONDS = float(os.environ.get("LATVOX_FAULTS_SECONDS", "15"))
+SECONDS = float(os.environ.get("LATVOX_FAULTS_SECONDS", "10"))
 FULL = SECONDS >= 120  # the full dose, or much of it
 SEED = int(os.environ.get("LATVOX_FAULTS_SEED", "1"))
 OUT = ROOT / "build" / "faults"
@@ -71,17 +71,22 @@ def memory(pids):
 
 
 class Watch:
-    """Looks at a server and its children every 100 ms."""
+    """Looks at a server and its decoders every 100 ms: most bytes of the server, of one decoder, of all together."""
 
     def __init__(self, server):
-        self.server, self.peak, self.samples, self.most_threads = server, 0, 0, 0
+        self.server = server
+        self.peak = self.peak_decoder = self.peak_all = 0
+        self.samples = self.most_threads = 0
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run)
 
     def _run(self):
         while not self._over.wait(0.1):
             with contextlib.suppress(OSError, AttributeError):
-                self.peak = max(self.peak, memory(descendants(self.server.pid)))
+                bytes_of = [memory([pid]) for pid in descendants(self.server.pid)]
+                self.peak = max(self.peak, bytes_of[0])
+                self.peak_decoder = max([self.peak_decoder, *bytes_of[1:]])
+                self.peak_all = max(self.peak_all, sum(bytes_of))
                 self.most_threads = max(self.most_threads, self.server.threads())
                 self.samples += 1
 
@@ -227,12 +232,24 @@ class Faults(Case):
     @classmethod
     def tearDownClass(cls):
         OUT.mkdir(parents=True, exist_ok=True)
-        report = {"scenario": cls.scenario, "seconds": SECONDS, "seed": SEED, "took": time.monotonic() - cls.began, "figures": cls.figures}
+        report = {
+            "scenario": cls.scenario,
+            "seconds": SECONDS,
+            "seed": SEED,
+            "took": time.monotonic() - cls.began,
+            "figures": cls.figures,
+        }
         (OUT / f"{cls.scenario}.json").write_text(json.dumps(report, indent=1) + "\n")
 
     def figure(self, what, value, unit="", promise="", kept=None):
         """One line of the report. `kept`: whether the promise was; it is a failure if it was not."""
-        text = f"{value:.3g}" if isinstance(value, float) and abs(value) < 100 else f"{value:.0f}" if isinstance(value, float) else str(value)
+        text = (
+            f"{value:.3g}"
+            if isinstance(value, float) and abs(value) < 100
+            else f"{value:.0f}"
+            if isinstance(value, float)
+            else str(value)
+        )
         row = {"what": what, "value": value, "text": f"{text} {unit}".strip(), "promise": promise, "kept": kept}
         type(self).figures.append(row)
         if kept is False:
@@ -244,7 +261,13 @@ class Faults(Case):
         with Swarm(self.dir, running.address, 0.5, clients=1, roles=["good"], jobs=[job], name="last") as swarm:
             records = swarm.wait(60)
         done = select(records, "done")
-        self.figure("good requests afterwards", tally(r["outcome"] for r in records), "", "right", bool(done) and len(done) == len(records))
+        self.figure(
+            "good requests afterwards",
+            tally(r["outcome"] for r in records),
+            "",
+            "right",
+            bool(done) and len(done) == len(records),
+        )
 
     def nothing_wrong(self, records):
         wrong = select(records, "wrong")

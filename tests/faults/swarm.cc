@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct Options {
   double seconds = 10;
   double patience = 120;
   uint64_t seed = 1;
-  bool servers_die = false;
+  std::optional<double> keepalive;
+  std::optional<int> retries;
 };
 
 // How long clients may go on after the last call's patience is over.
@@ -115,8 +117,11 @@ int RunSwarm(const Options& options) {
               .roles = options.roles,
               .seed = options.seed,
               .end = absl::Now() + absl::Seconds(options.seconds),
-              .patience = absl::Seconds(options.patience),
-              .servers_die = options.servers_die};
+              .patience = absl::Seconds(options.patience)};
+  if (options.keepalive) {
+    swarm.connection.keepalive_time = swarm.connection.keepalive_timeout = absl::Seconds(*options.keepalive);
+  }
+  if (options.retries) swarm.retry.max_retries = *options.retries;
   const Records records(options.records);
   Starter starter(swarm, records);
   for (int n = 0; n < options.clients; ++n) starter.Start(n);
@@ -137,8 +142,9 @@ void AddSwarm(CLI::App& program, Command& run) {
   command.add_option("--clients", options->clients, "Clients at once");
   command.add_option("--seconds", options->seconds, "Time in which calls begin");
   command.add_option("--patience", options->patience, "Seconds that a good call may take");
+  command.add_option("--keepalive", options->keepalive, "Seconds until a silent server gets a ping, and to answer it");
+  command.add_option("--retries", options->retries, "Rounds of further tries of a call");
   command.add_option("--seed", options->seed, "Of all random choices");
-  command.add_flag("--servers-die", options->servers_die, "A call may find that the server is gone, and is made again");
   command.callback([options, &run] { run = [options] { return RunSwarm(*options); }; });
 }
 

@@ -1,12 +1,14 @@
 """Two hundred strangers at once, some of them rude."""
 
 import os
+import time
 import unittest
 
 import stage
 from stage import MIB, SECONDS, Faults, Swarm, Watch, percentile, select, tally
 
 CLIENTS = 200
+BUDGET = 1024 * MIB  # of the server, and as much for each decoder
 # Of twenty: 5 % cancel, 5 % vanish, 5 % are hostile.
 ROLES = ["cancel", "vanish", "hostile", "bare", "bare"] + 15 * ["good"]
 
@@ -15,14 +17,24 @@ class TwoHundredClients(Faults):
     scenario = "swarm"
 
     def test_two_hundred_clients_on_two_cores_get_what_they_asked_for(self):
-        with stage.server(self.dir) as server:
+        with stage.server(self.dir, "--memory-budget", str(BUDGET), "--decoder-memory", str(BUDGET)) as server:
             threads, descriptors = server.threads(), server.descriptors()
             before = server.cpu()
-            with Watch(server) as watch, Swarm(self.dir, server.address, SECONDS, clients=CLIENTS, roles=ROLES) as swarm:
+            with Watch(server) as watch, Swarm(
+                self.dir, server.address, SECONDS, clients=CLIENTS, roles=ROLES
+            ) as swarm:
                 records = swarm.wait(SECONDS + 200)
             self.tell_of(records)
-            self.figure("processor time, server : clients", f"{server.cpu() - before:.0f} : {self.clients_cpu(swarm):.0f}", "s")
-            self.figure("peak memory of the server and its workers", watch.peak / MIB, "MiB")
+            self.figure(
+                "processor time, server : clients", f"{server.cpu() - before:.0f} : {self.clients_cpu(swarm):.0f}", "s"
+            )
+            promise = f"<= {BUDGET // MIB}"
+            self.figure("peak memory of the server", watch.peak / MIB, "MiB", promise, watch.peak <= BUDGET)
+            self.figure(
+                "peak memory of one decoder", watch.peak_decoder / MIB, "MiB", promise, watch.peak_decoder <= BUDGET
+            )
+            self.figure("peak memory of all together", watch.peak_all / MIB, "MiB")
+            self.figure("looks at the memory", watch.samples, "", "some", watch.samples > 10)
             self.figure("most threads of the server", watch.most_threads, "", f"at rest {threads}")
             self.assert_serves(server)
             self.assert_rests(server, descriptors)
@@ -30,16 +42,27 @@ class TwoHundredClients(Faults):
     def tell_of(self, records):
         self.nothing_wrong(records)
         for role in sorted(set(ROLES)):
-            self.figure(f"{ROLES.count(role) * CLIENTS // len(ROLES)} {role} clients", tally(r["outcome"] for r in select(records, role=role)))
+            self.figure(
+                f"{ROLES.count(role) * CLIENTS // len(ROLES)} {role} clients",
+                tally(r["outcome"] for r in select(records, role=role)),
+            )
         for size in ("small", "medium", "large"):
             done = [r for r in select(records, "done", role=("good", "bare")) if r["job"].startswith(size)]
             self.figure(f"{size}: requests done", len(done), "", "some", bool(done))
             if done:
                 for what, key in (("the accepted call", "ms"), ("with refusals and waits", "wait_ms")):
                     times = [r[key] for r in done]
-                    self.figure(f"{size}: {what}, p50 / p99", f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}", "ms")
+                    self.figure(
+                        f"{size}: {what}, p50 / p99", f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}", "ms"
+                    )
         for role in ("cancel", "vanish", "hostile"):
-            self.figure(f"{role}: did what they are for", len(select(records, ("stopped", "vanished", "rejected"), role=role)), "", "some", bool(select(records, ("stopped", "vanished", "rejected"), role=role)))
+            self.figure(
+                f"{role}: did what they are for",
+                len(select(records, ("stopped", "vanished", "rejected"), role=role)),
+                "",
+                "some",
+                bool(select(records, ("stopped", "vanished", "rejected"), role=role)),
+            )
 
     def clients_cpu(self, swarm):
         now = os.times()
@@ -47,14 +70,12 @@ class TwoHundredClients(Faults):
 
     def assert_rests(self, server, descriptors):
         """No connection, no thread's work, is left behind."""
-        before = server.descriptors()
-        stage.time.sleep(1)
+        time.sleep(1)
         idle = server.cpu()
-        stage.time.sleep(1)
+        time.sleep(1)
         self.figure("processor time in a second of rest", server.cpu() - idle, "s", "< 0.1", server.cpu() - idle < 0.1)
         left = server.descriptors() - descriptors
         self.figure("descriptors left open", left, "", "<= 8", left <= 8)
-        del before
 
 
 if __name__ == "__main__":
