@@ -8,9 +8,12 @@ namespace latvox {
 
 // An unsure voxel may have left by the time of a later pass; in earlier ones it is still there.
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const std::vector<CrossedEdge>& edges,
-          const IndexBox& wanted, TileBits& set) {
+          const IndexBox& known, const IndexBox& wanted, TileBits& set) {
   const auto is_doubtful = [&](uint32_t voxel) { return std::binary_search(doubtful.begin(), doubtful.end(), voxel); };
   absl::flat_hash_set<uint32_t> linked, unsure;
+  for (const uint32_t voxel : doubtful) {
+    if (!known.Contains(layout.VoxelAt(voxel))) unsure.insert(voxel);
+  }
   std::vector<CrossedEdge> links;  // of doubtful voxels, as `end`
   for (const CrossedEdge& edge : edges) {
     for (const CrossedEdge& link : {edge, CrossedEdge{edge.other, edge.end}}) {
@@ -20,8 +23,13 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const st
       if (!is_doubtful(link.other)) unsure.insert(link.other);
     }
   }
+  std::vector<uint32_t> removed;
+  const auto remove = [&](uint32_t voxel) {
+    set.Clear(voxel);
+    removed.push_back(voxel);
+  };
   for (const uint32_t voxel : doubtful) {
-    if (!linked.contains(voxel)) set.Clear(voxel);
+    if (!linked.contains(voxel) && !unsure.contains(voxel)) remove(voxel);
   }
   const auto pass_order = [&](const CrossedEdge& link) {
     return uint64_t{layout.ParityClass(link.end)} << 32 | link.end;
@@ -32,7 +40,7 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const st
   bool decided = true;
   for (auto link = links.begin(); link != links.end();) {
     const uint32_t voxel = link->end;
-    bool keep = false, may_keep = false;
+    bool keep = false, may_keep = unsure.contains(voxel);
     for (; link != links.end() && link->end == voxel; ++link) {
       keep |= !set.Test(link->other);
       may_keep |= unsure.contains(link->other) && layout.ParityClass(link->other) < layout.ParityClass(voxel);
@@ -42,8 +50,11 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const st
       unsure.insert(voxel);
       decided &= !wanted.Contains(layout.VoxelAt(voxel));
     } else {
-      set.Clear(voxel);
+      remove(voxel);
     }
+  }
+  if (!decided) {
+    for (const uint32_t voxel : removed) set.Set(voxel);
   }
   return decided;
 }

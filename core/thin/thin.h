@@ -27,15 +27,17 @@ struct CrossedEdge {
   uint32_t end, other;
 };
 
-// Thins `set` in place, and returns whether that was decided for all voxels in `wanted`. It always is if what is known
-// exceeds `wanted` by kThinHalo steps: a voxel's fate depends on others at most eight steps away.
-//   doubtful  ascending: the members all of whose edges are known, and none of them shows essential by its other end
-//             being outside
-//   edges     all crossed edges between a doubtful voxel and another, or one that may be doubtful; in either direction;
-//             duplicates allowed
-//   wanted    local voxels; there, what may be doubtful is in `doubtful`
+// Thins `set` in place and returns true, if that can be decided for all voxels in `wanted`; else leaves it as it was.
+// It always can if what is known exceeds `wanted` by kThinHalo steps: a voxel's fate depends on others at most eight
+// steps away.
+//   doubtful  ascending: the members all of whose crossed edges from this end, as the nearer one, are known, and none
+//             of them shows essential by its other end being outside
+//   edges     all crossed edges between two doubtful voxels; within `known`, also those between one and what else may
+//             be doubtful; in either direction; duplicates allowed
+//   known     local voxels; beyond, doubtful ones may have further edges
+//   wanted    local voxels, within `known`; there, what may be doubtful is in `doubtful`
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const std::vector<CrossedEdge>& edges,
-          const IndexBox& wanted, TileBits& set);
+          const IndexBox& known, const IndexBox& wanted, TileBits& set);
 
 // See Thin.
 inline constexpr int32_t kThinHalo = kParityClasses;

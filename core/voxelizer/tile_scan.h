@@ -56,22 +56,28 @@ class TileScan {
   template <class F>
   void ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f);
   void AddRim(const TileContext& context);
-  void FindRest();
-  void AskStars(const TileContext& context);
-  std::vector<uint32_t> Doubtful() const;
+  template <class F>
+  bool ForEachEnd(const TileContext& context, uint32_t voxel, const StarEdges& star, F&& f) const;
+  void FindRest(const TileContext& context);
+  bool IsOutside(uint32_t voxel) const;
+  void AskRest(const TileContext& context);
+  void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo
   BitsLayout layout_{{}, {}};
-  // What does not change from tile to tile: what lies outside of box_, and what has neighbours there.
-  TileBits unknown_{0}, incomplete_{0};
   TileBits surface_{0};
   TileBits rest_{0};                     // what nothing has shown essential yet
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
   std::vector<uint32_t> others_;         // those of its triangles that are not tiny
   Crossings crossings_;                  // of the tiny ones
   Candidates candidates_;
-  NumberList positions_, open_, closed_, inner_;
-  std::vector<uint32_t> rim_only_;  // members that no triangle crosses along its principal direction
+  NumberList positions_;
+  NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and of voxels without one
+  struct RimVoxel {
+    uint32_t voxel;
+    StarEdges star;
+  };
+  std::vector<RimVoxel> rim_only_;  // members that no triangle crosses along its principal direction
   std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
   std::vector<VoxelTriangle> pairs_;
   std::vector<CrossedEdge> edges_;

@@ -66,11 +66,11 @@ TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
   }
 }
 
-// Some 100,000 triangles in few tiles, a twentieth of a voxel each or a fourth: most are left out before they are
-// scanned, or done as tiny ones.
+// Some 100,000 triangles in few tiles, with sides of a fourth or half of a voxel: most are left out before they are
+// scanned, or are tiny.
 TEST(Pipeline, MeshesMuchFinerThanTheLatticeAreCoveredAndMinimalOnEachKernel) {
   const Grid grid = Unscaled(ExactLattices().front().lattice);
-  for (const float radius : {14.0F, 70.0F}) {
+  for (const float radius : {14.0F, 26.0F}) {
     const TriangleMesh sphere = Sphere(160, radius);
     std::string digest;
     for (const Simd simd : SimdHere()) {
