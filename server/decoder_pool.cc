@@ -54,6 +54,7 @@ DecoderPool::DecoderPool(const DecoderOptions& options) : options_(options), wak
 absl::StatusOr<std::unique_ptr<DecoderPool>> DecoderPool::Create(const DecoderOptions& options) {
   if (options.program.empty()) return absl::InvalidArgumentError("there is no program for decoder processes");
   if (options.processes < 1) return absl::InvalidArgumentError("there is no decoder process");
+  if (options.memory < 1) return absl::InvalidArgumentError("there is no memory for decoder processes");
   std::unique_ptr<DecoderPool> pool(new DecoderPool(options));
   std::future<absl::Status> first = pool->first_.get_future();
   pool->thread_ = std::thread([&pool = *pool] { pool.Run(); });

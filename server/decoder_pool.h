@@ -33,16 +33,16 @@ struct DecoderFacts {
 // more, so that small ones do not wait for them.
 class DecoderPool final : public MeshDecoder {
  public:
-  // Starts the processes, and waits for the first of them. Errors: INVALID_ARGUMENT (no program, no process),
+  // Starts the processes, and waits for the first of them. Errors: INVALID_ARGUMENT (no program, process or memory),
   // UNAVAILABLE if processes cannot be started, or not be confined, here.
   static absl::StatusOr<std::unique_ptr<DecoderPool>> Create(const DecoderOptions& options);
 
   // Cancels what is under way. No process is left when it returns.
   ~DecoderPool() override;
 
-  // What is lost with a process that someone kills is done again by another, three times. Errors, besides those of
-  // MeshDecoder: RESOURCE_EXHAUSTED with a retry delay if all three were killed; UNAVAILABLE with one if no process can
-  // be started.
+  // What is lost with its process is done again by another: a mesh that two crash on is bad. Errors, besides those of
+  // MeshDecoder: RESOURCE_EXHAUSTED with a retry delay if five were killed by someone else; UNAVAILABLE with one if no
+  // process can be started.
   std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Done done) override;
 
   DecoderFacts facts() const;

@@ -1,6 +1,7 @@
 #include "server/decoder_sandbox.h"
 
 #include <fcntl.h>
+#include <linux/futex.h>
 #include <seccomp.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -14,6 +15,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "server/decoder_process.h"
 
 namespace latvox {
 namespace {
@@ -54,6 +56,8 @@ absl::Status AddRules(scmp_filter_ctx filter, int channel) {
   note(allow(SCMP_SYS(mremap), {}));
   note(allow(SCMP_SYS(munmap), {}));
   note(allow(SCMP_SYS(madvise), {}));
+  // What pthread_once does at its end, such as in the first exception, though there is nobody to wake.
+  note(allow(SCMP_SYS(futex), {SCMP_A1_64(SCMP_CMP_EQ, FUTEX_WAKE_PRIVATE)}));
   note(allow(SCMP_SYS(exit_group), {}));
   if (error == 0) return absl::OkStatus();
   return absl::InternalError(absl::StrCat("a rule of seccomp: ", strerror(-error)));
@@ -76,18 +80,16 @@ absl::Status LimitSelf(pid_t parent, uint64_t memory) {
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return Failed("PR_SET_NO_NEW_PRIVS");
   if (!SetLimit(RLIMIT_CORE, 0)) return Failed("RLIMIT_CORE");
   if (!SetLimit(RLIMIT_FSIZE, 0)) return Failed("RLIMIT_FSIZE");
-  if (memory > 0) {
-    const uint64_t in_use = AddressSpaceInUse();
-    if (in_use == 0) return absl::InternalError("/proc/self/statm cannot be read");
-    if (!SetLimit(RLIMIT_AS, in_use + memory)) return Failed("RLIMIT_AS");
-  }
+  const uint64_t in_use = AddressSpaceInUse();
+  if (in_use == 0) return absl::InternalError("/proc/self/statm cannot be read");
+  if (memory != kNoMemoryLimit && !SetLimit(RLIMIT_AS, in_use + memory)) return Failed("RLIMIT_AS");
   if (!SetLimit(RLIMIT_NOFILE, kOpenFiles)) return Failed("RLIMIT_NOFILE");
   return absl::OkStatus();
 }
 
 absl::Status ForbidSystemCalls(int channel) {
   const std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter(seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release);
-  if (!filter) return absl::InternalError("seccomp_init failed");
+  if (!filter) return absl::UnavailableError("seccomp: it is not there");
   if (absl::Status status = AddRules(filter.get(), channel); !status.ok()) return status;
   if (const int error = seccomp_load(filter.get()); error != 0) {
     return absl::UnavailableError(absl::StrCat("seccomp: ", strerror(-error)));

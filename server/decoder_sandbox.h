@@ -12,7 +12,7 @@ namespace latvox {
 
 // Makes the process end with the process `parent`, keeps it from leaving a core, from being traced, from gaining
 // privileges and from opening or growing files, and has the kernel, short of memory, kill it before others. It may take
-// `memory` bytes of address space beyond what it has; 0: no limit. Errors: INTERNAL, naming the step.
+// `memory` bytes of address space beyond what it has, unless that is kNoMemoryLimit. Errors: INTERNAL, naming the step.
 absl::Status LimitSelf(pid_t parent, uint64_t memory);
 
 // From now on the process, which must have one thread only, can read and write `channel`, take and give back memory,

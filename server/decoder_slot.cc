@@ -22,13 +22,13 @@ constexpr absl::Duration kFirstDelay = absl::Milliseconds(50), kLongestDelay = a
 // on a machine under load an honest one may take long, too.
 constexpr int kWallPerCpu = 10;
 
-// A job whose processes are ended by someone else is tried so often. Not for ever: the kernel, short of memory, is
-// someone else, too.
-constexpr int kMostProcessesLost = 3;
+// A job is tried again by another process so often. One that was ended by someone else may have been ended by the
+// kernel, short of memory; one that crashed may have been corrupted by the mesh before.
+constexpr int kMostKilled = 5, kMostCrashed = 2;
 
 // What a decode may take of DecoderOptions::memory grows with what it has been sent: whatever a small file makes Draco
-// believe, it can not cost much. Real meshes need 1 KiB a byte, the densest that are accepted fifteen times that.
-constexpr uint64_t kSmallMemory = uint64_t{256} << 20, kMemoryPerByte = uint64_t{16} << 10;
+// believe, it can not cost much. Real meshes need some hundred bytes a byte, the densest that there are 104 KiB.
+constexpr uint64_t kSmallMemory = uint64_t{256} << 20, kMemoryPerByte = uint64_t{128} << 10;
 
 constexpr size_t kReceiveBytes = size_t{256} << 10;
 constexpr int kReceivesAtOnce = 4;  // then it is the other slots' turn
@@ -47,11 +47,10 @@ absl::Status TooBig(uint64_t limit) {
 }
 
 absl::Status KilledTooOften() {
-  return WithRetry(
-      MakeError(absl::StatusCode::kResourceExhausted,
-                absl::StrCat("mesh: ", kMostProcessesLost, " decoder processes were killed while they had it"),
-                {"DECODER_KILLED", "mesh", absl::StrCat(kMostProcessesLost), ""}),
-      absl::Seconds(1));
+  return WithRetry(MakeError(absl::StatusCode::kResourceExhausted,
+                             absl::StrCat("mesh: ", kMostKilled, " decoder processes were killed while they had it"),
+                             {"DECODER_KILLED", "mesh", absl::StrCat(kMostKilled), ""}),
+                   absl::Seconds(1));
 }
 
 }  // namespace
@@ -86,10 +85,8 @@ void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
   unsent_ = absl::Cord(absl::string_view(reinterpret_cast<const char*>(&request), sizeof(request)));
   unsent_.Append(job_->bytes);
   receiver_.emplace(job_->limits);
-  if (options_.memory > 0) {
-    memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
-    process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
-  }
+  memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
+  if (options_.memory != kNoMemoryLimit) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_at_begin_ = process_->CpuTime();
   check_cpu_at_ = absl::Now() + options_.cpu_time;
   give_up_at_ = absl::Now() + kWallPerCpu * options_.cpu_time;
@@ -154,9 +151,8 @@ void DecoderSlot::Receive() {
       return Abort(NoMemoryToDecode());
     }
     if (good) continue;
-    ++counters_.crashes;
     Log(LogLevel::kWarning, "decoder_broken", {{"pid", process_->pid()}});
-    return Abort(BadMesh("the decoder failed on it"));
+    return Kill();
   }
 }
 
@@ -242,16 +238,18 @@ std::shared_ptr<DecodeJob> DecoderSlot::TakeEnd(const ProcessEnd& end) {
   start_at_ = absl::InfinitePast();
   give_up_at_ = absl::InfiniteFuture();
   if (!ready_) Fail(failure_.empty() ? absl::StrCat("it ended with ", end.ToString()) : failure_);
-  if (!job_) return nullptr;
-  if (end.is_crash()) {
+  // One that was killed here and has its job still was killed for talking nonsense.
+  return job_ ? TakeLostJob(killed_ || end.is_crash()) : nullptr;
+}
+
+std::shared_ptr<DecodeJob> DecoderSlot::TakeLostJob(bool crashed) {
+  if (crashed) {
     ++counters_.crashes;
-    Finish(BadMesh("the decoder crashed on it"));
-    return nullptr;
-  }
-  if (++job_->processes_lost == kMostProcessesLost) {
+    if (++job_->crashed == kMostCrashed) Finish(BadMesh("the decoder crashed on it"));
+  } else if (++job_->killed == kMostKilled) {
     Finish(KilledTooOften());
-    return nullptr;
   }
+  if (!job_) return nullptr;
   unsent_.Clear();
   receiver_.reset();
   check_cpu_at_ = absl::InfiniteFuture();

@@ -25,7 +25,8 @@ struct DecodeJob {
   absl::Cord bytes;
   Limits limits;
   MeshDecoder::Done done;
-  int processes_lost = 0;  // ended by someone while they had this job
+  // Processes that ended while they had this job: by someone, and by themselves.
+  int killed = 0, crashed = 0;
 };
 
 // Events since the pool was started.
@@ -57,7 +58,7 @@ class DecoderSlot {
   absl::Time next_timer() const;
 
   // Does what can be done now: starts a process, sends, receives, holds the process against its limits, notices its
-  // end. Returns a job that was lost with its process by no fault of its own, to be done again.
+  // end. Returns a job that was lost with its process, to be done again by another.
   std::shared_ptr<DecodeJob> Serve();
 
  private:
@@ -78,6 +79,7 @@ class DecoderSlot {
   void TakeError(absl::string_view frame);
   void CheckTimes();
   std::shared_ptr<DecodeJob> TakeEnd(const ProcessEnd& end);
+  std::shared_ptr<DecodeJob> TakeLostJob(bool crashed);
   void Finish(absl::StatusOr<DecodedMesh> result);
   void Kill();
 

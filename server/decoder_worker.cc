@@ -26,6 +26,7 @@ void KeepMemory() {
   constexpr int kKeptBytes = 64 << 20;
   mallopt(M_MMAP_THRESHOLD, kKeptBytes / 2);
   mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+  mallopt(M_ARENA_MAX, 1);  // at the limit of memory malloc would try another, by calls that are forbidden
 }
 
 // Nobody is left to be told.

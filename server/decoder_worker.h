@@ -7,7 +7,7 @@
 namespace latvox {
 
 // The first argument that makes the program a decoder process; not for people. Then follow the server's process id, the
-// bytes that a decode may take (0: as many as it likes), and "confined" or, if it may do without where the system does
+// bytes that a decode may take, and "confined" or, if it may do without where the system does
 // not allow it, "unconfined".
 inline constexpr char kDecoderArgument[] = "--decoder-process";
 

@@ -25,6 +25,8 @@ struct ErrorCause {
   std::string field;
   std::string value;
   std::string limit;
+
+  bool operator==(const ErrorCause&) const = default;
 };
 
 absl::Status MakeError(absl::StatusCode code, absl::string_view message, const ErrorCause& cause);

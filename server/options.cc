@@ -54,7 +54,9 @@ void AddDecoder(CLI::App& app, DecoderOptions& decoder) {
   decoder.program = "/proc/self/exe";
   Add(app, "--decoder-processes", decoder.processes, "Processes that decode meshes; 0: one for each thread, at most 4")
       ->check(CLI::Range(0, 64));
-  Add(app, "--decoder-memory", decoder.memory, "Most memory that decoding one mesh may take; 0: no limit")
+  Add(app, "--decoder-memory", decoder.memory,
+      "Most memory that decoding one mesh may take, as 2GiB; 0: what --max-triangles needs, but for all processes at "
+      "most a quarter of what there is")
       ->transform(CLI::AsSizeValue(false));
   AddSeconds(app, "--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Most CPU time that decoding one mesh may take");
   app.add_flag("--allow-unconfined-decoders", decoder.may_be_unconfined,

@@ -64,11 +64,17 @@ int ThreadsOf(const ServerOptions& options) {
   return options.threads > 0 ? options.threads : oneapi::tbb::info::default_concurrency();
 }
 
-// More than compute threads are of no use, nor are many: what they decode has to be received by one thread.
+// As many decoder processes as compute threads, but not many: what they decode has to be received by one thread. Each
+// may take what the largest mesh needs, but all together no more than what the memory budget leaves by default, a third
+// of that.
 DecoderOptions DecodersOf(const ServerOptions& options) {
-  constexpr int kMostByDefault = 4;
+  constexpr int kMostProcesses = 4;
   DecoderOptions decoder = options.decoder;
-  if (decoder.processes == 0) decoder.processes = std::min(ThreadsOf(options), kMostByDefault);
+  if (decoder.processes == 0) decoder.processes = std::min(ThreadsOf(options), kMostProcesses);
+  if (decoder.memory == 0) {
+    const uint64_t needed = options.limits.max_mesh_bytes + kDecoderBytesPerTriangle * options.limits.max_triangles;
+    decoder.memory = std::min(needed, DefaultMemoryBudget() / 3 / static_cast<uint64_t>(decoder.processes));
+  }
   return decoder;
 }
 

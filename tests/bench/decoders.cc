@@ -71,7 +71,7 @@ bool Measure(DecoderPool& pool, const std::string& path) {
 }  // namespace latvox
 
 int main(int argc, char** argv) {
-  const auto pool = latvox::DecoderPool::Create({.program = LATVOXD, .processes = 1, .memory = 0});
+  const auto pool = latvox::DecoderPool::Create({.program = LATVOXD, .processes = 1, .memory = latvox::kNoMemoryLimit});
   if (!pool.ok()) {
     absl::FPrintF(stderr, "latvox_bench_decoders: %s\n", pool.status().message());
     return 1;

@@ -15,6 +15,7 @@
 #include "server/plane_convert.h"
 #include "server/server.h"
 #include "tests/unit/client_files.h"
+#include "tests/unit/server_decoders.h"
 
 namespace latvox {
 namespace {
@@ -45,6 +46,7 @@ class PixelizeCall : public client::FilesTest {
   void Start() {
     options_.listen = {"unix:" + Path("socket")};
     options_.threads = 2;
+    options_.decoder = TestDecoders();
     auto server = VoxelServer::Start(options_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);

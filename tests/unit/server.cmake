@@ -6,6 +6,15 @@ target_link_libraries(latvox_server_meshes PUBLIC latvox::core PRIVATE latvox_bu
 
 latvox_add_test(server_decoder_test SOURCES unit/server_decoder_test.cc
                 LIBRARIES latvox::server latvox_server_meshes draco::draco GTest::gmock)
+latvox_add_test(server_decoder_protocol_test SOURCES unit/server_decoder_protocol_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_decoder_sandbox_test UNSANITIZED SOURCES unit/server_decoder_sandbox_test.cc
+                LIBRARIES latvox::server ${LATVOX_SECCOMP} GTest::gmock)
+latvox_add_test(server_decoder_pool_test SOURCES unit/server_decoder_pool_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+target_compile_definitions(
+  server_decoder_pool_test
+  PRIVATE LATVOX_RESERVE_BOMB="${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/decoder_fuzz/reserve_bomb_61.drc")
 latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_admission_test SOURCES unit/server_admission_test.cc LIBRARIES latvox::server GTest::gmock)
@@ -20,7 +29,8 @@ latvox_add_test(server_metrics_test SOURCES unit/server_metrics_test.cc LIBRARIE
 latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)
 
 # Tests that start the server's program, as a whole or as what decodes meshes.
-foreach(test server_access_call_test server_call_test server_process_test server_resume_test)
+foreach(test server_access_call_test server_call_test server_decoder_pool_test server_decoder_sandbox_test
+             server_process_test server_resume_test)
   if(TARGET ${test})
     target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
     add_dependencies(${test} latvoxd)

@@ -40,7 +40,7 @@ class AccessTest : public testing::Test {
     ServerOptions options;
     options.listen = {"unix:" + pattern + "/socket"};
     options.threads = 1;
-    options.decoder.program = LATVOXD;
+    options.decoder = TestDecoders();
     options.access.token_file = token_file_;
     auto server = VoxelServer::Start(options);
     ASSERT_TRUE(server.ok()) << server.status();

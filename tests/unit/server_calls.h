@@ -18,6 +18,7 @@
 #include "core/tile/brick.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/server.h"
+#include "tests/unit/server_decoders.h"
 #include "tests/unit/server_meshes.h"
 
 namespace latvox {
@@ -148,7 +149,7 @@ class ServerTest : public testing::Test {
     directory_ = mkdtemp(pattern.data());
     options_.listen = {"unix:" + directory_ + "/socket"};
     options_.threads = 2;
-    options_.decoder.program = LATVOXD;
+    options_.decoder = TestDecoders();
     options_.keepalive_time = absl::Seconds(1);
     options_.keepalive_timeout = absl::Seconds(1);
   }

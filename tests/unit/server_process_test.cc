@@ -12,6 +12,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
 
 TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
   const std::string path = TemporaryDirectory() + "/socket";
-  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1"}));
+  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1", "--max-queued-jobs", "0"}));
   server.ReadUntil("event=listening");
   const auto stub = v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + path, grpc::InsecureChannelCredentials()));
   grpc::ClientContext context;
@@ -129,6 +130,47 @@ TEST(Latvoxd, EndsWithItsParentIfItWasAskedTo) {
   for (int status = 0; waitpid(-1, &status, WNOHANG) > 0;) {
   }
   prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+std::vector<pid_t> ChildrenOf(pid_t pid) {
+  std::vector<pid_t> children;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::ifstream file(thread.path() / "children");
+    std::copy(std::istream_iterator<pid_t>(file), {}, std::back_inserter(children));
+  }
+  return children;
+}
+
+// Whoever inherits an orphan need not have buried it.
+bool IsAlive(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/status");
+  const std::string status(std::istreambuf_iterator<char>(file), {});
+  return !status.empty() && status.find("State:\tZ") == std::string::npos;
+}
+
+TEST(Latvoxd, LeavesNoDecoderProcessBehindHoweverItEnds) {
+  for (const int signal : {SIGTERM, SIGKILL, SIGSEGV}) {
+    Process server(Latvoxd({"--listen", "127.0.0.1:0", "--decoder-processes", "3"}));
+    server.ReadUntil("event=listening");
+    const std::vector<pid_t> decoders = ChildrenOf(server.pid());
+    EXPECT_EQ(decoders.size(), 3);
+    kill(server.pid(), signal);
+    server.Wait();
+    for (const pid_t pid : decoders) {
+      for (int n = 0; n < 1000 && IsAlive(pid); ++n) usleep(2000);
+      EXPECT_FALSE(IsAlive(pid)) << "after signal " << signal;
+    }
+  }
+}
+
+TEST(Latvoxd, LogsTheEndOfADecoderProcess) {
+  Process server(Latvoxd({"--listen", "127.0.0.1:0", "--decoder-processes", "1"}));
+  server.ReadUntil("event=listening");
+  const std::vector<pid_t> decoders = ChildrenOf(server.pid());
+  ASSERT_EQ(decoders.size(), 1);
+  kill(decoders[0], SIGKILL);
+  EXPECT_EQ(server.ReadLineWith("level=warning event=decoder_died pid="),
+            std::to_string(decoders[0]) + " end=\"signal 9 (Killed)\" bytes=0");
 }
 
 TEST(Latvoxd, EndsCleanlyAsProcessOne) {
