@@ -280,7 +280,7 @@ absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOpti
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   const absl::StatusOr<ServerOptions> complete = WithMemoryShared(options);
   if (!complete.ok()) return complete.status();
-  auto decoders = DecoderPool::Create(DecodersOf(options));
+  auto decoders = DecoderPool::Create(DecodersOf(*complete));
   if (!decoders.ok()) return decoders.status();
   auto server = std::make_unique<Server>(*complete, *std::move(decoders));
   if (absl::Status status = server->Listen(); !status.ok()) return status;

@@ -169,6 +169,7 @@ TEST_F(AccessTest, AChangedFileHoldsSoonAndABrokenOneNever) {
 
 TEST_F(AccessTest, AServerDoesNotStartWithAFileThatIsWrong) {
   ServerOptions options;
+  options.decoder = TestDecoders();
   options.listen = {"unix:" + token_file_ + ".socket"};
   options.access.token_file = token_file_ + ".missing";
   const auto server = VoxelServer::Start(options);

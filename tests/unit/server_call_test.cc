@@ -387,6 +387,7 @@ TEST_F(ServerTest, NamesTheAddressThatIsInUse) {
   Start();
   for (const std::string& address : server_->addresses()) {
     ServerOptions second;
+    second.decoder = options_.decoder;
     second.listen = {"127.0.0.1:0", address};
     const auto result = VoxelServer::Start(second);
     ASSERT_FALSE(result.ok());
