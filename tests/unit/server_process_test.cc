@@ -37,7 +37,7 @@ TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
 
 TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
   const std::string path = TemporaryDirectory() + "/socket";
-  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1"}));
+  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1", "--max-queued-jobs", "0"}));
   server.ReadUntil("event=listening");
   const auto stub = v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + path, grpc::InsecureChannelCredentials()));
   grpc::ClientContext context;
