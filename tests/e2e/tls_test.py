@@ -132,7 +132,7 @@ class Tls(TlsCase):
                 with Connection(server.tcp, self.authority.root, version) as connection:
                     self.assertTrue(connection.ping(b"12345678"))
             for version in (ssl.TLSVersion.TLSv1, ssl.TLSVersion.TLSv1_1):
-                with self.assertWarns(DeprecationWarning), self.assertRaisesRegex(ssl.SSLError, "(?i)protocol|version|alert|handshake"):
+                with self.assertWarns(DeprecationWarning), self.assertRaises((ssl.SSLError, ConnectionError)):
                     Connection(server.tcp, self.authority.root, version)
 
     def test_mutual_tls_wants_a_certificate_of_the_authority_and_knows_the_caller_by_it(self):

@@ -172,6 +172,7 @@ TEST_F(AccessTest, AServerDoesNotStartWithAFileThatIsWrong) {
   options.decoder = TestDecoders();
   options.listen = {"unix:" + token_file_ + ".socket"};
   options.access.token_file = token_file_ + ".missing";
+  options.decoder.program = LATVOXD;
   const auto server = VoxelServer::Start(options);
   EXPECT_EQ(server.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(server.status().message()), testing::HasSubstr(options.access.token_file));
