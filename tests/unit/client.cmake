@@ -15,6 +15,8 @@ latvox_add_test(client_tool_test SOURCES unit/client_tool_test.cc LIBRARIES latv
 
 # Both ends of one call.
 latvox_add_test(plane_call_test SOURCES unit/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
+target_compile_definitions(plane_call_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
+add_dependencies(plane_call_test latvoxd)
 latvox_add_test(client_failover_test UNSANITIZED SOURCES unit/client_failover_test.cc
                 LIBRARIES latvox::client latvox_server_meshes GTest::gmock)
 if(TARGET client_failover_test)

@@ -45,6 +45,7 @@ class PixelizeCall : public client::FilesTest {
   void Start() {
     options_.listen = {"unix:" + Path("socket")};
     options_.threads = 2;
+    options_.decoder.program = LATVOXD;
     auto server = VoxelServer::Start(options_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
