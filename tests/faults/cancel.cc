@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "absl/time/clock.h"
 #include "tests/faults/commands.h"
@@ -22,7 +23,7 @@ struct Options {
   double after_ms = 20;
 };
 
-// The call up to the point where its stage begins. Reads as long as the stage wants to be read from.
+// The call up to the point where its stage begins. Stage "stream" is that of a client that takes no answer any more.
 class StagedCall {
  public:
   // With a deadline, that is what ends it.
@@ -44,8 +45,12 @@ class StagedCall {
       stream_->Write(ToBuffer(request.SerializeAsString()));
     }
     if (whole) stream_->WritesDone();
-    grpc::ByteBuffer accepted;
-    if (stage == "voxelize" || stage == "stream") stream_->Read(&accepted);
+    if (stage == "stream") {
+      grpc::ByteBuffer accepted;
+      stream_->Read(&accepted);
+    } else if (stage == "voxelize") {
+      reader_ = std::jthread([this] { ReadAll(); });
+    }
   }
 
   // Returns when it was cancelled, or was to end.
@@ -57,17 +62,37 @@ class StagedCall {
   }
 
   grpc::Status End() {
-    for (grpc::ByteBuffer answer; stream_->Read(&answer);) {
+    if (reader_.joinable()) {
+      reader_.join();
+    } else {
+      ReadAll();
     }
     return stream_->Finish();
   }
 
  private:
+  void ReadAll() {
+    for (grpc::ByteBuffer answer; stream_->Read(&answer);) {
+    }
+  }
+
   const Job& job_;
   const std::optional<absl::Time> deadline_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> stream_;
+  std::jthread reader_;
 };
+
+// Gives the server time to be idle again, and keeps the connection busy: gRPC looks at it only while there is a call.
+void Rest(grpc::Channel& channel) {
+  Script health;
+  health.method = "/grpc.health.v1.Health/Check";
+  health.messages.emplace_back();
+  for (int n = 0; n < 30; ++n) {
+    Run(channel, health);
+    absl::SleepFor(absl::Milliseconds(10));
+  }
+}
 
 int RunCancel(const Options& options) {
   const auto jobs = ReadJobs(options.jobs, {options.job});
@@ -87,7 +112,7 @@ int RunCancel(const Options& options) {
     const grpc::Status status = call.End();
     std::printf("{\"cancelled\": %.6f, \"code\": %d}\n", absl::ToDoubleSeconds(cancelled - absl::UnixEpoch()),
                 status.error_code());
-    absl::SleepFor(absl::Milliseconds(300));  // for the server to be idle again
+    Rest(*channel);
   }
   return 0;
 }

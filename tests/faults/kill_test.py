@@ -72,6 +72,9 @@ class Kill(Faults):
             "done, all of them",
             len(done) > 0 and all(r["outcome"] in ("done", "refused") for r in records),
         )
+        if "server" in what:
+            resumed = sum(r["resumed"] for r in done)
+            self.figure(f"{what}: streams that went on after a break", resumed, "", "some", resumed > 0)
         times = [r["wait_ms"] for r in done]
         self.figure(f"{what}: p50 / p99", f"{percentile(times, 50):.0f} / {percentile(times, 99):.0f}", "ms")
 

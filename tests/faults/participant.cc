@@ -181,6 +181,7 @@ void Participant::Judge(const Job& job, const absl::StatusOr<client::Summary>& s
   if (summary.ok()) {
     record.outcome = summary->certificate.digest == job.digest ? "done" : "wrong";
     record.detail = summary->certificate.digest;
+    record.resumed = summary->resumed;
     return;
   }
   const absl::Status& status = summary.status();

@@ -25,8 +25,8 @@ struct Swarm {
   uint64_t seed = 1;
   absl::Time end;           // no call begins after it
   absl::Duration patience;  // that a good call may take, tries and waits included
-  client::ConnectionOptions connection;
-  client::RetryPolicy retry;
+  client::ConnectionOptions connection = {};
+  client::RetryPolicy retry = {};
 };
 
 // Roles:

@@ -25,7 +25,8 @@ void Records::Write(const Record& record) const {
                             {"outcome", record.outcome},
                             {"detail", record.detail},
                             {"ms", record.ms},
-                            {"wait_ms", record.wait_ms}};
+                            {"wait_ms", record.wait_ms},
+                            {"resumed", record.resumed}};
   const std::string text = line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
   if (write(file_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) std::_Exit(3);
 }

@@ -18,6 +18,7 @@ struct Record {
   std::string outcome;
   std::string detail;  // for people
   double ms = 0;       // of the call, from its first byte to its last
+  int resumed = 0;     // times that the stream broke and another one went on
   double wait_ms = 0;  // from the first try, refusals and delays included
 };
 
