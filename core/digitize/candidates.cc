@@ -156,9 +156,9 @@ struct Scan {
   PaddedVertices vertices;
   const std::vector<ScanFrame>& frames;
   FrameTable table;
-  int32_t narrow;                 // NarrowExtent
-  Vec3i reach;                    // per axis, the largest |q|
-  std::array<int32_t, 4> origin;  // of the box, lattice units, and a 0
+  int32_t narrow;  // NarrowExtent
+  Vec3i reach;     // per axis, the largest |q|
+  Vec3i origin;    // of the box, lattice units
   Target target;
 };
 
@@ -216,8 +216,8 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
     for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
   }
   const Scan scan{
-      mesh,  PaddedVertices(mesh),        frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames),
-      reach, {low[0], low[1], low[2], 0}, target};
+      mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), reach, low,
+      target};
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kTriangleLanes) {
     ScanSome(scan, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), out);
     out.EndRun(n);

@@ -66,10 +66,10 @@ struct Scene {
   PaddedVertices vertices;
   LineForms all;
   std::vector<Direction> directions;
-  Vec3i size;                     // of the box, voxels
-  Vec3i reach;                    // per axis, the largest |q|
-  std::array<int32_t, 4> origin;  // of the box, lattice units, and a 0
-  int32_t number;                 // of its low corner
+  Vec3i size;      // of the box, voxels
+  Vec3i reach;     // per axis, the largest |q|
+  Vec3i origin;    // of the box, lattice units
+  int32_t number;  // of its low corner
 
   Scene(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout)
       : mesh(mesh),
@@ -77,7 +77,7 @@ struct Scene {
         all(frames),
         size(box.max - box.min),
         reach{},
-        origin{box.min[0] * kLatticeUnit, box.min[1] * kLatticeUnit, box.min[2] * kLatticeUnit, 0},
+        origin(box.min * kLatticeUnit),
         number(static_cast<int32_t>(layout.NumberOf(box.min))) {
     for (size_t n = 0; n < frames.size(); ++n) {
       directions.push_back(DirectionOf(frames[n].frame, all, n, layout));

@@ -55,18 +55,18 @@ HWY_INLINE Ints Most(Ints a, Ints b, Ints c) { return hn::Max(a, hn::Max(b, c));
 // The corners, by axis, of up to kTriangleLanes triangles, in lattice units from `origin`; the last triangle's in the
 // lanes that are left.
 HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
-                                            std::span<const uint32_t> triangles, const std::array<int32_t, 4>& origin) {
+                                            std::span<const uint32_t> triangles, const Vec3i& origin) {
   const hn::CappedTag<int32_t, 4> d4;
-  const auto from = hn::LoadU(d4, origin.data());
   LaneVectors corner[3];
   for (size_t t = 0; t < kTriangleLanes; ++t) {
     const auto& indices = mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
-    for (size_t n = 0; n < 3; ++n) hn::Store(hn::Sub(hn::LoadU(d4, vertices[indices[n]]), from), d4, corner[n].of[t]);
+    for (size_t n = 0; n < 3; ++n) hn::Store(hn::LoadU(d4, vertices[indices[n]]), d4, corner[n].of[t]);
   }
   std::array<Ints3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
     Ints unused;
     hn::LoadInterleaved4(Lanes(), corner[n].of[0], v[n][0], v[n][1], v[n][2], unused);
+    v[n] = Minus(v[n], Fill3(origin));
   }
   return v;
 }
