@@ -42,6 +42,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     triangles_ = others_;
   }
   FindCandidates(context.mesh, triangles_, context.frames, box_, layout_, context.cancelled, candidates_);
+  if (context.cancelled) return;
   for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
   for (const uint32_t voxel : crossings_.nearer.view()) surface_.Set(voxel);
   AddRim(context);
@@ -68,6 +69,7 @@ void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, boo
 void TileScan::AddRim(const TileContext& context) {
   pairs_.clear();
   rim_only_.clear();
+  if (context.cancelled) return;
   surface_.Find(candidates_.rim.view(), false, positions_);
   AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
   ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
@@ -118,6 +120,16 @@ bool TileScan::IsOutside(uint32_t voxel) const {
   return !surface_.Test(voxel) && box_.Contains(layout_.VoxelAt(voxel));
 }
 
+// Leaves out edges that no longer count, and duplicates: where many triangles meet in few voxels, each edge comes from
+// many of them.
+void TileScan::CompactEdges() {
+  std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
+  const auto key = [](const CrossedEdge& edge) { return uint64_t{edge.end} << 32 | edge.other; };
+  std::sort(edges_.begin(), edges_.end(), [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) < key(b); });
+  const auto same = [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) == key(b); };
+  edges_.erase(std::unique(edges_.begin(), edges_.end(), same), edges_.end());
+}
+
 // Asks all triangles at members of rest_: voxels that prove essential leave it, edges within it are recorded.
 void TileScan::AskRest(const TileContext& context) {
   pairs_.clear();
@@ -129,7 +141,13 @@ void TileScan::AskRest(const TileContext& context) {
   rest_.Find(candidates_.rim.view(), true, positions_);
   AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
   edges_.clear();
+  constexpr size_t kMany = size_t{1} << 18;
+  size_t compact_at = kMany;
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
+    if (edges_.size() >= compact_at) {
+      CompactEdges();
+      compact_at = std::max(kMany, 2 * edges_.size());
+    }
     const bool may_leave = ForEachEnd(context, z, star, [&](uint32_t end) {
       if (rest_.Test(end)) edges_.push_back({z, end});
       return !IsOutside(end);
@@ -160,8 +178,10 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
 
 // Of what FindRest leaves, the triangles at hand decide. What lies beyond the border matters seldom.
 bool TileScan::Thin(const TileContext& context) {
-  FindRest(context);
-  AskRest(context);
+  // Where many triangles meet in few voxels, each of these takes a while.
+  if (!context.cancelled) FindRest(context);
+  if (!context.cancelled) AskRest(context);
+  if (context.cancelled) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
   std::sort(doubtful.begin(), doubtful.end());

@@ -61,6 +61,7 @@ class TileScan {
   void FindRest(const TileContext& context);
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
+  void CompactEdges();
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo

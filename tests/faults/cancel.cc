@@ -88,7 +88,7 @@ void Rest(grpc::Channel& channel) {
   Script health;
   health.method = "/grpc.health.v1.Health/Check";
   health.messages.emplace_back();
-  for (int n = 0; n < 30; ++n) {
+  for (int n = 0; n < 15; ++n) {
     Run(channel, health);
     absl::SleepFor(absl::Milliseconds(10));
   }

@@ -14,7 +14,7 @@ from stage import FULL, JOBS, Faults, percentile
 
 PROMISED_MS = 50
 GROSS_MS = 2500
-TIMES = 20 if FULL else 3
+TIMES = 20 if FULL else 2
 # stage of the call: job, milliseconds into the stage, milliseconds of a deadline that ends in it
 STAGES = {
     "upload": ("upload", "medium bunny-256-fcc", 30, 60),
@@ -35,7 +35,6 @@ class Cancelled(Faults):
     def stop(self, server, what, by):
         stage_name, job, after, deadline = STAGES[what]
         words = ["--after-ms", after] if by == "cancelled" else ["--after-ms", deadline, "--deadline"]
-        times = 2 if after >= 500 and not FULL else TIMES
         before = len(server.lines("request"))
         told = stage.faults(
             "cancel",
@@ -48,24 +47,25 @@ class Cancelled(Faults):
             "--stage",
             stage_name,
             "--times",
-            times,
+            TIMES,
             *words,
         )
         stops = [json.loads(line) for line in told.splitlines()]
         end = time.monotonic() + 10
-        while len(server.lines("request")) < before + times and time.monotonic() < end:
+        while len(server.lines("request")) < before + TIMES and time.monotonic() < end:
             time.sleep(0.05)
         ended = server.lines("request")[before:]
-        self.assertEqual(len(ended), times, "calls that go on after they were stopped")
+        self.assertEqual(len(ended), TIMES, "calls that go on after they were stopped")
         # The log has milliseconds.
         took = [max(0.0, (seconds(line) - stop["cancelled"]) * 1000) for line, stop in zip(ended, stops)]
-        code = {"cancelled": "CANCELLED", "deadline": "DEADLINE_EXCEEDED"}[by]
+        # At its deadline, the client cancels by itself, too; either may come first.
+        codes = {"cancelled": ("CANCELLED",), "deadline": ("CANCELLED", "DEADLINE_EXCEEDED")}[by]
         self.figure(
             f"{what}, {by}: calls that ended so",
-            sum(line["code"] == code for line in ended),
-            f"of {times}",
+            sum(line["code"] in codes for line in ended),
+            f"of {TIMES}",
             "some",
-            any(line["code"] == code for line in ended),
+            any(line["code"] in codes for line in ended),
         )
         self.figure(
             f"{what}, {by}: work went on for, p50 / most",

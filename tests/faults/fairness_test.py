@@ -11,7 +11,7 @@ from stage import SECONDS, Faults, Swarm, percentile, select
 
 SMALL = "small bunny-64-bcc"
 HUGE = "huge bunny-8192-cartesian"
-LOAD = max(2.5, SECONDS / 6)
+LOAD = max(2.0, SECONDS / 6)
 GROSS = 30  # promised: 3
 
 
@@ -21,16 +21,16 @@ class Fairness(Faults):
     def small_times(self, server, name):
         with Swarm(self.dir, server.address, LOAD, clients=1, roles=["good"], jobs=[SMALL], name=name) as swarm:
             records = swarm.wait(LOAD + 130)
-        self.nothing_wrong(records)
+        self.nothing_wrong(records, f"small requests, {name}: ")
         return [r["ms"] for r in select(records, "done")]
 
     def beside(self, server, what, job, idle):
         """Small requests while `job` runs, again and again."""
         with Swarm(self.dir, server.address, LOAD + 0.5, clients=1, roles=["good"], jobs=[job], name=what) as swarm:
             time.sleep(0.5)
-            times = self.small_times(server, f"beside-{what}")
+            times = self.small_times(server, f"beside {what}")
             records = swarm.wait(LOAD + 200)
-        self.nothing_wrong(records)
+        self.nothing_wrong(records, f"{what}: ")
         ratio = percentile(times, 99) / percentile(idle, 99)
         self.figure(
             f"small requests beside {what}: p50 / p99",

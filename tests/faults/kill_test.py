@@ -62,7 +62,7 @@ class Kill(Faults):
             with Killer(kill) as killer:
                 swarm.process.wait(LOAD + 200)
             records = swarm.wait(10)
-        self.nothing_wrong(records)
+        self.nothing_wrong(records, f"{what}: ")
         done = select(records, "done")
         self.figure(f"{what}: kills", killer.kills, "", "some", killer.kills > 0)
         self.figure(

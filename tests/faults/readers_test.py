@@ -25,22 +25,22 @@ class Readers(Faults):
             self.dir, server.address, seconds, clients=1, roles=["good"], jobs=["small bunny-64-bcc"], name=name
         ) as swarm:
             records = swarm.wait(seconds + 130)
-        self.nothing_wrong(records)
+        self.nothing_wrong(records, f"small requests, {name}: ")
         return [r["ms"] for r in select(records, "done")]
 
     def under(self, server, what, roles, jobs, count=READERS):
         """Small requests while readers of these roles hang on big ones."""
-        alone = self.small_times(server, 1, f"{what}-alone")
+        alone = self.small_times(server, 1, f"{what}, before")
         rest, threads = stage.memory(descendants(server.pid)), server.threads()
         with Swarm(self.dir, server.address, LOAD, clients=count, roles=roles, jobs=jobs, name=what) as swarm, Watch(
             server
         ) as watch:
             time.sleep(1)
             cpu = server.cpu()
-            times = self.small_times(server, LOAD - 1.5, f"{what}-others")
+            times = self.small_times(server, LOAD - 1.5, f"{what}, beside")
             self.figure(f"{what}: processor time of the server, others served", server.cpu() - cpu, "s")
             records = swarm.wait(LOAD + 130)
-        self.nothing_wrong(records)
+        self.nothing_wrong(records, f"{what}: ")
         self.figure(f"{what}: their calls", tally(r["outcome"] for r in records))
         grown = (watch.peak - rest) / count
         self.figure(
@@ -64,14 +64,9 @@ class Readers(Faults):
             len(times) > 3,
         )
 
-    def test_slow_readers(self):
+    def test_slow_and_stopped_readers(self):
         with stage.server(self.dir) as server:
-            self.under(server, "slow readers", ["slow"], [BIG])
-            self.assert_serves(server)
-
-    def test_stopped_readers(self):
-        with stage.server(self.dir) as server:
-            self.under(server, "stopped readers", ["stopped"], [BIG])
+            self.under(server, "slow and stopped readers", ["slow", "stopped"], [BIG])
             self.assert_serves(server)
 
     def test_stopped_processes_are_ended_by_keepalive(self):

@@ -6,6 +6,7 @@ default is continuous integration's. Meshes and what their voxels must be are ma
 
 import contextlib
 import json
+import math
 import os
 import pathlib
 import shlex
@@ -206,8 +207,9 @@ def select(records, outcome=None, **wanted):
 
 
 def percentile(values, percent):
+    """The least of the values that so many percent of them do not exceed."""
     ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, int(len(ordered) * percent / 100))] if ordered else float("nan")
+    return ordered[max(0, math.ceil(len(ordered) * percent / 100) - 1)] if ordered else math.nan
 
 
 def tally(values):
@@ -269,9 +271,9 @@ class Faults(Case):
             bool(done) and len(done) == len(records),
         )
 
-    def nothing_wrong(self, records):
+    def nothing_wrong(self, records, what=""):
         wrong = select(records, "wrong")
         lines = sorted({f"{r['role']} {r['job']}: {r['detail'][:200]}" for r in wrong})
         for line in lines[:10]:
             print(line, file=sys.stderr)
-        self.figure("wrong answers, lost jobs, crashed clients", len(wrong), "", "0", not wrong)
+        self.figure(f"{what}wrong answers, lost jobs, crashed clients", len(wrong), "", "0", not wrong)
