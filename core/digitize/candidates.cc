@@ -219,6 +219,7 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
       mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), reach, low,
       target};
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kTriangleLanes) {
+    PrefetchCorners(mesh, triangles.subspan(n));
     ScanSome(scan, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), out);
     out.EndRun(n);
   }

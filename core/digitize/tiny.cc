@@ -221,6 +221,7 @@ void FindInLanes(const Scene& scene, std::span<const uint32_t> triangles, Crossi
   out.farther.Reserve(most);
   uint32_t *nearer = out.nearer.end(), *farther = out.farther.end(), *other = others.data() + before;
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
+    PrefetchCorners(scene.mesh, triangles.subspan(n));
     CrossSome(scene, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), nearer, farther, other);
   }
   out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));

@@ -64,6 +64,7 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
   uint32_t* end = touching.data() + before;
   for (size_t first = 0; first < triangles.size(); first += kTriangleLanes) {
     const auto some = triangles.subspan(first, std::min(kTriangleLanes, triangles.size() - first));
+    PrefetchCorners(mesh, triangles.subspan(first));
     const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, some, {});
     // A bit for each form between whose floors at the corners there is a difference.
     Ints between = hn::Zero(d);

@@ -6,6 +6,7 @@
 #define LATVOX_CORE_DIGITIZE_TRIANGLE_LANES_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -69,6 +70,19 @@ HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const Padde
     v[n] = Minus(v[n], Fill3(origin));
   }
   return v;
+}
+
+// Asks memory for the corners of triangles that will be loaded some steps from here: neighbours in the list may be far
+// apart in the mesh, and so are their vertices.
+HWY_INLINE void PrefetchCorners(const SnappedMesh& mesh, std::span<const uint32_t> triangles) {
+  constexpr size_t kVerticesAhead = 2 * kTriangleLanes, kTrianglesAhead = 4 * kTriangleLanes;
+  if (triangles.size() < kTrianglesAhead + kTriangleLanes) return;
+  for (size_t t = 0; t < kTriangleLanes; ++t) {
+    hwy::Prefetch(&mesh.triangles[triangles[kTrianglesAhead + t]]);
+    for (const uint32_t vertex : mesh.triangles[triangles[kVerticesAhead + t]]) {
+      hwy::Prefetch(&mesh.vertices_lat[vertex]);
+    }
+  }
 }
 
 }  // namespace
