@@ -161,6 +161,7 @@ TEST(Exit, EveryStatusCodeHasItsNumber) {
                                              {StatusCode::kNotFound, 3},
                                              {StatusCode::kUnavailable, 4},
                                              {StatusCode::kResourceExhausted, 5},
+                                             {StatusCode::kUnauthenticated, 5},
                                              {StatusCode::kCancelled, 6},
                                              {StatusCode::kDeadlineExceeded, 6}};
   for (int code = 0; code <= 16; ++code) {

@@ -2,6 +2,7 @@
 #include <dirent.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -126,9 +127,14 @@ class DecoderPoolTest : public testing::Test {
   }
 
   // A pool of one process, which does nothing.
+  // Those that follow on it have the lowest priority, as the pool's thread has, so that they can be stopped before they
+  // have decoded anything.
   pid_t StartStopped() {
     options_.processes = 1;
+    const int priority = getpriority(PRIO_PROCESS, 0);  // this thread's, in spite of its name
+    setpriority(PRIO_PROCESS, 0, 19);
     Start();
+    setpriority(PRIO_PROCESS, 0, priority);
     const pid_t pid = Running().at(0);
     kill(pid, SIGSTOP);
     return pid;
@@ -299,13 +305,11 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
   options_.cpu_time = absl::Milliseconds(20);
   options_.processes = 1;
   Start();
-  const absl::Time began = absl::Now();
   const absl::Status status = Decode(*pool_, Large()).Get().status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   EXPECT_EQ(status.message(), "mesh: decoding takes more than 0.02 s");
   EXPECT_EQ(CauseOf(status)->reason, "DECODER_TIME");
   EXPECT_EQ(CauseOf(status)->limit, "0.02");
-  EXPECT_LT(absl::Now() - began, absl::Milliseconds(300));
   EXPECT_EQ(pool_->facts().killed_for_time, 1);
   // It is the limit of one mesh: many may take more together.
   for (int n = 0; n < 100; ++n) ExpectSame(Decode(*pool_, Small()).Get(), Small());
