@@ -9,6 +9,13 @@
 namespace latvox {
 namespace {
 
+constexpr size_t kManyEdges = size_t{1} << 18;
+
+void SortUnique(std::vector<uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
 IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
 
 // Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
@@ -41,11 +48,43 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     FindTinyCrossings(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, crossings_, others_);
     triangles_ = others_;
   }
-  FindCandidates(context.mesh, triangles_, context.frames, box_, layout_, context.cancelled, candidates_);
-  if (context.cancelled) return;
-  for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
   for (const uint32_t voxel : crossings_.nearer.view()) surface_.Set(voxel);
-  AddRim(context);
+  rim_only_.clear();
+  size_t end = 0;
+  do {
+    in_parts_ = end > 0;
+    end = Gather(context, end);
+    for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
+    AddRim(context);
+  } while (end < triangles_.size() && !context.cancelled);
+}
+
+// Finds the candidates of the triangles from `begin` on, of all or of enough of them; returns where those end. Many
+// large triangles in one block, which would fill the memory, are thereby done part by part, and found again each time
+// that thinning asks for them.
+size_t TileScan::Gather(const TileContext& context, size_t begin) {
+  constexpr size_t kStep = 256;  // triangles, each with up to some 50,000 candidates
+  constexpr size_t kEnough = size_t{1} << 20;
+  candidates_.Clear();
+  size_t n = begin;
+  while (n < triangles_.size() && candidates_.nearer.size() + candidates_.rim.size() < kEnough) {
+    const auto some = triangles_.subspan(n, std::min(kStep, triangles_.size() - n));
+    const size_t runs = candidates_.runs.size();
+    FindCandidates(context.mesh, some, context.frames, box_, layout_, context.cancelled, candidates_);
+    for (size_t r = runs; r < candidates_.runs.size(); ++r) candidates_.runs[r].first += static_cast<uint32_t>(n);
+    n += some.size();
+  }
+  return n;
+}
+
+// Calls f() with the candidates of each part of the triangles at hand.
+template <class F>
+void TileScan::ForEachPart(const TileContext& context, F&& f) {
+  if (!in_parts_) return f();
+  for (size_t end = 0; end < triangles_.size() && !context.cancelled;) {
+    end = Gather(context, end);
+    f();
+  }
 }
 
 // Calls f(voxel, star) for all pairs_ whose voxel is, or is not, in `bits` when their turn comes.
@@ -68,7 +107,6 @@ void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, boo
 // Most candidates of a triangle's rim are voxels that its neighbours have set.
 void TileScan::AddRim(const TileContext& context) {
   pairs_.clear();
-  rim_only_.clear();
   if (context.cancelled) return;
   surface_.Find(candidates_.rim.view(), false, positions_);
   AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
@@ -105,8 +143,11 @@ void TileScan::FindRest(const TileContext& context) {
     if (!rest_.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
   };
   for (const uint32_t n : inner_.view()) add(crossings_.nearer[n]);
-  surface_.Find(candidates_.farther.view(), true, positions_);
-  for (const uint32_t n : positions_.view()) add(candidates_.nearer[n] & kNumberMask);
+  ForEachPart(context, [&] {
+    surface_.Find(candidates_.farther.view(), true, positions_);
+    for (const uint32_t n : positions_.view()) add(candidates_.nearer[n] & kNumberMask);
+    if (in_parts_) SortUnique(maybe_);
+  });
   const auto in_surface = [&](uint32_t end) { return surface_.Test(end); };
   for (const auto& [voxel, star] : rim_only_) {
     if (ForEachEnd(context, voxel, star, in_surface)) add(voxel);
@@ -132,6 +173,14 @@ void TileScan::CompactEdges() {
 
 // Asks all triangles at members of rest_: voxels that prove essential leave it, edges within it are recorded.
 void TileScan::AskRest(const TileContext& context) {
+  edges_.clear();
+  compact_at_ = kManyEdges;
+  ForEachPart(context, [&] { AskRestOfPart(context); });
+  for (const uint32_t n : inner_.view()) edges_.push_back({crossings_.nearer[n], crossings_.farther[n]});
+  std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
+}
+
+void TileScan::AskRestOfPart(const TileContext& context) {
   pairs_.clear();
   rest_.Find(candidates_.nearer.view(), true, positions_);
   for (const uint32_t n : positions_.view()) {
@@ -140,13 +189,10 @@ void TileScan::AskRest(const TileContext& context) {
   AppendPairs(candidates_.nearer, positions_, candidates_.runs, &Candidates::Run::crossed_end, triangles_, pairs_);
   rest_.Find(candidates_.rim.view(), true, positions_);
   AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
-  edges_.clear();
-  constexpr size_t kMany = size_t{1} << 18;
-  size_t compact_at = kMany;
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
-    if (edges_.size() >= compact_at) {
+    if (edges_.size() >= compact_at_) {
       CompactEdges();
-      compact_at = std::max(kMany, 2 * edges_.size());
+      compact_at_ = std::max(kManyEdges, 2 * edges_.size());
     }
     const bool may_leave = ForEachEnd(context, z, star, [&](uint32_t end) {
       if (rest_.Test(end)) edges_.push_back({z, end});
@@ -154,8 +200,6 @@ void TileScan::AskRest(const TileContext& context) {
     });
     if (!may_leave) rest_.Clear(z);
   });
-  for (const uint32_t n : inner_.view()) edges_.push_back({crossings_.nearer[n], crossings_.farther[n]});
-  std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
 }
 
 // Adds to rest_, and to maybe_, those neighbours of members that have neighbours outside of the box.
@@ -184,8 +228,7 @@ bool TileScan::Thin(const TileContext& context) {
   if (context.cancelled) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
-  std::sort(doubtful.begin(), doubtful.end());
-  doubtful.erase(std::unique(doubtful.begin(), doubtful.end()), doubtful.end());
+  SortUnique(doubtful);
   bool decided = latvox::Thin(layout_, doubtful, edges_, Shrunk(box_, context.reach * 2), block_, surface_);
   if (!decided) {
     AddBorder(context, doubtful);

@@ -53,6 +53,9 @@ class TileScan {
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
+  size_t Gather(const TileContext& context, size_t begin);
+  template <class F>
+  void ForEachPart(const TileContext& context, F&& f);
   template <class F>
   void ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f);
   void AddRim(const TileContext& context);
@@ -61,6 +64,7 @@ class TileScan {
   void FindRest(const TileContext& context);
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
+  void AskRestOfPart(const TileContext& context);
   void CompactEdges();
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
@@ -71,7 +75,8 @@ class TileScan {
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
   std::vector<uint32_t> others_;         // those of its triangles that are not tiny
   Crossings crossings_;                  // of the tiny ones
-  Candidates candidates_;
+  Candidates candidates_;                // of triangles_, or of the part of them at hand
+  bool in_parts_ = false;
   NumberList positions_;
   NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and of voxels without one
   struct RimVoxel {
@@ -82,6 +87,7 @@ class TileScan {
   std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
   std::vector<VoxelTriangle> pairs_;
   std::vector<CrossedEdge> edges_;
+  size_t compact_at_ = 0;  // many edges: time to compact them
 };
 
 }  // namespace latvox

@@ -232,6 +232,32 @@ TEST(Pipeline, RegionsArePartsOfTheWholeAndTheirDigestsAddUpOnBrickBorders) {
   EXPECT_EQ(sum, Voxelize(mesh, grid, {}).totals.digest);
 }
 
+// Triangles from side to side of a tile: more candidates than are held at a time.
+TEST(Pipeline, TanglesOfLargeTrianglesAreCoveredAndMinimal) {
+  constexpr unsigned kSeed = 7;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> coordinate(0, 62);
+  TriangleMesh tangle;
+  for (uint32_t n = 0; n < 4500; ++n) {
+    Vec3f corner = {coordinate(random), coordinate(random), coordinate(random)};
+    corner[n % 3] = n % 2 == 0 ? 0 : 62;
+    tangle.vertices.push_back(corner);
+    if (n % 3 == 2) tangle.triangles.push_back({n - 2, n - 1, n});
+  }
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  auto job = *VoxelizeJob::Create(tangle, grid, {});
+  VoxelSet voxels;
+  ASSERT_TRUE(job->Advance([&](TileBricks&& tile) {
+                   for (const Brick& brick : tile.bricks) voxels.Add(brick);
+                   return true;
+                 })
+                  .ok());
+  const auto verdict = job->Verify(voxels);
+  ASSERT_TRUE(verdict.ok());
+  EXPECT_EQ(verdict->tunnels, 0U) << "seed " << kSeed;
+  EXPECT_EQ(verdict->redundant, 0U) << "seed " << kSeed;
+}
+
 // What is left after each tile, alone or with the region of the first, on one thread and on three, is the stream's end.
 TEST(Pipeline, ResumesAfterAnyTileExactly) {
   const TriangleMesh mesh = Sphere(30, 170);
