@@ -11,6 +11,9 @@
 namespace latvox::client {
 namespace {
 
+// A server that asks for more is not believed.
+constexpr absl::Duration kLongestWaitAsked = absl::Minutes(1);
+
 // The last error, and that it was not the first.
 absl::Status GaveUp(const absl::Status& last, int tries) {
   if (tries == 1) return last;
@@ -37,7 +40,7 @@ absl::Status Tries::Again(const AttemptEnd& end) {
   ++failures_;
   if (end.retry == AttemptEnd::Retry::kNever || options_.retry.max_retries <= 0) return end.status;
   tried_[server_] = true;
-  asked_for_ = std::max(asked_for_, end.wait);
+  asked_for_ = std::min(std::max(asked_for_, end.wait), kLongestWaitAsked);
   std::optional<size_t> next = connection_.Pick(tried_, mesh_);
   if (!next) {
     if (end.retry == AttemptEnd::Retry::kElsewhere) return end.status;

@@ -40,7 +40,7 @@ absl::StatusOr<Summary> VoxelizeCall::Run() {
 AttemptEnd VoxelizeCall::TryServer() {
   const bool ask_first = check_.accepted() || connection_.MayHave(tries_.server(), mesh_);
   AttemptEnd end = Stretch(/*with_mesh=*/drc_ && !ask_first);
-  if (end.status.code() != absl::StatusCode::kNotFound) return end;
+  if (failed_here_ || end.status.code() != absl::StatusCode::kNotFound) return end;
   connection_.Forget(tries_.server(), mesh_);
   if (drc_) return ask_first ? Stretch(/*with_mesh=*/true) : end;
   end.retry = AttemptEnd::Retry::kElsewhere;
@@ -64,7 +64,8 @@ AttemptEnd VoxelizeCall::Stretch(bool with_mesh) {
   }
   const grpc::Status status = stream.Finish();
   bytes_sent_ += stream.sent();
-  return ours.ok() ? attempt.End(status) : AttemptEnd{ours};
+  failed_here_ = !ours.ok();
+  return failed_here_ ? AttemptEnd{ours} : attempt.End(status);
 }
 
 absl::Status VoxelizeCall::Take(const v1::VoxelizeResponse& answer) {

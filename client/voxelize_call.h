@@ -43,6 +43,7 @@ class VoxelizeCall {
   const VoxelizeHandlers& handlers_;
   const CallOptions& options_;
   AnswerCheck check_;
+  bool failed_here_ = false;  // the last stretch, for a handler or the check, not the server
   Tries tries_;
   absl::Status broken_by_;  // how the last stream ended
   int resumed_ = 0;

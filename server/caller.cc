@@ -45,6 +45,7 @@ std::string HostOf(absl::string_view peer) {
 Limits LimitsOf(const Caller& caller, Limits limits) {
   limits.max_mesh_bytes = Least(limits.max_mesh_bytes, caller.limits.max_mesh_bytes);
   limits.max_triangles = Least(limits.max_triangles, caller.limits.max_triangles);
+  limits.max_jobs_per_client = Least(limits.max_jobs_per_client, caller.limits.max_jobs);
   return limits;
 }
 

@@ -9,6 +9,7 @@
 #include "core/voxelizer/estimate.h"
 #include "server/errors.h"
 #include "server/exceptions.h"
+#include "server/lane.h"
 
 namespace latvox {
 namespace {
@@ -25,7 +26,7 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 
 // What a job takes, bytes. Of the stream, the reactor's credit and what gRPC and the kernel hold for a slow client; of
 // the threads, what they scan with; of the mesh, its arrays and the job's, as measured, and half as much again.
-constexpr uint64_t kJobBytes = (uint64_t{8} << 20) + (uint64_t{8} << 20);
+constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 // Of sets that are kept: a brick, in a vector and an index that double as they grow; and where bricks are not counted
 // beforehand, a voxel, of which a surface has at least ten in a brick.
@@ -92,11 +93,16 @@ absl::Status Computation::TakeMesh(MeshUpload upload) {
       if (!kept) return UnknownMesh();
       mesh_ = *std::move(kept);
       mesh_bytes_ = mesh_.size();
+      const uint64_t limit = environment_.limits.max_mesh_bytes;
+      if (mesh_bytes_ > limit) return LimitExceeded("mesh_bytes", mesh_bytes_, limit);
+      if (absl::Status status = memory_.Grow(mesh_bytes_); !status.ok()) return status;
       if (spec_.mesh_bytes == 0 || spec_.mesh_bytes == mesh_bytes_) return absl::OkStatus();
       return BadSpec(absl::StrCat("mesh_bytes ", spec_.mesh_bytes, " was declared, but the mesh has ", mesh_bytes_),
                      "mesh_bytes", absl::StrCat(spec_.mesh_bytes), absl::StrCat(mesh_bytes_));
     }
-    if (DigestOf(mesh_) != *spec_.mesh_digest) return WrongMeshDigest();
+    const std::optional<MeshDigest> digest = DigestOf(mesh_, cancelled_);
+    if (!digest) return CheckCancelled();
+    if (*digest != *spec_.mesh_digest) return WrongMeshDigest();
     environment_.meshes.Put(*spec_.mesh_digest, mesh_);
     return absl::OkStatus();
   });
@@ -105,12 +111,30 @@ absl::Status Computation::TakeMesh(MeshUpload upload) {
 void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
-  decoding_ = environment_.decoder.Start(std::exchange(mesh_, {}), environment_.limits,
-                                         [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
-                                           facts_.decode_ms = MillisecondsSince(decode_began_);
-                                           decoded(TakeDecoded(std::move(mesh)));
-                                         });
+  decoding_ = environment_.decoder.Start(
+      std::exchange(mesh_, {}), environment_.limits,
+      [this](uint64_t triangles, uint64_t vertices) {
+        return memory_.Grow(mesh_bytes_ + BytesOf(triangles, vertices));
+      },
+      [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
+        facts_.decode_ms = MillisecondsSince(decode_began_);
+        decoded(TakeDecoded(std::move(mesh)));
+      });
   if (cancelled_) decoding_->Cancel();
+}
+
+// Of a job with such a mesh.
+uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
+  const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
+  return kStreamBytes + threads * kThreadBytes + triangles * kBytesPerTriangle + vertices * kBytesPerVertex;
+}
+
+void Computation::Free() {
+  job_.reset();
+  voxels_ = {};
+  mesh_.Clear();
+  decoded_ = {};
+  memory_.Shrink(0);
 }
 
 absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
@@ -118,19 +142,19 @@ absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
   const uint64_t triangles = mesh->mesh.triangles.size(), vertices = mesh->mesh.vertices.size();
   decoded_ = *std::move(mesh);
   large_ = LastsLong(triangles, 0);
-  job_bytes_ = kJobBytes + triangles * kBytesPerTriangle + vertices * kBytesPerVertex;
-  memory_.Shrink(0);  // the encoded mesh's
+  job_bytes_ = BytesOf(triangles, vertices);
+  memory_.Shrink(job_bytes_);
   return memory_.Grow(job_bytes_);
 }
 
-absl::Status Computation::TakeEstimate(double voxels) {
+absl::Status Computation::TakeEstimate(double voxels, double visits) {
   const uint64_t limit = environment_.limits.max_voxels;
-  if (voxels > static_cast<double>(limit)) {
-    return LimitExceeded("voxels (estimated)", static_cast<uint64_t>(std::min(voxels, 1e19)), limit);
+  if (visits > static_cast<double>(limit)) {
+    return LimitExceeded("voxels (estimated)", static_cast<uint64_t>(std::min(visits, 1e19)), limit);
   }
-  large_ = LastsLong(facts_.triangles, voxels);
+  large_ = LastsLong(facts_.triangles, visits);
   if (spec_.options.algorithm == Algorithm::kExact) return absl::OkStatus();
-  job_bytes_ += static_cast<uint64_t>(voxels * kBytesPerKeptVoxel);
+  job_bytes_ += static_cast<uint64_t>(std::min(voxels * kBytesPerKeptVoxel, 1e18));
   return memory_.Grow(job_bytes_);
 }
 
@@ -143,13 +167,14 @@ absl::Status Computation::CreateJob() {
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
+  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
   auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);
   if (!job.ok()) return WithCauseOfCore(job.status());
   job_ = *std::move(job);
   running_ = job_.get();
-  if (absl::Status status = TakeEstimate(voxels); !status.ok()) return status;
+  if (absl::Status status = TakeEstimate(voxels, visits); !status.ok()) return status;
   if (spec_.options.resume_after && !job_->facts().HasTile(*spec_.options.resume_after)) {
     return BadResumePoint(*spec_.options.resume_after);
   }

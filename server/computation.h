@@ -63,6 +63,9 @@ class Computation {
   // Errors: CANCELLED after Cancel, INTERNAL, RESOURCE_EXHAUSTED if memory runs out.
   absl::StatusOr<bool> Advance(const Deliver& deliver, const std::function<bool()>& make_way);
 
+  // Gives all memory back; facts() are kept. Once all is over: no step, no Cancel at the same time or later.
+  void Free();
+
   // Makes the step under way end soon.
   void Cancel();
 
@@ -74,8 +77,9 @@ class Computation {
   using Clock = std::chrono::steady_clock;
 
   absl::Status CheckCancelled() const;
+  uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
-  absl::Status TakeEstimate(double voxels);
+  absl::Status TakeEstimate(double voxels, double visits);
   absl::Status CreateJob();
   bool TakeTile(const TileBricks& tile, const Deliver& deliver);
   bool DeliversTheEndOnly() const;

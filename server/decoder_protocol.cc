@@ -63,6 +63,8 @@ absl::Status DecodeError(absl::string_view frame) {
     parts.push_back(Printable(part));
   }
   parts.resize(std::max<size_t>(parts.size(), 6));
+  // A process that was taken over does not choose what is counted.
+  if (parts[2] != "LIMIT_EXCEEDED" && parts[2] != "OUT_OF_MEMORY") parts[2] = "BAD_MESH";
   const bool exhausted = parts[0] == absl::StrCat(static_cast<int>(absl::StatusCode::kResourceExhausted));
   return MakeError(exhausted ? absl::StatusCode::kResourceExhausted : absl::StatusCode::kInvalidArgument, parts[1],
                    {parts[2], parts[3], parts[4], parts[5]});
@@ -97,6 +99,8 @@ MeshReceiver::Progress MeshReceiver::TakeHead(absl::string_view frame) {
     return Progress::kBroken;
   }
   head_ = head;
+  if (reserve_) error_ = reserve_(head->triangles, head->vertices);
+  if (!error_.ok()) return Progress::kRefused;
   mesh_.quantization_bits = head->quantization_bits;
   // Takes addresses now, and memory as the elements come.
   mesh_.mesh.vertices.reserve(head->vertices);

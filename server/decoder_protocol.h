@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -64,12 +65,14 @@ absl::Status DecodeError(absl::string_view frame);
 // Puts a mesh together from a process that may have been taken over by a hostile file: it may send anything.
 class MeshReceiver {
  public:
-  explicit MeshReceiver(const Limits& limits) : limits_(limits) {}
+  explicit MeshReceiver(const Limits& limits, MeshDecoder::Reserve reserve = {})
+      : limits_(limits), reserve_(std::move(reserve)) {}
 
   enum class Progress {
-    kMore,    // so far, so good
-    kDone,    // result() is complete
-    kBroken,  // this is not what a decoder of ours sends
+    kMore,     // so far, so good
+    kDone,     // result() is complete
+    kRefused,  // there is no memory for the mesh: result() says why; the process goes on to send it
+    kBroken,   // this is not what a decoder of ours sends
   };
 
   // Takes the next frame; `frame` is aligned to 4 bytes. Not after anything but kMore.
@@ -84,6 +87,7 @@ class MeshReceiver {
   Progress TakeTriangles(absl::string_view frame);
 
   const Limits limits_;
+  const MeshDecoder::Reserve reserve_;
   std::optional<MeshFrame> head_;
   DecodedMesh mesh_;
   absl::Status error_;

@@ -84,7 +84,7 @@ void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
   const DecodeRequest request{job_->bytes.size(), job_->limits.max_triangles, job_->limits.max_vertices};
   unsent_ = absl::Cord(absl::string_view(reinterpret_cast<const char*>(&request), sizeof(request)));
   unsent_.Append(job_->bytes);
-  receiver_.emplace(job_->limits);
+  receiver_.emplace(job_->limits, job_->reserve);
   memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
   if (options_.memory != kNoMemoryLimit) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_at_begin_ = process_->CpuTime();
@@ -148,7 +148,7 @@ void DecoderSlot::Receive() {
     try {
       good = TakeFrames();
     } catch (const std::bad_alloc&) {
-      return Abort(NoMemoryToDecode());
+      return Abort(WithRetry(NoMemoryToDecode(), absl::Seconds(1)));  // the server's own memory
     }
     if (good) continue;
     Log(LogLevel::kWarning, "decoder_broken", {{"pid", process_->pid()}});
@@ -195,6 +195,9 @@ bool DecoderSlot::TakeFrame(FrameKind kind, absl::string_view frame) {
       return true;
     case MeshReceiver::Progress::kBroken:
       return false;
+    case MeshReceiver::Progress::kRefused:
+      Abort((*std::exchange(receiver_, std::nullopt)).result().status());
+      return true;
     case MeshReceiver::Progress::kDone:
       break;
   }

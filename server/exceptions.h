@@ -18,7 +18,9 @@ auto WithoutExceptions(F&& work) -> decltype(work()) {
   try {
     return std::forward<F>(work)();
   } catch (const std::bad_alloc&) {
-    return MakeError(absl::StatusCode::kResourceExhausted, "out of memory", {"OUT_OF_MEMORY", "", "", ""});
+    return WithRetry(MakeError(absl::StatusCode::kResourceExhausted, "memory: the server has no more",
+                               {"OUT_OF_MEMORY", "memory", "", ""}),
+                     absl::Seconds(1));
   } catch (const std::exception& error) {
     return absl::InternalError(absl::StrCat("exception: ", error.what()));
   }

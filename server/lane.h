@@ -13,7 +13,9 @@ namespace latvox {
 // Thread-safe.
 class Lane {
  public:
-  explicit Lane(int threads) : arena_(threads, 0) {}
+  explicit Lane(int threads) : threads_(threads), arena_(threads, 0) {}
+
+  int threads() const { return threads_; }
 
   // Runs task() on a thread of the arena, after what was enqueued before.
   template <class F>
@@ -29,6 +31,7 @@ class Lane {
   bool contended() const { return waiting_ > 0; }
 
  private:
+  const int threads_;
   oneapi::tbb::task_arena arena_;
   std::atomic<int> waiting_ = 0;
 };

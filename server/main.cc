@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <variant>
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "absl/time/clock.h"
 #include "core/base/simd.h"
 #include "server/decoder_worker.h"
 #include "server/log.h"
@@ -29,6 +31,9 @@ int Fail(const absl::Status& status) {
   return absl::IsInvalidArgument(status) ? kWrongUsage : kFailed;
 }
 
+// Longer than everything that follows the grace.
+constexpr absl::Duration kLastResort = absl::Seconds(15);
+
 // Exit status 0 also if calls had to be abandoned: the process has ended as it was told to.
 int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, const std::string& reason,
                absl::Duration grace) {
@@ -36,6 +41,11 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
       {{"reason", reason}, {"calls", server.calls()}, {"grace", absl::FormatDuration(grace)}});
   const std::vector<std::string> addresses = server.addresses();
   signals.ExitOnNext([addresses] { latvox::RemoveSocketFiles(addresses); });
+  // Whatever gets stuck, be it that nobody reads standard error any more: the end comes.
+  std::thread([limit = grace + kLastResort] {
+    absl::SleepFor(limit);
+    std::_Exit(0);
+  }).detach();
   if (!server.Stop(grace)) {
     Log(LogLevel::kWarning, "stopped", {{"abandoned_calls", server.calls()}});
     latvox::RemoveSocketFiles(addresses);

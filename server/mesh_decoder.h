@@ -30,6 +30,10 @@ class MeshDecoder {
   // over the memory or the time that a decode may take; CANCELLED after Cancel.
   using Done = std::function<void(absl::StatusOr<DecodedMesh>)>;
 
+  // Asked before the decoded mesh takes memory; what is not OK ends the decode with it. Runs as Done does; may be asked
+  // again, if a decode has to be done again.
+  using Reserve = std::function<absl::Status(uint64_t triangles, uint64_t vertices)>;
+
   // A decode that was started. Letting go of it does not cancel it.
   class Decoding {
    public:
@@ -42,7 +46,7 @@ class MeshDecoder {
 
   // Returns at once, whatever the size: `bytes` are shared, not copied. `done` is called exactly once: not within Start
   // or Cancel, so that both may be called under a lock that `done` takes, but maybe before Start has returned.
-  virtual std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Done done) = 0;
+  virtual std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Reserve reserve, Done done) = 0;
 };
 
 }  // namespace latvox

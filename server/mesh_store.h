@@ -3,6 +3,7 @@
 #define LATVOX_SERVER_MESH_STORE_H_
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <list>
 #include <mutex>
@@ -19,6 +20,12 @@ namespace latvox {
 using MeshDigest = std::array<uint8_t, 32>;
 
 MeshDigest DigestOf(const absl::Cord& bytes);
+
+// The same; nullopt soon after `cancelled` is set.
+std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, const std::atomic<bool>& cancelled);
+
+// More than some milliseconds' worth of digesting.
+inline constexpr uint64_t kLargeMeshBytes = uint64_t{4} << 20;
 
 // The digest of a message's bytes field. INVALID_ARGUMENT unless it has 32 bytes.
 absl::StatusOr<MeshDigest> MeshDigestFrom(absl::string_view field);

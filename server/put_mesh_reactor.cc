@@ -31,10 +31,11 @@ void PutMeshReactor::Begin() {
 
 void PutMeshReactor::OnReadDone(bool ok) {
   if (!ok) return FinishReading();
+  const uint64_t before = bytes_in_;
   const absl::StatusOr<bool> more = TakeRequest();
   if (!more.ok() || !*more) return End(more.status());
   const std::lock_guard lock(mu_);
-  last_read_ = Clock::now();
+  if (bytes_in_ > before || request_.has_spec()) last_read_ = Clock::now();
   if (!finishing_) StartRead(&request_);
 }
 
@@ -48,6 +49,7 @@ absl::StatusOr<bool> PutMeshReactor::TakeRequest() {
       if (!upload_) return BadStream("mesh_piece came before spec");
       if (absl::Status status = upload_->Append(std::move(*request_.mutable_mesh_piece())); !status.ok()) return status;
       bytes_in_ = upload_->size();
+      if (absl::Status status = memory_.Grow(bytes_in_); !status.ok()) return status;
       return true;
     }
     case v1::PutMeshRequest::PART_NOT_SET:
@@ -67,7 +69,6 @@ absl::StatusOr<bool> PutMeshReactor::TakeSpec(const v1::PutMeshSpec& spec) {
     response_.set_already_stored(true);
     return false;
   }
-  if (absl::Status status = memory_.Grow(spec.mesh_bytes()); !status.ok()) return status;
   upload_.emplace(spec.mesh_bytes(), limit);
   return true;
 }
@@ -77,6 +78,10 @@ void PutMeshReactor::FinishReading() {
   if (context_.IsCancelled()) return OnCancel();
   if (!upload_) return End(BadStream("the stream ended before spec"));
   if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  {
+    const std::lock_guard lock(mu_);
+    reading_ = false;
+  }
   environment_.registry.AwaitTurn(this);
 }
 
@@ -86,12 +91,14 @@ void PutMeshReactor::Work() {
     if (finishing_) return;
     working_ = true;
   }
-  environment_.quick.Enqueue([self = shared_from_this()] {
+  Lane& lane = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
+  lane.Enqueue([self = shared_from_this()] {
     const absl::Status stored = WithoutExceptions([&self] { return self->Store(); });
     {
       const std::lock_guard lock(self->mu_);
       self->working_ = false;
       self->finishing_ = true;
+      self->finished_ = Clock::now();
       if (self->status_.ok()) self->status_ = stored;
     }
     self->SendStatus();
@@ -100,7 +107,9 @@ void PutMeshReactor::Work() {
 
 absl::Status PutMeshReactor::Store() {
   const absl::Cord mesh = (*std::exchange(upload_, std::nullopt)).Take();
-  if (DigestOf(mesh) != digest_) return WrongMeshDigest();
+  const std::optional<MeshDigest> digest = DigestOf(mesh, cancelled_);
+  if (!digest) return absl::CancelledError("the request was cancelled");
+  if (*digest != digest_) return WrongMeshDigest();
   environment_.meshes.Put(digest_, mesh);
   return absl::OkStatus();
 }
@@ -111,19 +120,24 @@ void PutMeshReactor::End(const absl::Status& status) {
     const std::lock_guard lock(mu_);
     if (finishing_ || !status_.ok()) return;
     status_ = status;
+    cancelled_ = true;
     if (working_) return;
     finishing_ = true;
+    finished_ = Clock::now();
   }
   SendStatus();
 }
 
 void PutMeshReactor::EndIfStalled(absl::Duration patience) {
+  bool stuck = false;
   {
     const std::lock_guard lock(mu_);
-    if (working_ || absl::FromChrono(Clock::now() - last_read_) < patience) return;
+    const auto since = finishing_ ? finished_ : last_read_;
+    if (!(reading_ || finishing_) || absl::FromChrono(Clock::now() - since) < patience) return;
+    stuck = finishing_;
   }
   End(StalledClient(patience));
-  canceller_.Cancel();
+  if (stuck) canceller_.Cancel();
 }
 
 void PutMeshReactor::SendStatus() {
@@ -140,6 +154,7 @@ void PutMeshReactor::OnDone() {
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
   environment_.metrics.Record(record);
+  memory_.Shrink(0);  // the server may be gone before this object is
   environment_.registry.Remove(this);
   self_.reset();
 }

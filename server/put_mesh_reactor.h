@@ -5,6 +5,7 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -71,12 +72,13 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
   std::optional<MeshUpload> upload_;
   MemoryReservation memory_;
   uint64_t bytes_in_ = 0;
+  std::atomic<bool> cancelled_ = false;  // for the task
 
   std::mutex mu_;
   // All below is guarded by mu_.
-  bool working_ = false;
+  bool reading_ = true, working_ = false;
   bool finishing_ = false;  // status_ is final, and SendStatus called or about to be
-  Clock::time_point last_read_ = began_;
+  Clock::time_point last_read_ = began_, finished_;
   absl::Status status_;
 };
 

@@ -41,6 +41,8 @@ constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
 
 int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToInt64Milliseconds(duration)); }
 
+constexpr int kMaxStreams = 256;
+
 // Parts of the memory: gRPC's quota, and at most so much of kept meshes; what the process takes besides jobs.
 constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
 constexpr uint64_t kOwnBytes = uint64_t{128} << 20;
@@ -179,6 +181,8 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   builder.SetResourceQuota(grpc::ResourceQuota("latvoxd").Resize(options_.limits.memory_budget_bytes / kGrpcShare));
   // Otherwise a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // Of one connection; a client of gRPC's has the others wait. Bounds what clients hold that let their calls linger.
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreams);
 }
 
 absl::Status Server::Listen() {

@@ -22,9 +22,10 @@ void VoxelizeReactor::Begin() {
 
 void VoxelizeReactor::OnReadDone(bool ok) {
   if (!ok) return FinishReading();
+  const uint64_t before = bytes_in_;
   if (absl::Status status = TakeRequest(); !status.ok()) return End(status);
   const std::lock_guard lock(mu_);
-  heard_of_client_ = Clock::now();
+  if (bytes_in_ > before || request_.has_spec()) heard_of_client_ = Clock::now();
   if (!ended_) StartRead(&request_);
 }
 
@@ -50,9 +51,11 @@ absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
   if (!spec.ok()) return spec.status();
   upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
   may_be_kept_ = spec->mesh_digest.has_value();
-  const uint64_t mesh_bytes = spec->mesh_bytes;
+  // What will come must fit, but counts only as it comes: nobody takes memory by words.
+  if (spec->mesh_bytes > environment_.memory.total()) {
+    return LimitExceeded("memory", spec->mesh_bytes, environment_.memory.total());
+  }
   auto computation = std::make_unique<Computation>(*std::move(spec), origin_.request_id, environment_);
-  if (absl::Status status = computation->Receive(mesh_bytes); !status.ok()) return status;
   const std::lock_guard lock(mu_);
   computation_ = std::move(computation);
   return absl::OkStatus();
@@ -81,7 +84,8 @@ void VoxelizeReactor::Work() {
     queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
     computing_ = true;
   }
-  environment_.quick.Enqueue([self = shared_from_this()] { self->TakeMesh(); });
+  Lane& digesting = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
+  digesting.Enqueue([self = shared_from_this()] { self->TakeMesh(); });
 }
 
 void VoxelizeReactor::TakeMesh() {
@@ -176,21 +180,23 @@ void VoxelizeReactor::End(const absl::Status& status) {
 
 // The first error stands. It also replaces a success that the client has not been told yet.
 void VoxelizeReactor::EndLocked(const absl::Status& status) {
-  if (!status_.ok()) return;
+  if (!status_.ok() || finishing_) return;
   ended_ = true;
   status_ = status;
   if (computation_) computation_->Cancel();
 }
 
 void VoxelizeReactor::EndIfStalled(absl::Duration patience) {
+  bool stuck = false;
   {
     const std::lock_guard lock(mu_);
     const bool waits_for_client = reading_ || writing_ || finishing_;
     if (!waits_for_client || absl::FromChrono(Clock::now() - heard_of_client_) < patience) return;
+    stuck = writing_ || finishing_;
   }
   End(StalledClient(patience));
-  // A write that the client does not take ends in no other way.
-  canceller_.Cancel();
+  // What the client does not take ends in no other way.
+  if (stuck) canceller_.Cancel();
 }
 
 VoxelizeReactor::Step VoxelizeReactor::NextStep() {
@@ -225,7 +231,11 @@ VoxelizeReactor::Step VoxelizeReactor::NextStep() {
 
 void VoxelizeReactor::Proceed() {
   const Step step = NextStep();
-  if (step.send == Send::kLastMessageAndStatus || step.send == Send::kStatus) environment_.registry.Vacate(this);
+  if (step.send == Send::kLastMessageAndStatus || step.send == Send::kStatus) {
+    // The client may take its time for the status.
+    if (computation_) computation_->Free();
+    environment_.registry.Vacate(this);
+  }
   switch (step.send) {
     case Send::kNothing:
       break;

@@ -11,29 +11,49 @@
 namespace latvox {
 namespace {
 
-double TwiceAreaOf(const TriangleMesh& mesh, const std::array<uint32_t, 3>& triangle) {
-  const auto& [a, b, c] = triangle;
-  const Vec3f &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
-  Vec3d u, v;
-  for (size_t m = 0; m < 3; ++m) {
-    u[m] = double{q[m]} - double{p[m]};
-    v[m] = double{r[m]} - double{p[m]};
-  }
-  const Vec3d normal = Cross(u, v);
-  return std::sqrt(Dot(normal, normal));
+using Corners = std::array<Vec3d, 3>;
+
+double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
+
+double TwiceAreaOf(const Corners& corners) {
+  const auto& [a, b, c] = corners;
+  return LengthOf(Cross(b - a, c - a));
 }
 
-double AreaOf(const TriangleMesh& mesh) {
+double LengthAround(const Corners& corners) {
+  const auto& [a, b, c] = corners;
+  return LengthOf(b - a) + LengthOf(c - b) + LengthOf(a - c);
+}
+
+// Of the corners' box and a margin, in voxels.
+double VolumeAround(const Corners& corners, double size) {
+  const auto& [a, b, c] = corners;
+  double volume = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    const auto [low, high] = std::minmax({a[m], b[m], c[m]});
+    volume *= (high - low) / size + 4;
+  }
+  return volume;
+}
+
+template <class F>
+double SumOver(const TriangleMesh& mesh, const F& f) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles a task
-  const double twice = oneapi::tbb::parallel_deterministic_reduce(
+  return oneapi::tbb::parallel_deterministic_reduce(
       Part(0, mesh.triangles.size(), kGrain), 0.0,
       [&](const Part& part, double sum) {
-        for (size_t t = part.begin(); t < part.end(); ++t) sum += TwiceAreaOf(mesh, mesh.triangles[t]);
+        for (size_t t = part.begin(); t < part.end(); ++t) {
+          Corners corners;
+          for (size_t n = 0; n < 3; ++n) {
+            const Vec3f& v = mesh.vertices[mesh.triangles[t][n]];
+            corners[n] = {v[0], v[1], v[2]};
+          }
+          sum += f(corners);
+        }
         return sum;
       },
       std::plus<>());
-  return twice / 2;
 }
 
 double VolumeOf(const IndexBox& box) {
@@ -46,9 +66,20 @@ double VolumeOf(const IndexBox& box) {
 }  // namespace
 
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
-  const double voxel_size = grid.lattice.voxel_size();
-  const double voxels = 2 * AreaOf(mesh) / (voxel_size * voxel_size);
-  return options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  const double size = grid.lattice.voxel_size();
+  if (options.algorithm == Algorithm::kExact) {
+    const double voxels = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) / (size * size);
+    return options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  }
+  return SumOver(mesh, [&](const Corners& corners) {
+    return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
+  });
+}
+
+double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
+  if (options.algorithm != Algorithm::kBruteForce) return EstimateVoxels(mesh, grid, options);
+  const double size = grid.lattice.voxel_size();
+  return SumOver(mesh, [&](const Corners& corners) { return VolumeAround(corners, size); });
 }
 
 }  // namespace latvox

@@ -282,8 +282,10 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   if (cancelled) return Cancelled();
   if (!snapped.ok()) return snapped.status();
   IndexBox region = snapped->box;
-  if (options.region)
-    region = Moved(Intersection(*options.region, Moved(region, snapped->base_ijk)), -snapped->base_ijk);
+  if (options.region) {
+    const IndexBox part = Intersection(*options.region, Moved(region, snapped->base_ijk));
+    region = IsEmpty(part) ? IndexBox{} : Moved(part, -snapped->base_ijk);  // an empty one may lie anywhere
+  }
   if (options.resume_after && !HasTile(Moved(region, snapped->base_ijk), *options.resume_after)) {
     const auto& [i, j, k] = *options.resume_after;
     return absl::InvalidArgumentError(

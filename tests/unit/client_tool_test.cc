@@ -156,14 +156,10 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
 
 TEST(Exit, EveryStatusCodeHasItsNumber) {
   using absl::StatusCode;
-  const std::map<StatusCode, int> numbers = {{StatusCode::kOk, 0},
-                                             {StatusCode::kInvalidArgument, 3},
-                                             {StatusCode::kNotFound, 3},
-                                             {StatusCode::kUnavailable, 4},
-                                             {StatusCode::kResourceExhausted, 5},
-                                             {StatusCode::kUnauthenticated, 5},
-                                             {StatusCode::kCancelled, 6},
-                                             {StatusCode::kDeadlineExceeded, 6}};
+  const std::map<StatusCode, int> numbers = {
+      {StatusCode::kOk, 0},          {StatusCode::kInvalidArgument, 3},   {StatusCode::kNotFound, 3},
+      {StatusCode::kUnavailable, 4}, {StatusCode::kResourceExhausted, 5}, {StatusCode::kUnauthenticated, 5},
+      {StatusCode::kCancelled, 6},   {StatusCode::kDeadlineExceeded, 6}};
   for (int code = 0; code <= 16; ++code) {
     const auto status_code = static_cast<StatusCode>(code);
     const auto found = numbers.find(status_code);

@@ -58,8 +58,9 @@ std::vector<pid_t> Children() {
 // A decode whose end can be waited for.
 class Decode {
  public:
-  Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {})
-      : result_(promise_.get_future()), decoding_(pool.Start(absl::Cord(bytes), limits, [this](auto mesh) {
+  Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {})
+      : result_(promise_.get_future()),
+        decoding_(pool.Start(absl::Cord(bytes), limits, std::move(reserve), [this](auto mesh) {
           ended_ = absl::Now();
           promise_.set_value(std::move(mesh));
         })) {}
@@ -299,6 +300,19 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsMemoryLimit) {
   EXPECT_EQ(CauseOf(status)->limit, absl::StrCat(options_.memory));
   ExpectSame(Decode(*pool_, Small()).Get(), Small());
   EXPECT_EQ(pool_->facts().killed_for_memory, 1);
+}
+
+TEST_F(DecoderPoolTest, AMeshThatThereIsNoMemoryForIsRefusedBeforeItTakesAny) {
+  options_.processes = 1;
+  Start();
+  uint64_t asked_for = 0;
+  const auto refuse = [&](uint64_t triangles, uint64_t /*vertices*/) {
+    asked_for = triangles;
+    return absl::ResourceExhaustedError("no");
+  };
+  EXPECT_EQ(Decode(*pool_, Large(), {}, refuse).Get().status(), absl::ResourceExhaustedError("no"));
+  EXPECT_EQ(asked_for, DecodeDraco(Large(), {})->mesh.triangles.size());
+  ExpectSame(Decode(*pool_, Small()).Get(), Small());
 }
 
 TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {

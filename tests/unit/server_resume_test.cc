@@ -217,15 +217,50 @@ TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
   EXPECT_THAT(large.status.error_message(), HasSubstr("memory 943718400 exceeds "));
   EXPECT_EQ(large.trailer("grpc-retry-pushback-ms"), "-1");
 
+  // What is declared is not reserved, what has come is.
   VoxelizeCall holder(*stub_);
   spec.set_mesh_bytes(uint64_t{60} << 20);
   holder.Send(SpecMessage(spec));
-  ASSERT_TRUE(Eventually([&] { return server_->calls() == 1; }));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  const Answer busy = Voxelize(*stub_, spec, "");
+  VoxelizeCall other(*stub_);
+  other.Send(SpecMessage(spec));
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 2; }));
+  for (int n = 0; n < 59; ++n) holder.Send(PieceMessage(std::string(size_t{1} << 20, 'x')));
+  for (int n = 0; n < 59; ++n) other.Send(PieceMessage(std::string(size_t{1} << 20, 'x')));
+  const Answer busy = other.Receive();
   EXPECT_EQ(busy.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(busy.status.error_message(), HasSubstr("try again"));
   EXPECT_EQ(busy.trailer("grpc-retry-pushback-ms"), "1000");
+}
+
+// A thesis's algorithm computes the whole, whatever the region; brute force looks at the triangles' boxes.
+TEST_F(ResumeTest, HoldsTheThesissAlgorithmsAgainstAllThatTheyCompute) {
+  Start();
+  v1::VoxelizeSpec spec = Spec(65536);
+  spec.mutable_region()->mutable_max()->set_i(1);
+  spec.mutable_region()->mutable_max()->set_j(1);
+  spec.mutable_region()->mutable_max()->set_k(1);
+  for (const v1::Algorithm algorithm : {v1::ALGORITHM_BRUTE_FORCE, v1::ALGORITHM_INCREMENTAL}) {
+    spec.set_algorithm(algorithm);
+    EXPECT_EQ(Voxelize(*stub_, spec, SphereBytes()).status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  }
+}
+
+TEST_F(ResumeTest, APutMeshThatWaitsForItsTurnHasNotStalled) {
+  options_.limits.max_jobs = 1;
+  options_.stall_timeout = absl::Seconds(2);
+  Start();
+  VoxelizeCall holder(*stub_);
+  holder.Send(SpecMessage(Spec(3000))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
+  v1::VoxelizeResponse message;
+  ASSERT_TRUE(holder.stream().Read(&message) && message.has_accepted());
+  v1::PutMeshResponse response;
+  std::thread putter([&] { EXPECT_TRUE(PutMesh(*stub_, WholeMesh(SphereBytes()), response).ok()); });
+  for (int n = 0; n < 6; ++n) {  // reads now and then
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    EXPECT_TRUE(holder.stream().Read(&message));
+  }
+  holder.context().TryCancel();
+  putter.join();
 }
 
 TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {

@@ -21,7 +21,7 @@ class ThreadDecoder : public MeshDecoder {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Done done) override {
+  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Reserve /*reserve*/, Done done) override {
     auto decoding = std::make_shared<Flag>();
     const std::lock_guard lock(mu_);
     threads_.emplace_back([decoding, bytes = std::string(bytes), limits, done = std::move(done)] {
