@@ -110,13 +110,15 @@ void RegisterCodec() {
                                                     {"cartesian_k2", NamedLattice::kCartesian, 2},
                                                     {"bcc", NamedLattice::kBcc, 0},
                                                     {"fcc_k2", NamedLattice::kFcc, 2}}) {
-    const auto add = [&, lattice = lattice, k = separability](const std::string& way, auto run) {
-      benchmark::RegisterBenchmark(absl::StrCat("Codec/", name, "/", way).c_str(), [=](benchmark::State& state) {
+    // clang does not capture what a structured binding names.
+    const auto add = [name = std::string(name), lattice = lattice, k = separability](const std::string& way, auto run) {
+      const auto measure = [lattice, k, run](benchmark::State& state) {
         static std::map<std::pair<NamedLattice, int>, Bunny> bunnies;  // made when needed, once
         auto [at, made] = bunnies.try_emplace({lattice, k});
         if (made) at->second = MakeBunny(lattice, k);
         run(at->second, state);
-      });
+      };
+      benchmark::RegisterBenchmark(absl::StrCat("Codec/", name, "/", way).c_str(), measure);
     };
     add("memcpy", [](const Bunny& bunny, benchmark::State& state) { Copy(bunny, state); });
     for (const auto encoding : {BrickEncoding::kPacked, BrickEncoding::kPackedZstd}) {

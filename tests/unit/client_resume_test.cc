@@ -17,7 +17,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using At = Fault::At;
 
-constexpr int kTiles = 4;
 const std::string kMesh(3000000, 'm');
 
 CallOptions Fast(int retries = 5) {
