@@ -10,6 +10,20 @@
 
 namespace latvox {
 
+// AddressSanitizer takes address space by the terabyte, and calls the system for more than malloc does. A build with
+// it, which is for tests, does not confine its decoders.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kAddressSanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool kAddressSanitizer = true;
+#else
+inline constexpr bool kAddressSanitizer = false;
+#endif
+#else
+inline constexpr bool kAddressSanitizer = false;
+#endif
+
 // Makes the process end with the process `parent`, keeps it from leaving a core, from being traced, from gaining
 // privileges and from opening or growing files, and has the kernel, short of memory, kill it before others. It may take
 // `memory` bytes of address space beyond what it has, unless that is kNoMemoryLimit. Errors: INTERNAL, naming the step.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/decoder_sandbox.h"
 #include "server/errors.h"
 #include "server/log.h"
 
@@ -86,7 +87,7 @@ void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
   unsent_.Append(job_->bytes);
   receiver_.emplace(job_->limits, job_->reserve);
   memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
-  if (options_.memory != kNoMemoryLimit) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
+  if (options_.memory != kNoMemoryLimit && !kAddressSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_at_begin_ = process_->CpuTime();
   check_cpu_at_ = absl::Now() + options_.cpu_time;
   give_up_at_ = absl::Now() + kWallPerCpu * options_.cpu_time;

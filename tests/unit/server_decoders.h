@@ -3,20 +3,9 @@
 #define LATVOX_TESTS_UNIT_SERVER_DECODERS_H_
 
 #include "server/decoder_process.h"
+#include "server/decoder_sandbox.h"
 
 namespace latvox {
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kAddressSanitizer = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr bool kAddressSanitizer = true;
-#else
-inline constexpr bool kAddressSanitizer = false;
-#endif
-#else
-inline constexpr bool kAddressSanitizer = false;
-#endif
 
 // Two processes of the latvoxd beside the tests, whatever is built. AddressSanitizer takes address space by the
 // terabyte: with it, memory is not limited.
