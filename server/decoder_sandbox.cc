@@ -78,12 +78,12 @@ absl::Status LimitSelf(pid_t parent, uint64_t memory) {
   BeKilledFirst();
   if (prctl(PR_SET_DUMPABLE, 0) != 0) return Failed("PR_SET_DUMPABLE");
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return Failed("PR_SET_NO_NEW_PRIVS");
+  if (kAddressSanitizer) return absl::OkStatus();
   if (!SetLimit(RLIMIT_CORE, 0)) return Failed("RLIMIT_CORE");
   if (!SetLimit(RLIMIT_FSIZE, 0)) return Failed("RLIMIT_FSIZE");
   const uint64_t in_use = AddressSpaceInUse();
   if (in_use == 0) return absl::InternalError("/proc/self/statm cannot be read");
-  if (memory != kNoMemoryLimit && !kAddressSanitizer && !SetLimit(RLIMIT_AS, in_use + memory))
-    return Failed("RLIMIT_AS");
+  if (memory != kNoMemoryLimit && !SetLimit(RLIMIT_AS, in_use + memory)) return Failed("RLIMIT_AS");
   if (!SetLimit(RLIMIT_NOFILE, kOpenFiles)) return Failed("RLIMIT_NOFILE");
   return absl::OkStatus();
 }
