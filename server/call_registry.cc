@@ -65,13 +65,10 @@ void CallRegistry::AwaitTurn(const LiveCall* call) {
 // The call whose turn it is, now at work, or null.
 std::shared_ptr<LiveCall> CallRegistry::NextTurnLocked() {
   if (working_ >= limits_.max_jobs) return nullptr;
-  // One client never has all turns, however long its calls take: others' would wait for as long.
-  const uint32_t most = limits_.max_jobs - limits_.max_jobs / 4;
   Entry* next = nullptr;
   const auto rank = [this](const Entry& entry) { return std::pair(clients_.at(entry.client).working, entry.ticket); };
   for (auto& [key, entry] : calls_) {
-    if (entry.state != State::kWaiting || clients_.at(entry.client).working >= most) continue;
-    if (next == nullptr || rank(entry) < rank(*next)) next = &entry;
+    if (entry.state == State::kWaiting && (next == nullptr || rank(entry) < rank(*next))) next = &entry;
   }
   if (next == nullptr) return nullptr;
   next->state = State::kWorking;

@@ -109,16 +109,6 @@ TEST(CallRegistry, PrefersTheClientThatHasTheFewestAtWork) {
   EXPECT_EQ(many[2]->turns, 1);
 }
 
-TEST(CallRegistry, OneClientNeverHasAllTurns) {
-  CallRegistry registry({4, 20, 20});
-  std::vector<std::shared_ptr<FakeCall>> many;
-  for (int n = 0; n < 6; ++n) many.push_back(EnterAndWait(registry, "many"));
-  EXPECT_EQ(registry.working(), 3);
-  EXPECT_EQ(EnterAndWait(registry, "one")->turns, 1);
-  registry.Remove(many[0].get());
-  EXPECT_EQ(many[3]->turns, 1);
-}
-
 TEST(CallRegistry, StopsItsCallsAndAdmitsNoneAfterClose) {
   CallRegistry registry({1, 9, 9});
   const auto working = EnterAndWait(registry, "x"), waiting = EnterAndWait(registry, "x"),
