@@ -34,7 +34,7 @@ struct CallLimits {
 
 // Thread-safe. A call is admitted, receives its input, waits for its turn, works, and vacates its place. Turns are
 // given to the client that has the fewest calls at work, and of its calls, and among equals, to the one that waits
-// longest; never more than three quarters of max_jobs (rounded up) to one client.
+// longest.
 class CallRegistry {
  public:
   explicit CallRegistry(const CallLimits& limits) : limits_(limits) {}
