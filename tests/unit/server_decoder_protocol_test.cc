@@ -62,7 +62,8 @@ Progress TakeAll(const std::vector<Frame>& frames, const Limits& limits = {}) {
   MeshReceiver receiver(limits);
   for (const Frame& frame : frames) {
     const std::vector<uint32_t> words((frame.bytes.size() + 3) / 4);
-    std::memcpy(const_cast<uint32_t*>(words.data()), frame.bytes.data(), frame.bytes.size());
+    if (frame.bytes.size() > 0)
+      std::memcpy(const_cast<uint32_t*>(words.data()), frame.bytes.data(), frame.bytes.size());
     const absl::string_view aligned(reinterpret_cast<const char*>(words.data()), frame.bytes.size());
     if (const Progress progress = receiver.Take(frame.kind, aligned); progress != Progress::kMore) return progress;
   }
@@ -121,7 +122,7 @@ TEST(MeshReceiver, GivesOnlyMeshesThatCoreAcceptsWhateverComes) {
     Progress progress = Progress::kMore;
     for (const Frame& frame : frames) {
       std::vector<uint32_t> words(frame.bytes.size() / 4);
-      std::memcpy(words.data(), frame.bytes.data(), frame.bytes.size());
+      if (frame.bytes.size() > 0) std::memcpy(words.data(), frame.bytes.data(), frame.bytes.size());
       if (progress == Progress::kMore) progress = receiver.Take(frame.kind, Bytes(words));
     }
     if (progress != Progress::kDone) continue;
