@@ -10,7 +10,7 @@
 
 namespace latvox {
 
-// AddressSanitizer takes address space by the terabyte, and calls the system for more than malloc does. A build with
+// AddressSanitizer takes address space by the terabyte, needs files, and asks the system for more than malloc. A build with
 // it, which is for tests, does not confine its decoders.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kAddressSanitizer = true;
