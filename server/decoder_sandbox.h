@@ -10,8 +10,8 @@
 
 namespace latvox {
 
-// AddressSanitizer takes address space by the terabyte, needs files, and asks the system for more than malloc. A build with
-// it, which is for tests, does not confine its decoders.
+// AddressSanitizer takes address space by the terabyte, needs files, and asks the system for more than malloc. A build
+// with it, which is for tests, does not confine its decoders.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kAddressSanitizer = true;
 #elif defined(__has_feature)
