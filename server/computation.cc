@@ -167,7 +167,7 @@ absl::Status Computation::CreateJob() {
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
-  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options);
+  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
   auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);
