@@ -62,7 +62,7 @@ class Digest(Case):
 
     def test_a_shard_knows_itself(self):
         self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", "40", "--shard", "1/3", out="part.vdb")
-        self.assertRegex(latvox("info", self.dir / "part.vdb").stdout, r"latvox_shard +1/3\n")
+        self.assertIn("latvox_shard = 1/3\n", latvox("info", self.dir / "part.vdb").stdout)
 
     def test_bad_shards_are_refused(self):
         for shard in ("3/3", "-1/3", "1", "1/", "/2", "0/0", "1/3/4", "a/b", "0/1048577"):
