@@ -10,7 +10,7 @@ latvox_add_test(server_decoder_protocol_test SOURCES unit/server_decoder_protoco
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_decoder_sandbox_test UNSANITIZED SOURCES unit/server_decoder_sandbox_test.cc
                 LIBRARIES latvox::server ${LATVOX_SECCOMP} GTest::gmock)
-latvox_add_test(server_decoder_pool_test SOURCES unit/server_decoder_pool_test.cc
+latvox_add_test(server_decoder_pool_test UNSANITIZED SOURCES unit/server_decoder_pool_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 if(TARGET server_decoder_pool_test)
   target_compile_definitions(
@@ -20,7 +20,7 @@ endif()
 latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_admission_test SOURCES unit/server_admission_test.cc LIBRARIES latvox::server GTest::gmock)
-latvox_add_test(server_resume_test SOURCES unit/server_resume_test.cc
+latvox_add_test(server_resume_test UNSANITIZED SOURCES unit/server_resume_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_access_test SOURCES unit/server_access_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_access_call_test SOURCES unit/server_access_call_test.cc
