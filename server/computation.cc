@@ -139,6 +139,7 @@ void Computation::Free() {
 
 absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
   if (!mesh.ok()) return mesh.status();
+  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   const uint64_t triangles = mesh->mesh.triangles.size(), vertices = mesh->mesh.vertices.size();
   decoded_ = *std::move(mesh);
   large_ = LastsLong(triangles, 0);
