@@ -9,6 +9,7 @@
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
 #include "client/output/picture_output.h"
+#include "client/output/surface_output.h"
 #include "client/output/table_output.h"
 
 namespace latvox::client {
@@ -45,7 +46,7 @@ using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
 
 constexpr std::pair<const char*, NewOutput> kFormats[] = {
     {".vdb", NewVdbOutput}, {".csv", NewCsvOutput},     {".npy", NewNpyOutput},
-    {".ply", NewPlyOutput}, {".png", NewPictureOutput},
+    {".ply", NewPlyOutput}, {".png", NewPictureOutput}, {".glb", NewGlbOutput},
 };
 
 }  // namespace
