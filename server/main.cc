@@ -72,8 +72,8 @@ void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_w
   Log(LogLevel::kInfo, "reloaded", {});
 }
 
-// What a job gives back serves the next: without, a small job has 700 page faults, a tenth of its time. No more than the
-// C library by itself would keep after a job with arrays of 16 MiB.
+// What a job gives back serves the next: without, a small job has 700 page faults, almost a tenth of its time. No more
+// than the C library by itself would keep after a job with arrays of 16 MiB.
 void KeepMemory() {
   constexpr int kKeptBytes = 32 << 20;
   mallopt(M_MMAP_THRESHOLD, kKeptBytes / 2);
