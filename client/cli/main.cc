@@ -10,6 +10,7 @@
 #include "client/cli/common_options.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
+#include "client/cli/merge_command.h"
 #include "client/cli/pixelize_command.h"
 #include "client/cli/voxelize_command.h"
 
@@ -56,11 +57,13 @@ struct Commands {
   CLI::App app{kDescription, "latvox"};
   VoxelizeWords words;
   PixelizeWords pixelize_words;
+  MergeWords merge_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
+  CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
@@ -71,6 +74,7 @@ struct Commands {
     app.footer(kExample);
     AddVoxelizeOptions(*voxelize, words);
     AddPixelizeOptions(*pixelize, pixelize_words);
+    AddMergeOptions(*merge, merge_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
@@ -90,6 +94,11 @@ ExitStatus Run(const Commands& commands) {
     const PixelizeOptions options = Interpret(commands.pixelize_words);
     const Interrupt interrupt(cancellation);
     return Print(Pixelize(options, cancellation));
+  }
+  if (*commands.merge) {
+    Check(commands.merge_words);
+    const Interrupt interrupt(cancellation);
+    return Print(RunMerge(commands.merge_words, cancellation));
   }
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
