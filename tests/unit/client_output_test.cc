@@ -39,7 +39,9 @@ class OutputFile : public FilesTest {
   std::unique_ptr<Output> Fill(const std::string& name) const {
     auto output = OpenOutput(Path(name));
     EXPECT_TRUE(output.ok()) << output.status();
-    EXPECT_TRUE((*output)->Begin(MakeAccepted()).ok());
+    Accepted accepted = MakeAccepted();
+    if (name.ends_with("vox")) accepted.grid.basis = {{0.2, 0, 0}, {0, 0.2, 0}, {0, 0, 0.2}};  // formats of cubes
+    EXPECT_TRUE((*output)->Begin(accepted).ok());
     const std::vector<Brick> bricks = MakeBricks();
     EXPECT_TRUE((*output)->Add({bricks, 1}).ok());
     EXPECT_TRUE((*output)->Finish({}).ok());
