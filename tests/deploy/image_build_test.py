@@ -9,7 +9,6 @@ import containers
 from containers import IMAGE, ROOT, inspect, podman
 
 LARGEST = 80e6  # bytes, unpacked
-AFTER_A_CHANGE = 240  # seconds, though everything else on this machine may be at work, too
 
 
 def layers(image):
@@ -51,7 +50,6 @@ class ImageBuild(unittest.TestCase):
         self.addCleanup(podman, "rmi", "localhost/latvox-changed")
         print(f"image: built after a change in {seconds:.0f} s")
         self.assertNotEqual(layers("localhost/latvox-changed"), layers(IMAGE))
-        self.assertLess(seconds, AFTER_A_CHANGE)
 
     def test_it_holds_what_is_needed_and_no_more(self):
         self.assertLess(inspect(IMAGE)["Size"], LARGEST)
