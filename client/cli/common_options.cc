@@ -6,11 +6,14 @@
 #include <set>
 
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 
 namespace latvox::client {
 namespace {
 
 constexpr int kMaxThreads = 1024, kMaxRetries = 1000000;
+
+}  // namespace
 
 std::filesystem::path Place(const std::string& path) {
   std::error_code error;
@@ -18,12 +21,23 @@ std::filesystem::path Place(const std::string& path) {
   return error ? std::filesystem::path(path) : place;
 }
 
-}  // namespace
-
 std::string CheckPositive(const std::string& text) {
   double number = 0;
   if (ParseNumber(text, number) && number > 0) return "";
   return absl::StrCat("\"", text, "\" is not a finite number above 0");
+}
+
+std::optional<Shard> ParseShard(const std::string& text) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('/', 1));
+  Shard shard;
+  if (!ParseNumber(parts.first, shard.index) || !ParseNumber(parts.second, shard.count)) return std::nullopt;
+  if (shard.count < 1 || shard.count > kMaxShards || shard.index >= shard.count) return std::nullopt;
+  return shard;
+}
+
+std::string CheckShard(const std::string& text) {
+  if (ParseShard(text)) return "";
+  return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
 }
 
 CLI::Validator Whole(int low, int high) {

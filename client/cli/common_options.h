@@ -8,6 +8,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <type_traits>
@@ -19,6 +21,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
 #include "client/cli/session.h"
+#include "client/types.h"
 
 namespace latvox::client {
 
@@ -58,6 +61,10 @@ std::string CheckNumbers(const std::string& text) {
 
 std::string CheckPositive(const std::string& text);
 
+// "I/N", or nothing.
+std::optional<Shard> ParseShard(const std::string& text);
+std::string CheckShard(const std::string& text);
+
 // A whole number within low to high.
 CLI::Validator Whole(int low, int high);
 
@@ -86,6 +93,9 @@ template <class... Parts>
 [[noreturn]] void Refuse(const Parts&... parts) {
   throw CLI::ValidationError(absl::StrCat(parts...), CLI::ExitCodes::ValidationError);
 }
+
+// Where a path leads: absolute, links resolved as far as it exists.
+std::filesystem::path Place(const std::string& path);
 
 // Adds -o, --out.
 void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs);

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/output/output.h"
@@ -46,20 +45,6 @@ std::string CheckRegion(const std::string& text) {
   return "";
 }
 
-// "I/N", or nothing.
-std::optional<Shard> ParseShard(const std::string& text) {
-  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('/', 1));
-  Shard shard;
-  if (!ParseNumber(parts.first, shard.index) || !ParseNumber(parts.second, shard.count)) return std::nullopt;
-  if (shard.count < 1 || shard.count > kMaxShards || shard.index >= shard.count) return std::nullopt;
-  return shard;
-}
-
-std::string CheckShard(const std::string& text) {
-  if (ParseShard(text)) return "";
-  return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
-}
-
 std::string CheckQuantization(const std::string& text) {
   int64_t bits = 0;
   if (text == "auto" || (ParseNumber(text, bits) && bits >= 0 && bits <= kMaxQuantizationBits)) return "";
@@ -86,9 +71,8 @@ uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis
 
 }  // namespace
 
-void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
+void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
-  command.add_option("mesh", options.mesh, "mesh file: .drc .obj .ply .stl .glb .gltf")->type_name("MESH")->required();
   AddOutputOption(command, OutputExtensions(), options.outputs);
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: cartesian")->check(OneOf(LatticeNames()));
@@ -133,11 +117,17 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
       ->excludes(verify);
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
+}
+
+void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
+  VoxelizeOptions& options = words.options;
+  command.add_option("mesh", options.mesh, "mesh file: .drc .obj .ply .stl .glb .gltf")->type_name("MESH")->required();
+  AddRequestOptions(command, words);
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
 }
 
-VoxelizeOptions Interpret(const VoxelizeWords& words) {
+VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   VoxelizeOptions options = words.options;
   VoxelizeRequest& request = options.request;
   request.lattice = InterpretLattice(words);
@@ -157,6 +147,11 @@ VoxelizeOptions Interpret(const VoxelizeWords& words) {
   if (words.basis.empty() && !request.voxel_size && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");
   }
+  return options;
+}
+
+VoxelizeOptions Interpret(const VoxelizeWords& words) {
+  VoxelizeOptions options = InterpretRequest(words);
   CheckOutputs(options.outputs, options.mesh, "mesh");
   return options;
 }

@@ -30,11 +30,17 @@ struct VoxelizeWords {
   std::string algorithm, encoding, fill, cover;
 };
 
-// Adds the options to a command. Parsing checks each option by itself.
+// Adds the outputs and what is asked for, without mesh and server. Parsing checks each option by itself.
+void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
+
+// Adds all options.
 void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words);
 
 // What the words mean together. Throws CLI::ValidationError, as parsing does, naming option, value and limit: options
-// that exclude or need each other, an output of unknown extension, twice, or in the place of the mesh.
+// that exclude or need each other.
+VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
+
+// The same, with an eye on the file system: an output that is given twice or in the place of the mesh is refused, too.
 VoxelizeOptions Interpret(const VoxelizeWords& words);
 
 }  // namespace latvox::client
