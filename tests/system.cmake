@@ -4,6 +4,7 @@
 #   node       a client of its own, from the protocol file alone
 #   e2e        command line tool, files, failures
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
+#   deploy     what deploy/ has for others' machines
 #   readme     the examples of README.md
 # A build with sanitizers runs the failures at most: the others are about results, and slow there.
 
@@ -20,6 +21,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
 endif()
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
+  latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")
   latvox_add_system_test(e2e.algorithms "${latvox_python};e2e/algorithms_test.py")
   latvox_add_system_test(e2e.config "${latvox_python};e2e/config_test.py")
   latvox_add_system_test(e2e.counts "${latvox_python};e2e/counts_test.py" LABELS slow)

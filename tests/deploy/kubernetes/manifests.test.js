@@ -1,0 +1,130 @@
+// The manifests of deploy/kubernetes: of the API's types, consistent, and with a configuration that latvoxd takes.
+// As they are written, and, where there is a kustomize 5, as it renders them. Needs LATVOX_BIN.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { test } from 'node:test';
+import { findKustomize, OVERLAYS, rendered, written } from './documents.js';
+import { brokenReferences, needlessRights } from './references.js';
+import { typeErrors } from './types.js';
+
+const SECRETS = { 'latvox-tls': ['tls.crt', 'tls.key'], 'latvox-tokens': ['tokens'] };  // as deploy/README.md makes them
+const load = (overlay) => written(`overlays/${overlay}`);
+const find = (objects, kind) => objects.find((object) => object.kind === kind);
+
+function check(objects) {
+  assert.deepEqual(typeErrors(objects), []);
+  assert.deepEqual(brokenReferences(objects, SECRETS), []);
+  assert.deepEqual(needlessRights(objects), []);
+}
+
+for (const overlay of OVERLAYS) {
+  test(`${overlay}: as written, it has the right types, its names lead somewhere, its pods have few rights`, () => check(load(overlay)));
+}
+
+const kustomize = findKustomize();
+for (const overlay of OVERLAYS) {
+  test(`${overlay}: the same as rendered`, { skip: kustomize.missing }, () => {
+    const objects = rendered(kustomize.command, `overlays/${overlay}`);
+    assert.equal(objects.length, load(overlay).length);
+    check(objects);
+    const namespaced = objects.filter(({ kind }) => kind !== 'Namespace');
+    assert.deepEqual(new Set(namespaced.map(({ metadata }) => metadata.namespace)), new Set(['latvox']));
+  });
+}
+
+test('batch: workers count as many shards as there are', { skip: kustomize.missing }, () => {
+  const { spec } = find(rendered(kustomize.command, 'overlays/batch'), 'Job');
+  const { value } = spec.template.spec.containers[0].env.find(({ name }) => name === 'LATVOX_SHARD_COUNT');
+  assert.equal(value, String(spec.completions));
+});
+
+// The settings that latvoxd finds in the configuration file, with Secrets as deploy/README.md makes them: name -> text.
+function settings(text) {
+  const directory = mkdtempSync(path.join(tmpdir(), 'latvox-manifests-'));
+  const run = (command, ...words) => execFileSync(command, words, { encoding: 'utf8', cwd: directory, stdio: ['ignore', 'pipe', 'pipe'] });
+  try {
+    run('mkdir', 'tls', 'tokens');
+    run('openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-subj', '/CN=localhost', '-keyout', 'tls/tls.key', '-out', 'tls/tls.crt');
+    writeFileSync(path.join(directory, 'tokens/tokens'), `alice sha256:${'0123456789abcdef'.repeat(4)}\n`, { mode: 0o600 });
+    writeFileSync(path.join(directory, 'latvoxd.toml'), text.replaceAll('/run/secrets/latvox', directory));
+    const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
+    return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
+  } finally {
+    rmSync(directory, { recursive: true });
+  }
+}
+
+test('service: latvoxd takes its configuration, which has the ports and the times of the pod', () => {
+  const objects = load('service');
+  const text = find(objects, 'ConfigMap').data['latvoxd.toml'];
+  const found = settings(text);
+  assert.equal(Object.keys(found).length, text.match(/^[a-z-]+ = /gm).length, 'every line of it counts');
+  const { terminationGracePeriodSeconds, containers: [container] } = find(objects, 'Deployment').spec.template.spec;
+  const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, `0.0.0.0:${containerPort}`]));
+  assert.deepEqual(ports, { grpc: found.listen, health: found['health-listen'], metrics: found['metrics-listen'] });
+  assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
+  const lastResort = 10;  // seconds that latvoxd may take beyond --grace
+  assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
+});
+
+// What must not be there is found if it is there.
+function changed(overlay, kind, change) {
+  const objects = load(overlay);
+  change(find(objects, kind), objects);
+  return objects;
+}
+const podOf = ({ spec }) => spec.template.spec;
+
+test('wrong types are found', () => {
+  const mistakes = [
+    [/replica/, 'service', 'Deployment', ({ spec }) => { spec.replica = 3; }],
+    [/string.*number/, 'batch', 'Job', ({ spec }) => { spec.completions = '64'; }],
+    [/template.*missing/, 'batch', 'Job', ({ spec }) => { delete spec.template; }],
+    [/intervall/, 'service', 'ServiceMonitor', ({ spec }) => { spec.endpoints[0].intervall = '15s'; }],
+    [/Cannot find module.*v2/, 'service', 'Service', (service) => { service.apiVersion = 'v2'; }],
+  ];
+  const errors = typeErrors(mistakes.map(([, overlay, kind, change]) => find(changed(overlay, kind, change), kind)));
+  for (const [says] of mistakes) assert.ok(errors.some((error) => says.test(error)), `${says} is not among ${errors.join('\n')}`);
+  assert.equal(errors.length, mistakes.length, errors.join('\n'));
+});
+
+test('names that lead nowhere are found', () => {
+  for (const [says, overlay, kind, change] of [
+    ['there is no ConfigMap latvoxd', 'service', 'ConfigMap', (map) => { map.metadata.name = 'other'; }],
+    ['no volume has /etc/latvox/latvoxd.toml', 'service', 'ConfigMap', (map) => { map.data = { other: '' }; }],
+    ['no volume has /x/y', 'service', 'ConfigMap', ({ data }) => { data['latvoxd.toml'] += 'tls-client-ca = "/x/y"\n'; }],
+    ['there is no Secret latvox-tlss', 'service', 'Deployment', (o) => { podOf(o).volumes[1].secret.secretName = 'latvox-tlss'; }],
+    ['a probe asks port 1', 'service', 'Deployment', (o) => { podOf(o).containers[0].livenessProbe.grpc.port = 1; }],
+    ['does not mount tls', 'service', 'Deployment', (o) => { podOf(o).containers[0].volumeMounts.splice(1, 1); }],
+    ['there is no ServiceAccount', 'service', 'ServiceAccount', ({ metadata }) => { metadata.name = 'other'; }],
+    ['Service latvox selects no pod', 'service', 'Service', ({ spec }) => { spec.selector = { app: 'latvox' }; }],
+    ['ServiceMonitor latvox selects no Service', 'service', 'Service', ({ metadata }) => { delete metadata.labels; }],
+    ['PodDisruptionBudget latvox selects', 'service', 'PodDisruptionBudget', ({ spec }) => { spec.selector.matchLabels.x = 'y'; }],
+    ['there is no Deployment other', 'service', 'HorizontalPodAutoscaler', ({ spec }) => { spec.scaleTargetRef.name = 'other'; }],
+    ['NetworkPolicy: there is no port grpc', 'service', 'Deployment', (o) => { podOf(o).containers[0].ports[0].name = 'rpc'; }],
+    ['ServiceMonitor: there is no port metrics', 'service', 'Service', ({ spec }) => { spec.ports.pop(); }],
+    ['there is no PersistentVolumeClaim latvox-meshes', 'batch', 'PersistentVolumeClaim', ({ metadata }) => { metadata.name = 'x'; }],
+    ['no volume has /results', 'batch', 'Job', (o) => { podOf(o).containers[0].volumeMounts[1].mountPath = '/result'; }],
+    ['is spread among other pods', 'batch', 'Job', ({ spec }) => { spec.template.metadata.labels = {}; }],
+  ]) {
+    const broken = brokenReferences(changed(overlay, kind, change), SECRETS);
+    assert.ok(broken.some((line) => line.includes(says)), `${says} is not among ${JSON.stringify(broken)}`);
+  }
+});
+
+test('needless rights are found', () => {
+  for (const change of [
+    (pod) => { pod.securityContext.runAsNonRoot = false; },
+    (pod) => { pod.securityContext.seccompProfile.type = 'Unconfined'; },
+    (pod) => { delete pod.automountServiceAccountToken; },
+    (pod) => { pod.containers[0].securityContext.allowPrivilegeEscalation = true; },
+    (pod) => { delete pod.containers[0].securityContext.readOnlyRootFilesystem; },
+    (pod) => { pod.containers[0].securityContext.capabilities.drop = []; },
+    (pod) => { delete pod.containers[0].resources.limits.memory; },
+  ]) {
+    assert.equal(needlessRights(changed('batch', 'Job', (job) => change(podOf(job)))).length, 1, String(change));
+  }
+});
