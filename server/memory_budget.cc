@@ -3,25 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <string>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "server/control_group.h"
 #include "server/errors.h"
 
 namespace latvox {
 namespace {
 
 constexpr absl::Duration kRetryDelay = absl::Seconds(1);
-
-// A limit of a control group, as the file system of either version shows it; UINT64_MAX if there is none.
-uint64_t LimitIn(const char* path) {
-  std::ifstream file(path);
-  std::string word;
-  uint64_t bytes = 0;
-  return file >> word && absl::SimpleAtoi(word, &bytes) ? bytes : UINT64_MAX;
-}
 
 }  // namespace
 
@@ -56,9 +46,7 @@ void MemoryReservation::Shrink(uint64_t bytes) {
 uint64_t DefaultMemoryBudget() {
   const uint64_t machine =
       static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-  const uint64_t group =
-      std::min(LimitIn("/sys/fs/cgroup/memory.max"), LimitIn("/sys/fs/cgroup/memory/memory.limit_in_bytes"));
-  return std::min(machine, group) / 4 * 3;
+  return std::min(machine, LimitsOfControlGroups().memory_bytes) / 4 * 3;
 }
 
 }  // namespace latvox

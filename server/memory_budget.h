@@ -52,7 +52,7 @@ class MemoryReservation {
   uint64_t bytes_ = 0;
 };
 
-// Three quarters of the memory of the machine, or of the process's control group if that has less.
+// Three quarters of the memory of the machine, or of the process's control groups if these have less.
 uint64_t DefaultMemoryBudget();
 
 }  // namespace latvox

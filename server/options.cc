@@ -71,7 +71,8 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
                "Print what is in force and where it came from, as a configuration file, and exit")
       ->configurable(false);
   Add(app, "--listen", options.server.listen, "Address, HOST:PORT or unix:PATH; may be repeated")->delimiter(',');
-  Add(app, "--threads", options.server.threads, "Threads that compute; 0: one for each core")
+  Add(app, "--threads", options.server.threads,
+      "Threads that compute; 0: one for each core that there is, in a container as many as it may use")
       ->check(CLI::Range(0, 1024));
   std::vector<std::pair<std::string, Simd>> simd;
   for (const auto& [value, name] : kSimdNames) simd.emplace_back(name, value);

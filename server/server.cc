@@ -20,6 +20,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/access.h"
 #include "server/call_registry.h"
+#include "server/control_group.h"
 #include "server/endpoint.h"
 #include "server/health_server.h"
 #include "server/lane.h"
@@ -62,8 +63,11 @@ absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
   return options;
 }
 
+// More threads than the control groups' share of the cores would be stopped for a part of each period, all together.
 int ThreadsOf(const ServerOptions& options) {
-  return options.threads > 0 ? options.threads : oneapi::tbb::info::default_concurrency();
+  if (options.threads > 0) return options.threads;
+  const int cores = oneapi::tbb::info::default_concurrency(), share = LimitsOfControlGroups().cores;
+  return share == 0 ? cores : std::min(cores, share);
 }
 
 // As many decoder processes as compute threads, but not many: what they decode has to be received by one thread. Each

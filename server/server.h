@@ -16,7 +16,7 @@ namespace latvox {
 
 struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
-  int threads = 0;                                        // for compute; 0: one for each core
+  int threads = 0;                                        // for compute; 0: one for each core that control groups allow
   Limits limits;
   AccessOptions access;
   std::string metrics_listen;  // HOST:PORT for Prometheus; empty: none

@@ -155,7 +155,8 @@ class Promtool(Case):
         return done
 
     def test_configuration_and_rules_are_good(self):
-        self.check("check", "config", PROMETHEUS / "prometheus.yaml")
+        for name in ("prometheus.yaml", "compose.yaml"):
+            self.check("check", "config", PROMETHEUS / name)
         self.check("check", "rules", PROMETHEUS / "alerts.yaml")
 
     def test_each_alert_fires_for_its_trouble_and_none_without(self):

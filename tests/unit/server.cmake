@@ -20,6 +20,7 @@ endif()
 latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_admission_test SOURCES unit/server_admission_test.cc LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_control_group_test SOURCES unit/server_control_group_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_resume_test UNSANITIZED SOURCES unit/server_resume_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_access_test SOURCES unit/server_access_test.cc LIBRARIES latvox::server GTest::gmock)
