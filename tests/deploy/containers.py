@@ -32,6 +32,7 @@ SKIPPED = 77
 ENGINE = """
 [containers]
 log_driver = "k8s-file"
+default_ulimits = ["nofile=1024:1024", "nproc=4096:4096"]
 [engine]
 cgroup_manager = "cgroupfs"
 events_logger = "file"

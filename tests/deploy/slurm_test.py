@@ -12,16 +12,22 @@ import unittest
 import slurm_cluster
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "e2e"))
+
+import harness  # noqa: E402
+
 SLURM = ROOT / "deploy" / "slurm"
-BIN = pathlib.Path(os.environ["LATVOX_BIN"])
-MODELS = pathlib.Path("/usr/share/glmark2/models")
+BIN = harness.BIN
 SKIP = 77  # ctest's word for it
 NODES = 4
 
-# Three of them for each task, the slowest last: so a task that has a result is still at work.
-MESHES = [(model, lattice, resolution)
-          for resolution, lattice in ((64, "bcc"), (256, "fcc"), (2048, "bcc"))
-          for model in ("bunny", "horse", "cat", "bunny")]
+# Of each task's three jobs the last is the slowest: one that has a result is still at work.
+RESOLUTIONS = [64] * NODES + [256] * NODES + [2048] * NODES
+
+
+def stretched(mesh, factor):
+    vertices, triangles = mesh
+    return [(x * factor, y, z) for x, y, z in vertices], triangles
 
 
 def latvox(*words, **options):
@@ -65,13 +71,14 @@ class Slurm(unittest.TestCase):
         self.assertEqual({task["Restarts"] for task in tasks if task["ArrayTaskId"] != str(index)}, {"0"})
 
     def test_an_array_does_all_jobs_although_a_node_dies(self):
-        jobs = self.dir / "jobs.jsonl"
-        lines = [{"mesh": str(MODELS / f"{model}.obj"), "out": f"{n}.vdb", "lattice": lattice, "resolution": resolution}
-                 for n, (model, lattice, resolution) in enumerate(MESHES)]
-        jobs.write_text("".join(json.dumps(line) + "\n" for line in lines))
+        jobs, bunny = self.dir / "jobs.jsonl", harness.read_obj(harness.BUNNY)
+        for n, resolution in enumerate(RESOLUTIONS):
+            harness.write_obj(self.dir / f"{n}.obj", stretched(bunny, 1 + n / 16))
+            with jobs.open("a") as file:
+                file.write(json.dumps({"mesh": f"{n}.obj", "lattice": "bcc", "resolution": resolution}) + "\n")
         latvox("batch", jobs, "--out", self.dir / "single")
         single = {line["id"]: line["summary"]["digest"] for line in results(self.dir / "single")["results.jsonl"]}
-        self.assertEqual(len(single), len(MESHES))
+        self.assertEqual(len(single), len(RESOLUTIONS))
 
         out, victim = self.dir / "out", 1
         name = f"results-{victim}-of-{NODES}.jsonl"
@@ -79,7 +86,7 @@ class Slurm(unittest.TestCase):
         self.cluster.wait("a first result", lambda: results(out).get(name))
         dead = self.kill_the_node_of(job, victim)
         before = results(out)[name]
-        self.assertLess(len(before), len(MESHES) // NODES, "the node died too late")
+        self.assertLess(len(before), len(RESOLUTIONS) // NODES, "the node died too late")
         tasks = self.cluster.wait_for_job(job)
 
         self.assert_all_completed(tasks)
@@ -87,16 +94,16 @@ class Slurm(unittest.TestCase):
         found = results(out)
         self.assertEqual(set(found), {f"results-{n}-of-{NODES}.jsonl" for n in range(NODES)})
         done = [line for lines in found.values() for line in lines if line["status"] == "done"]
-        self.assertEqual(len(done), len(MESHES), "what was done before the node died is not done again")
+        self.assertEqual(len(done), len(RESOLUTIONS), "what was done before the node died is not done again")
         self.assertEqual({line["id"]: line["summary"]["digest"] for line in done}, single)
-        self.assertEqual({path.name for path in out.glob("*.vdb")}, {f"{n}.vdb" for n in range(len(MESHES))})
+        self.assertEqual({path.name for path in out.glob("*.vdb")}, {f"{n}.vdb" for n in range(len(RESOLUTIONS))})
         skipped = [line["id"] for line in found[name] if line["status"] == "skipped"]
         self.assertEqual(skipped, [line["id"] for line in before])
 
     def test_parts_of_one_mesh_are_joined_although_a_node_dies(self):
         options = ["--lattice", "bcc", "--resolution", 2048]
-        whole = json.loads(latvox("voxelize", MODELS / "bunny.obj", *options, "--json", "-o", self.dir / "whole.vdb"))
-        joining = self.submit(SLURM / "shards", NODES, MODELS / "bunny.obj", self.dir / "joined.vdb", *options)
+        whole = json.loads(latvox("voxelize", harness.BUNNY, *options, "--json", "-o", self.dir / "whole.vdb"))
+        joining = self.submit(SLURM / "shards", NODES, harness.BUNNY, self.dir / "joined.vdb", *options)
         parts = re.search(r"\d+", self.cluster.jobs(joining)[0]["Dependency"])[0]
         victim = NODES - 1
         self.cluster.wait("work", lambda: all(task["JobState"] == "RUNNING" for task in self.cluster.jobs(parts)))

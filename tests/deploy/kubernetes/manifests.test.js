@@ -66,7 +66,7 @@ test('service: latvoxd takes its configuration, which has the ports and the time
   const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, `0.0.0.0:${containerPort}`]));
   assert.deepEqual(ports, { grpc: found.listen, health: found['health-listen'], metrics: found['metrics-listen'] });
   assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
-  const lastResort = 10;  // seconds that latvoxd may take beyond --grace
+  const lastResort = 15;  // seconds that latvoxd may take beyond --grace
   assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
 });
 
