@@ -3,12 +3,25 @@ process namespace, so that to kill it kills all that runs there, as when a machi
 
 import ctypes
 import getpass
+import json
 import os
+import pathlib
 import shutil
 import signal
 import subprocess
+import sys
+import tempfile
 import time
+import unittest
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "e2e"))
+
+import harness  # noqa: E402
+
+SLURM = ROOT / "deploy" / "slurm"
+SKIPPED = 77  # ctest's word for it
+NODES = 4
 CLONE_NEWNET = 0x40000000
 PROGRAMS = ["munged", "slurmctld", "slurmd", "sbatch", "scontrol", "sinfo", "unshare", "ip"]
 FIRST_PORT = 6820
@@ -41,25 +54,41 @@ PartitionName=test Nodes=ALL Default=YES
 """
 
 
-def missing():
-    """Why there can be no cluster here; None if there can be. Moves this process into a network of its own."""
+def skip(reason):
+    print(f"SKIPPED: {reason}", file=sys.stderr)
+    sys.exit(SKIPPED)
+
+
+def require():
+    """Ends the test where there can be no cluster, and says why. Moves this process into a network of its own."""
     absent = [name for name in PROGRAMS if shutil.which(name) is None]
     if absent:
-        return f"{', '.join(absent)} not found: install slurm-wlm and munge"
+        skip(f"{', '.join(absent)} not found; deploy/install-packages deploy")
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(CLONE_NEWNET) != 0:
-        return f"no network of its own: {os.strerror(ctypes.get_errno())}"
+        skip(f"no network of its own: {os.strerror(ctypes.get_errno())}")
     # A second address: names are only resolved where there is one beside 127.0.0.1.
     for command in (["ip", "link", "set", "lo", "up"], ["ip", "address", "add", "198.18.0.1/32", "dev", "lo"]):
         if subprocess.run(command).returncode != 0:
-            return f"{' '.join(command)} fails"
+            skip(f"{' '.join(command)} fails")
     if subprocess.run(["unshare", "--pid", "--fork", "--mount-proc", "true"]).returncode != 0:
-        return "no process namespaces"
-    return None
+        skip("no process namespaces")
+
+
+def latvox(*words):
+    done = harness.latvox(*words)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def results(directory):
+    """Lines of the workers' results, whole ones only, by file."""
+    return {path.name: [json.loads(line) for line in path.read_text().splitlines(True) if line.endswith("\n")]
+            for path in directory.glob("results*.jsonl")}
 
 
 class Cluster:
-    def __init__(self, directory, environment, nodes=4):
+    def __init__(self, directory, environment, nodes):
         self.directory, self.processes, self.nodes = directory, [], {}
         self.environment = os.environ | environment | {"SLURM_CONF": str(directory / "slurm.conf")}
         values = {"user": getpass.getuser(), "directory": directory, "last": nodes - 1}
@@ -136,3 +165,25 @@ class Cluster:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+
+
+class ClusterCase(unittest.TestCase):
+    """Tests with a cluster each; jobs run in self.dir."""
+
+    environment = {}  # of jobs, beside that of the test
+
+    def setUp(self):
+        self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-slurm-")))
+        cluster = self.dir / "cluster"
+        cluster.mkdir()
+        path = f"{harness.BIN}:{os.environ['PATH']}"
+        self.cluster = Cluster(cluster, {"PATH": path} | self.environment, NODES)
+        self.addCleanup(self.cluster.stop)
+
+    def submit(self, *command):
+        """What a command that submits a job prints: the job's id, as a rule."""
+        return self.cluster.run(*command, cwd=self.dir)
+
+    def assert_all_completed(self, tasks):
+        logs = "\n".join(path.read_text() for path in self.dir.glob("*.log"))
+        self.assertEqual({(task["JobState"], task["ExitCode"]) for task in tasks}, {("COMPLETED", "0:0")}, logs)

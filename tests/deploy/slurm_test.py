@@ -1,25 +1,12 @@
 """deploy/slurm on a real Slurm of four nodes: a job array over many meshes, one mesh in parts; nodes die on the way."""
 
 import json
-import os
-import pathlib
 import re
 import subprocess
-import sys
-import tempfile
 import unittest
 
 import slurm_cluster
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "e2e"))
-
-import harness  # noqa: E402
-
-SLURM = ROOT / "deploy" / "slurm"
-BIN = harness.BIN
-SKIP = 77  # ctest's word for it
-NODES = 4
+from slurm_cluster import NODES, ROOT, SLURM, ClusterCase, harness, latvox, results
 
 # Of each task's three jobs the last is the slowest: one that has a result is still at work.
 RESOLUTIONS = [64] * NODES + [256] * NODES + [2048] * NODES
@@ -30,33 +17,7 @@ def stretched(mesh, factor):
     return [(x * factor, y, z) for x, y, z in vertices], triangles
 
 
-def latvox(*words, **options):
-    done = subprocess.run([BIN / "latvox", *map(str, words)], capture_output=True, text=True, timeout=300, **options)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def results(directory):
-    """Lines of a worker's results, whole ones only, by file."""
-    return {path.name: [json.loads(line) for line in path.read_text().splitlines(True) if line.endswith("\n")]
-            for path in directory.glob("results*.jsonl")}
-
-
-class Slurm(unittest.TestCase):
-    def setUp(self):
-        self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-slurm-")))
-        cluster = self.dir / "cluster"
-        cluster.mkdir()
-        self.cluster = slurm_cluster.Cluster(cluster, {"LATVOX": str(BIN / "latvox")}, NODES)
-        self.addCleanup(self.cluster.stop)
-
-    def submit(self, *command):
-        return self.cluster.run(*command, cwd=self.dir).partition(";")[0]
-
-    def assert_all_completed(self, tasks):
-        logs = "\n".join(path.read_text() for path in self.dir.glob("*.log"))
-        self.assertEqual({(task["JobState"], task["ExitCode"]) for task in tasks}, {("COMPLETED", "0:0")}, logs)
-
+class Slurm(ClusterCase):
     def kill_the_node_of(self, job, index):
         """Returns its name; whatever else ran there is dead, too."""
         node = next(task["NodeList"] for task in self.cluster.jobs(job) if task.get("ArrayTaskId") == str(index))
@@ -125,6 +86,15 @@ class Slurm(unittest.TestCase):
         self.assertEqual(self.cluster.wait_for_job(joining)[0]["JobState"], "CANCELLED")
         self.assertFalse((self.dir / "joined.vdb").exists())
 
+    def test_the_examples_of_the_readme_run(self):
+        section = (ROOT / "deploy" / "README.md").read_text().partition("\n## Slurm\n")[2]
+        example = re.search(r"^```sh\n(.*?)^```$", section, re.M | re.S)[1]
+        (self.dir / "deploy").symlink_to(ROOT / "deploy")
+        told = self.submit("bash", "-euo", "pipefail", "-c", example)
+        self.assert_all_completed(self.cluster.wait_for_job(told.split()[-1]))
+        self.assertEqual({path.name for path in (self.dir / "voxels").glob("*.vdb")}, {f"bunny-{n}.vdb" for n in range(1, 13)})
+        self.assertTrue((self.dir / "bunny.vdb").exists())
+
     def test_wrong_usage_of_shards_is_told(self):
         for words in ([], ["0", "a.obj", "b.vdb"], ["2", "a.obj", "b.csv"]):
             done = subprocess.run([SLURM / "shards", *words], capture_output=True, text=True)
@@ -133,8 +103,5 @@ class Slurm(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    why = slurm_cluster.missing()
-    if why:
-        print(f"SKIPPED: {why}", file=sys.stderr)
-        sys.exit(SKIP)
+    slurm_cluster.require()
     unittest.main()

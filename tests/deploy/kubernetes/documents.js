@@ -30,20 +30,25 @@ export function written(folder) {
   return [...objects, ...configMaps];
 }
 
-// A command that renders a folder, or why there is none: `replacements` and `labels` want kustomize 5.
-export function findKustomize() {
-  const found = [];
-  for (const [command, version] of [[['kubectl', 'kustomize'], ['kubectl', 'version', '--client']],
-    [['kustomize', 'build'], ['kustomize', 'version']]]) {
-    try {
-      const told = execFileSync(version[0], version.slice(1), { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
-      if (/(^|Kustomize Version: )v?([5-9]|\d{2,})\./m.test(told)) return { command };
-      found.push(command[0]);
-    } catch {
-      // Not installed.
-    }
+function output(...command) {
+  try {
+    return execFileSync(command[0], command.slice(1), { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
+  } catch {
+    return '';  // not installed
   }
-  return { missing: found.length > 0 ? `${found} has no kustomize 5` : 'neither kubectl nor kustomize is installed' };
+}
+
+// Why there is no kubectl; false if there is.
+export const kubectlMissing = () => output('kubectl', 'version', '--client') === '' && 'kubectl is not installed';
+
+// A command that renders a folder, or why there is none: kustomize 5, as `replacements` want it.
+export function findKustomize() {
+  const versions = [
+    [['kubectl', 'kustomize'], output('kubectl', 'version', '--client')],
+    [['kustomize', 'build'], output('kustomize', 'version')],
+  ];
+  const [command] = versions.find(([, told]) => /^(Kustomize Version: )?v([5-9]|\d{2,})\./m.test(told)) ?? [];
+  return command ? { command } : { missing: 'neither kubectl nor kustomize is installed with kustomize 5' };
 }
 
 export function rendered(command, folder) {

@@ -2,11 +2,11 @@
 // As they are written, and, where there is a kustomize 5, as it renders them. Needs LATVOX_BIN.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
-import { findKustomize, OVERLAYS, rendered, written } from './documents.js';
+import { findKustomize, kubectlMissing, OVERLAYS, rendered, written } from './documents.js';
 import { brokenReferences, needlessRights } from './references.js';
 import { typeErrors } from './types.js';
 
@@ -41,21 +41,34 @@ test('batch: workers count as many shards as there are', { skip: kustomize.missi
   assert.equal(value, String(spec.completions));
 });
 
-// The settings that latvoxd finds in the configuration file, with Secrets as deploy/README.md makes them: name -> text.
-function settings(text) {
+// Runs `use(run, directory)` in a directory with the files that deploy/README.md makes Secrets of.
+function withFiles(use) {
   const directory = mkdtempSync(path.join(tmpdir(), 'latvox-manifests-'));
   const run = (command, ...words) => execFileSync(command, words, { encoding: 'utf8', cwd: directory, stdio: ['ignore', 'pipe', 'pipe'] });
   try {
-    run('mkdir', 'tls', 'tokens');
-    run('openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-subj', '/CN=localhost', '-keyout', 'tls/tls.key', '-out', 'tls/tls.crt');
-    writeFileSync(path.join(directory, 'tokens/tokens'), `alice sha256:${'0123456789abcdef'.repeat(4)}\n`, { mode: 0o600 });
-    writeFileSync(path.join(directory, 'latvoxd.toml'), text.replaceAll('/run/secrets/latvox', directory));
-    const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
-    return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
+    run('openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-subj', '/CN=localhost', '-keyout', 'key.pem', '-out', 'certificate.pem');
+    writeFileSync(path.join(directory, 'tokens'), `alice sha256:${'0123456789abcdef'.repeat(4)}\n`, { mode: 0o600 });
+    return use(run, directory);
   } finally {
     rmSync(directory, { recursive: true });
   }
 }
+
+test('the Secrets are as deploy/README.md makes them', { skip: kubectlMissing() }, () => withFiles((run) => {
+  const readme = readFileSync(new URL('../../../deploy/README.md', import.meta.url), 'utf8');
+  const made = readme.match(/^kubectl .*create secret .*$/gm)
+    .map((command) => JSON.parse(run('bash', '-c', `${command} --dry-run=client --output=json`)));
+  assert.deepEqual(Object.fromEntries(made.map(({ metadata, data }) => [metadata.name, Object.keys(data).sort()])), SECRETS);
+}));
+
+// The settings that latvoxd finds in the configuration file: name -> text.
+const settings = (text) => withFiles((run, directory) => {
+  const files = { 'tls/tls.crt': 'certificate.pem', 'tls/tls.key': 'key.pem', 'tokens/tokens': 'tokens' };
+  for (const [inside, file] of Object.entries(files)) text = text.replaceAll(`/run/secrets/latvox/${inside}`, file);
+  writeFileSync(path.join(directory, 'latvoxd.toml'), text);
+  const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
+  return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
+});
 
 test('service: latvoxd takes its configuration, which has the ports and the times of the pod', () => {
   const objects = load('service');
