@@ -1,65 +1,20 @@
 // The manifests of deploy/kubernetes: of the API's types, consistent, and with a configuration that latvoxd takes.
-// As they are written, and, where there is a kustomize 5, as it renders them. Needs LATVOX_BIN.
+// As they are written; kustomize.test.js takes them as they are rendered. Needs LATVOX_BIN.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
-import { findKustomize, kubectlMissing, OVERLAYS, rendered, written } from './documents.js';
+import { check, SECRETS, withFiles } from './check.js';
+import { OVERLAYS, written } from './documents.js';
 import { brokenReferences, needlessRights } from './references.js';
 import { typeErrors } from './types.js';
 
-const SECRETS = { 'latvox-tls': ['tls.crt', 'tls.key'], 'latvox-tokens': ['tokens'] };  // as deploy/README.md makes them
 const load = (overlay) => written(`overlays/${overlay}`);
 const find = (objects, kind) => objects.find((object) => object.kind === kind);
-
-function check(objects) {
-  assert.deepEqual(typeErrors(objects), []);
-  assert.deepEqual(brokenReferences(objects, SECRETS), []);
-  assert.deepEqual(needlessRights(objects), []);
-}
 
 for (const overlay of OVERLAYS) {
   test(`${overlay}: as written, it has the right types, its names lead somewhere, its pods have few rights`, () => check(load(overlay)));
 }
-
-const kustomize = findKustomize();
-for (const overlay of OVERLAYS) {
-  test(`${overlay}: the same as rendered`, { skip: kustomize.missing }, () => {
-    const objects = rendered(kustomize.command, `overlays/${overlay}`);
-    assert.equal(objects.length, load(overlay).length);
-    check(objects);
-    const namespaced = objects.filter(({ kind }) => kind !== 'Namespace');
-    assert.deepEqual(new Set(namespaced.map(({ metadata }) => metadata.namespace)), new Set(['latvox']));
-  });
-}
-
-test('batch: workers count as many shards as there are', { skip: kustomize.missing }, () => {
-  const { spec } = find(rendered(kustomize.command, 'overlays/batch'), 'Job');
-  const { value } = spec.template.spec.containers[0].env.find(({ name }) => name === 'LATVOX_SHARD_COUNT');
-  assert.equal(value, String(spec.completions));
-});
-
-// Runs `use(run, directory)` in a directory with the files that deploy/README.md makes Secrets of.
-function withFiles(use) {
-  const directory = mkdtempSync(path.join(tmpdir(), 'latvox-manifests-'));
-  const run = (command, ...words) => execFileSync(command, words, { encoding: 'utf8', cwd: directory, stdio: ['ignore', 'pipe', 'pipe'] });
-  try {
-    run('openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-subj', '/CN=localhost', '-keyout', 'key.pem', '-out', 'certificate.pem');
-    writeFileSync(path.join(directory, 'tokens'), `alice sha256:${'0123456789abcdef'.repeat(4)}\n`, { mode: 0o600 });
-    return use(run, directory);
-  } finally {
-    rmSync(directory, { recursive: true });
-  }
-}
-
-test('the Secrets are as deploy/README.md makes them', { skip: kubectlMissing() }, () => withFiles((run) => {
-  const readme = readFileSync(new URL('../../../deploy/README.md', import.meta.url), 'utf8');
-  const made = readme.match(/^kubectl .*create secret .*$/gm)
-    .map((command) => JSON.parse(run('bash', '-c', `${command} --dry-run=client --output=json`)));
-  assert.deepEqual(Object.fromEntries(made.map(({ metadata, data }) => [metadata.name, Object.keys(data).sort()])), SECRETS);
-}));
 
 // The settings that latvoxd finds in the configuration file: name -> text.
 const settings = (text) => withFiles((run, directory) => {
