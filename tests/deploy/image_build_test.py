@@ -1,0 +1,94 @@
+"""The image is built, small, and the same whenever its sources are: times of a build, and of one after a change."""
+
+import pathlib
+import shutil
+import tarfile
+import unittest
+
+import containers
+from containers import IMAGE, ROOT, inspect, podman
+
+LARGEST = 80e6  # bytes, unpacked
+AFTER_A_CHANGE = 240  # seconds, though everything else on this machine may be at work, too
+
+
+def layers(image):
+    return inspect(image)["RootFS"]["Layers"]
+
+
+class ImageBuild(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cached = containers.STATE.joinpath("work", "buildah-cache").exists()
+        containers.debian(containers.BASE, "--variant=minbase")
+        seconds = containers.build(ROOT, IMAGE)
+        print(f"image: {inspect(IMAGE)['Size'] / 1e6:.1f} MB, built in {seconds:.0f} s", "with" if cached else "without", "a cache")
+
+    def copy(self):
+        """The sources in a folder of their own."""
+        folder = containers.STATE / "work" / "sources"
+        shutil.rmtree(folder, ignore_errors=True)
+        self.addCleanup(shutil.rmtree, folder)
+        for line in (ROOT / ".dockerignore").read_text().splitlines():
+            if line.startswith("!"):
+                source, target = ROOT / line[1:], folder / line[1:]
+                target.parent.mkdir(parents=True, exist_ok=True)
+                (shutil.copytree if source.is_dir() else shutil.copy2)(source, target)
+        shutil.copy2(ROOT / ".dockerignore", folder)
+        shutil.copy2(ROOT / "deploy/Dockerfile", folder / "deploy")
+        return folder
+
+    def test_equal_sources_make_an_equal_layer_and_others_another(self):
+        folder = self.copy()
+        source = folder / "server/main.cc"
+        source.write_text(source.read_text() + "// A comment is nothing that runs.\n")
+        containers.build(folder, "localhost/latvox-commented")
+        self.addCleanup(podman, "rmi", "localhost/latvox-commented")
+        self.assertEqual(layers("localhost/latvox-commented"), layers(IMAGE))
+        source.write_text(source.read_text().replace('"latvoxd: %s\\n"', '"latvoxd changed: %s\\n"'))
+        seconds = containers.build(folder, "localhost/latvox-changed")
+        self.addCleanup(podman, "rmi", "localhost/latvox-changed")
+        print(f"image: built after a change in {seconds:.0f} s")
+        self.assertNotEqual(layers("localhost/latvox-changed"), layers(IMAGE))
+        self.assertLess(seconds, AFTER_A_CHANGE)
+
+    def test_it_holds_what_is_needed_and_no_more(self):
+        self.assertLess(inspect(IMAGE)["Size"], LARGEST)
+        self.assertEqual(len(layers(IMAGE)), 1)
+        tar = containers.STATE / "work" / "image.tar"
+        self.addCleanup(tar.unlink)
+        created = podman("create", IMAGE)
+        self.addCleanup(podman, "rm", created)
+        podman("export", "--output", tar, created)
+        with tarfile.open(tar) as files:
+            members = {pathlib.PurePath(member.name): member for member in files if not member.name.startswith(("dev", "run"))}
+        regular = [path for path, member in members.items() if member.isreg() and member.size > 0]
+        others = [str(path) for path in regular if not path.match("lib*/**/*.so*") and not path.match("*/*/*.so*")]
+        self.assertEqual(
+            sorted(name for name in others if ".so" not in name),
+            ["etc/latvox/latvoxd.toml", "etc/ssl/certs/ca-certificates.crt", "usr/bin/latvox", "usr/bin/latvoxd"],
+        )
+        self.assertGreater(members[pathlib.PurePath("etc/ssl/certs/ca-certificates.crt")].size, 100_000)
+        self.assertEqual([str(path) for path in regular if members[path].mode & 0o6000], [], "programs that raise privileges")
+        self.assertEqual({members[path].mtime for path in regular if str(path) != "etc/hosts"}, {0})
+        self.assertEqual((members[pathlib.PurePath("data")].uid, members[pathlib.PurePath("tmp")].mode & 0o7777), (65532, 0o1777))
+
+    def test_it_says_what_it_is(self):
+        containers.build(ROOT, "localhost/latvox-labelled", "--build-arg=VERSION=1.2.3", "--build-arg=REVISION=abc")
+        self.addCleanup(podman, "rmi", "localhost/latvox-labelled")
+        labels = inspect("localhost/latvox-labelled")["Labels"]
+        prefix = "org.opencontainers.image."
+        for name, value in {"title": "latvox", "licenses": "Apache-2.0", "version": "1.2.3", "revision": "abc", "base.name": containers.BASE}.items():
+            self.assertEqual(labels[prefix + name], value)
+        config = inspect(IMAGE)["Config"]
+        self.assertEqual(config["User"], "65532:65532")
+        self.assertEqual(config["StopSignal"], "SIGTERM")
+        self.assertEqual(config["Entrypoint"], ["/usr/bin/latvoxd", "--config", "/etc/latvox/latvoxd.toml"])
+        self.assertEqual(sorted(config["ExposedPorts"]), ["50151/tcp", "50152/tcp", "9464/tcp"])
+        self.assertEqual(inspect(IMAGE)["HealthCheck"]["Test"][:3], ["CMD", "/usr/bin/latvox", "health"])
+
+
+if __name__ == "__main__":
+    containers.require()
+    unittest.main()
