@@ -12,13 +12,13 @@ namespace {
 
 constexpr int kMaxThreads = 1024, kMaxRetries = 1000000;
 
+}  // namespace
+
 std::filesystem::path Place(const std::string& path) {
   std::error_code error;
   const auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
   return error ? std::filesystem::path(path) : place;
 }
-
-}  // namespace
 
 std::string CheckPositive(const std::string& text) {
   double number = 0;

@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <system_error>
 #include <type_traits>
@@ -85,6 +86,9 @@ template <class... Parts>
 [[noreturn]] void Refuse(const Parts&... parts) {
   throw CLI::ValidationError(absl::StrCat(parts...), CLI::ExitCodes::ValidationError);
 }
+
+// Where a path leads: absolute, links resolved as far as it exists.
+std::filesystem::path Place(const std::string& path);
 
 // Adds -o, --out.
 void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs);

@@ -29,8 +29,8 @@ ExitStatus ExitStatusOf(const absl::Status& status) {
   }
 }
 
-std::string ErrorLine(const absl::Status& status) {
-  std::string line = absl::StrCat("latvox: ", status.message());
+std::string ErrorText(const absl::Status& status) {
+  std::string line(status.message());
   const auto append = [&line](absl::string_view name, absl::string_view value) {
     if (!value.empty() && !absl::StrContains(line, value)) absl::StrAppend(&line, " (", name, " ", value, ")");
   };
@@ -43,5 +43,7 @@ std::string ErrorLine(const absl::Status& status) {
       line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return line;
 }
+
+std::string ErrorLine(const absl::Status& status) { return absl::StrCat("latvox: ", ErrorText(status)); }
 
 }  // namespace latvox::client

@@ -21,8 +21,11 @@ enum class ExitStatus {
 
 ExitStatus ExitStatusOf(const absl::Status& status);
 
-// "latvox: ..." without a line end: the status's message on one line, with those of field, value, limit and time to
-// try again that the message does not hold already.
+// The status's message on one line, without its end, with those of field, value, limit and time to try again that the
+// message does not hold already.
+std::string ErrorText(const absl::Status& status);
+
+// "latvox: " and the same.
 std::string ErrorLine(const absl::Status& status);
 
 }  // namespace latvox::client

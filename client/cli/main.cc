@@ -6,6 +6,8 @@
 #include <exception>
 #include <string>
 
+#include "client/cli/batch_command.h"
+#include "client/cli/batch_options.h"
 #include "client/cli/commands.h"
 #include "client/cli/common_options.h"
 #include "client/cli/exit_status.h"
@@ -21,6 +23,7 @@ constexpr char kExample[] =
     "Try:\n"
     "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
     "  latvox info bunny.vdb\n"
+    "  latvox batch jobs.jsonl --out voxels\n"
     "  latvox pixelize drawing.svg --lattice hexagonal --resolution 64 -o drawing.csv -o drawing.png\n"
     "  latvox voxelize --help\n"
     "\n"
@@ -51,15 +54,25 @@ absl::StatusOr<std::string> Pixelize(const PixelizeOptions& options, const Cance
   return options.json ? ToJson(*report) + "\n" : ToText(*report);
 }
 
+// Other jobs may be done although some failed: both are told.
+ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) {
+  const auto report = RunBatch(options, cancellation);
+  if (!report.ok()) return Fail(report.status());
+  const ExitStatus printed = Print(options.json ? ToJson(*report) + "\n" : ToText(*report));
+  return printed == ExitStatus::kDone ? report->status : printed;
+}
+
 // The commands and what parsing them fills.
 struct Commands {
   CLI::App app{kDescription, "latvox"};
   VoxelizeWords words;
+  BatchWords batch_words;
   PixelizeWords pixelize_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
+  CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
@@ -70,6 +83,7 @@ struct Commands {
     app.require_subcommand(0, 1);
     app.footer(kExample);
     AddVoxelizeOptions(*voxelize, words);
+    AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
@@ -85,6 +99,11 @@ ExitStatus Run(const Commands& commands) {
     const VoxelizeOptions options = Interpret(commands.words);
     const Interrupt interrupt(cancellation);
     return Print(Voxelize(options, cancellation));
+  }
+  if (*commands.batch) {
+    const BatchOptions options = Interpret(commands.batch_words);
+    const Interrupt interrupt(cancellation);
+    return Batch(options, cancellation);
   }
   if (*commands.pixelize) {
     const PixelizeOptions options = Interpret(commands.pixelize_words);

@@ -19,15 +19,14 @@ void ProgressBar::Say(const std::string& line) {
   next_ = absl::InfinitePast();
 }
 
-void ProgressBar::Show(double share, uint64_t bricks) {
+void ProgressBar::Show(double share, const std::string& text) {
   constexpr size_t kCells = 30;
   constexpr absl::Duration kInterval = absl::Milliseconds(100);
   if (!terminal_ || absl::Now() < next_) return;
   next_ = absl::Now() + kInterval;
   const size_t full = static_cast<size_t>(share * kCells);
   const std::string bar = std::string(full, '#') + std::string(kCells - full, '.');
-  std::fprintf(stderr, "\r[%s] %3.0f %%  %llu bricks\x1b[K", bar.c_str(), share * 100,
-               static_cast<unsigned long long>(bricks));
+  std::fprintf(stderr, "\r[%s] %3.0f %%  %s\x1b[K", bar.c_str(), share * 100, text.c_str());
 }
 
 }  // namespace latvox::client

@@ -2,7 +2,6 @@
 #ifndef LATVOX_CLIENT_CLI_PROGRESS_BAR_H_
 #define LATVOX_CLIENT_CLI_PROGRESS_BAR_H_
 
-#include <cstdint>
 #include <string>
 
 #include "absl/time/time.h"
@@ -17,8 +16,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // `share` of the work is done, 0 to 1, with so many bricks so far. Draws ten times a second at most.
-  void Show(double share, uint64_t bricks);
+  // `share` of the work is done, 0 to 1; `text` stands behind it. Draws ten times a second at most.
+  void Show(double share, const std::string& text);
 
   // A line on standard error, whatever that is, in the bar's place.
   void Say(const std::string& line);

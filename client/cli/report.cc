@@ -5,6 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/exit_status.h"
+#include "client/error.h"
 
 namespace latvox::client {
 namespace {
@@ -12,7 +14,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Text from outside that is not UTF-8, a file's name for one, must not stop the report.
-std::string Dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
+std::string Dump(const Json& json, int indent = 2) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
 
 std::array<double, 9> Flat(const Basis& basis) {
   const auto& [a, b, c] = basis;
@@ -63,9 +67,19 @@ std::string VerificationText(const Certificate& certificate) {
   return absl::StrCat("verified: ", certificate.tunnels, " tunnels, ", certificate.redundant, " redundant voxels\n");
 }
 
-}  // namespace
+Json ErrorJson(const absl::Status& error) {
+  const ErrorDetails details = GetErrorDetails(error);
+  Json json = {{"code", absl::StatusCodeToString(error.code())},
+               {"message", std::string(error.message())},
+               {"exit_status", static_cast<int>(ExitStatusOf(error))}};
+  for (const auto& [name, value] :
+       {std::pair("field", details.field), {"value", details.value}, {"limit", details.limit}}) {
+    if (!value.empty()) json[name] = value;
+  }
+  return json;
+}
 
-std::string ToJson(const VoxelizeReport& report) {
+Json SummaryJson(const VoxelizeReport& report) {
   const Summary& summary = report.summary;
   const MeshFacts& mesh = report.accepted.mesh;
   Json json = {{"voxels", summary.voxels},
@@ -91,7 +105,26 @@ std::string ToJson(const VoxelizeReport& report) {
                   {"min", mesh.min},
                   {"max", mesh.max}};
   json["outputs"] = report.outputs;
-  return Dump(json);
+  return json;
+}
+
+}  // namespace
+
+std::string ToJson(const VoxelizeReport& report) { return Dump(SummaryJson(report)); }
+
+std::string ToJsonLine(const JobResult& result) {
+  using Outcome = JobResult::Outcome;
+  constexpr const char* kNames[] = {"done", "failed", "skipped"};
+  Json json = {{"id", result.id},
+               {"line", result.line},
+               {"status", kNames[static_cast<size_t>(result.outcome)]},
+               {"mesh", result.mesh},
+               {"outputs", result.outputs}};
+  if (!result.job_digest.empty()) json["job_digest"] = result.job_digest;
+  if (result.outcome == Outcome::kDone) json["summary"] = SummaryJson(result.report);
+  if (result.outcome == Outcome::kFailed) json["error"] = ErrorJson(result.error);
+  if (result.outcome == Outcome::kSkipped) json["digest"] = result.digest;
+  return Dump(json, /*indent=*/-1);
 }
 
 std::string ToText(const VoxelizeReport& report) {
@@ -108,6 +141,24 @@ std::string ToText(const VoxelizeReport& report) {
   absl::StrAppend(&text, report.summary.voxels, " voxels in ", report.summary.bricks, " bricks, digest ",
                   certificate.digest, "\n", VerificationText(certificate));
   absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
+  return text;
+}
+
+std::string ToJson(const BatchReport& report) {
+  return Dump({{"jobs", report.jobs},
+               {"done", report.done},
+               {"failed", report.failed},
+               {"skipped", report.skipped},
+               {"exit_status", static_cast<int>(report.status)},
+               {"total_ms", report.total_ms},
+               {"results", report.results}});
+}
+
+std::string ToText(const BatchReport& report) {
+  std::string text = absl::StrCat(report.done, " of ", report.jobs, " jobs done");
+  if (report.skipped > 0) absl::StrAppend(&text, ", ", report.skipped, " skipped, which were done before");
+  if (report.failed > 0) absl::StrAppend(&text, ", ", report.failed, " failed");
+  absl::StrAppendFormat(&text, " in %.2f s; results in %s\n", report.total_ms / 1e3, report.results);
   return text;
 }
 

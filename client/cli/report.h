@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "client/cli/exit_status.h"
 #include "client/plane_types.h"
 #include "client/types.h"
 
@@ -25,6 +27,34 @@ std::string ToJson(const VoxelizeReport& report);
 
 // A few lines for people.
 std::string ToText(const VoxelizeReport& report);
+
+// What became of one job of a batch.
+struct JobResult {
+  enum class Outcome { kDone, kFailed, kSkipped };  // kSkipped: it was done before
+  Outcome outcome = Outcome::kFailed;
+  std::string id, mesh;              // as in client/cli/job_line.h
+  uint64_t line = 0;                 // of the job file
+  std::vector<std::string> outputs;  // names below the directory
+  std::string job_digest;            // of client/cli/job_digest.h; empty if the job failed before that
+  std::string digest;                // of the voxels, if skipped
+  VoxelizeReport report;             // if done
+  absl::Status error;                // if failed
+};
+
+// One object in one line, without its end.
+std::string ToJsonLine(const JobResult& result);
+
+struct BatchReport {
+  uint64_t jobs = 0;  // of this worker
+  uint64_t done = 0, failed = 0, skipped = 0;
+  std::vector<std::string> failures;  // a line for each of the first
+  std::string results;                // the file of results
+  double total_ms = 0;
+  ExitStatus status = ExitStatus::kDone;  // that of the jobs that failed if it is one, kOther if there are several
+};
+
+std::string ToJson(const BatchReport& report);
+std::string ToText(const BatchReport& report);
 
 struct PixelizeReport {
   std::string input_path;

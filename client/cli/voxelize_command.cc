@@ -1,7 +1,7 @@
 #include "client/cli/voxelize_command.h"
 
 #include <cmath>
-#include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -32,11 +32,9 @@ double VoxelsAlong(double side, const VoxelizeRequest& request) {
   return side / std::cbrt(std::abs(det)) + 1;
 }
 
-absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options) {
+absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& hooks) {
   if (IsDracoFile(options.mesh)) {
-    if (options.quantization_bits) {
-      std::fprintf(stderr, "latvox: --quantization does not apply to .drc, which is sent as it is\n");
-    }
+    if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
     auto drc = ReadBytes(options.mesh);
     if (!drc.ok()) return drc.status();
     return Upload{*std::move(drc), 0};
@@ -79,15 +77,14 @@ std::string ResumptionLine(const Resumption& resumption) {
   const std::string where = resumption.after_tile
                                 ? absl::StrCat("resumed after tile ", absl::StrJoin(*resumption.after_tile, ","))
                                 : "begun anew";
-  return absl::StrCat("latvox: connection lost, ", where, " on ", resumption.address);
+  return absl::StrCat("connection lost, ", where, " on ", resumption.address);
 }
 
 // The call itself, into the outputs.
-absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call, Outputs& outputs,
-                  VoxelizeReport& report) {
-  auto session = Session::Open(options.server, call);
-  if (!session.ok()) return session.status();
-  ProgressBar bar;
+absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
+                  const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
+  const absl::StatusOr<const Client*> client = hooks.connect();
+  if (!client.ok()) return client.status();
   VoxelizeHandlers handlers;
   handlers.on_accepted = [&](const Accepted& accepted) {
     report.accepted = accepted;
@@ -96,13 +93,13 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
   uint64_t bricks = 0;
   handlers.on_bricks = [&](const BrickBatch& batch) {
     bricks += batch.bricks.size();
-    bar.Show(batch.progress, bricks);
+    hooks.on_progress(batch.progress, bricks);
     return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
   };
   handlers.on_resumed = [&](const Resumption& resumption) {
-    return bar.Say(ResumptionLine(resumption)), absl::OkStatus();
+    return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
   };
-  auto summary = session->client().Voxelize(options.request, drc, handlers, call);
+  auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
   if (!summary.ok()) return summary.status();
   report.summary = *std::move(summary);
   return absl::OkStatus();
@@ -110,27 +107,42 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
 
 }  // namespace
 
-absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation) {
+absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
   const absl::Time start = absl::Now();
-  const CallOptions call = MakeCallOptions(options.server, cancellation);
   VoxelizeReport report;
   report.mesh_path = options.mesh;
   report.outputs = options.outputs;
   // First of all, so that a place that cannot be written is found before any work.
   auto outputs = OpenOutputs(options.outputs);
   if (!outputs.ok()) return outputs.status();
-  const auto upload = Prepare(options);
+  const auto upload = Prepare(options, hooks);
   if (!upload.ok()) return upload.status();
   report.skipped = upload->skipped;
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
-  if (auto status = Call(options, upload->drc, call, *outputs, report); !status.ok()) return status;
+  if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
   if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = ForEach(*outputs, [](Output& output) { return output.Commit(); }); !status.ok()) return status;
   report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   return report;
+}
+
+absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation) {
+  const CallOptions call = MakeCallOptions(options.server, cancellation);
+  std::optional<Session> session;
+  ProgressBar bar;
+  JobHooks hooks;
+  hooks.connect = [&]() -> absl::StatusOr<const Client*> {
+    auto opened = Session::Open(options.server, call);
+    if (!opened.ok()) return opened.status();
+    session = *std::move(opened);
+    return &session->client();
+  };
+  hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, absl::StrCat(bricks, " bricks")); };
+  hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
+  return RunJob(options, call, hooks);
 }
 
 }  // namespace latvox::client

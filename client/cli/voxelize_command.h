@@ -2,15 +2,32 @@
 #ifndef LATVOX_CLIENT_CLI_VOXELIZE_COMMAND_H_
 #define LATVOX_CLIENT_CLI_VOXELIZE_COMMAND_H_
 
+#include <cstdint>
+#include <functional>
+#include <string>
+
 #include "absl/status/statusor.h"
 #include "client/cancellation.h"
 #include "client/cli/report.h"
 #include "client/cli/voxelize_options.h"
+#include "client/client.h"
 
 namespace latvox::client {
 
+// What a job needs from the command that it is part of. Called on the job's thread.
+struct JobHooks {
+  std::function<absl::StatusOr<const Client*>()>
+      connect;  // once, when the mesh is ready; valid until the job has ended
+  std::function<void(double share, uint64_t bricks)> on_progress;
+  std::function<void(const std::string& line)> say;  // for people
+};
+
 // Reads and encodes the mesh, has it voxelized and writes every output. The outputs appear only if everything
-// succeeded; otherwise files that exist stay as they are and nothing else is left.
+// succeeded; otherwise files that exist stay as they are and nothing else is left. Of the options, those of the server
+// and --json do not count.
+absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks);
+
+// The same with a server of its own choice, and a progress bar.
 absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation);
 
 }  // namespace latvox::client

@@ -71,9 +71,8 @@ uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis
 
 }  // namespace
 
-void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
+void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
-  command.add_option("mesh", options.mesh, "mesh file: .drc .obj .ply .stl .glb .gltf")->type_name("MESH")->required();
   AddOutputOption(command, OutputExtensions(), options.outputs);
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: cartesian")->check(OneOf(LatticeNames()));
@@ -114,6 +113,12 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
       ->excludes(verify);
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
+}
+
+void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
+  VoxelizeOptions& options = words.options;
+  command.add_option("mesh", options.mesh, "mesh file: .drc .obj .ply .stl .glb .gltf")->type_name("MESH")->required();
+  AddRequestOptions(command, words);
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
 }

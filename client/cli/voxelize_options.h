@@ -30,7 +30,10 @@ struct VoxelizeWords {
   std::string algorithm, encoding, fill, cover;
 };
 
-// Adds the options to a command. Parsing checks each option by itself.
+// Adds the outputs and what is asked for, without mesh and server. Parsing checks each option by itself.
+void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
+
+// Adds all options.
 void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words);
 
 // What the words mean together. Throws CLI::ValidationError, as parsing does, naming option, value and limit: options

@@ -40,6 +40,19 @@ void Insert(openvdb::BoolGrid& grid, const char* name, const std::string& value)
   grid.insertMeta(name, openvdb::StringMetadata(value));
 }
 
+// What read(file) returns of the file, opened without its voxels.
+template <class Read>
+auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<openvdb::io::File&>())) try {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  openvdb::initialize();
+  openvdb::io::File file(path);
+  file.open(/*delayLoad=*/false);
+  return read(file);
+} catch (const std::exception& error) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+}
+
 GridFileInfo Describe(const openvdb::GridBase& grid) {
   GridFileInfo info;
   info.name = grid.getName();
@@ -120,20 +133,24 @@ absl::Status VoxelGrid::Write(const std::string& path) const try {
   return absl::UnknownError(absl::StrCat(path, ": cannot be written (", error.what(), ")"));
 }
 
-absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) try {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  openvdb::initialize();
-  openvdb::io::File file(path);
-  file.open(/*delayLoad=*/false);
-  const openvdb::GridPtrVecPtr grids = file.getGrids();
-  if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
-  if (!grids->front()->transform().isLinear()) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine"));
-  }
-  return Describe(*grids->front());
-} catch (const std::exception& error) {
-  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
+  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFileInfo> {
+    const openvdb::GridPtrVecPtr grids = file.getGrids();
+    if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
+    if (!grids->front()->transform().isLinear()) {
+      return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine"));
+    }
+    return Describe(*grids->front());
+  });
+}
+
+absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path) {
+  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<std::string> {
+    const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
+    if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
+    const openvdb::Metadata::Ptr digest = (*grids->front())["latvox_digest"];
+    return digest ? digest->str() : "";
+  });
 }
 
 }  // namespace latvox::client

@@ -62,6 +62,9 @@ struct GridFileInfo {
 // path.
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
+// The metadata latvox_digest of a .vdb file's first grid, empty if there is none; no voxel is read. Errors: as above.
+absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
+
 }  // namespace latvox::client
 
 #endif  // LATVOX_CLIENT_GRID_VOXEL_GRID_H_

@@ -37,6 +37,8 @@ absl::StatusOr<Mesh> Read(const std::string& path, const std::string& extension)
 
 bool IsDracoFile(const std::string& path) { return Extension(path) == ".drc"; }
 
+bool MayReferToFiles(const std::string& path) { return Extension(path) == ".glb" || Extension(path) == ".gltf"; }
+
 absl::StatusOr<std::string> ReadBytes(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {

@@ -12,6 +12,9 @@ namespace latvox::client {
 // Whether the file is Draco by its extension, and so is sent as it is.
 bool IsDracoFile(const std::string& path);
 
+// Whether files of this extension may leave bytes of the mesh to other files: .glb, .gltf.
+bool MayReferToFiles(const std::string& path);
+
 // All bytes of the file. Errors, with the path: NOT_FOUND; INVALID_ARGUMENT (a directory, empty, not readable).
 absl::StatusOr<std::string> ReadBytes(const std::string& path);
 

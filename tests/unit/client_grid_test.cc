@@ -94,14 +94,26 @@ TEST_F(Grid, FilesKeepVoxelsTransformAndCertificate) {
   EXPECT_THAT(info->metadata, Contains(Pair("latvox_lattice", "basis")));
   EXPECT_THAT(info->metadata, Contains(Pair("latvox_separability", "1")));
   EXPECT_THAT(info->metadata, Contains(Pair("latvox_digest", certificate.digest)));
+  const auto digest = ReadGridFileDigest(Path("g.vdb"));
+  ASSERT_TRUE(digest.ok()) << digest.status();
+  EXPECT_EQ(*digest, certificate.digest);
+}
+
+TEST_F(Grid, AGridWithoutACertificateHasNoDigest) {
+  ASSERT_TRUE(VoxelGrid(kBcc).Write(Path("g.vdb")).ok());
+  const auto digest = ReadGridFileDigest(Path("g.vdb"));
+  ASSERT_TRUE(digest.ok()) << digest.status();
+  EXPECT_EQ(*digest, "");
 }
 
 TEST_F(Grid, WhatIsNoGridFileIsAnErrorThatNamesIt) {
   EXPECT_EQ(ReadGridFileInfo(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ReadGridFileDigest(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
   for (const std::string& bytes : {std::string(), std::string("this is no grid"), std::string(1000, '\0')}) {
     const auto info = ReadGridFileInfo(Write("bad.vdb", bytes));
     EXPECT_EQ(info.status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(info.status().message()), testing::HasSubstr("bad.vdb"));
+    EXPECT_EQ(ReadGridFileDigest(Path("bad.vdb")).status().code(), absl::StatusCode::kInvalidArgument);
   }
 }
 

@@ -1,0 +1,69 @@
+// What became of the jobs of a batch: a file of JSON lines, which a later run can go on from.
+#ifndef LATVOX_CLIENT_CLI_BATCH_RESULTS_H_
+#define LATVOX_CLIENT_CLI_BATCH_RESULTS_H_
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/cli/job_line.h"
+#include "client/cli/line_shard.h"
+#include "client/cli/report.h"
+
+namespace latvox::client {
+
+// results.jsonl, or results-I-of-N.jsonl, so that no two workers write one file.
+std::string ResultsName(const LineShard& shard);
+
+// Lines of `report.h`'s ToJsonLine, appended whole as jobs end. Threads: Append may be called at once.
+class ResultsFile {
+ public:
+  // Makes the file if there is none. A last line that a killed run left unfinished is removed. Errors:
+  // FAILED_PRECONDITION, with the path: it cannot be written, or another process has it open here.
+  static absl::StatusOr<std::unique_ptr<ResultsFile>> Open(const std::string& path);
+  ~ResultsFile();
+  ResultsFile(const ResultsFile&) = delete;
+  ResultsFile& operator=(const ResultsFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  absl::Status Append(const JobResult& result);
+
+ private:
+  ResultsFile(std::string path, int fd);
+  absl::Status Error(const char* why) const;
+  absl::Status RemoveUnfinishedLine() const;
+
+  const std::string path_;
+  const int fd_;
+  std::mutex mutex_;
+};
+
+// Jobs that runs before this one have done.
+class DoneJobs {
+ public:
+  DoneJobs() = default;
+
+  // From all files of results in the directory, however many workers there were. Lines that are none are ignored.
+  // Errors: those of reading a file.
+  static absl::StatusOr<DoneJobs> Read(const std::string& directory);
+
+  // The digest of the voxels if this very job is done: its digest is the same, its outputs are there, and those that
+  // are .vdb hold these voxels.
+  std::optional<std::string> Find(const Job& job, const std::string& job_digest) const;
+
+ private:
+  struct Done {
+    std::string job_digest, digest;
+  };
+  absl::Status ReadFile(const std::string& path);
+
+  absl::flat_hash_map<std::string, Done> done_;  // by the first output's name; the last line counts
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_CLI_BATCH_RESULTS_H_

@@ -1,0 +1,204 @@
+#include "client/cli/batch_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "client/cli/job_digest.h"
+#include "client/cli/voxelize_command.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr size_t kFailuresKept = 100;
+constexpr auto kGlance = std::chrono::milliseconds(100);
+
+// Directories within the batch's, which a job may name.
+absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
+  for (const std::string& output : outputs) {
+    std::error_code error;
+    std::filesystem::create_directories(std::filesystem::path(output).parent_path(), error);
+    if (error)
+      return absl::FailedPreconditionError(absl::StrCat(output, ": cannot be written (", error.message(), ")"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+BatchRun::BatchRun(const BatchOptions& options, const JobFile& file, const DoneJobs& done, ResultsFile& results,
+                   const Cancellation& cancellation)
+    : options_(options), file_(file), done_(done), results_(results), cancellation_(cancellation), start_(absl::Now()) {
+  report_.jobs = file.lines.size();
+}
+
+absl::Status BatchRun::Run() {
+  std::vector<std::thread> threads;
+  workers_ = static_cast<int>(std::min<size_t>(file_.lines.size(), static_cast<size_t>(options_.jobs)));
+  for (int n = 0, count = workers_; n < count; ++n) threads.emplace_back([this] { Work(); });
+  Watch();
+  for (std::thread& thread : threads) thread.join();
+  session_.reset();
+  return cancellation_.cancelled() ? absl::OkStatus() : stop_;
+}
+
+BatchReport BatchRun::report() const {
+  BatchReport report = report_;
+  const bool whole = report.done + report.failed + report.skipped == report.jobs;
+  if (cancellation_.cancelled() && !whole) report.status = ExitStatus::kCancelled;
+  return report;
+}
+
+void BatchRun::Work() {
+  JobParser parser(std::filesystem::path(options_.jobs_file).parent_path().string(), options_.directory);
+  for (;;) {
+    const JobLine* line = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!stop_.ok() || cancellation_.cancelled() || next_ == file_.lines.size()) break;
+      line = &file_.lines[next_++];
+    }
+    End(Do(parser, *line));
+  }
+  const std::lock_guard lock(mutex_);
+  --workers_;
+  changed_.notify_all();
+}
+
+JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
+  JobResult result;
+  result.line = line.number;
+  const auto job = parser.Parse(line.text);
+  if (!job.ok()) {
+    result.error = job.status();
+    return result;
+  }
+  result.id = job->id;
+  result.mesh = job->mesh;
+  result.outputs = job->names;
+  // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
+  auto digest = JobDigest(*job);
+  if (!digest.ok()) {
+    result.error = digest.status();
+    return result;
+  }
+  result.job_digest = *std::move(digest);
+  if (auto voxels = done_.Find(*job, result.job_digest)) {
+    result.outcome = JobResult::Outcome::kSkipped;
+    result.digest = *std::move(voxels);
+  } else {
+    Voxelize(*job, result);
+  }
+  return result;
+}
+
+void BatchRun::Voxelize(const Job& job, JobResult& result) {
+  result.error = MakeDirectories(job.options.outputs);
+  if (!result.error.ok()) return;
+  SharedSession session;
+  JobHooks hooks;
+  hooks.connect = [&]() -> absl::StatusOr<const Client*> {
+    auto connected = Connect();
+    if (!connected.ok()) return connected.status();
+    session = *std::move(connected);
+    return &session->client();
+  };
+  hooks.on_progress = [](double, uint64_t) {};
+  hooks.say = [&](const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    bar_.Say(absl::StrCat("latvox: ", job.id, ": ", line));
+  };
+  auto report = RunJob(job.options, MakeCallOptions(options_.server, cancellation_), hooks);
+  if (report.ok()) {
+    result.outcome = JobResult::Outcome::kDone;
+    result.report = *std::move(report);
+    return;
+  }
+  result.error = report.status();
+  if (session != nullptr && absl::IsUnavailable(result.error)) Disconnect(session);
+}
+
+absl::StatusOr<BatchRun::SharedSession> BatchRun::Connect() {
+  std::unique_lock lock(mutex_);
+  wanted_ = true;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return session_ != nullptr || !stop_.ok(); });
+  if (session_ == nullptr) return stop_;
+  return session_;
+}
+
+// A private server that is lost does not come back: the next job gets another one.
+void BatchRun::Disconnect(const SharedSession& session) {
+  if (!options_.server.address.empty()) return;
+  const std::lock_guard lock(mutex_);
+  if (session_ == session) session_ = nullptr;
+}
+
+// What fails because the batch stops is not the job's failure.
+void BatchRun::End(const JobResult& result) {
+  const bool failed = result.outcome == JobResult::Outcome::kFailed;
+  std::unique_lock lock(mutex_);
+  if (failed && (cancellation_.cancelled() || !stop_.ok())) return;
+  lock.unlock();
+  const absl::Status written = results_.Append(result);
+  lock.lock();
+  if (stop_.ok()) stop_ = written;
+  Count(result);
+}
+
+void BatchRun::Count(const JobResult& result) {
+  using Outcome = JobResult::Outcome;
+  report_.done += result.outcome == Outcome::kDone;
+  report_.skipped += result.outcome == Outcome::kSkipped;
+  if (result.outcome != Outcome::kFailed) return;
+  const ExitStatus status = ExitStatusOf(result.error);
+  report_.status = report_.failed == 0 || report_.status == status ? status : ExitStatus::kOther;
+  ++report_.failed;
+  if (report_.failures.size() == kFailuresKept) return;
+  report_.failures.push_back(absl::StrCat(options_.jobs_file, ":", result.line, ": ", ErrorText(result.error)));
+}
+
+void BatchRun::Watch() {
+  std::unique_lock lock(mutex_);
+  while (workers_ > 0) {
+    if (wanted_ && session_ == nullptr && stop_.ok()) OpenSession(lock);
+    ShowProgress();
+    changed_.wait_for(lock, kGlance);
+  }
+}
+
+void BatchRun::OpenSession(std::unique_lock<std::mutex>& lock) {
+  lock.unlock();
+  CallOptions call;
+  call.cancellation = cancellation_;
+  auto session = Session::Open(options_.server, call);
+  lock.lock();
+  if (session.ok()) {
+    session_ = std::make_shared<const Session>(*std::move(session));
+  } else {
+    stop_ = session.status();
+  }
+  wanted_ = false;
+  changed_.notify_all();
+}
+
+void BatchRun::ShowProgress() {
+  const uint64_t worked = report_.done + report_.failed, ended = worked + report_.skipped;
+  const double seconds = absl::ToDoubleSeconds(absl::Now() - start_);
+  std::string text = absl::StrCat(ended, "/", report_.jobs, " jobs");
+  if (report_.failed > 0) absl::StrAppend(&text, ", ", report_.failed, " failed");
+  if (worked > 0) {
+    const double rate = static_cast<double>(worked) / seconds;
+    const absl::Duration left = absl::Seconds(static_cast<double>(report_.jobs - ended) / rate);
+    absl::StrAppendFormat(&text, ", %.3g/s, %s left", rate, absl::FormatDuration(absl::Trunc(left, absl::Seconds(1))));
+  }
+  bar_.Show(static_cast<double>(ended) / static_cast<double>(report_.jobs), text);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,76 @@
+#include "client/cli/job_digest.h"
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "absl/strings/escaping.h"
+#include "client/mesh/mesh_file.h"
+#include "client/mesh_id.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+absl::StatusOr<std::string> Sha256(std::string_view bytes) {
+  const auto id = MeshIdOf(bytes);
+  if (!id.ok()) return id.status();
+  return absl::BytesToHexString(absl::string_view(reinterpret_cast<const char*>(id->sha256.data()), id->sha256.size()));
+}
+
+template <class T>
+absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
+  return Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
+
+absl::StatusOr<std::string> MeshDigest(const std::string& path) {
+  if (!MayReferToFiles(path)) {
+    const auto bytes = ReadBytes(path);
+    if (!bytes.ok()) return bytes.status();
+    return Sha256(*bytes);
+  }
+  const auto mesh = ReadMeshFile(path);
+  if (!mesh.ok()) return mesh.status();
+  const auto positions = Sha256Of(mesh->positions), triangles = Sha256Of(mesh->triangles);
+  if (!positions.ok()) return positions.status();
+  if (!triangles.ok()) return triangles.status();
+  return *positions + *triangles;
+}
+
+Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
+  if (const auto* basis = std::get_if<Basis>(&lattice)) return {basis->a, basis->b, basis->c};
+  return static_cast<int>(std::get<NamedLattice>(lattice));
+}
+
+Json RequestJson(const VoxelizeRequest& request) {
+  Json json = {{"lattice", LatticeJson(request.lattice)},
+               {"voxel_size", OrNull(request.voxel_size)},
+               {"resolution", OrNull(request.resolution)},
+               {"origin", OrNull(request.origin)},
+               {"separability", request.separability},
+               {"minimal", request.minimal},
+               {"verify", request.verify},
+               {"algorithm", static_cast<int>(request.algorithm)}};
+  if (request.region) json["region"] = {request.region->min, request.region->max};
+  return json;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> JobDigest(const Job& job) {
+  const auto mesh = MeshDigest(job.options.mesh);
+  if (!mesh.ok()) return mesh.status();
+  const Json json = {{"request", RequestJson(job.options.request)},
+                     {"quantization_bits", OrNull(job.options.quantization_bits)},
+                     {"outputs", job.names},
+                     {"mesh", *mesh}};
+  // Names need not be UTF-8.
+  return Sha256(json.dump(-1, ' ', false, Json::error_handler_t::ignore));
+}
+
+}  // namespace latvox::client

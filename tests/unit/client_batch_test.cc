@@ -1,0 +1,267 @@
+// Which jobs of a batch are a worker's, and what a later run can go on from.
+#include <gmock/gmock.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include "client/cli/batch_options.h"
+#include "client/cli/batch_results.h"
+#include "client/cli/job_digest.h"
+#include "client/cli/line_shard.h"
+#include "client/error.h"
+#include "client/grid/voxel_grid.h"
+#include "tests/unit/client_files.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// With an environment that names no engine, whatever runs the test.
+class Shards : public testing::Test {
+ protected:
+  Shards() {
+    for (const char* name : kNames) unsetenv(name);
+  }
+  ~Shards() override {
+    for (const char* name : kNames) unsetenv(name);
+  }
+  static void Set(const std::map<std::string, std::string>& variables) {
+    for (const char* name : kNames) unsetenv(name);
+    for (const auto& [name, value] : variables) setenv(name.c_str(), value.c_str(), 1);
+  }
+  static std::string Refusal(const std::map<std::string, std::string>& variables) {
+    Set(variables);
+    try {
+      ChooseShard("");
+    } catch (const CLI::ValidationError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+  static constexpr const char* kNames[] = {"JOB_COMPLETION_INDEX",   "LATVOX_SHARD_COUNT",   "SLURM_ARRAY_TASK_ID",
+                                           "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"};
+};
+
+TEST_F(Shards, WithoutAWordItIsTheWhole) {
+  EXPECT_EQ(ChooseShard("").shard, (LineShard{0, 1}));
+  EXPECT_EQ(ChooseShard("").source, "");
+}
+
+TEST_F(Shards, TheOptionGoesBeforeTheEnvironment) {
+  Set({{"JOB_COMPLETION_INDEX", "1"}});
+  EXPECT_EQ(ChooseShard("2/3").shard, (LineShard{2, 3}));
+  EXPECT_EQ(ChooseShard("2/3").source, "--shard");
+}
+
+TEST_F(Shards, EnginesTellTheirs) {
+  Set({{"JOB_COMPLETION_INDEX", "1"}, {"LATVOX_SHARD_COUNT", "4"}});
+  EXPECT_EQ(ChooseShard("").shard, (LineShard{1, 4}));
+  EXPECT_EQ(ChooseShard("").source, "JOB_COMPLETION_INDEX, LATVOX_SHARD_COUNT");
+  Set({{"SLURM_ARRAY_TASK_ID", "9"}, {"SLURM_ARRAY_TASK_COUNT", "4"}, {"SLURM_ARRAY_TASK_MIN", "8"}});
+  EXPECT_EQ(ChooseShard("").shard, (LineShard{1, 4}));
+  Set({{"SLURM_ARRAY_TASK_ID", "14"},
+       {"SLURM_ARRAY_TASK_COUNT", "4"},
+       {"SLURM_ARRAY_TASK_MIN", "8"},
+       {"SLURM_ARRAY_TASK_STEP", "2"},
+       {"JOB_COMPLETION_INDEX", ""}});
+  EXPECT_EQ(ChooseShard("").shard, (LineShard{3, 4}));
+  EXPECT_EQ(ChooseShard("").source, "SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_COUNT");
+}
+
+TEST_F(Shards, WhatIsIncompleteOrOutOfRangeIsRefused) {
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "1"}}), HasSubstr("LATVOX_SHARD_COUNT is not"));
+  EXPECT_THAT(Refusal({{"LATVOX_SHARD_COUNT", "4"}}), HasSubstr("JOB_COMPLETION_INDEX is not"));
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "4"}, {"LATVOX_SHARD_COUNT", "4"}}),
+              HasSubstr("4 is not below the count, 4"));
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "-1"}, {"LATVOX_SHARD_COUNT", "4"}}),
+              HasSubstr("JOB_COMPLETION_INDEX: \"-1\""));
+  EXPECT_THAT(Refusal({{"SLURM_ARRAY_TASK_ID", "1"}, {"SLURM_ARRAY_TASK_MIN", "0"}}),
+              HasSubstr("SLURM_ARRAY_TASK_COUNT is not"));
+  EXPECT_THAT(Refusal({{"SLURM_ARRAY_TASK_ID", "1"}, {"SLURM_ARRAY_TASK_COUNT", "2"}}),
+              HasSubstr("SLURM_ARRAY_TASK_MIN is not"));
+  EXPECT_THAT(Refusal({{"SLURM_ARRAY_TASK_ID", "9"}, {"SLURM_ARRAY_TASK_COUNT", "3"}, {"SLURM_ARRAY_TASK_MIN", "1"}}),
+              HasSubstr("8 is not below the count, 3"));
+  EXPECT_THAT(Refusal({{"SLURM_ARRAY_TASK_ID", "2"},
+                       {"SLURM_ARRAY_TASK_COUNT", "3"},
+                       {"SLURM_ARRAY_TASK_MIN", "1"},
+                       {"SLURM_ARRAY_TASK_STEP", "2"}}),
+              HasSubstr("steps of 2"));
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_SHARD_COUNT", "1"}, {"SLURM_ARRAY_TASK_ID", "0"}}),
+              HasSubstr("both set"));
+  for (const char* text : {"", "1", "1/1", "-1/2", "0/0", "1/2/3", "a/2", "0/4294967296"}) {
+    EXPECT_THAT(CheckShard(text), HasSubstr("is not I/N")) << text;
+  }
+  EXPECT_EQ(CheckShard("0/1"), "");
+}
+
+TEST_F(Shards, JobsAtOnceDependOnWhoseServerItIs) {
+  BatchWords words;
+  EXPECT_EQ(Interpret(words).jobs, kPrivateJobs);
+  words.options.server.address = "a:1";
+  EXPECT_EQ(Interpret(words).jobs, kServerJobs);
+  words.options.jobs = 7;
+  EXPECT_EQ(Interpret(words).jobs, 7);
+}
+
+class Results : public FilesTest {
+ protected:
+  Results() { std::filesystem::create_directory(Path("out")); }
+
+  Job MakeJob(const std::string& more = "") const {
+    return *JobParser(Path(""), Path("out")).Parse(R"({"mesh": "m.obj", "resolution": 8)" + more + "}");
+  }
+
+  static JobResult Done(const Job& job) {
+    JobResult result;
+    result.outcome = JobResult::Outcome::kDone;
+    result.id = job.id;
+    result.line = 3;
+    result.outputs = job.names;
+    result.job_digest = "abc";
+    result.report.summary.certificate.digest = "voxels";
+    return result;
+  }
+
+  void WriteGrid(const std::string& name, const std::string& digest) const {
+    VoxelGrid grid((GridTransform()));
+    Certificate certificate;
+    certificate.digest = digest;
+    grid.SetCertificate(certificate);
+    ASSERT_TRUE(grid.Write(Path(name)).ok());
+  }
+};
+
+TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
+  JobResult failed;
+  failed.id = "a";
+  failed.line = 7;
+  failed.error = absl::InvalidArgumentError("bad\nmesh");
+  SetErrorDetails({"MESH", "triangles", "5", "4", {}}, failed.error);
+  JobResult skipped = Done(MakeJob());
+  skipped.outcome = JobResult::Outcome::kSkipped;
+  skipped.digest = "voxels";
+  const auto file = ResultsFile::Open(Path("r"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  for (const JobResult& result : {failed, skipped, Done(MakeJob())}) ASSERT_TRUE((*file)->Append(result).ok());
+  const std::string text = Read("r");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_THAT(text, StartsWith(R"({"id":"a","line":7,"status":"failed",)"));
+  EXPECT_THAT(text, HasSubstr(R"("error":{"code":"INVALID_ARGUMENT","message":"bad\nmesh","exit_status":3,)"
+                              R"("field":"triangles","value":"5","limit":"4"}})"));
+  EXPECT_THAT(text,
+              HasSubstr(R"("status":"skipped","mesh":"","outputs":["m.vdb"],"job_digest":"abc","digest":"voxels"})"));
+  EXPECT_THAT(text,
+              HasSubstr(R"("status":"done","mesh":"","outputs":["m.vdb"],"job_digest":"abc","summary":{"voxels":0,)"));
+}
+
+TEST_F(Results, AnUnfinishedLineIsRemovedAndOthersStay) {
+  for (const std::string before : {"", "{}\n", "{}\n{}\n"}) {
+    for (const std::string unfinished : {"", "{\"id\"", "x"}) {
+      ASSERT_TRUE(ResultsFile::Open(Write("r", before + unfinished)).ok());
+      EXPECT_EQ(Read("r"), before);
+    }
+  }
+}
+
+TEST_F(Results, AFileInUseIsRefused) {
+  const auto first = ResultsFile::Open(Path("r"));
+  ASSERT_TRUE(first.ok());
+  EXPECT_THAT(std::string(ResultsFile::Open(Path("r")).status().message()), HasSubstr("another latvox batch"));
+  EXPECT_EQ(ResultsFile::Open(Path("missing/r")).status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
+  const Job job = MakeJob(R"(, "out": ["m.vdb", "m.csv"])");
+  const auto found = [&](const std::string& digest) {
+    const auto done = DoneJobs::Read(Path("out"));
+    EXPECT_TRUE(done.ok()) << done.status();
+    return done->Find(job, digest);
+  };
+  EXPECT_EQ(found("abc"), std::nullopt);
+  ASSERT_TRUE((*ResultsFile::Open(Path("out/results-1-of-9.jsonl")))->Append(Done(job)).ok());
+  EXPECT_EQ(found("abc"), std::nullopt);
+  WriteGrid("out/m.vdb", "voxels");
+  EXPECT_EQ(found("abc"), std::nullopt);
+  Write("out/m.csv", "i,j,k,x,y,z\n");
+  EXPECT_EQ(found("abc"), "voxels");
+  EXPECT_EQ(found("abd"), std::nullopt);
+  WriteGrid("out/m.vdb", "others");
+  EXPECT_EQ(found("abc"), std::nullopt);
+  Write("out/m.vdb", "no grid");
+  EXPECT_EQ(found("abc"), std::nullopt);
+}
+
+TEST_F(Results, LinesThatAreNoResultsAreIgnored) {
+  WriteGrid("out/m.vdb", "voxels");
+  Write("out/results.jsonl",
+        "\nnull\n[]\n{\"status\": \"done\"}\n{\"status\": 5}\n" + ToJsonLine(Done(MakeJob())) + "\n{\"sta");
+  EXPECT_EQ(DoneJobs::Read(Path("out"))->Find(MakeJob(), "abc"), "voxels");
+  JobResult failed = Done(MakeJob());
+  failed.outcome = JobResult::Outcome::kFailed;
+  failed.error = absl::CancelledError();
+  Write("out/results.jsonl", ToJsonLine(failed) + "\n");
+  EXPECT_EQ(DoneJobs::Read(Path("out"))->Find(MakeJob(), "abc"), std::nullopt);
+}
+
+TEST_F(Results, EachShardHasAFileOfItsOwn) {
+  EXPECT_EQ(ResultsName({}), "results.jsonl");
+  EXPECT_EQ(ResultsName({2, 7}), "results-2-of-7.jsonl");
+}
+
+TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
+  const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  Write("m.obj", mesh);
+  Write("copy.obj", mesh);
+  Write("other.obj", mesh + "\n");
+  const auto digest = [&](const std::string& fields) {
+    const auto job = JobParser(Path(""), Path("out")).Parse("{" + fields + "}");
+    EXPECT_TRUE(job.ok()) << job.status();
+    const auto found = JobDigest(*job);
+    EXPECT_TRUE(found.ok()) << found.status();
+    return found.value_or("");
+  };
+  const std::string out = R"("out": "m.vdb", )", plain = digest(out + R"("mesh": "m.obj", "resolution": 8)");
+  EXPECT_EQ(plain.size(), 64u);
+  // The same in other words.
+  EXPECT_EQ(digest(R"("mesh": "copy.obj", "resolution": 8, "id": "x", "out": "./m.vdb")"), plain);
+  EXPECT_EQ(digest(out + R"("mesh": "m.obj", "resolution": 8, "lattice": "cartesian", "minimal": true)"), plain);
+  EXPECT_EQ(digest(out + R"("mesh": "m.obj", "resolution": 8, "separability": 26, "encoding": "masks")"), plain);
+  std::set<std::string> digests = {plain};
+  for (const char* fields :
+       {R"("mesh": "other.obj", "resolution": 8)", R"("mesh": "m.obj", "resolution": 9)",
+        R"("mesh": "m.obj", "voxel_size": 8)", R"("mesh": "m.obj", "resolution": 8, "lattice": "bcc")",
+        R"("mesh": "m.obj", "basis": [1,0,0,0,1,0,0,0,1])", R"("mesh": "m.obj", "basis": [1,0,0,0,1,0,0,0,2])",
+        R"("mesh": "m.obj", "resolution": 8, "origin": [0,0,1])",
+        R"("mesh": "m.obj", "resolution": 8, "separability": 1)",
+        R"("mesh": "m.obj", "resolution": 8, "minimal": false)", R"("mesh": "m.obj", "resolution": 8, "verify": true)",
+        R"("mesh": "m.obj", "resolution": 8, "algorithm": "brute-force")",
+        R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,1])",
+        R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,2])",
+        R"("mesh": "m.obj", "resolution": 8, "quantization": 12)"}) {
+    EXPECT_TRUE(digests.insert(digest(out + fields)).second) << fields;
+  }
+  EXPECT_TRUE(digests.insert(digest(R"("out": ["m.vdb", "m.csv"], "mesh": "m.obj", "resolution": 8)")).second);
+}
+
+TEST_F(Results, OfAMeshInSeveralFilesEveryOneCounts) {
+  const auto digest = [&](const std::vector<float>& positions) {
+    Write("m.bin", {reinterpret_cast<const char*>(positions.data()), positions.size() * sizeof(float)});
+    const auto found = JobDigest(*JobParser(Path(""), Path("out")).Parse(R"({"mesh": "m.gltf", "resolution": 8})"));
+    EXPECT_TRUE(found.ok()) << found.status();
+    return found.value_or("");
+  };
+  Write("m.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"uri": "m.bin", "byteLength": 36}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0,0,0], "max": [1,1,1]}]})");
+  const std::string first = digest({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  EXPECT_EQ(digest({0, 0, 0, 1, 0, 0, 0, 1, 0}), first);
+  EXPECT_NE(digest({0, 0, 0, 1, 0, 0, 0, 0, 1}), first);
+}
+
+}  // namespace
+}  // namespace latvox::client
