@@ -35,6 +35,12 @@ struct IndexBox {
   bool operator==(const IndexBox&) const = default;
 };
 
+// The index-th of `count` parts that cost about the same, and that together are the whole.
+struct Shard {
+  uint32_t index = 0, count = 1;  // index < count <= 1048576
+  bool operator==(const Shard&) const = default;
+};
+
 // How bricks travel; what arrives is the same. kPacked has about a quarter of kMasks' bytes; kPackedZstd a quarter less
 // again, for twice the time on both sides: it pays on networks below about one gigabit a second.
 enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
@@ -48,7 +54,8 @@ struct VoxelizeRequest {
   uint32_t separability = 0;           // k: 0, 1 or 2
   bool minimal = true;                 // applies to kExact only
   std::optional<IndexBox> region;      // only these voxels, as they are in the whole
-  bool verify = false;                 // count tunnels and redundant voxels independently; not with region
+  std::optional<Shard> shard;          // only this part of the tiles, as they are in the whole
+  bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
   Algorithm algorithm = Algorithm::kExact;
   BrickEncoding encoding = BrickEncoding::kPacked;
 };
@@ -112,7 +119,8 @@ struct Certificate {
   double snap_error_max = 0;
   uint32_t quantization_bits = 0;
   std::string algorithm, version;
-  std::string digest;  // 32 hexadecimal digits
+  std::string digest;          // 32 hexadecimal digits
+  std::optional<Shard> shard;  // the part that this is, if one was asked for
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.

@@ -22,6 +22,7 @@ v1::Ijk ToProto(const Vec3i& v) {
 }
 
 Vec3d FromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+Shard FromProto(const v1::Shard& shard) { return {shard.index(), shard.count()}; }
 Vec3i FromProto(const v1::Ijk& v) { return {v.i(), v.j(), v.k()}; }
 
 v1::NamedLattice ToProto(NamedLattice lattice) {
@@ -88,7 +89,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .quantization_bits = certificate.quantization_bits(),
           .algorithm = certificate.algorithm(),
           .version = certificate.version(),
-          .digest = certificate.digest()};
+          .digest = certificate.digest(),
+          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt};
 }
 
 }  // namespace
@@ -114,6 +116,10 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   spec.set_verify(request.verify);
   spec.set_mesh_bytes(mesh.bytes);
   spec.set_mesh_sha256(mesh.sha256.data(), mesh.sha256.size());
+  if (request.shard) {
+    spec.mutable_shard()->set_index(request.shard->index);
+    spec.mutable_shard()->set_count(request.shard->count);
+  }
   if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
   spec.set_algorithm(ToProto(request.algorithm));
   spec.set_encoding(ToProto(request.encoding));

@@ -228,7 +228,8 @@ bool Computation::TakeTile(const TileBricks& tile, const Deliver& deliver) {
     if (!failure_.ok()) return false;
   }
   if (DeliversTheEndOnly()) {
-    if (!ComesBefore(*spec_.options.resume_after, tile.tile_ijk, job_->facts().first_tile_ijk)) return true;
+    const Vec3i& first = job_->facts().first_tile_ijk;
+    if (TileNumber(tile.tile_ijk - first) <= TileNumber(*spec_.options.resume_after - first)) return true;
     delivered_.Add(tile);
   }
   batcher_.Add(tile);

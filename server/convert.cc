@@ -102,6 +102,16 @@ absl::Status CheckRegion(const IndexBox& region) {
   return absl::OkStatus();
 }
 
+absl::Status CheckShard(const v1::Shard& shard) {
+  if (shard.count() < 1 || shard.count() > kMaxShards) {
+    return BadSpec(absl::StrCat("shard.count ", shard.count(), " is not within 1 to ", kMaxShards), "shard.count",
+                   absl::StrCat(shard.count()), absl::StrCat(kMaxShards));
+  }
+  if (shard.index() < shard.count()) return absl::OkStatus();
+  return BadSpec(absl::StrCat("shard.index ", shard.index(), " is not below shard.count ", shard.count()),
+                 "shard.index", absl::StrCat(shard.index()), absl::StrCat(shard.count() - 1));
+}
+
 absl::StatusOr<Algorithm> AlgorithmFromProto(v1::Algorithm algorithm) {
   switch (algorithm) {
     case v1::ALGORITHM_UNSPECIFIED:
@@ -150,13 +160,19 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
     if (absl::Status status = CheckRegion(*options.region); !status.ok()) return status;
     if (spec.verify()) return BadSpec("verify: not together with region", "verify", "true");
   }
+  if (spec.has_shard()) {
+    if (absl::Status status = CheckShard(spec.shard()); !status.ok()) return status;
+    if (spec.verify()) return BadSpec("verify: not together with shard", "verify", "true");
+    options.shard = Shard{spec.shard().index(), spec.shard().count()};
+  }
   if (spec.has_resume_after()) options.resume_after = FromProto(spec.resume_after());
   return options;
 }
 
-// Whether nothing of the surface can lie outside of options.region. The box in `facts` is clipped to the region, so
+// Whether nothing of the surface can lie outside of what is delivered. The box in `facts` is clipped to the region, so
 // that one which touches the region's border may have been longer.
 bool IsWhole(const VoxelizeOptions& options, const JobFacts& facts) {
+  if (options.shard && options.shard->count > 1) return false;
   if (!options.region) return true;
   if (!facts.index_box) return false;
   for (size_t m = 0; m < 3; ++m) {
@@ -251,6 +267,10 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   certificate.set_algorithm(std::string{NameOf(spec.options.algorithm)});
   certificate.set_version(LATVOX_VERSION);
   certificate.set_digest(digest.ToHex());
+  if (const auto& shard = spec.options.shard) {
+    certificate.mutable_shard()->set_index(shard->index);
+    certificate.mutable_shard()->set_count(shard->count);
+  }
   return certificate;
 }
 

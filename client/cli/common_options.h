@@ -25,6 +25,7 @@ namespace latvox::client {
 
 // The least and most that --resolution takes.
 inline constexpr int kMinResolution = 2, kMaxResolution = 65536;
+inline constexpr uint32_t kMaxShards = 1 << 20;
 
 // Whether the text is a number, finite if T is not integral.
 template <class T>

@@ -92,6 +92,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"separability", summary.certificate.separability},
                {"digest", summary.certificate.digest},
                {"certificate", CertificateJson(summary.certificate)}};
+  if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
   json["timings_ms"] = {{"encode", report.encode_ms},          {"upload", summary.timings.upload_ms},
                         {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
                         {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/output/output.h"
@@ -43,6 +44,20 @@ std::string CheckRegion(const std::string& text) {
     }
   }
   return "";
+}
+
+// "I/N", or nothing.
+std::optional<Shard> ParseShard(const std::string& text) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('/', 1));
+  Shard shard;
+  if (!ParseNumber(parts.first, shard.index) || !ParseNumber(parts.second, shard.count)) return std::nullopt;
+  if (shard.count < 1 || shard.count > kMaxShards || shard.index >= shard.count) return std::nullopt;
+  return shard;
+}
+
+std::string CheckShard(const std::string& text) {
+  if (ParseShard(text)) return "";
+  return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
 }
 
 std::string CheckQuantization(const std::string& text) {
@@ -111,6 +126,10 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("i0,j0,k0,i1,j1,k1")
       ->check(CheckRegion)
       ->excludes(verify);
+  command.add_option("--shard", words.shard, "only part I, from 0, of N parts of equal cost that make the whole")
+      ->type_name("I/N")
+      ->check(CheckShard)
+      ->excludes(verify);
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
 }
@@ -138,6 +157,7 @@ VoxelizeOptions Interpret(const VoxelizeWords& words) {
     ParseNumbers(words.region, n);
     request.region = IndexBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
   }
+  if (!words.shard.empty()) request.shard = ParseShard(words.shard);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
   if (words.basis.empty() && !request.voxel_size && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");

@@ -120,6 +120,9 @@ void VoxelGrid::SetCertificate(const Certificate& certificate) {
   grid.insertMeta("latvox_snap_error_max", openvdb::DoubleMetadata(certificate.snap_error_max));
   grid.insertMeta("latvox_quantization_bits",
                   openvdb::Int32Metadata(static_cast<int32_t>(certificate.quantization_bits)));
+  if (const auto& shard = certificate.shard) {
+    Insert(grid, "latvox_shard", absl::StrCat(shard->index, "/", shard->count));
+  }
 }
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }

@@ -79,10 +79,10 @@ struct TileTree::Chunk {
   uint32_t Triangle(size_t n) const { return ids == nullptr ? first + static_cast<uint32_t>(n) : ids[n]; }
 };
 
-int TileTree::level() const {
+int TileCubeLevel(const IndexBox& box) {
   int32_t tiles = 1;
   for (size_t m = 0; m < 3; ++m) {
-    tiles = std::max(tiles, ((mesh_.box.max[m] - 1) >> kTileBits) - (mesh_.box.min[m] >> kTileBits) + 1);
+    tiles = std::max(tiles, ((box.max[m] - 1) >> kTileBits) - (box.min[m] >> kTileBits) + 1);
   }
   int level = 0;
   while ((1 << level) < tiles) ++level;

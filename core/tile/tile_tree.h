@@ -14,6 +14,9 @@
 
 namespace latvox {
 
+// Log2 of the side, in tiles, of the cube that begins at the lowest tile of the box and holds them all.
+int TileCubeLevel(const IndexBox& box);
+
 // A cube of 2^level tiles a side, with the triangles near to it.
 struct TileNode {
   Vec3i tile_ijk;  // its lowest tile, local
@@ -47,8 +50,7 @@ class TileTree {
 
   void SetLeafLevel(int level) { leaf_level_ = level; }
 
-  // Log2 of the side of the cube of all tiles, in tiles.
-  int level() const;
+  int level() const { return TileCubeLevel(mesh_.box); }
 
   // Whether the node has no children.
   bool IsLeaf(const TileNode& node) const { return node.level <= leaf_level_; }

@@ -69,7 +69,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   const double size = grid.lattice.voxel_size();
   if (options.algorithm == Algorithm::kExact) {
     const double voxels = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) / (size * size);
-    return options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+    const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+    return options.shard ? delivered / options.shard->count : delivered;
   }
   return SumOver(mesh, [&](const Corners& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;

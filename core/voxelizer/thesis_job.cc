@@ -7,28 +7,27 @@
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
 #include "core/voxelizer/job_facts.h"
+#include "core/voxelizer/shard.h"
 
 namespace latvox {
 namespace {
 
-// The set within `region` (ijk) as tiles; low_tile is the first of the order; those up to `after` are left out.
+// The set within `region` (ijk) as tiles; low_tile is the first of the order; those outside of `span` are left out.
 std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const Vec3i& low_tile,
-                                const std::optional<Vec3i>& after) {
+                                const TileSpan& span) {
+  const auto tile_of = [](const Brick& brick) { return Shifted(brick.brick_ijk, kTileBits - kBrickBits); };
+  const auto number_of = [&](const Brick& brick) { return TileNumber(tile_of(brick) - low_tile); };
   std::vector<Brick> bricks = voxels.Bricks();
-  std::stable_sort(bricks.begin(), bricks.end(), [&](const Brick& a, const Brick& b) {
-    return ComesBefore(Shifted(a.brick_ijk, kTileBits - kBrickBits), Shifted(b.brick_ijk, kTileBits - kBrickBits),
-                       low_tile);
-  });
+  for (Brick& brick : bricks) ClipBrick(region, brick);
+  std::erase_if(bricks, [&](const Brick& b) { return CountVoxels(b.mask) == 0 || !span.Contains(number_of(b)); });
+  std::stable_sort(bricks.begin(), bricks.end(),
+                   [&](const Brick& a, const Brick& b) { return number_of(a) < number_of(b); });
   std::vector<TileBricks> tiles;
-  for (Brick& brick : bricks) {
-    ClipBrick(region, brick);
-    const uint64_t count = CountVoxels(brick.mask);
-    if (count == 0) continue;
-    const Vec3i tile_ijk = Shifted(brick.brick_ijk, kTileBits - kBrickBits);
-    if (after && !ComesBefore(*after, tile_ijk, low_tile)) continue;
+  for (const Brick& brick : bricks) {
+    const Vec3i tile_ijk = tile_of(brick);
     if (tiles.empty() || tiles.back().tile_ijk != tile_ijk) tiles.push_back({tile_ijk, {}});
     tiles.back().bricks.push_back(brick);
-    tiles.back().voxels += count;
+    tiles.back().voxels += CountVoxels(brick.mask);
   }
   for (size_t n = 0; n < tiles.size(); ++n) {
     tiles[n].progress = static_cast<double>(n + 1) / static_cast<double>(tiles.size());
@@ -40,7 +39,11 @@ class ThesisJob : public VoxelizeJob {
  public:
   ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region,
             const std::atomic<bool>& cancelled)
-      : mesh_(std::move(mesh)), lattice_(lattice), options_(options), facts_(FactsOfJob(mesh_, region, cancelled)) {}
+      : mesh_(std::move(mesh)),
+        lattice_(lattice),
+        options_(options),
+        facts_(FactsOfJob(mesh_, region, cancelled)),
+        span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, cancelled)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -66,7 +69,7 @@ class ThesisJob : public VoxelizeJob {
     if (facts_.index_box) {
       const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, cancelled_);
       if (!voxels.ok()) return voxels.status();
-      tiles_ = TilesOf(*voxels, *facts_.index_box, facts_.first_tile_ijk, options_.resume_after);
+      tiles_ = TilesOf(*voxels, *facts_.index_box, facts_.first_tile_ijk, span_);
     }
     computed_ = true;
     return absl::OkStatus();
@@ -80,6 +83,7 @@ class ThesisJob : public VoxelizeJob {
   std::vector<TileBricks> tiles_;  // in canonical order; moved away once delivered
   size_t delivered_ = 0;
   const JobFacts facts_;
+  const TileSpan span_;
   JobTotals totals_;
 };
 

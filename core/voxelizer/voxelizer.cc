@@ -20,6 +20,7 @@
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/job_facts.h"
+#include "core/voxelizer/shard.h"
 #include "core/voxelizer/thesis_job.h"
 #include "core/voxelizer/tile_job.h"
 
@@ -75,9 +76,9 @@ class Job : public VoxelizeJob {
         fineness_(FinenessOf(mesh_, scan_frames_)),
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, fineness_.most_tiny, region, cancelled_},
         tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
-        facts_(FactsOfJob(mesh_, region, cancelled)) {
-    if (options.resume_after) resume_after_ = *options.resume_after - tile_base_;
-  }
+        facts_(FactsOfJob(mesh_, region, cancelled)),
+        shard_(options.shard.value_or(Shard{})),
+        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -89,8 +90,8 @@ class Job : public VoxelizeJob {
 
  private:
   bool IsUnit(const TileNode& node) const;
-  bool IsPassed(const Vec3i& tile_ijk) const;
-  bool IsPassed(const TileNode& node) const;
+  uint64_t NumberOf(const Vec3i& tile_ijk) const;
+  bool IsLeftOut(const TileNode& node) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
@@ -106,7 +107,8 @@ class Job : public VoxelizeJob {
   mutable ScanPool scans_;
   const JobFacts facts_;
   const Vec3i tile_base_ = Shifted(mesh_.base_ijk, kTileBits);
-  std::optional<Vec3i> resume_after_;  // local
+  const Shard shard_;
+  const TileSpan span_;  // of what is delivered
   bool started_ = false;
   std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
   JobTotals totals_;
@@ -124,15 +126,12 @@ bool Job::IsUnit(const TileNode& node) const {
   return tree_.IsLeaf(node) || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles);
 }
 
-// Whether a tile, by its local coordinates, had left before the stream was broken.
-bool Job::IsPassed(const Vec3i& tile_ijk) const {
-  return resume_after_ && !ComesBefore(*resume_after_, tile_ijk, facts_.first_tile_ijk - tile_base_);
-}
+// A tile's place in the canonical order.
+uint64_t Job::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(tile_ijk - facts_.first_tile_ijk); }
 
-// Whether all of a node's tiles had.
-bool Job::IsPassed(const TileNode& node) const {
-  const int32_t last = (1 << node.level) - 1;
-  return IsPassed(node.tile_ijk + Vec3i{last, last, last});
+// Whether none of a node's tiles is delivered.
+bool Job::IsLeftOut(const TileNode& node) const {
+  return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
@@ -146,7 +145,7 @@ std::optional<TileNode> Job::NextUnit() {
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {
-    if (IsPassed(todo_.back())) {
+    if (IsLeftOut(todo_.back())) {
       todo_.pop_back();
       continue;
     }
@@ -169,7 +168,7 @@ void Job::SplitNext() {
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
       for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
         TileNode& node = todo_[kept + n];
-        if (IsPassed(node)) continue;
+        if (IsLeftOut(node)) continue;
         if (IsUnit(node)) {
           parts[n].push_back(std::move(node));
         } else {
@@ -183,18 +182,20 @@ void Job::SplitNext() {
 }
 
 void Job::Process(const TileNode& node, Unit& out) const {
-  if (cancelled_ || IsPassed(node)) return;
+  if (cancelled_ || IsLeftOut(node)) return;
   if (!tree_.IsLeaf(node)) {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
   std::unique_ptr<TileScan> scan = scans_.Take();
   DigitizeBlock(context_, node, *scan, out);
-  std::erase_if(out, [this](const TileBricks& tile) { return IsPassed(tile.tile_ijk - tile_base_); });
+  std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
   scans_.Give(std::move(scan));
 }
 
+// Progress is counted over the whole: of a shard it is estimated to begin and to end where equal parts do.
 void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {
+  tile.progress = std::clamp(tile.progress * shard_.count - shard_.index, 0.0, 1.0);
   totals_.Add(tile);
   if (!sink(std::move(tile))) paused = true;
 }
@@ -273,6 +274,10 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   if (options.region && IsEmpty(*options.region)) {
     return absl::InvalidArgumentError("region: min is not below max on every axis");
+  }
+  if (options.shard && (options.shard->index >= options.shard->count || options.shard->count > kMaxShards)) {
+    return absl::InvalidArgumentError(absl::StrFormat("shard: %d of %d is not one of at most %d", options.shard->index,
+                                                      options.shard->count, kMaxShards));
   }
   if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);

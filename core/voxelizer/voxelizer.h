@@ -31,11 +31,19 @@ inline constexpr uint32_t kMaxResolution = 65536;
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
                                  const Bounds& bounds);
 
+// The index-th of `count` parts of a job that cost about the same: tiles that follow each other in the canonical order.
+struct Shard {
+  uint32_t index = 0, count = 1;  // index < count <= kMaxShards
+};
+
+inline constexpr uint32_t kMaxShards = 1 << 20;
+
 struct VoxelizeOptions {
   int separability = 0;                           // k: 0, 1 or 2
   bool minimal = true;                            // thin to k-minimality; only kExact does
   std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
   Algorithm algorithm = Algorithm::kExact;
+  std::optional<Shard> shard = std::nullopt;         // only this part of them
   std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
 };
 
@@ -66,7 +74,7 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, resume_after.
+  // separability, region, shard, resume_after.
   // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
@@ -86,7 +94,7 @@ class VoxelizeJob {
   virtual const JobTotals& totals() const = 0;
 
   // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
-  // Precondition: options.region was not set. Errors: CANCELLED.
+  // Precondition: neither options.region nor options.shard was set. Errors: CANCELLED.
   virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
 
   // Makes Advance and Verify return CANCELLED soon. Any thread, any time.

@@ -2,7 +2,7 @@
 
 import unittest
 
-from harness import BUNNY, Case, encode_drc, read_obj, rows, shuffled, write_obj, write_ply, write_stl
+from harness import BUNNY, Case, encode_drc, latvox, read_obj, rows, shuffled, write_obj, write_ply, write_stl
 
 LOSSLESS = ["--quantization", "0"]
 SEED = 20240229
@@ -41,6 +41,34 @@ class Digest(Case):
         options = ["--lattice", "cartesian", "--resolution"]
         found = {self.voxelize(BUNNY, *options, n)["digest"] for n in (40, 41, 42)}
         self.assertEqual(len(found), 3)
+
+    def test_shards_make_the_whole(self):
+        options = [*LOSSLESS, "--lattice", "fcc", "--separability", "2", "--resolution", "160"]
+        whole = self.voxelize(BUNNY, *options)
+        everything = rows(self.dir / "out.csv")
+        for count in (1, 7):
+            union, digest = {}, 0
+            for index in range(count):
+                part = self.voxelize(BUNNY, *options, "--shard", f"{index}/{count}")
+                self.assertEqual(part["shard"], {"index": index, "count": count})
+                self.assertEqual(part["certificate"]["minimal"], count == 1)
+                found = rows(self.dir / "out.csv")
+                self.assertFalse(union.keys() & found.keys())
+                self.assertTrue(count == 1 or len(found) < len(everything) / 3)
+                union |= found
+                digest += int(part["digest"], 16)
+            self.assertEqual(union, everything)
+            self.assertEqual(f"{digest % (1 << 128):032x}", whole["digest"])
+
+    def test_a_shard_knows_itself(self):
+        self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", "40", "--shard", "1/3", out="part.vdb")
+        self.assertIn("latvox_shard = 1/3\n", latvox("info", self.dir / "part.vdb").stdout)
+
+    def test_bad_shards_are_refused(self):
+        for shard in ("3/3", "-1/3", "1", "1/", "/2", "0/0", "1/3/4", "a/b", "0/1048577"):
+            done = latvox("voxelize", BUNNY, "-o", self.dir / "out.csv", "--resolution", "40", f"--shard={shard}")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("--shard", done.stderr)
 
     def test_regions_are_exact_parts_of_the_whole(self):
         options = [*LOSSLESS, "--lattice", "bcc", "--resolution", "96"]

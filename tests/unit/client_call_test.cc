@@ -171,6 +171,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   request.separability = 2;
   request.minimal = false;
   request.region = IndexBox{{-5, 0, 5}, {6, 7, 8}};
+  request.shard = Shard{3, 8};
   ASSERT_TRUE(fake.client().Voxelize(request, kMesh, {}).ok());
   EXPECT_EQ(mesh, kMesh);
   EXPECT_EQ(spec.lattice().basis().c().z(), 9.5);
@@ -181,6 +182,8 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_TRUE(spec.has_minimal() && !spec.minimal());
   EXPECT_EQ(spec.region().min().i(), -5);
   EXPECT_EQ(spec.region().max().k(), 8);
+  EXPECT_EQ(spec.shard().index(), 3u);
+  EXPECT_EQ(spec.shard().count(), 8u);
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 

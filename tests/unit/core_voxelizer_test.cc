@@ -11,33 +11,10 @@
 #include "core/voxelizer/estimate.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
+#include "tests/unit/core_sphere.h"
 
 namespace latvox {
 namespace {
-
-// A bumpy sphere: `rings` x 2 `rings` quads, radius in world units.
-TriangleMesh Sphere(int rings, float radius) {
-  TriangleMesh mesh;
-  const auto vertex = [&](int ring, int segment) {
-    const double theta = M_PI * ring / rings, phi = M_PI * segment / rings;
-    const double r = radius * (1 + 0.1 * std::sin(5 * theta) * std::cos(4 * phi));
-    return Vec3f{static_cast<float>(r * std::sin(theta) * std::cos(phi)),
-                 static_cast<float>(r * std::sin(theta) * std::sin(phi)), static_cast<float>(r * std::cos(theta))};
-  };
-  for (int ring = 0; ring < rings; ++ring) {
-    for (int segment = 0; segment < 2 * rings; ++segment) {
-      const auto n = static_cast<uint32_t>(mesh.vertices.size());
-      const int next = (segment + 1) % (2 * rings);
-      for (const Vec3f& p :
-           {vertex(ring, segment), vertex(ring + 1, segment), vertex(ring + 1, next), vertex(ring, next)}) {
-        mesh.vertices.push_back(p);
-      }
-      mesh.triangles.push_back({n, n + 1, n + 2});
-      mesh.triangles.push_back({n, n + 2, n + 3});
-    }
-  }
-  return mesh;
-}
 
 TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
   constexpr unsigned kSeed = 99;
@@ -136,14 +113,6 @@ TEST(Pipeline, GivesTheSameTilesForAnyThreadsAndTriangleOrder) {
   }
 }
 
-uint64_t Morton(const Vec3i& relative) {
-  uint64_t code = 0;
-  for (int bit = 20; bit >= 0; --bit) {
-    for (int32_t x : relative) code = code << 1 | static_cast<uint64_t>(x >> bit & 1);
-  }
-  return code;
-}
-
 TEST(Pipeline, DeliversTilesInMortonOrderBricksInLexicographicOrderAndProgressRising) {
   const TriangleMesh mesh = Sphere(30, 170);
   auto job = *VoxelizeJob::Create(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {});
@@ -205,33 +174,6 @@ TEST(Pipeline, PausesAndGoesOnWithoutLosingOrRepeatingATile) {
   EXPECT_EQ(job->totals().digest, whole.totals.digest);
 }
 
-TEST(Pipeline, RegionsArePartsOfTheWholeAndTheirDigestsAddUpOnBrickBorders) {
-  const TriangleMesh mesh = Sphere(20, 60);
-  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
-  const auto whole = VoxelsOf(Voxelize(mesh, grid, {}));
-  std::set<oracle::Int3> joined;
-  size_t count = 0;
-  for (const IndexBox& region : {IndexBox{{-500, -500, -500}, {3, 500, 500}}, IndexBox{{3, -500, -500}, {500, -7, 500}},
-                                 IndexBox{{3, -7, -500}, {500, 500, 500}}}) {
-    const auto part = VoxelsOf(Voxelize(mesh, grid, {.region = region}));
-    count += part.size();
-    joined.insert(part.begin(), part.end());
-    for (const auto& z : part) {
-      EXPECT_TRUE(
-          region.Contains({static_cast<int32_t>(z[0]), static_cast<int32_t>(z[1]), static_cast<int32_t>(z[2])}));
-    }
-  }
-  EXPECT_EQ(count, whole.size());
-  EXPECT_EQ(joined, whole);
-
-  Digest sum;
-  for (const IndexBox& region :
-       {IndexBox{{-512, -512, -512}, {8, 512, 512}}, IndexBox{{8, -512, -512}, {512, 512, 512}}}) {
-    sum.Add(Voxelize(mesh, grid, {.region = region}).totals.digest);
-  }
-  EXPECT_EQ(sum, Voxelize(mesh, grid, {}).totals.digest);
-}
-
 // Triangles from side to side of a tile: more candidates than are held at a time.
 TEST(Pipeline, TanglesOfLargeTrianglesAreCoveredAndMinimal) {
   constexpr unsigned kSeed = 7;
@@ -256,64 +198,6 @@ TEST(Pipeline, TanglesOfLargeTrianglesAreCoveredAndMinimal) {
   ASSERT_TRUE(verdict.ok());
   EXPECT_EQ(verdict->tunnels, 0U) << "seed " << kSeed;
   EXPECT_EQ(verdict->redundant, 0U) << "seed " << kSeed;
-}
-
-// What is left after each tile, alone or with the region of the first, on one thread and on three, is the stream's end.
-TEST(Pipeline, ResumesAfterAnyTileExactly) {
-  const TriangleMesh mesh = Sphere(30, 170);
-  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
-  for (const auto& region : {std::optional<IndexBox>(), std::optional(IndexBox{{-90, -70, -200}, {150, 90, 40}})}) {
-    for (const Algorithm algorithm : {Algorithm::kExact, Algorithm::kIncremental}) {
-      const Result whole = Voxelize(mesh, grid, {.region = region, .algorithm = algorithm});
-      ASSERT_GT(whole.tiles.size(), 12U);
-      Digest delivered;
-      for (size_t n = 0; n < whole.tiles.size(); ++n) {
-        for (const Brick& brick : whole.tiles[n].bricks) delivered.Add(brick);
-        const Vec3i& tile = whole.tiles[n].tile_ijk;
-        const Result rest =
-            Voxelize(mesh, grid, {.region = region, .algorithm = algorithm, .resume_after = tile}, n % 2 == 0 ? 1 : 3);
-        ASSERT_EQ(rest.tiles.size(), whole.tiles.size() - n - 1);
-        EXPECT_EQ(rest.totals.tiles, rest.tiles.size());
-        for (size_t r = 0; r < rest.tiles.size(); ++r)
-          EXPECT_EQ(rest.tiles[r].tile_ijk, whole.tiles[n + 1 + r].tile_ijk);
-        Digest sum = delivered;
-        sum.Add(rest.totals.digest);
-        EXPECT_EQ(sum, whole.totals.digest);
-      }
-    }
-  }
-}
-
-TEST(Pipeline, ResumesAfterATileWithoutVoxels) {
-  const TriangleMesh mesh = Sphere(30, 170);
-  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
-  const Result whole = Voxelize(mesh, grid, {});
-  const auto last = std::find_if(whole.tiles.begin(), whole.tiles.end(), [](const TileBricks& tile) {
-    return Morton(tile.tile_ijk - Vec3i{-3, -3, -3}) > Morton(Vec3i{2, 2, 2});
-  });
-  const Result rest = Voxelize(mesh, grid, {.resume_after = Vec3i{-1, -1, -1}});  // in the sphere's hollow
-  ASSERT_EQ(rest.tiles.size(), static_cast<size_t>(whole.tiles.end() - last));
-  EXPECT_EQ(rest.tiles.front().tile_ijk, last->tile_ijk);
-}
-
-TEST(Pipeline, RefusesToResumeAfterATileOutsideOfTheIndexBox) {
-  const TriangleMesh mesh = Sphere(10, 20);
-  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
-  for (const Vec3i& tile : {Vec3i{1, 0, 0}, Vec3i{0, -2, 0}, Vec3i{INT32_MAX, INT32_MIN, 0}}) {
-    const auto job = VoxelizeJob::Create(mesh, grid, {.resume_after = tile});
-    ASSERT_FALSE(job.ok());
-    EXPECT_EQ(job.status().message().substr(0, 19), "resume_after: tile ");
-  }
-  EXPECT_FALSE(
-      VoxelizeJob::Create(mesh, grid, {.region = IndexBox{{1000, 0, 0}, {1001, 1, 1}}, .resume_after = Vec3i{0, 0, 0}})
-          .ok());
-}
-
-TEST(Pipeline, RegionWithoutSurfaceIsEmptyNotAnError) {
-  const Result result = Voxelize(Sphere(10, 20), Unscaled(Lattice::Named(NamedLattice::kCartesian)),
-                                 {.region = IndexBox{{1000000, 0, 0}, {1000001, 1, 1}}});
-  EXPECT_TRUE(result.tiles.empty());
-  EXPECT_EQ(result.totals.digest.ToHex(), std::string(32, '0'));
 }
 
 TEST(Pipeline, CancelEndsAdvanceFromAnotherThreadAndFromTheSink) {

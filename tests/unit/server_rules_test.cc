@@ -95,6 +95,21 @@ std::vector<BadSpecCase> BadSpecs() {
        "region.max.j"},
       {"region backwards", [=](Spec& s) { set_region(s, 4, -4); }, "region.max.j -4 is not above", "region.max.j"},
       {"mesh_sha256", [](Spec& s) { s.set_mesh_sha256("abc"); }, "mesh_sha256 has 3 bytes, not 32", "mesh_sha256"},
+      {"no shard", [](Spec& s) { s.mutable_shard(); }, "shard.count 0 is not within 1 to 1048576", "shard.count"},
+      {"too many shards", [](Spec& s) { s.mutable_shard()->set_count((1 << 20) + 1); },
+       "shard.count 1048577 is not within 1 to 1048576", "shard.count"},
+      {"shard 3 of 3",
+       [](Spec& s) {
+         s.mutable_shard()->set_index(3);
+         s.mutable_shard()->set_count(3);
+       },
+       "shard.index 3 is not below shard.count 3", "shard.index"},
+      {"verify and shard",
+       [](Spec& s) {
+         s.mutable_shard()->set_count(2);
+         s.set_verify(true);
+       },
+       "verify: not together with shard", "verify"},
       {"verify and region",
        [=](Spec& s) {
          set_region(s, 0, 9);
@@ -152,6 +167,8 @@ TEST(JobSpecFromProto, TakesEveryField) {
   for (const auto set : {&v1::Ijk::set_i, &v1::Ijk::set_j, &v1::Ijk::set_k}) {
     (proto.mutable_region()->mutable_max()->*set)(9);
   }
+  proto.mutable_shard()->set_index(2);
+  proto.mutable_shard()->set_count(5);
   proto.set_mesh_bytes(77);
   const auto spec = JobSpecFromProto(proto, {});
   ASSERT_TRUE(spec.ok()) << spec.status();
@@ -161,6 +178,9 @@ TEST(JobSpecFromProto, TakesEveryField) {
   EXPECT_EQ(spec->options.separability, 2);
   EXPECT_FALSE(spec->options.minimal);
   EXPECT_EQ(spec->options.region, (IndexBox{{-7, 0, 0}, {9, 9, 9}}));
+  ASSERT_TRUE(spec->options.shard);
+  EXPECT_EQ(spec->options.shard->index, 2U);
+  EXPECT_EQ(spec->options.shard->count, 5U);
   EXPECT_EQ(spec->mesh_bytes, 77);
 }
 
@@ -198,6 +218,12 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   facts.index_box.reset();
   EXPECT_FALSE(minimal());
   spec.options.region.reset();
+  for (const uint32_t count : {1U, 2U}) {
+    spec.options.shard = Shard{0, count};
+    EXPECT_EQ(minimal(), count == 1);
+    EXPECT_EQ(CertificateToProto(spec, facts, {}, {}, std::nullopt).shard().count(), count);
+  }
+  spec.options.shard.reset();
   spec.options.minimal = false;
   EXPECT_FALSE(minimal());
 }
