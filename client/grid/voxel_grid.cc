@@ -9,22 +9,24 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/error.h"
+#include "client/grid/grid_file.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/tree_nodes.h"
 
 namespace latvox::client {
 namespace {
 
-using Leaf = openvdb::BoolTree::LeafNodeType;
-static_assert(Leaf::LOG2DIM == 3 && Leaf::NodeMaskType::WORD_COUNT == 8, "a brick is a leaf");
-
-// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. simplify
-// makes a scale and a translation of what is no more, which some programs read faster.
+// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. Transform
+// makes a scale of what is no more, which some programs read faster. The origin comes after that: the scale would be
+// found as a difference of positions, and lose digits where the origin is far away.
 openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform) {
   const auto& [a, b, c] = transform.basis;
-  const Vec3d& o = transform.origin;
-  const openvdb::Mat4d matrix(a[0], a[1], a[2], 0., b[0], b[1], b[2], 0., c[0], c[1], c[2], 0., o[0], o[1], o[2], 1.);
-  const auto affine = std::make_shared<openvdb::math::AffineMap>(matrix);
-  return std::make_shared<openvdb::math::Transform>(openvdb::math::simplify(affine));
+  const openvdb::Mat4d matrix(a[0], a[1], a[2], 0., b[0], b[1], b[2], 0., c[0], c[1], c[2], 0., 0., 0., 0., 1.);
+  auto made = std::make_shared<openvdb::math::Transform>(std::make_shared<openvdb::math::AffineMap>(matrix));
+  const openvdb::Vec3d origin(transform.origin.data());
+  if (origin != openvdb::Vec3d(0.)) made->postTranslate(origin);
+  return made;
 }
 
 GridTransform FromTransform(const openvdb::math::Transform& transform) {
@@ -72,6 +74,19 @@ GridFileInfo Describe(const openvdb::GridBase& grid) {
 
 }  // namespace
 
+absl::Status CheckGridTransform(const GridTransform& transform) try {
+  MakeTransform(transform);
+  return absl::OkStatus();
+} catch (const openvdb::ArithmeticError& error) {
+  const std::string value = absl::StrFormat("%.6g", transform.voxel_size);
+  const std::string limit = absl::StrFormat("%.6g", std::cbrt(3 * openvdb::math::Tolerance<double>::value()));
+  absl::Status status =
+      absl::InvalidArgumentError(absl::StrCat("voxel_size ", value, " is below ", limit,
+                                              ", the least that a .vdb file's transform takes (", error.what(), ")"));
+  SetErrorDetails({"VOXEL_SIZE_OUT_OF_RANGE", "voxel_size", value, limit, std::nullopt}, status);
+  return status;
+}
+
 VoxelGrid::VoxelGrid(const GridTransform& transform) : content_(std::make_unique<Content>()) {
   openvdb::initialize();
   content_->grid = openvdb::BoolGrid::create(false);
@@ -90,16 +105,11 @@ VoxelGrid::VoxelGrid(VoxelGrid&&) noexcept = default;
 VoxelGrid& VoxelGrid::operator=(VoxelGrid&&) noexcept = default;
 VoxelGrid::~VoxelGrid() = default;
 
-// A leaf's value mask and its boolean values are the same 512 bits, in the order of a brick's words.
 absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
   openvdb::tree::ValueAccessor<openvdb::BoolTree> tree(content_->grid->tree());
   for (const Brick& brick : batch.bricks) {
     const openvdb::Coord corner(brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8);
-    Leaf* leaf = tree.touchLeaf(corner);
-    Leaf::NodeMaskType mask = leaf->getValueMask();
-    for (openvdb::Index word = 0; word < 8; ++word) mask.getWord<openvdb::Index64>(word) |= brick.mask[word];
-    leaf->setValueMask(mask);
-    for (openvdb::Index word = 0; word < 8; ++word) leaf->buffer().data()[word] = mask.getWord<openvdb::Index64>(word);
+    AddMask(brick.mask, *tree.touchLeaf(corner));
   }
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
@@ -127,14 +137,7 @@ void VoxelGrid::SetCertificate(const Certificate& certificate) {
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 
-absl::Status VoxelGrid::Write(const std::string& path) const try {
-  openvdb::io::File file(path);
-  file.write({content_->grid});
-  file.close();
-  return absl::OkStatus();
-} catch (const std::exception& error) {
-  return absl::UnknownError(absl::StrCat(path, ": cannot be written (", error.what(), ")"));
-}
+absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridFile(content_->grid, path); }
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
   return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFileInfo> {

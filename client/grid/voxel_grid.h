@@ -21,10 +21,15 @@
 
 namespace latvox::client {
 
+// Whether OpenVDB takes the transform: all its maps that other programs know refuse a voxel of less than 3e-15 volume.
+// Errors: INVALID_ARGUMENT with ErrorDetails, naming voxel_size, its value and the limit.
+absl::Status CheckGridTransform(const GridTransform& transform);
+
 // A grid being filled: a BoolGrid, the one type for sets that every OpenVDB program reads, python3-openvdb included,
 // named "voxels", one leaf for each brick. Not thread-safe. Memory: about 150 bytes for each brick.
 class VoxelGrid {
  public:
+  // Precondition: CheckGridTransform(transform) is OK.
   explicit VoxelGrid(const GridTransform& transform);
   VoxelGrid(VoxelGrid&&) noexcept;
   VoxelGrid& operator=(VoxelGrid&&) noexcept;

@@ -6,6 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/error.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
 #include "client/output/picture_output.h"
@@ -19,20 +20,26 @@ class VdbOutput final : public Output {
   explicit VdbOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
 
   absl::Status Begin(const Accepted& accepted) override {
+    if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
     grid_.emplace(accepted.grid);
     return absl::OkStatus();
   }
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
     grid_->SetCertificate(summary.certificate);
-    if (auto status = grid_->Write(file_->temporary()); !status.ok()) {
-      return absl::Status(status.code(), absl::StrCat(file_->target(), ": ", status.message()));
-    }
+    if (auto status = grid_->Write(file_->temporary()); !status.ok()) return Named(status);
     return file_->Sync();
   }
   absl::Status Commit() override { return file_->Commit(); }
 
  private:
+  // The same error with the target before it.
+  absl::Status Named(const absl::Status& status) const {
+    absl::Status named(status.code(), absl::StrCat(file_->target(), ": ", status.message()));
+    SetErrorDetails(GetErrorDetails(status), named);
+    return named;
+  }
+
   std::unique_ptr<AtomicFile> file_;
   std::optional<VoxelGrid> grid_;
 };

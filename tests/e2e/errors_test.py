@@ -118,6 +118,15 @@ class Failures(Case):
                 self.bad(name, self.mesh, "--basis", basis, *remote, code=BAD_INPUT, says=says)
                 self.good(*remote)
 
+    def test_voxels_that_are_too_small_for_a_vdb_file_are_refused_before_the_work(self):
+        tiny = write_obj(self.dir / "tiny.obj", octahedron(radius=0.05))
+        options = ["--lattice", "bcc", "--resolution", "65536", "--separability", "0"]  # minutes of work
+        started = time.monotonic()
+        self.bad("tiny voxels", tiny, *options, code=BAD_INPUT, says="out.vdb: voxel_size 1.5.*e-06 is below 1.44225e-05")
+        self.assertLess(time.monotonic() - started, 20)
+        done = latvox("voxelize", tiny, "-o", self.dir / "tiny.csv", "--lattice", "bcc", "--voxel-size", "0.001")
+        self.assertEqual(done.returncode, OK, done.stderr)
+
     def test_an_unknown_extension_is_refused_before_any_work(self):
         self.bad("unknown output", self.mesh, *GOOD, out=self.dir / "out.xyz", code=USAGE, says="xyz")
         odd = self.dir / "mesh.xyz"

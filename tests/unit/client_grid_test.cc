@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "client/error.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
@@ -10,6 +11,7 @@ namespace latvox::client {
 namespace {
 
 using testing::Contains;
+using HasSubstr;
 using testing::Pair;
 
 class Grid : public FilesTest {};
@@ -112,14 +114,49 @@ TEST_F(Grid, WhatIsNoGridFileIsAnErrorThatNamesIt) {
   for (const std::string& bytes : {std::string(), std::string("this is no grid"), std::string(1000, '\0')}) {
     const auto info = ReadGridFileInfo(Write("bad.vdb", bytes));
     EXPECT_EQ(info.status().code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_THAT(std::string(info.status().message()), testing::HasSubstr("bad.vdb"));
+    EXPECT_THAT(std::string(info.status().message()), HasSubstr("bad.vdb"));
     EXPECT_EQ(ReadGridFileDigest(Path("bad.vdb")).status().code(), absl::StatusCode::kInvalidArgument);
   }
 }
 
 TEST_F(Grid, WritingToNowhereIsAnErrorThatNamesThePath) {
   const absl::Status status = VoxelGrid(kBcc).Write(Path("missing/g.vdb"));
-  EXPECT_THAT(std::string(status.message()), testing::HasSubstr("missing/g.vdb"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("missing/g.vdb"));
+}
+
+TEST_F(Grid, AFullDiskIsAnErrorThatNamesThePath) {
+  const absl::Status status = VoxelGrid(kBcc).Write("/dev/full");
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnknown);
+  EXPECT_THAT(std::string(status.message()), testing::AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
+}
+
+// On both sides of the limit, for a scale, which OpenVDB tests by itself, and for other matrices.
+TEST_F(Grid, VoxelsTooSmallForATransformAreAnErrorAndOthersAreWritten) {
+  for (const GridTransform& unit : {kBcc, kSkew, kCubes}) {
+    for (const double size : {1.43e-5, 1.45e-5, 1e-7, 1e-3}) {
+      GridTransform transform = unit;
+      const auto& [a, b, c] = unit.basis;
+      const double volume = std::abs(openvdb::Mat3d(a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]).det());
+      for (Vec3d* step : {&transform.basis.a, &transform.basis.b, &transform.basis.c}) {
+        for (double& x : *step) x *= size / std::cbrt(volume);
+      }
+      transform.voxel_size = size;
+      const absl::Status status = CheckGridTransform(transform);
+      ASSERT_EQ(status.ok(), size > 1.44225e-5) << size << ": " << status;
+      if (status.ok()) {
+        ASSERT_TRUE(VoxelGrid(transform).Write(Path("g.vdb")).ok());
+        const auto info = ReadGridFileInfo(Path("g.vdb"));
+        ASSERT_TRUE(info.ok()) << info.status();
+        EXPECT_EQ(info->transform.basis, transform.basis);
+        EXPECT_EQ(info->transform.origin, transform.origin);
+      } else {
+        EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+        EXPECT_EQ(GetErrorDetails(status).field, "voxel_size");
+        EXPECT_EQ(GetErrorDetails(status).limit, "1.44225e-05");
+        EXPECT_THAT(std::string(status.message()), HasSubstr("1.44225e-05"));
+      }
+    }
+  }
 }
 
 }  // namespace

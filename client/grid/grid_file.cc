@@ -1,0 +1,47 @@
+#include "client/grid/grid_file.h"
+
+#include <openvdb/io/Archive.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr size_t kBufferBytes = size_t{1} << 20;
+
+// io::File does not look whether its stream took everything: on a full disk it leaves half a file, and says nothing.
+struct Writer : openvdb::io::Archive {
+  void Write(const openvdb::GridBase::ConstPtr& grid, std::ostream& out) const {
+    write(out, {grid}, /*seekable=*/true);
+  }
+};
+
+}  // namespace
+
+absl::Status WriteGridFile(const openvdb::GridBase::ConstPtr& grid, const std::string& path) {
+  const auto cannot = [&path](const char* why) {
+    return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
+  };
+  try {
+    std::vector<char> buffer(kBufferBytes);
+    std::ofstream file;
+    file.rdbuf()->pubsetbuf(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    errno = 0;
+    file.open(path, std::ios::binary | std::ios::trunc);
+    file.exceptions(std::ios::failbit | std::ios::badbit);
+    Writer().Write(grid, file);
+    file.close();
+    return absl::OkStatus();
+  } catch (const std::ios_base::failure&) {
+    return cannot(std::strerror(errno));  // the words of the exception are the library's own
+  } catch (const std::exception& error) {
+    return cannot(error.what());
+  }
+}
+
+}  // namespace latvox::client

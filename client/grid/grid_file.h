@@ -1,0 +1,19 @@
+// OpenVDB grids to .vdb files. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_GRID_FILE_H_
+#define LATVOX_CLIENT_GRID_GRID_FILE_H_
+
+#include <openvdb/openvdb.h>
+
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace latvox::client {
+
+// Writes a .vdb file to `path`, over what is there; not atomic. The grid's tree writes itself, node by node, so that
+// memory is the tree's matter. Errors: UNKNOWN, with the path and what OpenVDB or the system says.
+absl::Status WriteGridFile(const openvdb::GridBase::ConstPtr& grid, const std::string& path);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_GRID_FILE_H_

@@ -1,0 +1,52 @@
+// The nodes of OpenVDB's BoolTree, and a brick as a leaf of it. Costs OpenVDB's headers. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_TREE_NODES_H_
+#define LATVOX_CLIENT_GRID_TREE_NODES_H_
+
+#include <openvdb/openvdb.h>
+
+#include <compare>
+
+#include "client/types.h"
+
+namespace latvox::client {
+
+using Upper = openvdb::BoolTree::RootNodeType::ChildNodeType;  // 4096^3 voxels, a child of the root
+using Lower = Upper::ChildNodeType;                            // 128^3 voxels
+using Leaf = openvdb::BoolTree::LeafNodeType;                  // 8^3 voxels: a brick
+static_assert(Upper::DIM == 4096 && Lower::DIM == 128);
+static_assert(Leaf::LOG2DIM == 3 && Leaf::NodeMaskType::WORD_COUNT == 8, "a brick is a leaf");
+
+// Where a leaf stands in its tree. Ordered as OpenVDB goes through a tree, and writes it.
+struct TreePlace {
+  Vec3i upper{};       // low corner of the node of 4096^3 voxels
+  uint32_t lower = 0;  // which child of that one
+  uint32_t leaf = 0;   // which child of that one
+  auto operator<=>(const TreePlace&) const = default;
+};
+
+inline TreePlace PlaceOf(const openvdb::Coord& ijk) {
+  const openvdb::Coord upper = ijk & ~static_cast<int32_t>(Upper::DIM - 1);
+  return {{upper[0], upper[1], upper[2]}, Upper::coordToOffset(ijk), Lower::coordToOffset(ijk)};
+}
+
+// Adds the voxels of a mask. A leaf's value mask and its boolean values are the same 512 bits, in the order of a
+// brick's words.
+inline void AddMask(const std::array<uint64_t, 8>& mask, Leaf& leaf) {
+  Leaf::NodeMaskType all = leaf.getValueMask();
+  for (openvdb::Index word = 0; word < 8; ++word) all.getWord<openvdb::Index64>(word) |= mask[word];
+  leaf.setValueMask(all);
+  for (openvdb::Index word = 0; word < 8; ++word) leaf.buffer().data()[word] = all.getWord<openvdb::Index64>(word);
+}
+
+inline Brick ToBrick(const Leaf& leaf) {
+  const openvdb::Coord ijk = leaf.origin() >> Leaf::LOG2DIM;
+  Brick brick{{ijk[0], ijk[1], ijk[2]}, {}};
+  for (openvdb::Index word = 0; word < 8; ++word) {
+    brick.mask[word] = leaf.getValueMask().getWord<openvdb::Index64>(word);
+  }
+  return brick;
+}
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_TREE_NODES_H_
