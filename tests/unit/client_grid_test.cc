@@ -11,7 +11,7 @@ namespace latvox::client {
 namespace {
 
 using testing::Contains;
-using HasSubstr;
+using testing::HasSubstr;
 using testing::Pair;
 
 class Grid : public FilesTest {};
