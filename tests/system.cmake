@@ -24,6 +24,11 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")
   latvox_add_system_test(deploy.kustomize "node;deploy/kubernetes/kustomize.test.js" SKIP_RETURN_CODE 77)
   latvox_add_system_test(deploy.scale "${latvox_python};deploy/scale_test.py")
+  # On real engines; see deploy/README.md.
+  foreach(engine kubernetes_pod slurm slurm_container)
+    latvox_add_system_test(deploy.${engine} "${latvox_python};deploy/${engine}_test.py" LABELS deploy RUN_SERIAL ON
+                           SKIP_RETURN_CODE 77)
+  endforeach()
   latvox_add_system_test(e2e.algorithms "${latvox_python};e2e/algorithms_test.py")
   latvox_add_system_test(e2e.batch "${latvox_python};e2e/batch_test.py")
   latvox_add_system_test(e2e.config "${latvox_python};e2e/config_test.py")
