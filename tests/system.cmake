@@ -6,6 +6,7 @@
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
 #   deploy     what deploy/ has for others' machines
 #   readme     the examples of README.md
+#   deploy     containers: by `tests/run --deploy` alone, all but what is done in a moment
 # A build with sanitizers runs the failures at most: the others are about results, and slow there.
 
 # Registers a command. Further arguments are test properties.
@@ -43,6 +44,14 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   foreach(scenario swarm kill readers half_open sigterm mutated fairness cancel overhead)
     latvox_add_system_test(faults.${scenario} "${latvox_python};faults/${scenario}_test.py" FIXTURES_REQUIRED faults
                            LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
+  endforeach()
+  latvox_add_system_test(deploy.haproxy "${latvox_python};deploy/haproxy_test.py")
+  # Of these the first makes the image that the others run; networks of containers have one name server in all.
+  latvox_add_system_test(deploy.image_build "${latvox_python};deploy/image_build_test.py" FIXTURES_SETUP image LABELS deploy
+                         RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
+  foreach(name image compose)
+    latvox_add_system_test(deploy.${name} "${latvox_python};deploy/${name}_test.py" FIXTURES_REQUIRED image LABELS deploy
+                           RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)
   endforeach()
   latvox_add_system_test(e2e.resume "${latvox_python};e2e/resume_test.py")
   latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")

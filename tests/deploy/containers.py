@@ -29,7 +29,8 @@ IMAGE = "localhost/latvox"
 SKIPPED = 77
 
 # runc, because crun stops on machines with control groups of both versions; cgroupfs and no journal, because systemd
-# may not be there; and no limits above what this machine allows.
+# may not be there; and no limits above what this machine allows. Two folders are within graphroot because the podman
+# that conmon starts when a container has ended knows graphroot alone, and looks there.
 ENGINE = """
 [containers]
 log_driver = "k8s-file"
@@ -39,9 +40,9 @@ cgroup_manager = "cgroupfs"
 events_logger = "file"
 runtime = "runc"
 image_default_transport = "docker://"
-static_dir = "{state}/libpod"
+static_dir = "{state}/storage/libpod"
 tmp_dir = "{state}/tmp"
-volume_path = "{state}/volumes"
+volume_path = "{state}/storage/volumes"
 [network]
 network_backend = "netavark"
 network_config_dir = "{state}/networks"
@@ -107,8 +108,9 @@ def package_sources():
     return "".join(f"{line}\n" for line in dict.fromkeys(listed.splitlines()))
 
 
-def debian(name, *options):
-    """An image NAME of Debian 12, made of this machine's package sources. `options` are mmdebstrap's."""
+def debian(name, *options, change=()):
+    """An image NAME of Debian 12, made of this machine's package sources. `options` are mmdebstrap's, `change` is as in
+    a Dockerfile."""
     if exists(name):
         return
     # How this machine reaches its package sources, and what it asks of them.
@@ -119,11 +121,12 @@ def debian(name, *options):
         (STATE / "work" / file).write_text(text)
     tar = STATE / "work" / "base.tar"
     with open(STATE / "work" / "sources") as sources:
-        command = ["mmdebstrap", "--quiet", f"--aptopt={STATE / 'work' / 'apt.conf'}", *options, "bookworm", tar, "-"]
+        command = ["mmdebstrap", "--quiet", "--variant=minbase", f"--aptopt={STATE / 'work' / 'apt.conf'}"]
+        command += [*options, "bookworm", tar, "-"]
         done = subprocess.run(command, stdin=sources, capture_output=True, text=True, timeout=600)
     if done.returncode != 0:
         skip(f"mmdebstrap cannot fetch Debian's packages here: {done.stderr.strip()[-500:]}")
-    podman("import", "--quiet", tar, name)
+    podman("import", "--quiet", *(f"--change={line}" for line in change), tar, name)
     tar.unlink()
 
 

@@ -21,7 +21,7 @@ class ImageBuild(unittest.TestCase):
     def setUpClass(cls):
         super().setUpClass()
         cached = containers.STATE.joinpath("work", "buildah-cache").exists()
-        containers.debian(containers.BASE, "--variant=minbase")
+        containers.debian(containers.BASE)
         seconds = containers.build(ROOT, IMAGE)
         print(f"image: {inspect(IMAGE)['Size'] / 1e6:.1f} MB, built in {seconds:.0f} s", "with" if cached else "without", "a cache")
 
