@@ -14,8 +14,8 @@ namespace {
 
 void Say(const std::string& line) { std::fprintf(stderr, "latvox: %s\n", line.c_str()); }
 
-absl::StatusOr<JobFile> ReadJobs(const BatchOptions& options) {
-  auto file = ReadJobFile(options.jobs_file, options.directory, options.shard.shard);
+absl::StatusOr<JobFile> ReadJobs(const BatchOptions& options, const Cancellation& cancellation) {
+  auto file = ReadJobFile(options.jobs_file, options.directory, options.shard.shard, cancellation);
   if (!file.ok() || file->wrong == 0) return file;
   for (const std::string& error : file->errors) Say(error);
   return absl::InvalidArgumentError(
@@ -33,7 +33,7 @@ absl::Status MakeDirectory(const std::string& path) {
 
 absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancellation& cancellation) {
   const absl::Time start = absl::Now();
-  const auto file = ReadJobs(options);
+  const auto file = ReadJobs(options, cancellation);
   if (!file.ok()) return file.status();
   const auto& [shard, source] = options.shard;
   if (!source.empty()) {
@@ -41,7 +41,7 @@ absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancella
                      file->jobs, " jobs"));
   }
   if (auto status = MakeDirectory(options.directory); !status.ok()) return status;
-  auto done = options.resume ? DoneJobs::Read(options.directory) : DoneJobs();
+  auto done = options.resume ? DoneJobs::Read(options.directory, cancellation) : DoneJobs();
   if (!done.ok()) return done.status();
   const std::string results = (std::filesystem::path(options.directory) / ResultsName(shard)).string();
   const auto results_file = ResultsFile::Open(results);

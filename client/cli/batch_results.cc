@@ -71,20 +71,21 @@ absl::Status ResultsFile::Append(const JobResult& result) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<DoneJobs> DoneJobs::Read(const std::string& directory) {
+absl::StatusOr<DoneJobs> DoneJobs::Read(const std::string& directory, const Cancellation& cancellation) {
   DoneJobs jobs;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
     if (!IsResultsName(entry.path().filename().string())) continue;
-    if (auto status = jobs.ReadFile(entry.path().string()); !status.ok()) return status;
+    if (auto status = jobs.ReadFile(entry.path().string(), cancellation); !status.ok()) return status;
   }
   if (error) return absl::FailedPreconditionError(absl::StrCat(directory, ": cannot be read (", error.message(), ")"));
   return jobs;
 }
 
-absl::Status DoneJobs::ReadFile(const std::string& path) {
+absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& cancellation) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
+    if (cancellation.cancelled()) return absl::CancelledError("cancelled");
     const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
     if (!json.is_object() || json.value("/status"_json_pointer, nlohmann::json()) != "done") continue;
     try {

@@ -10,6 +10,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/cancellation.h"
 #include "client/cli/job_line.h"
 #include "client/cli/line_shard.h"
 #include "client/cli/report.h"
@@ -48,8 +49,8 @@ class DoneJobs {
   DoneJobs() = default;
 
   // From all files of results in the directory, however many workers there were. Lines that are none are ignored.
-  // Errors: those of reading a file.
-  static absl::StatusOr<DoneJobs> Read(const std::string& directory);
+  // Errors: FAILED_PRECONDITION (a file cannot be read), CANCELLED.
+  static absl::StatusOr<DoneJobs> Read(const std::string& directory, const Cancellation& cancellation);
 
   // The digest of the voxels if this very job is done: its digest is the same, its outputs are there, and those that
   // are .vdb hold these voxels.
@@ -59,7 +60,7 @@ class DoneJobs {
   struct Done {
     std::string job_digest, digest;
   };
-  absl::Status ReadFile(const std::string& path);
+  absl::Status ReadFile(const std::string& path, const Cancellation& cancellation);
 
   absl::flat_hash_map<std::string, Done> done_;  // by the first output's name; the last line counts
 };

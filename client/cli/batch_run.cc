@@ -82,6 +82,8 @@ JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
   result.id = job->id;
   result.mesh = job->mesh;
   result.outputs = job->names;
+  result.error = CheckPlaces(*job);
+  if (!result.error.ok()) return result;
   // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
   auto digest = JobDigest(*job);
   if (!digest.ok()) {

@@ -31,7 +31,7 @@ class Claims {
     if (job.id != job.names.front()) {
       if (auto status = Take(ids_, "id", job.id, line); !status.ok()) return status;
     }
-    // Other meshes cannot be where outputs go.
+    // Other meshes cannot be where outputs go, and asking for the places of millions would take long.
     const std::string extension = absl::AsciiStrToLower(std::filesystem::path(job.options.mesh).extension().string());
     const auto& known = OutputExtensions();
     if (std::find(known.begin(), known.end(), extension) != known.end()) meshes_.emplace_back(line, job.options.mesh);
@@ -65,7 +65,8 @@ class Claims {
 
 }  // namespace
 
-absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const LineShard& shard) {
+absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const LineShard& shard,
+                                    const Cancellation& cancellation) {
   auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
   JobFile file;
@@ -79,6 +80,7 @@ absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& 
   uint64_t number = 0;
   for (const absl::string_view text : absl::StrSplit(absl::string_view(*file.text), '\n')) {
     ++number;
+    if (cancellation.cancelled()) return absl::CancelledError("cancelled");
     if (absl::StripAsciiWhitespace(text).empty()) continue;
     if (shard.Takes(file.jobs++)) file.lines.push_back(JobLine{number, text});
     const auto job = parser.Parse(text);

@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client/cancellation.h"
 #include "client/cli/line_shard.h"
 
 namespace latvox::client {
@@ -29,8 +30,9 @@ struct JobFile {
 
 // Reads the file and holds every line of it, whosever it is, against the rules, and against each other: outputs and ids
 // must differ, and no output may take the place of a mesh. Errors: those of ReadBytes; INVALID_ARGUMENT if there is no
-// job at all. Lines that are wrong are none.
-absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const LineShard& shard);
+// job at all; CANCELLED. Lines that are wrong are none.
+absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const LineShard& shard,
+                                    const Cancellation& cancellation);
 
 }  // namespace latvox::client
 

@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "client/cli/common_options.h"
 #include "client/cli/file_url.h"
 
 namespace latvox::client {
@@ -114,7 +116,7 @@ absl::StatusOr<Json> ParseObject(absl::string_view line) try {
 absl::StatusOr<std::string> OutputName(const Json& value) {
   if (!IsText(value)) return WrongType("out", value, "a file name or an array of file names");
   const std::filesystem::path path = value.get<std::string>(), name = path.lexically_normal();
-  if (path.is_absolute() || *name.begin() == ".." || !name.has_filename()) {
+  if (absl::StrContains(path.string(), '\0') || path.is_absolute() || *name.begin() == ".." || !name.has_filename()) {
     return Wrong("out: ", Show(value), " is not a file below the output directory");
   }
   return name.string();
@@ -192,10 +194,17 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
     words_.options.mesh = *std::move(path);
     for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
     return Job{id.is_null() ? names->front() : id.get<std::string>(), mesh.get<std::string>(), *std::move(names),
-               Interpret(words_)};
+               InterpretRequest(words_)};
   } catch (const CLI::ParseError& error) {
     return Wrong(absl::StrReplaceAll(error.what(), names_));
   }
+}
+
+absl::Status CheckPlaces(const Job& job) try {
+  CheckOutputs(job.options.outputs, job.options.mesh, "mesh");
+  return absl::OkStatus();
+} catch (const CLI::ValidationError& error) {
+  return Wrong(absl::StrReplaceAll(error.what(), {{"--out", "out"}}));
 }
 
 }  // namespace latvox::client

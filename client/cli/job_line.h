@@ -34,7 +34,8 @@ class JobParser {
   JobParser& operator=(const JobParser&) = delete;
 
   // Errors: INVALID_ARGUMENT, naming field, value and limit: no JSON object, a field that is unknown or stands twice,
-  // of another type, out of its range, or that goes not with another.
+  // of another type, out of its range, or that goes not with another. The file system, which may be a slow one, is not
+  // looked at: see CheckPlaces.
   absl::StatusOr<Job> Parse(absl::string_view line);
 
  private:
@@ -43,6 +44,9 @@ class JobParser {
   CLI::App app_;
   std::vector<std::pair<std::string, std::string>> names_;  // option and field, "--voxel-size" and "voxel_size"
 };
+
+// Errors: INVALID_ARGUMENT if an output would take the place of the mesh, or of another output, by whatever links.
+absl::Status CheckPlaces(const Job& job);
 
 }  // namespace latvox::client
 

@@ -142,7 +142,7 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
   AddServerOptions(command, options.server);
 }
 
-VoxelizeOptions Interpret(const VoxelizeWords& words) {
+VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   VoxelizeOptions options = words.options;
   VoxelizeRequest& request = options.request;
   request.lattice = InterpretLattice(words);
@@ -162,6 +162,11 @@ VoxelizeOptions Interpret(const VoxelizeWords& words) {
   if (words.basis.empty() && !request.voxel_size && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");
   }
+  return options;
+}
+
+VoxelizeOptions Interpret(const VoxelizeWords& words) {
+  VoxelizeOptions options = InterpretRequest(words);
   CheckOutputs(options.outputs, options.mesh, "mesh");
   return options;
 }

@@ -37,7 +37,10 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
 void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words);
 
 // What the words mean together. Throws CLI::ValidationError, as parsing does, naming option, value and limit: options
-// that exclude or need each other, an output of unknown extension, twice, or in the place of the mesh.
+// that exclude or need each other.
+VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
+
+// The same, with an eye on the file system: an output that is given twice or in the place of the mesh is refused, too.
 VoxelizeOptions Interpret(const VoxelizeWords& words);
 
 }  // namespace latvox::client

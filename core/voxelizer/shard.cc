@@ -21,8 +21,8 @@ constexpr int kTileUnitBits = kTileBits + kSubvoxelBits;
 // What a triangle costs in a tile beside its area: about 90 ns, where a voxel is 15.
 constexpr uint64_t kVoxelsPerTriangle = 6;
 
-// Triangles are weighed in n^2 equal pieces, which are no larger than tiles unless that made more pieces than this.
-constexpr uint64_t kMaxPieces = 1 << 23;
+// Triangles are weighed in n^2 equal pieces, which are no larger than cells unless that made more pieces than this.
+constexpr uint64_t kMaxPieces = 1 << 21;
 
 // Vertices of the mesh, as units from the corner of the lowest tile.
 struct Corners {
@@ -86,7 +86,7 @@ class CellWeights {
 
   const SnappedMesh& mesh_;
   std::vector<Vec3l> directions_;
-  const int levels_, shift_;
+  const int levels_, shift_;                 // of the cube of all tiles; of a tile's number to its cell's
   Vec3i low_{}, high_{}, first_{}, last_{};  // tiles; all but low_ relative to it
   int32_t most_ = 1;                         // pieces along an edge
   std::vector<std::atomic<uint64_t>> weights_;
@@ -106,7 +106,7 @@ void CellWeights::AddTriangles(size_t begin, size_t end) {
 // heads; each is where its centroid is.
 void CellWeights::Add(const Corners& corners, Sum& sum) {
   const Vec3i e = corners.b - corners.a, f = corners.c - corners.a;
-  const int32_t n = std::min((LongestOf(e, f) >> kTileUnitBits) + 1, most_);
+  const int32_t n = std::min((LongestOf(e, f) >> (kTileUnitBits + shift_ / 3)) + 1, most_);
   const uint64_t voxels = VoxelsOf(e, f, directions_);
   if (n == 1) {
     Vec3i point = corners.a;

@@ -177,7 +177,7 @@ TEST_F(Results, AFileInUseIsRefused) {
 TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
   const Job job = MakeJob(R"(, "out": ["m.vdb", "m.csv"])");
   const auto found = [&](const std::string& digest) {
-    const auto done = DoneJobs::Read(Path("out"));
+    const auto done = DoneJobs::Read(Path("out"), Cancellation());
     EXPECT_TRUE(done.ok()) << done.status();
     return done->Find(job, digest);
   };
@@ -199,12 +199,12 @@ TEST_F(Results, LinesThatAreNoResultsAreIgnored) {
   WriteGrid("out/m.vdb", "voxels");
   Write("out/results.jsonl",
         "\nnull\n[]\n{\"status\": \"done\"}\n{\"status\": 5}\n" + ToJsonLine(Done(MakeJob())) + "\n{\"sta");
-  EXPECT_EQ(DoneJobs::Read(Path("out"))->Find(MakeJob(), "abc"), "voxels");
+  EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "abc"), "voxels");
   JobResult failed = Done(MakeJob());
   failed.outcome = JobResult::Outcome::kFailed;
   failed.error = absl::CancelledError();
   Write("out/results.jsonl", ToJsonLine(failed) + "\n");
-  EXPECT_EQ(DoneJobs::Read(Path("out"))->Find(MakeJob(), "abc"), std::nullopt);
+  EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "abc"), std::nullopt);
 }
 
 TEST_F(Results, EachShardHasAFileOfItsOwn) {

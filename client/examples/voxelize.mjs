@@ -1,0 +1,71 @@
+// A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: encodes an .obj mesh of triangles, prints its voxels.
+//
+// Needs: npm install @grpc/grpc-js @grpc/proto-loader draco3d
+// Usage: node client/examples/voxelize.mjs ADDRESS MESH.obj RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
+import fs from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import grpc from '@grpc/grpc-js';
+import loader from '@grpc/proto-loader';
+import draco3d from 'draco3d';
+
+const [address, path, resolution, lattice = 'cartesian'] = process.argv.slice(2);
+const includeDirs = [fileURLToPath(new URL('../../proto', import.meta.url))];
+const proto = loader.loadSync('latvox/v1/voxelizer.proto', { includeDirs, longs: String, defaults: true, oneofs: true });
+const { Voxelizer } = grpc.loadPackageDefinition(proto).latvox.v1;
+
+// Draco without quantization: the positions arrive as they are.
+async function encode(obj) {
+  const rows = obj.split('\n').map((line) => line.trim().split(/\s+/));
+  const positions = rows.filter(([key]) => key === 'v').flatMap((row) => row.slice(1, 4).map(Number));
+  const corner = (word) => parseInt(word, 10) - 1; // 12/7/3 is vertex 12
+  const faces = rows.filter(([key]) => key === 'f').flatMap((row) => row.slice(1, 4).map(corner));
+  const draco = await draco3d.createEncoderModule({});
+  const [builder, mesh, out] = [new draco.MeshBuilder(), new draco.Mesh(), new draco.DracoInt8Array()];
+  builder.AddFacesToMesh(mesh, faces.length / 3, new Uint32Array(faces));
+  builder.AddFloatAttributeToMesh(mesh, draco.POSITION, positions.length / 3, 3, new Float32Array(positions));
+  const length = new draco.Encoder().EncodeMeshToDracoBuffer(mesh, out);
+  return Buffer.from(Uint8Array.from({ length }, (_, n) => out.GetValue(n)));
+}
+
+// The voxels of BrickBatch.packed: tiles of bricks of voxels, the latter two as octrees.
+function* voxelsOf(packed) {
+  let at = 0;
+  const octree = () => {
+    let corners = [[0, 0, 0]];
+    for (const half of [4, 2, 1]) {
+      corners = corners.flatMap(([x, y, z]) => {
+        const node = packed[at++];
+        const octants = [0, 1, 2, 3, 4, 5, 6, 7].filter((n) => node & (1 << n));
+        return octants.map((n) => [x + half * (n >> 2), y + half * ((n >> 1) & 1), z + half * (n & 1)]);
+      });
+    }
+    return corners.sort(([a, b, c], [d, e, f]) => a - d || b - e || c - f);
+  };
+  while (at < packed.length) {
+    const tile = [0, 4, 8].map((n) => 64 * packed.readInt32LE(at + n));
+    at += 12;
+    for (const brick of octree()) {
+      for (const cell of octree()) yield tile.map((low, m) => low + 8 * brick[m] + cell[m]);
+    }
+  }
+}
+
+const mesh = await encode(fs.readFileSync(path, 'utf8'));
+const named = `NAMED_LATTICE_${lattice.toUpperCase()}`;
+const encoding = 'BRICK_ENCODING_PACKED';
+const spec = { lattice: { named }, resolution: Number(resolution), separability: 2, encoding, meshBytes: mesh.length };
+const client = new Voxelizer(address, grpc.credentials.createInsecure());
+const stream = client.Voxelize({ deadline: Date.now() + 600_000 });
+console.log('i,j,k');
+stream.on('data', ({ bricks, summary }) => {
+  if (bricks) for (const voxel of voxelsOf(bricks.packed)) console.log(voxel.join());
+  if (summary) console.error(`${summary.voxels} voxels, digest ${summary.certificate.digest}`);
+});
+stream.on('error', (error) => {
+  console.error(error.message);
+  process.exitCode = 1;
+});
+stream.on('end', () => client.close());
+stream.write({ spec });
+for (let at = 0; at < mesh.length; at += 1 << 18) stream.write({ meshPiece: mesh.subarray(at, at + (1 << 18)) });
+stream.end();

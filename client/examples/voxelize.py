@@ -1,0 +1,74 @@
+#!/usr/bin/python3
+"""A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: sends a Draco mesh, prints its voxels.
+
+Needs python3-grpcio, python3-protobuf and, made once in the folder it is called from or in $PYTHONPATH:
+    protoc -I proto --python_out=. latvox/v1/voxelizer.proto
+Usage: client/examples/voxelize.py ADDRESS MESH.drc RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
+"""
+
+import sys
+
+import grpc
+from latvox.v1 import voxelizer_pb2 as pb
+
+
+def requests(mesh, resolution, lattice):
+    """The specification first, then the mesh in pieces of any size."""
+    named = pb.NamedLattice.Value(f"NAMED_LATTICE_{lattice.upper()}")
+    yield pb.VoxelizeRequest(
+        spec=pb.VoxelizeSpec(
+            lattice=pb.Lattice(named=named),
+            resolution=resolution,
+            separability=2,
+            encoding=pb.BRICK_ENCODING_PACKED,
+            mesh_bytes=len(mesh),
+        )
+    )
+    for at in range(0, len(mesh), 1 << 18):
+        yield pb.VoxelizeRequest(mesh_piece=mesh[at : at + (1 << 18)])
+
+
+def octree(packed, at):
+    """The cells (x, y, z) of the octree that begins at byte `at`, and the byte after it."""
+    corners = [(0, 0, 0)]
+    for half in (4, 2, 1):
+        inner = []
+        for x, y, z in corners:
+            octants = [n for n in range(8) if packed[at] >> n & 1]
+            inner += [(x + half * (n >> 2), y + half * (n >> 1 & 1), z + half * (n & 1)) for n in octants]
+            at += 1
+        corners = inner
+    return sorted(corners), at
+
+
+def voxels(packed):
+    """The voxels (i, j, k) of BrickBatch.packed: tiles of bricks of voxels."""
+    at = 0
+    while at < len(packed):
+        tile = [64 * int.from_bytes(packed[at + 4 * m : at + 4 * m + 4], "little", signed=True) for m in range(3)]
+        bricks, at = octree(packed, at + 12)
+        for brick in bricks:
+            cells, at = octree(packed, at)
+            for cell in cells:
+                yield tuple(tile[m] + 8 * brick[m] + cell[m] for m in range(3))
+
+
+def main(address, path, resolution, lattice="cartesian"):
+    with open(path, "rb") as file:
+        mesh = file.read()
+    with grpc.insecure_channel(address) as channel:
+        call = channel.stream_stream(
+            "/latvox.v1.Voxelizer/Voxelize",
+            request_serializer=pb.VoxelizeRequest.SerializeToString,
+            response_deserializer=pb.VoxelizeResponse.FromString,
+        )
+        print("i,j,k")
+        for answer in call(requests(mesh, int(resolution), lattice), timeout=600):
+            for i, j, k in voxels(answer.bricks.packed):
+                print(f"{i},{j},{k}")
+        # Only the last answer has a summary; without one, something is missing.
+        print(f"{answer.summary.voxels} voxels, digest {answer.summary.certificate.digest}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,57 @@
+"""The clients in client/examples, which share no code with latvox, find the voxels that latvox finds."""
+
+import os
+import pathlib
+import subprocess
+import unittest
+
+from harness import BUNNY, PATIENCE, Case, encode_drc, rows, server
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LATTICES = ("cartesian", "bcc", "fcc", "hexagonal")
+
+
+class Examples(Case):
+    def run_example(self, *command, **environment):
+        """The voxels that it prints, and the last word of what it says: the digest."""
+        words = list(map(str, command))
+        done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, env=os.environ | environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = done.stdout.splitlines()
+        self.assertEqual(lines[0], "i,j,k")
+        voxels = {tuple(map(int, line.split(","))) for line in lines[1:]}
+        self.assertEqual(len(voxels), len(lines) - 1, "a voxel came twice")
+        return voxels, done.stderr.split()[-1]
+
+    def expected(self, address, mesh, lattice):
+        options = ["--resolution", "60", "--lattice", lattice, "--separability", "2", "--quantization", "0"]
+        summary = self.voxelize(mesh, *options, "--server", address)
+        return set(rows(self.dir / "out.csv")), summary["digest"]
+
+    def test_python(self):
+        mesh = encode_drc(self.dir / "bunny.drc", BUNNY, "-cl", "7")
+        protoc = ["protoc", "-I", ROOT / "proto", f"--python_out={self.dir}", "latvox/v1/voxelizer.proto"]
+        subprocess.run(protoc, check=True, timeout=PATIENCE)
+        example = ROOT / "client/examples/voxelize.py"
+        with server(self.dir) as latvoxd:
+            for lattice in LATTICES:
+                with self.subTest(lattice):
+                    found = self.run_example(example, latvoxd.address, mesh, 60, lattice, PYTHONPATH=str(self.dir))
+                    self.assertEqual(found, self.expected(latvoxd.address, mesh, lattice))
+
+    def test_node(self):
+        # Node looks for packages in the folders above the program.
+        example = self.dir / "client/examples/voxelize.mjs"
+        example.parent.mkdir(parents=True)
+        example.write_bytes((ROOT / "client/examples/voxelize.mjs").read_bytes())
+        (self.dir / "proto").symlink_to(ROOT / "proto")
+        (self.dir / "node_modules").symlink_to(ROOT / "tests/node/node_modules")
+        with server(self.dir) as latvoxd:
+            for lattice in LATTICES:
+                with self.subTest(lattice):
+                    found = self.run_example("node", example, latvoxd.address, BUNNY, 60, lattice)
+                    self.assertEqual(found, self.expected(latvoxd.address, BUNNY, lattice))
+
+
+if __name__ == "__main__":
+    unittest.main()
