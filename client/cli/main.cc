@@ -12,6 +12,7 @@
 #include "client/cli/common_options.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
+#include "client/cli/merge_command.h"
 #include "client/cli/pixelize_command.h"
 #include "client/cli/voxelize_command.h"
 
@@ -68,12 +69,14 @@ struct Commands {
   VoxelizeWords words;
   BatchWords batch_words;
   PixelizeWords pixelize_words;
+  MergeWords merge_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
   CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
+  CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
@@ -85,6 +88,7 @@ struct Commands {
     AddVoxelizeOptions(*voxelize, words);
     AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
+    AddMergeOptions(*merge, merge_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
@@ -109,6 +113,11 @@ ExitStatus Run(const Commands& commands) {
     const PixelizeOptions options = Interpret(commands.pixelize_words);
     const Interrupt interrupt(cancellation);
     return Print(Pixelize(options, cancellation));
+  }
+  if (*commands.merge) {
+    Check(commands.merge_words);
+    const Interrupt interrupt(cancellation);
+    return Print(RunMerge(commands.merge_words, cancellation));
   }
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));

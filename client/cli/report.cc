@@ -199,6 +199,26 @@ std::string ToText(const PixelizeReport& report) {
   return text;
 }
 
+std::string ToJson(const MergeReport& report) {
+  const MergedGrid& merged = report.merged;
+  Json json = {{"parts", report.parts},
+               {"voxels", merged.voxels},
+               {"bricks", merged.bricks},
+               {"shared_bricks", merged.shared_bricks},
+               {"digest", merged.digest}};
+  json["timings_ms"] = {{"total", report.total_ms}};
+  json["outputs"] = {report.output};
+  return Dump(json);
+}
+
+std::string ToText(const MergeReport& report) {
+  const MergedGrid& merged = report.merged;
+  std::string text = absl::StrCat(report.parts, report.parts == 1 ? " part: " : " parts: ", merged.voxels,
+                                  " voxels in ", merged.bricks, " bricks, digest ", merged.digest, "\n");
+  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", report.output, report.total_ms / 1e3);
+  return text;
+}
+
 std::string ToJson(const Limits& limits) { return Dump(LimitsJson(limits)); }
 
 std::string ToText(const Limits& limits) {

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "client/cli/exit_status.h"
+#include "client/grid/merge.h"
 #include "client/plane_types.h"
 #include "client/types.h"
 
@@ -68,6 +69,16 @@ struct PixelizeReport {
 
 std::string ToJson(const PixelizeReport& report);
 std::string ToText(const PixelizeReport& report);
+
+struct MergeReport {
+  size_t parts = 0;
+  std::string output;
+  MergedGrid merged;
+  double total_ms = 0;  // the whole command
+};
+
+std::string ToJson(const MergeReport& report);
+std::string ToText(const MergeReport& report);
 
 // One object, keys as in the protocol; a line for each.
 std::string ToJson(const Limits& limits);

@@ -1,0 +1,59 @@
+// Several parts as one sequence of bricks. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_BRICK_MERGE_H_
+#define LATVOX_CLIENT_GRID_BRICK_MERGE_H_
+
+#include <functional>
+#include <memory>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/cancellation.h"
+#include "client/grid/part_file.h"
+
+namespace latvox::client {
+
+// The union of all parts' bricks, in the tree's order, as often as one wants: from each Rewind on. Memory: that of the
+// parts. Not thread-safe.
+class BrickMerge {
+ public:
+  using Parts = std::vector<std::unique_ptr<PartFile>>;
+
+  // `disjoint`: a brick in two parts is an error. `progress` is called now and then with how many bricks of the parts
+  // have been read since the beginning, Rewind or not.
+  BrickMerge(Parts parts, bool disjoint, const Cancellation& cancellation, std::function<void(uint64_t)> progress);
+
+  // Goes back to before the first brick.
+  void Rewind();
+
+  // The next leaf; null at the end, and on an error. Valid until the next call.
+  const Leaf* Next();
+
+  // The first error: of a part (see PartFile); INVALID_ARGUMENT (a brick in two parts); CANCELLED.
+  const absl::Status& status() const { return status_; }
+
+ private:
+  struct Head {
+    TreePlace place;
+    size_t part;
+    auto operator<=>(const Head&) const = default;
+  };
+
+  void Advance(size_t part);
+  void Tick();
+
+  Parts parts_;
+  const bool disjoint_;
+  const Cancellation cancellation_;
+  const std::function<void(uint64_t)> progress_;
+  std::vector<const Leaf*> leaves_;  // the next one of each part; null: it has no more
+  std::priority_queue<Head, std::vector<Head>, std::greater<>> heads_;
+  uint64_t read_ = 0;
+  Leaf leaf_;
+  absl::Status status_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_BRICK_MERGE_H_

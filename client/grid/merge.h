@@ -1,0 +1,39 @@
+// Parts of a voxelization, joined. No OpenVDB header is needed to use this.
+#ifndef LATVOX_CLIENT_GRID_MERGE_H_
+#define LATVOX_CLIENT_GRID_MERGE_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/cancellation.h"
+
+namespace latvox::client {
+
+struct MergedGrid {
+  uint64_t voxels = 0, bricks = 0;
+  uint64_t shared_bricks = 0;  // bricks of the parts beyond those of the whole: in more than one part
+  std::string digest;          // of the whole
+};
+
+// Writes to `path`, over what is there and not atomically, the .vdb file of the whole whose parts are these files,
+// which `latvox voxelize` wrote of one mesh and request with --region or --shard: the union of their voxels, with the
+// metadata that they share. The digest is computed anew; it is the sum of the parts' digests where no brick is in two.
+//
+// Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets (20
+// MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.
+//
+// `progress` is called now and then with the share done, 0 to 1, and the bricks written so far.
+//
+// Errors: INVALID_ARGUMENT or NOT_FOUND, with the file: not a whole file of latvox's; parts that are not of one whole,
+// with field and values; a part that is given twice; shards that are missing. RESOURCE_EXHAUSTED: open files.
+// UNKNOWN: `path` cannot be written. CANCELLED.
+absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, const std::string& path,
+                                      const Cancellation& cancellation,
+                                      const std::function<void(double, uint64_t)>& progress);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_MERGE_H_

@@ -1,0 +1,148 @@
+#include "client/grid/part_file.h"
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/grid/voxel_grid.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr int64_t kLeafBytes = 140;
+
+// What io::File reads when it opens a file, and does not show: where the grid's sections are.
+struct Frame : openvdb::io::Archive {
+  openvdb::io::GridDescriptor descriptor;
+  openvdb::GridBase::Ptr grid;
+
+  void Read(std::istream& in) {
+    readHeader(in);
+    if (fileVersion() != openvdb::OPENVDB_FILE_VERSION) {
+      throw std::runtime_error(absl::StrCat("its format is ", fileVersion(), ", not ", openvdb::OPENVDB_FILE_VERSION));
+    }
+    if (!inputHasGridOffsets()) throw std::runtime_error("it was written as a stream");
+    setFormatVersion(in);
+    setLibraryVersion(in);
+    openvdb::MetaMap().readMeta(in);
+    if (const int32_t grids = readGridCount(in); grids != 1) {
+      throw std::runtime_error(absl::StrCat("it holds ", grids, " grids, not 1"));
+    }
+    grid = descriptor.read(in);
+    if (grid->type() != openvdb::BoolGrid::gridType()) {
+      throw std::runtime_error(absl::StrCat("its grid is a ", grid->type()));
+    }
+    descriptor.seekToGrid(in);
+    readGridCompression(in);
+    grid->readMeta(in);
+    grid->readTransform(in);
+  }
+};
+
+std::string DigestIn(const openvdb::GridBase& grid) {
+  const auto digest = grid.getMetadata<openvdb::StringMetadata>("latvox_digest");
+  if (!digest) throw std::runtime_error("its metadata has no latvox_digest");
+  return digest->value();
+}
+
+}  // namespace
+
+absl::Status PartFile::OpenStream() {
+  std::error_code error;
+  if (std::filesystem::is_directory(path_, error)) {
+    return absl::InvalidArgumentError(absl::StrCat(path_, ": is a directory"));
+  }
+  file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  errno = 0;
+  file_.open(path_, std::ios::binary);
+  if (file_.is_open()) return absl::OkStatus();
+  const std::string message = absl::StrCat(path_, ": cannot be opened (", std::strerror(errno), ")");
+  if (errno == ENOENT) return absl::NotFoundError(absl::StrCat(path_, ": no such file"));
+  if (errno == EMFILE) return absl::ResourceExhaustedError(absl::StrCat(message, "; ulimit -n is the limit"));
+  return absl::InvalidArgumentError(message);
+}
+
+void PartFile::ReadFrame() {
+  file_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+  Frame frame;
+  frame.Read(file_);
+  grid_ = frame.grid;
+  recorded_ = DigestIn(*grid_);
+  const int64_t size = static_cast<int64_t>(std::filesystem::file_size(path_));
+  leaves_begin_ = frame.descriptor.getBlockPos();
+  const int64_t end = frame.descriptor.getEndPos(), bytes = end - leaves_begin_;
+  if (end > size) throw std::runtime_error(absl::StrCat("it is cut short: ", size, " bytes of ", end));
+  if (leaves_begin_ <= 0 || bytes < 0 || bytes % kLeafBytes != 0) {
+    throw std::runtime_error("its grid does not lie within it");
+  }
+  leaves_ = static_cast<uint64_t>(bytes / kLeafBytes);
+}
+
+absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path) {
+  openvdb::initialize();
+  std::unique_ptr<PartFile> part(new PartFile(path));
+  if (auto status = part->OpenStream(); !status.ok()) return status;
+  std::string why;
+  try {
+    part->ReadFrame();
+    part->Rewind();
+    return part;
+  } catch (const std::ios_base::failure&) {
+    why = "it is cut short";
+  } catch (const std::exception& error) {
+    why = error.what();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a whole .vdb file that latvox wrote (", why, ")"));
+}
+
+void PartFile::Rewind() {
+  if (!status_.ok()) return;
+  read_ = 0;
+  place_.reset();
+  digest_ = Digest();
+  file_.seekg(leaves_begin_);
+}
+
+const Leaf* PartFile::Next() {
+  if (!status_.ok()) return nullptr;
+  try {
+    if (read_ == leaves_) return CheckDigest(), nullptr;
+    ReadLeaf();
+    return &leaf_;
+  } catch (const std::ios_base::failure&) {
+    status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": cannot be read to its end"));
+  } catch (const std::exception& error) {
+    status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": ", error.what()));
+  }
+  return nullptr;
+}
+
+void PartFile::ReadLeaf() {
+  leaf_.readBuffers(file_, /*fromHalf=*/false);
+  ++read_;
+  const TreePlace place = PlaceOf(leaf_.origin());
+  const bool mask_is_values =
+      std::memcmp(leaf_.buffer().data(), &leaf_.getValueMask().getWord<openvdb::Index64>(0), sizeof(Brick::mask)) == 0;
+  const bool aligned = (leaf_.origin() & int32_t{Leaf::DIM - 1}) == openvdb::Coord(0);
+  if (!mask_is_values || !aligned || leaf_.isEmpty() || (place_ && place <= *place_)) {
+    throw std::runtime_error(absl::StrCat("is damaged: brick ", read_, " of ", leaves_, " is not as latvox wrote it"));
+  }
+  place_ = place;
+  digest_.Add(ToBrick(leaf_));
+}
+
+void PartFile::CheckDigest() {
+  if (const std::string found = digest_.ToHex(); found != recorded_) {
+    throw std::runtime_error(
+        absl::StrCat("is damaged: its voxels have digest ", found, ", but latvox_digest is ", recorded_));
+  }
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,68 @@
+// One part of a voxelization: a .vdb file that `latvox voxelize` wrote, read brick by brick. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_PART_FILE_H_
+#define LATVOX_CLIENT_GRID_PART_FILE_H_
+
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/digest.h"
+#include "client/grid/tree_nodes.h"
+
+namespace latvox::client {
+
+// The file's frame and metadata are OpenVDB's to read. Of the tree only the last section is read, the leaves' buffers:
+//
+//   bytes    140 for each leaf, in the tree's order (TreePlace)
+//            64   mask of active voxels, of which there is one at least
+//            12   i, j, k of the low corner, little-endian 32-bit
+//            64   values: the same bits
+//
+// Memory: 64 KiB. Not thread-safe. Errors, in status() or returned, name the path; INVALID_ARGUMENT unless said.
+class PartFile {
+ public:
+  // Errors: NOT_FOUND; RESOURCE_EXHAUSTED (open files); a file that latvox did not write; one that is cut short.
+  static absl::StatusOr<std::unique_ptr<PartFile>> Open(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  const openvdb::MetaMap& metadata() const { return *grid_; }
+  openvdb::math::Transform::Ptr transform() const { return grid_->transformPtr(); }
+  const std::string& digest() const { return recorded_; }  // as the metadata says: latvox_digest
+  uint64_t leaves() const { return leaves_; }
+
+  // Goes back to before the first leaf.
+  void Rewind();
+
+  // The next leaf; null at the end, and on an error. Valid until the next call. What has been read to the end is what
+  // the digest stands for.
+  const Leaf* Next();
+
+  const absl::Status& status() const { return status_; }
+
+ private:
+  explicit PartFile(const std::string& path) : path_(path), buffer_(size_t{1} << 16) {}
+  absl::Status OpenStream();
+  void ReadFrame();
+  void ReadLeaf();
+  void CheckDigest();
+
+  const std::string path_;
+  std::vector<char> buffer_;
+  std::ifstream file_;
+  openvdb::GridBase::Ptr grid_;
+  std::string recorded_;
+  int64_t leaves_begin_ = 0;
+  uint64_t leaves_ = 0, read_ = 0;
+  Leaf leaf_;
+  std::optional<TreePlace> place_;  // of leaf_; absent before the first
+  Digest digest_;
+  absl::Status status_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_PART_FILE_H_
