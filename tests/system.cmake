@@ -33,6 +33,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(e2e.metrics "${latvox_python};e2e/metrics_test.py")
   latvox_add_system_test(e2e.openvdb "${latvox_python};e2e/openvdb_test.py")
   latvox_add_system_test(e2e.pixelize "${latvox_python};e2e/pixelize_test.py")
+  latvox_add_system_test(e2e.sdk "${latvox_python};e2e/sdk_test.py")
   latvox_add_system_test(e2e.tls "${latvox_python};e2e/tls_test.py")
   # They want both cores for themselves: their figures are of a machine that does nothing else.
   latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)
