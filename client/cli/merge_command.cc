@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/cli/common_options.h"
 #include "client/cli/progress_bar.h"
@@ -43,8 +44,9 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   auto file = AtomicFile::Create(output);
   if (!file.ok()) return file.status();
   ProgressBar bar;
-  const auto merged = MergeParts(words.parts, (*file)->temporary(), cancellation,
-                                 [&bar](double share, uint64_t bricks) { bar.Show(share, bricks); });
+  const auto merged =
+      MergeParts(words.parts, (*file)->temporary(), cancellation,
+                 [&bar](double share, uint64_t bricks) { bar.Show(share, absl::StrCat(bricks, " bricks")); });
   if (!merged.ok()) return merged.status();
   if (auto status = (*file)->Sync(); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
