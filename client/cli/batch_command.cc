@@ -54,7 +54,7 @@ absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancella
     Say(absl::StrCat("and ", more, " more have failed: see ", results));
   }
   if (!status.ok()) return status;
-  if (cancellation.cancelled()) Say("cancelled; --resume goes on from here");
+  if (report.cancelled) Say("cancelled; --resume goes on from here");
   report.results = results;
   report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   return report;

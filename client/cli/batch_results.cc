@@ -25,7 +25,7 @@ bool IsResultsName(const std::string& name) {
 
 }  // namespace
 
-std::string ResultsName(const LineShard& shard) {
+std::string ResultsName(const Shard& shard) {
   if (shard.count == 1) return "results.jsonl";
   return absl::StrCat("results-", shard.index, "-of-", shard.count, ".jsonl");
 }

@@ -18,7 +18,7 @@
 namespace latvox::client {
 
 // results.jsonl, or results-I-of-N.jsonl, so that no two workers write one file.
-std::string ResultsName(const LineShard& shard);
+std::string ResultsName(const Shard& shard);
 
 // Lines of `report.h`'s ToJsonLine, appended whole as jobs end. Threads: Append may be called at once.
 class ResultsFile {

@@ -24,8 +24,8 @@ absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs) {
     std::error_code error;
     std::filesystem::create_directories(std::filesystem::path(output).parent_path(), error);
-    if (error)
-      return absl::FailedPreconditionError(absl::StrCat(output, ": cannot be written (", error.message(), ")"));
+    if (!error) continue;
+    return absl::FailedPreconditionError(absl::StrCat(output, ": cannot be written (", error.message(), ")"));
   }
   return absl::OkStatus();
 }
@@ -45,13 +45,13 @@ absl::Status BatchRun::Run() {
   Watch();
   for (std::thread& thread : threads) thread.join();
   session_.reset();
-  return cancellation_.cancelled() ? absl::OkStatus() : stop_;
+  return absl::IsCancelled(stop_) ? absl::OkStatus() : stop_;
 }
 
 BatchReport BatchRun::report() const {
   BatchReport report = report_;
-  const bool whole = report.done + report.failed + report.skipped == report.jobs;
-  if (cancellation_.cancelled() && !whole) report.status = ExitStatus::kCancelled;
+  report.cancelled = cancellation_.cancelled() && report.done + report.failed + report.skipped < report.jobs;
+  if (report.cancelled) report.status = ExitStatus::kCancelled;
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 
 namespace latvox::client {
 namespace {
@@ -24,6 +25,19 @@ std::string CheckPositive(const std::string& text) {
   double number = 0;
   if (ParseNumber(text, number) && number > 0) return "";
   return absl::StrCat("\"", text, "\" is not a finite number above 0");
+}
+
+std::optional<Shard> ParseShard(const std::string& text) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('/', 1));
+  Shard shard;
+  if (!ParseNumber(parts.first, shard.index) || !ParseNumber(parts.second, shard.count)) return std::nullopt;
+  if (shard.count < 1 || shard.count > kMaxShards || shard.index >= shard.count) return std::nullopt;
+  return shard;
+}
+
+std::string CheckShard(const std::string& text) {
+  if (ParseShard(text)) return "";
+  return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
 }
 
 CLI::Validator Whole(int low, int high) {

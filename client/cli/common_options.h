@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <type_traits>
@@ -20,6 +21,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
 #include "client/cli/session.h"
+#include "client/types.h"
 
 namespace latvox::client {
 
@@ -58,6 +60,10 @@ std::string CheckNumbers(const std::string& text) {
 }
 
 std::string CheckPositive(const std::string& text);
+
+// "I/N", or nothing.
+std::optional<Shard> ParseShard(const std::string& text);
+std::string CheckShard(const std::string& text);
 
 // A whole number within low to high.
 CLI::Validator Whole(int low, int high);

@@ -65,7 +65,7 @@ class Claims {
 
 }  // namespace
 
-absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const LineShard& shard,
+absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Shard& shard,
                                     const Cancellation& cancellation) {
   auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
@@ -82,7 +82,7 @@ absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& 
     ++number;
     if (cancellation.cancelled()) return absl::CancelledError("cancelled");
     if (absl::StripAsciiWhitespace(text).empty()) continue;
-    if (shard.Takes(file.jobs++)) file.lines.push_back(JobLine{number, text});
+    if (Takes(shard, file.jobs++)) file.lines.push_back(JobLine{number, text});
     const auto job = parser.Parse(text);
     const absl::Status status = job.ok() ? claims.Add(number, *job) : job.status();
     if (!status.ok()) tell(number, status.message());

@@ -34,6 +34,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},
+    {"shard", Kind::kText},
     {"encoding", Kind::kText},
 };
 

@@ -2,10 +2,8 @@
 
 #include <cstdlib>
 #include <optional>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "client/cli/common_options.h"
 
 namespace latvox::client {
@@ -14,12 +12,6 @@ namespace {
 constexpr char kKubernetesIndex[] = "JOB_COMPLETION_INDEX", kCount[] = "LATVOX_SHARD_COUNT";
 constexpr char kSlurmId[] = "SLURM_ARRAY_TASK_ID", kSlurmCount[] = "SLURM_ARRAY_TASK_COUNT";
 constexpr char kSlurmMin[] = "SLURM_ARRAY_TASK_MIN", kSlurmStep[] = "SLURM_ARRAY_TASK_STEP";
-
-bool ParseShard(const std::string& text, LineShard& shard) {
-  const std::vector<absl::string_view> words = absl::StrSplit(text, '/');
-  return words.size() == 2 && ParseNumber(words[0], shard.index) && ParseNumber(words[1], shard.count) &&
-         shard.index < shard.count;
-}
 
 // A variable that is empty counts as one that is not set.
 std::optional<uint32_t> Variable(const char* name) {
@@ -36,7 +28,8 @@ uint32_t Needed(const char* name, const char* because) {
   return *number;
 }
 
-LineShard Below(uint32_t index, uint32_t count, const std::string& sources) {
+Shard Below(uint32_t index, uint32_t count, const std::string& sources) {
+  if (count > kMaxShards) Refuse(sources, ": the count, ", count, ", exceeds ", kMaxShards);
   if (index >= count) Refuse(sources, ": shard ", index, " is not below the count, ", count);
   return {index, count};
 }
@@ -58,18 +51,8 @@ ChosenShard FromSlurm(uint32_t id) {
 
 }  // namespace
 
-std::string CheckShard(const std::string& text) {
-  LineShard shard;
-  if (ParseShard(text, shard)) return "";
-  return absl::StrCat("\"", text, "\" is not I/N, two whole numbers with 0 <= I < N");
-}
-
 ChosenShard ChooseShard(const std::string& given) {
-  if (!given.empty()) {
-    ChosenShard chosen{{}, "--shard"};
-    ParseShard(given, chosen.shard);
-    return chosen;
-  }
+  if (const auto shard = ParseShard(given)) return {*shard, "--shard"};
   const std::optional<uint32_t> kubernetes = Variable(kKubernetesIndex), slurm = Variable(kSlurmId);
   if (kubernetes && slurm) Refuse(kKubernetesIndex, " and ", kSlurmId, " are both set; --shard I/N decides");
   if (kubernetes) return FromKubernetes(*kubernetes);

@@ -5,23 +5,17 @@
 #include <cstdint>
 #include <string>
 
+#include "client/types.h"
+
 namespace latvox::client {
 
-// Of `count` workers, the one with this index, from 0 on. Neighbours in a list are often alike, so that jobs are dealt
-// out one by one.
-struct LineShard {
-  uint32_t index = 0, count = 1;
-  bool Takes(uint64_t job) const { return job % count == index; }
-  bool operator==(const LineShard&) const = default;
-};
-
-// "I/N" with 0 <= I < N. Returns what is wrong with the text, for CLI11; empty if nothing is.
-std::string CheckShard(const std::string& text);
+// Whether the job, counted from 0 on, is that of this one of `count` workers. Neighbours in a list are often alike, so
+// that jobs are dealt out one by one.
+inline bool Takes(const Shard& shard, uint64_t job) { return job % shard.count == shard.index; }
 
 struct ChosenShard {
-  LineShard shard;
-  std::string
-      source;  // what it comes from: names of an option or of variables; empty: nothing says, so it is the whole
+  Shard shard;
+  std::string source;  // the option or the variables that say so; empty: nothing does, and it is the whole
 };
 
 // What --shard says; if that is empty, what the engine's variables say:

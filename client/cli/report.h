@@ -48,6 +48,7 @@ std::string ToJsonLine(const JobResult& result);
 struct BatchReport {
   uint64_t jobs = 0;  // of this worker
   uint64_t done = 0, failed = 0, skipped = 0;
+  bool cancelled = false;             // before all of them had ended
   std::vector<std::string> failures;  // a line for each of the first
   std::string results;                // the file of results
   double total_ms = 0;

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/output/output.h"
@@ -44,20 +43,6 @@ std::string CheckRegion(const std::string& text) {
     }
   }
   return "";
-}
-
-// "I/N", or nothing.
-std::optional<Shard> ParseShard(const std::string& text) {
-  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('/', 1));
-  Shard shard;
-  if (!ParseNumber(parts.first, shard.index) || !ParseNumber(parts.second, shard.count)) return std::nullopt;
-  if (shard.count < 1 || shard.count > kMaxShards || shard.index >= shard.count) return std::nullopt;
-  return shard;
-}
-
-std::string CheckShard(const std::string& text) {
-  if (ParseShard(text)) return "";
-  return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
 }
 
 std::string CheckQuantization(const std::string& text) {

@@ -9,7 +9,9 @@
 #include "client/error.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
+#include "client/output/box_output.h"
 #include "client/output/picture_output.h"
+#include "client/output/surface_output.h"
 #include "client/output/table_output.h"
 
 namespace latvox::client {
@@ -51,8 +53,8 @@ std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file) {
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
 
 constexpr std::pair<const char*, NewOutput> kFormats[] = {
-    {".vdb", NewVdbOutput}, {".csv", NewCsvOutput},     {".npy", NewNpyOutput},
-    {".ply", NewPlyOutput}, {".png", NewPictureOutput},
+    {".vdb", NewVdbOutput},     {".csv", NewCsvOutput}, {".npy", NewNpyOutput},       {".ply", NewPlyOutput},
+    {".png", NewPictureOutput}, {".glb", NewGlbOutput}, {".binvox", NewBinvoxOutput}, {".vox", NewVoxOutput},
 };
 
 }  // namespace

@@ -33,8 +33,11 @@ const std::vector<std::string>& OutputExtensions();
 //   .npy   int32 array of shape (voxels, 3): lattice coordinates
 //   .ply   points, binary little-endian: double x, y, z, int i, j, k
 //   .png   picture
+//   .glb   surface, see client/output/surface_output.h
+//   .binvox, .vox   boxes of cubes, see client/output/box_output.h
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, .vdb aside. Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION (the file cannot be created).
+// voxels, .vdb, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION (the file
+// cannot be created).
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path);
 
 }  // namespace latvox::client

@@ -105,6 +105,15 @@ class Jobs(Batch):
         self.assertEqual(self.voxelize(self.dir / "a.ply", "--lattice", "bcc", "--voxel-size", "0.1", out="a.csv")["voxels"], single[1]["voxels"])
         self.assertEqual((self.out / "deep/er/a.csv").read_text(), (self.dir / "a.csv").read_text())
 
+    def test_lines_can_be_parts_of_one_mesh(self):
+        request = {"mesh": str(BUNNY), "lattice": "bcc", "resolution": 256}
+        parts = [{**request, "shard": f"{n}/3", "out": f"{n}.csv"} for n in range(3)]
+        self.batch(self.jobs({**request, "out": "whole.csv"}, *parts))
+        voxels = [harness.rows(self.out / name) for name in ("whole.csv", "0.csv", "1.csv", "2.csv")]
+        self.assertEqual([len(part) > 0 for part in voxels], [True] * 4)
+        self.assertEqual(sum(len(part) for part in voxels[1:]), len(voxels[0]))
+        self.assertEqual(voxels[1] | voxels[2] | voxels[3], voxels[0])
+
     def test_what_fails_stops_nothing_else(self):
         (self.dir / "broken.ply").write_text("this is no mesh\n")
         small = self.small(3)

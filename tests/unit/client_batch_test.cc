@@ -8,6 +8,7 @@
 
 #include "client/cli/batch_options.h"
 #include "client/cli/batch_results.h"
+#include "client/cli/common_options.h"
 #include "client/cli/job_digest.h"
 #include "client/cli/line_shard.h"
 #include "client/error.h"
@@ -47,28 +48,28 @@ class Shards : public testing::Test {
 };
 
 TEST_F(Shards, WithoutAWordItIsTheWhole) {
-  EXPECT_EQ(ChooseShard("").shard, (LineShard{0, 1}));
+  EXPECT_EQ(ChooseShard("").shard, (Shard{0, 1}));
   EXPECT_EQ(ChooseShard("").source, "");
 }
 
 TEST_F(Shards, TheOptionGoesBeforeTheEnvironment) {
   Set({{"JOB_COMPLETION_INDEX", "1"}});
-  EXPECT_EQ(ChooseShard("2/3").shard, (LineShard{2, 3}));
+  EXPECT_EQ(ChooseShard("2/3").shard, (Shard{2, 3}));
   EXPECT_EQ(ChooseShard("2/3").source, "--shard");
 }
 
 TEST_F(Shards, EnginesTellTheirs) {
   Set({{"JOB_COMPLETION_INDEX", "1"}, {"LATVOX_SHARD_COUNT", "4"}});
-  EXPECT_EQ(ChooseShard("").shard, (LineShard{1, 4}));
+  EXPECT_EQ(ChooseShard("").shard, (Shard{1, 4}));
   EXPECT_EQ(ChooseShard("").source, "JOB_COMPLETION_INDEX, LATVOX_SHARD_COUNT");
   Set({{"SLURM_ARRAY_TASK_ID", "9"}, {"SLURM_ARRAY_TASK_COUNT", "4"}, {"SLURM_ARRAY_TASK_MIN", "8"}});
-  EXPECT_EQ(ChooseShard("").shard, (LineShard{1, 4}));
+  EXPECT_EQ(ChooseShard("").shard, (Shard{1, 4}));
   Set({{"SLURM_ARRAY_TASK_ID", "14"},
        {"SLURM_ARRAY_TASK_COUNT", "4"},
        {"SLURM_ARRAY_TASK_MIN", "8"},
        {"SLURM_ARRAY_TASK_STEP", "2"},
        {"JOB_COMPLETION_INDEX", ""}});
-  EXPECT_EQ(ChooseShard("").shard, (LineShard{3, 4}));
+  EXPECT_EQ(ChooseShard("").shard, (Shard{3, 4}));
   EXPECT_EQ(ChooseShard("").source, "SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_COUNT");
 }
 
@@ -92,8 +93,10 @@ TEST_F(Shards, WhatIsIncompleteOrOutOfRangeIsRefused) {
               HasSubstr("steps of 2"));
   EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_SHARD_COUNT", "1"}, {"SLURM_ARRAY_TASK_ID", "0"}}),
               HasSubstr("both set"));
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_SHARD_COUNT", "1048577"}}),
+              HasSubstr("exceeds 1048576"));
   for (const char* text : {"", "1", "1/1", "-1/2", "0/0", "1/2/3", "a/2", "0/4294967296"}) {
-    EXPECT_THAT(CheckShard(text), HasSubstr("is not I/N")) << text;
+    EXPECT_THAT(CheckShard(text), HasSubstr("is not I/N with 0 <= I < N <= 1048576")) << text;
   }
   EXPECT_EQ(CheckShard("0/1"), "");
 }
@@ -241,7 +244,8 @@ TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
         R"("mesh": "m.obj", "resolution": 8, "algorithm": "brute-force")",
         R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,1])",
         R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,2])",
-        R"("mesh": "m.obj", "resolution": 8, "quantization": 12)"}) {
+        R"("mesh": "m.obj", "resolution": 8, "quantization": 12)",
+        R"("mesh": "m.obj", "resolution": 8, "shard": "0/2")", R"("mesh": "m.obj", "resolution": 8, "shard": "1/2")"}) {
     EXPECT_TRUE(digests.insert(digest(out + fields)).second) << fields;
   }
   EXPECT_TRUE(digests.insert(digest(R"("out": ["m.vdb", "m.csv"], "mesh": "m.obj", "resolution": 8)")).second);

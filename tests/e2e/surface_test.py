@@ -1,0 +1,121 @@
+"""Surfaces (.glb) enclose exactly the voxels: checked by their volume, their edges, and a validator that is not ours."""
+
+import collections
+import json
+import pathlib
+import struct
+import subprocess
+import unittest
+
+from harness import BUNNY, PATIENCE, Case, latvox, octahedron, write_obj
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FACETS = {"cartesian": 6, "bcc": 14, "fcc": 12, "hexagonal": 8}
+
+
+def read_glb(path):
+    """The document, corners in world coordinates, triangles."""
+    data = path.read_bytes()
+    magic, version, length = struct.unpack_from("<4sII", data)
+    assert (magic, version, length) == (b"glTF", 2, len(data))
+    size, kind = struct.unpack_from("<I4s", data, 12)
+    assert kind == b"JSON"
+    document = json.loads(data[20 : 20 + size])
+    if "meshes" not in document:
+        return document, [], []
+    binary = data[28 + size :]
+    views = [binary[v.get("byteOffset", 0) :][: v["byteLength"]] for v in document["bufferViews"]]
+    place = document["nodes"][0]["translation"]
+    corners = [tuple(x + p for x, p in zip(corner, place)) for corner in struct.iter_unpack("<3f", views[0])]
+    return document, corners, list(struct.iter_unpack("<3I", views[1]))
+
+
+def volume(corners, triangles):
+    """By the divergence theorem, about a corner, lest much cancels."""
+    o = corners[0]
+    sum_ = 0.0
+    for triangle in triangles:
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
+            tuple(x - y for x, y in zip(corners[n], o)) for n in triangle
+        )
+        sum_ += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return sum_ / 6
+
+
+class Surface(Case):
+    def surface(self, mesh, *options):
+        summary = self.voxelize(mesh, *options, out="out.glb")
+        return summary, *read_glb(self.dir / "out.glb")
+
+    def assert_encloses(self, summary, corners, triangles):
+        (a, b, c) = (summary["basis"][n : n + 3] for n in (0, 3, 6))
+        cell = abs(
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+        )
+        self.assertAlmostEqual(volume(corners, triangles) / cell / summary["voxels"], 1, places=4)
+        # Closed: as often as an edge is passed one way, it is passed the other.
+        size = cell ** (1 / 3)
+        key = [tuple(round(x / size * 1000) for x in corner) for corner in corners]
+        passes = collections.Counter()
+        for p, q, r in triangles:
+            for one, other in ((p, q), (q, r), (r, p)):
+                passes[key[one], key[other]] += 1
+                passes[key[other], key[one]] -= 1
+        self.assertFalse([edge for edge, count in passes.items() if count], "the surface is open")
+
+    def validate(self, path):
+        script = "const v = require('gltf-validator'); const fs = require('fs');" \
+                 "v.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1]))).then(r => console.log(JSON.stringify(r)));"
+        done = subprocess.run(["node", "-e", script, path], capture_output=True, text=True, timeout=PATIENCE,
+                              cwd=ROOT / "tests/node")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = json.loads(done.stdout)
+        self.assertEqual((report["issues"]["numErrors"], report["issues"]["numWarnings"]), (0, 0), report["issues"])
+        return report["info"]
+
+    def test_a_single_voxel_is_its_lattices_cell(self):
+        speck = write_obj(self.dir / "speck.obj", octahedron(0.01))
+        for lattice, facets in FACETS.items():
+            with self.subTest(lattice):
+                summary, _, corners, triangles = self.surface(
+                    speck, "--lattice", lattice, "--separability", 2, "--voxel-size", 1, "--origin", "0,0,0", "--quantization", 0)
+                self.assertEqual(summary["voxels"], 1)
+                normals = set()
+                for triangle in triangles:
+                    p, q, r = (corners[n] for n in triangle)
+                    u, v = ([x - y for x, y in zip(s, p)] for s in (q, r))
+                    n = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+                    length = sum(x * x for x in n) ** 0.5
+                    normals.add(tuple(round(x / length, 3) + 0.0 for x in n))
+                self.assertEqual(len(normals), facets)
+                self.assert_encloses(summary, corners, triangles)
+
+    def test_the_bunny_is_enclosed_on_any_lattice(self):
+        skew = ["--basis", "0.05,0,0,0.02,0.06,0,0.01,-0.02,0.07"]
+        for options in [["--lattice", name, "--resolution", 40] for name in FACETS] + [skew]:
+            with self.subTest(options):
+                summary, document, corners, triangles = self.surface(BUNNY, *options)
+                self.assert_encloses(summary, corners, triangles)
+                self.assertEqual(document["extras"]["digest"], summary["digest"])
+                info = self.validate(self.dir / "out.glb")
+                self.assertEqual(info["totalTriangleCount"], len(triangles))
+
+    def test_no_voxel_is_a_scene_without_a_mesh(self):
+        _, document, corners, triangles = self.surface(
+            BUNNY, "--lattice", "bcc", "--resolution", 20, "--region", "1000,0,0,1001,1,1")
+        self.assertEqual((corners, triangles), ([], []))
+        self.assertNotIn("meshes", document)
+        self.validate(self.dir / "out.glb")
+
+    def test_the_surface_goes_in_again(self):
+        first, *_ = self.surface(BUNNY, "--lattice", "bcc", "--resolution", 60)
+        (self.dir / "out.glb").rename(self.dir / "again.glb")
+        again = self.voxelize(self.dir / "again.glb", "--lattice", "bcc", "--resolution", 60, "--quantization", 0)
+        self.assertGreater(again["voxels"], first["voxels"])
+        self.assertTrue(again["certificate"]["closed"])
+
+
+if __name__ == "__main__":
+    unittest.main()
