@@ -47,7 +47,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   # Of these the first makes the image that the others run; networks of containers have one name server in all.
   latvox_add_system_test(deploy.image_build "${latvox_python};deploy/image_build_test.py" FIXTURES_SETUP image LABELS deploy
                          RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
-  foreach(name image compose kubernetes_pod slurm_container)
+  foreach(name image compose image_readme kubernetes_pod slurm_container)
     latvox_add_system_test(deploy.${name} "${latvox_python};deploy/${name}_test.py" FIXTURES_REQUIRED image LABELS deploy
                            RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)
   endforeach()

@@ -29,7 +29,9 @@ print(urllib.request.urlopen(url, timeout=10).read().decode())
 """
 
 
-class Compose(Case):
+class Stack(Case):
+    """A network, and images for all services, as of `environment`."""
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -44,11 +46,15 @@ class Compose(Case):
     def setUp(self):
         super().setUp()
         self.inside = self.enterContext(containers.network_namespace())
+        self.environment = os.environ | {"HAPROXY_IMAGE": HAPROXY, "PROMETHEUS_IMAGE": PROMETHEUS}
+
+
+class Compose(Stack):
+    def setUp(self):
+        super().setUp()
         self.project = self.inside[1].rpartition("-")[2]
         os.chown(self.dir, 1234, 1234)
-        self.environment = os.environ | {
-            "HAPROXY_IMAGE": HAPROXY,
-            "PROMETHEUS_IMAGE": PROMETHEUS,
+        self.environment |= {
             "LATVOX_IMAGE": IMAGE,
             "LATVOX_CPUS": "1",
             "LATVOX_MEMORY": "1g",

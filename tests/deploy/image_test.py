@@ -38,6 +38,9 @@ class Image(Case):
     def client(self, command, *arguments):
         return run(*self.inside, BIN / "latvox", command, *arguments, "--server", SERVER, check=False)
 
+    def metric(self, name):
+        return float(run(*self.inside, "/usr/bin/python3", "-c", FETCH, name).stdout)
+
     def begin(self, *arguments):
         """A client with a long stream, in the midst of it."""
         command = [*self.inside, BIN / "latvox", "voxelize", BUNNY, "-o", self.dir / "out.png", *LONG, "--json"]
@@ -46,7 +49,7 @@ class Image(Case):
         )
         for cleanup in (client.stdout.close, client.stderr.close, client.wait, client.kill):
             self.addCleanup(cleanup)
-        await_true("no job is at work", lambda: float(run(*self.inside, "/usr/bin/python3", "-c", FETCH_JOBS).stdout) > 0)
+        await_true("no job is at work", lambda: self.metric("latvox_jobs_running") > 0)
         time.sleep(1)  # into the stream
         self.assertIsNone(client.poll(), "the long job has ended already")
         return client
@@ -69,8 +72,9 @@ class Image(Case):
         self.assertEqual(podman("top", server.id, "pid", "huser").splitlines()[1].split(), ["1", "65532"])
         self.assertNotIn("unconfined", server.logs())
 
-    def test_the_memory_budget_is_the_containers(self):
+    def test_memory_budget_and_threads_are_the_containers(self):
         self.start(image_options=("--insecure", "--metrics-listen", "127.0.0.1:9464"))
+        self.assertEqual(self.metric("latvox_decoder_processes"), 1)  # one for each thread, and one core is allowed
         limits = json.loads(self.client("limits", "--json").stdout)
         # Three quarters of 512 MiB, less what is not for jobs; see server/server.cc.
         self.assertEqual(limits["memory_budget_bytes"], (384 - 128 - 48 - 48) << 20)
@@ -93,6 +97,9 @@ class Image(Case):
         )  # fmt: skip
         self.assertEqual(json.loads(output)["digest"], self.expected(SHORT))
         self.assertEqual((self.dir / "bunny.vdb").stat().st_uid, 1234)
+        self.voxelize(BUNNY, *SHORT, out="local.vdb")
+        through, local = (latvox("info", self.dir / name).stdout for name in ("bunny.vdb", "local.vdb"))
+        self.assertEqual(through.replace("bunny.vdb", "local.vdb"), local)
 
     def test_sigterm_drains(self):
         server = self.start(image_options=DRAINING)
@@ -121,11 +128,10 @@ class Image(Case):
 
 DRAINING = ("--insecure", "--threads", "1", "--grace", "120", "--metrics-listen", "127.0.0.1:9464")
 
-# How many jobs are at work.
-FETCH_JOBS = """
-import re, urllib.request
+FETCH = """
+import re, sys, urllib.request
 text = urllib.request.urlopen("http://127.0.0.1:9464/metrics", timeout=10).read().decode()
-print(re.search(r"^latvox_jobs_running (\\S+)", text, re.M)[1])
+print(re.search(rf"^{sys.argv[1]} (\\S+)", text, re.M)[1])
 """
 
 if __name__ == "__main__":
