@@ -1,7 +1,6 @@
 #include "client/answer_check.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -153,8 +152,7 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
       return Broken("brick ", where(), " lies outside of index_box");
     }
   }
-  uint64_t voxels = 0;
-  for (const uint64_t word : brick.mask) voxels += static_cast<uint64_t>(std::popcount(word));
+  const uint64_t voxels = CountVoxels(brick);
   if (voxels == 0) return Broken("brick ", where(), " is empty");
   const Vec3i tile = TileOf(brick.brick_ijk);
   if (previous != nullptr && TileOf(previous->brick_ijk) == tile) {

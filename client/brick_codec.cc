@@ -2,6 +2,7 @@
 
 #include <zstd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstdint>
@@ -20,7 +21,7 @@ namespace {
 using Mask = decltype(Brick::mask);
 
 // The root, eight nodes, 64 leaves.
-constexpr size_t kMaxOctreeBytes = 1 + 8 + 64;
+constexpr size_t kMinOctreeBytes = 3, kMaxOctreeBytes = 1 + 8 + 64;
 constexpr size_t kTileIjkBytes = sizeof(Vec3i);
 // Of lattice coordinates in 32 bits, shifted right by 6.
 constexpr int32_t kMinTile = -(1 << 25), kMaxTile = (1 << 25) - 1;
@@ -63,6 +64,13 @@ inline Mask MaskOf(const Mask& leaves) {
   return mask;
 }
 
+// Byte n: the bits set in byte n of the word.
+inline uint64_t CountInBytes(uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555;
+  word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
+  return (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F;
+}
+
 // Reads a byte, not 0, for each set bit of `which`, and puts it where the bit is, lowest first. False: there is none.
 inline bool Scatter(const uint8_t*& in, const uint8_t* end, uint64_t which, uint64_t& word) {
   word = 0;
@@ -100,13 +108,6 @@ struct ScatterTable {
   }
 };
 constexpr ScatterTable kScatter;
-
-// Byte n: the bits set in byte n of the word.
-inline uint64_t CountInBytes(uint64_t word) {
-  word -= word >> 1 & 0x5555555555555555;
-  word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
-  return (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F;
-}
 
 // As Scatter, but reads eight bytes in any case, and leaves zeros to be found by NonZeroBytes.
 LATVOX_SSSE3 inline uint64_t ScatterFast(const uint8_t* in, uint64_t which) {
@@ -158,12 +159,6 @@ bool UnpackAll(const uint8_t*& in, const uint8_t* end, Brick* bricks, size_t cou
   return true;
 }
 
-size_t Count(const Mask& mask) {
-  size_t count = 0;
-  for (const uint64_t word : mask) count += static_cast<size_t>(std::popcount(word));
-  return count;
-}
-
 // Gives the bricks of a tile their coordinates.
 void Place(const Vec3i& tile_ijk, const Mask& which, Brick* brick) {
   for (int32_t i = 0; i < 8; ++i) {
@@ -194,7 +189,7 @@ absl::Status UnpackTile(const uint8_t*& in, const uint8_t* end, std::vector<Bric
   if (absl::Status status = ReadTileIjk(in, tile_ijk); !status.ok()) return status;
   Brick which;
   if (!UnpackAll(in, end, &which, 1, kernel)) return absl::InvalidArgumentError("no octree of a tile's bricks");
-  const size_t begin = count, added = Count(which.mask);
+  const size_t begin = count, added = CountVoxels(which);
   count += added;
   if (count > kMaxBatchBricks) {
     return absl::InvalidArgumentError(absl::StrCat(count, " bricks exceed ", kMaxBatchBricks));
@@ -206,6 +201,13 @@ absl::Status UnpackTile(const uint8_t*& in, const uint8_t* end, std::vector<Bric
 }
 
 }  // namespace
+
+size_t CountVoxels(const Brick& brick) {
+  uint64_t bytes = 0;
+  for (const uint64_t word : brick.mask) bytes += CountInBytes(word);  // at most 64 in each byte
+  constexpr uint64_t kEvenBytes = 0x00FF00FF00FF00FF;
+  return ((bytes & kEvenBytes) + (bytes >> 8 & kEvenBytes)) * 0x0001000100010001 >> 48;
+}
 
 UnpackKernel BestUnpackKernel() {
 #if defined(__x86_64__)
@@ -219,7 +221,9 @@ absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks, U
   if (packed.size() > kMaxPackedBytes) {
     return absl::InvalidArgumentError(absl::StrCat("packed has ", packed.size(), " bytes, over ", kMaxPackedBytes));
   }
-  // Bricks of an earlier batch are written over rather than made anew.
+  // Bricks of an earlier batch are written over rather than made anew, and no batch moves as it grows. What is reserved
+  // and not used costs nothing.
+  bricks.reserve(std::min(packed.size() / kMinOctreeBytes, kMaxBatchBricks));
   size_t count = 0;
   const auto* const begin = reinterpret_cast<const uint8_t*>(packed.data());
   const uint8_t* const end = begin + packed.size();

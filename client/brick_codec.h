@@ -29,6 +29,9 @@ UnpackKernel BestUnpackKernel();
 absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks,
                           UnpackKernel kernel = BestUnpackKernel());
 
+// Bits of the mask.
+size_t CountVoxels(const Brick& brick);
+
 // Takes `packed` of `packed_bytes` bytes out of one zstd frame, which may be anything. Memory: packed_bytes and zstd's
 // fixed tables.
 // Errors: INVALID_ARGUMENT naming what is wrong.

@@ -1,6 +1,7 @@
 #include "server/call_registry.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -26,10 +27,26 @@ absl::Status Stopping() {
 
 }  // namespace
 
+size_t CallRegistry::Count(std::initializer_list<State> states) const {
+  const std::lock_guard lock(mu_);
+  size_t count = 0;
+  for (const State state : states) count += counts_[state];
+  return count;
+}
+
+void CallRegistry::Move(Entry& entry, State state) {
+  --counts_[entry.state];
+  ++counts_[state];
+  if (entry.state == kWorking) --clients_.at(entry.client).working;
+  if (state == kWorking) ++clients_.at(entry.client).working;
+  entry.state = state;
+}
+
+// A paused call counts as before: it comes back without being admitted again.
 absl::Status CallRegistry::CheckRoom(const std::string& client, uint32_t max_jobs_of_client) const {
   if (closed_) return Stopping();
   const uint32_t limit = limits_.max_jobs + limits_.max_queued_jobs;
-  if (working_ + queued_ >= limit) return TooMany("jobs", "TOO_MANY_JOBS", limit);
+  if (calls_.size() - counts_[kVacated] >= limit) return TooMany("jobs", "TOO_MANY_JOBS", limit);
   const uint32_t share =
       max_jobs_of_client == 0 ? limits_.max_jobs_per_client : std::min(max_jobs_of_client, limits_.max_jobs_per_client);
   const auto found = clients_.find(client);
@@ -46,7 +63,7 @@ absl::Status CallRegistry::Admit(std::shared_ptr<LiveCall> call, const std::stri
   const LiveCall* key = call.get();
   calls_.emplace(key, Entry{std::move(call), client});
   ++clients_[client].jobs;
-  ++queued_;
+  ++counts_[kReceiving];
   return absl::OkStatus();
 }
 
@@ -54,27 +71,40 @@ void CallRegistry::AwaitTurn(const LiveCall* call) {
   {
     const std::lock_guard lock(mu_);
     const auto found = calls_.find(call);
-    if (found == calls_.end() || found->second.state != State::kReceiving) return;
-    found->second.state = State::kWaiting;
-    found->second.ticket = ++tickets_;
+    if (found == calls_.end()) return;
+    Entry& entry = found->second;
+    if (entry.state != kReceiving && entry.state != kPaused) return;
+    Move(entry, entry.state == kReceiving ? kWaiting : kReturning);
+    entry.ticket = ++tickets_;
   }
   GiveTurns();
   StopWaitingIfClosed();
 }
 
+void CallRegistry::Pause(const LiveCall* call) {
+  {
+    const std::lock_guard lock(mu_);
+    const auto found = calls_.find(call);
+    if (found == calls_.end() || found->second.state == kVacated) return;
+    Move(found->second, kPaused);
+  }
+  GiveTurns();
+}
+
 // The call whose turn it is, now at work, or null.
 std::shared_ptr<LiveCall> CallRegistry::NextTurnLocked() {
-  if (working_ >= limits_.max_jobs) return nullptr;
+  if (counts_[kWorking] >= limits_.max_jobs) return nullptr;
+  const auto rank = [&](const Entry& entry) {
+    return std::tuple(clients_.at(entry.client).working, (entry.state == kWaiting) != new_is_next_, entry.ticket);
+  };
   Entry* next = nullptr;
-  const auto rank = [this](const Entry& entry) { return std::pair(clients_.at(entry.client).working, entry.ticket); };
   for (auto& [key, entry] : calls_) {
-    if (entry.state == State::kWaiting && (next == nullptr || rank(entry) < rank(*next))) next = &entry;
+    const bool waits = entry.state == kWaiting || entry.state == kReturning;
+    if (waits && (next == nullptr || rank(entry) < rank(*next))) next = &entry;
   }
   if (next == nullptr) return nullptr;
-  next->state = State::kWorking;
-  ++clients_.at(next->client).working;
-  ++working_;
-  --queued_;
+  new_is_next_ = next->state == kReturning;
+  Move(*next, kWorking);
   return next->call;
 }
 
@@ -91,15 +121,9 @@ void CallRegistry::GiveTurns() {
 }
 
 void CallRegistry::VacateLocked(Entry& entry) {
-  const State state = std::exchange(entry.state, State::kVacated);
-  if (state == State::kVacated) return;
+  if (entry.state == kVacated) return;
+  Move(entry, kVacated);
   const auto client = clients_.find(entry.client);
-  if (state == State::kWorking) {
-    --working_;
-    --client->second.working;
-  } else {
-    --queued_;
-  }
   if (--client->second.jobs == 0) clients_.erase(client);
 }
 
@@ -118,6 +142,7 @@ void CallRegistry::Remove(const LiveCall* call) {
     const auto found = calls_.find(call);
     if (found == calls_.end()) return;
     VacateLocked(found->second);
+    --counts_[kVacated];
     removed = std::move(found->second.call);
     calls_.erase(found);
     if (calls_.empty()) empty_.notify_all();
@@ -145,7 +170,7 @@ void CallRegistry::Close() {
 
 // They would do better elsewhere.
 void CallRegistry::StopWaitingIfClosed() {
-  const auto in_vain = [this](const Entry& entry) { return closed_ && entry.state == State::kWaiting; };
+  const auto in_vain = [this](const Entry& entry) { return closed_ && entry.state == kWaiting; };
   for (const auto& call : Select(in_vain)) call->Stop(Stopping());
 }
 
@@ -167,14 +192,10 @@ size_t CallRegistry::size() const {
   return calls_.size();
 }
 
-size_t CallRegistry::working() const {
-  const std::lock_guard lock(mu_);
-  return working_;
-}
+size_t CallRegistry::working() const { return Count({kWorking}); }
 
-size_t CallRegistry::queued() const {
-  const std::lock_guard lock(mu_);
-  return queued_;
-}
+size_t CallRegistry::queued() const { return Count({kReceiving, kWaiting, kReturning}); }
+
+size_t CallRegistry::paused() const { return Count({kPaused}); }
 
 }  // namespace latvox

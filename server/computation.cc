@@ -139,6 +139,7 @@ void Computation::Free() {
 
 absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
   if (!mesh.ok()) return mesh.status();
+  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   const uint64_t triangles = mesh->mesh.triangles.size(), vertices = mesh->mesh.vertices.size();
   decoded_ = *std::move(mesh);
   large_ = LastsLong(triangles, 0);
@@ -167,7 +168,7 @@ absl::Status Computation::CreateJob() {
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
-  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options);
+  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
   auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);

@@ -29,7 +29,7 @@ namespace latvox {
 struct ComputationFacts {
   uint64_t triangles = 0, voxels = 0, bricks = 0;
   double decode_ms = 0, voxelize_ms = 0;
-  double stream_ms = 0;  // paused, waiting for the client
+  double stream_ms = 0;  // paused, waiting for the client, then for a turn
 };
 
 // Threads: one step after the other; Cancel at any time, too.

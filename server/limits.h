@@ -12,7 +12,7 @@ struct Limits {
   uint64_t max_triangles = uint64_t{64} << 20;       // in one mesh
   uint64_t max_vertices = uint64_t{64} << 20;        // points in one mesh, as the codec counts them
   uint32_t max_jobs = 16;                            // at work at once
-  uint32_t max_queued_jobs = 256;                    // that send their input or wait for their turn
+  uint32_t max_queued_jobs = 256;                    // that send their input, wait for their turn, or are paused
   uint32_t max_jobs_per_client = 128;                // at work or queued, of one client
   uint64_t max_voxels = uint64_t{1} << 36;           // in one job, estimated from the area of the surface
   uint64_t memory_budget_bytes = uint64_t{4} << 30;  // of all jobs together

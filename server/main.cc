@@ -1,4 +1,5 @@
 // latvoxd: the server.
+#include <malloc.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -71,11 +72,20 @@ void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_w
   Log(LogLevel::kInfo, "reloaded", {});
 }
 
+// What a job gives back serves the next: without, a small job has 700 page faults, almost a tenth of its time. No more
+// than the C library by itself would keep after a job with arrays of 16 MiB.
+void KeepMemory() {
+  constexpr int kKeptBytes = 32 << 20;
+  mallopt(M_MMAP_THRESHOLD, kKeptBytes / 2);
+  mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+}
+
 int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t parent) {
   const latvox::ProgramOptions& options = configuration.options;
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
   if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
   latvox::StartLog(options.log_level, options.log_format);
+  KeepMemory();
   const auto server = latvox::VoxelServer::Start(options.server);
   if (!server.ok()) return Fail(server.status());
   Log(LogLevel::kInfo, "started",

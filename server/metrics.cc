@@ -113,9 +113,11 @@ struct Metrics::Families {
   prometheus::Counter& voxels = Counter("latvox_voxels_total", "Voxels found.").Add({});
   prometheus::Counter& pixels = Counter("latvox_pixels_total", "Pixels found.").Add({});
   Histograms& durations = Histogram("latvox_request_duration_seconds", "Time of calls that ended OK, by method.");
-  Histograms& stages = Histogram("latvox_stage_duration_seconds",
-                                 "Time that calls spent in each stage they came to: upload, queue, decode, voxelize "
-                                 "(without waiting), stream (waiting for the client to take bricks), pixelize.");
+  Histograms& stages =
+      Histogram("latvox_stage_duration_seconds",
+                "Time that calls spent in each stage they came to: upload, queue, decode, voxelize "
+                "(without waiting), stream (waiting for the client to take bricks, and then for another "
+                "turn), pixelize.");
 
   Counters& Counter(const std::string& name, const std::string& help) {
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry);

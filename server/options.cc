@@ -14,7 +14,8 @@ void AddLimits(CLI::App& app, Limits& limits) {
   Add(app, "--max-triangles", limits.max_triangles, "Most triangles in a mesh")->check(AtLeastOne());
   Add(app, "--max-vertices", limits.max_vertices, "Most points in a mesh")->check(AtLeastOne());
   Add(app, "--max-jobs", limits.max_jobs, "Most jobs at work at once")->check(AtLeastOne());
-  Add(app, "--max-queued-jobs", limits.max_queued_jobs, "Most jobs that send their input or wait for their turn");
+  Add(app, "--max-queued-jobs", limits.max_queued_jobs,
+      "Most jobs that send their input, wait for their turn, or wait for their clients to take results");
   Add(app, "--max-jobs-per-client", limits.max_jobs_per_client, "Most jobs of one client, at work or queued")
       ->check(AtLeastOne());
   Add(app, "--max-voxels", limits.max_voxels, "Most voxels in one job, estimated from the area of its surface")

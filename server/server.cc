@@ -153,7 +153,10 @@ void Server::AddMetrics() {
   add("latvox_jobs_max", "Jobs that may be at work at once.", [this] { return options_.limits.max_jobs; });
   add("latvox_jobs_queued", "Jobs that send their input or wait for their turn.",
       [this] { return registry_.queued(); });
-  add("latvox_jobs_queued_max", "Jobs that may do so.", [this] { return options_.limits.max_queued_jobs; });
+  add("latvox_jobs_paused", "Jobs that have given up their turn until their clients take more of the results.",
+      [this] { return registry_.paused(); });
+  add("latvox_jobs_queued_max", "Jobs that may be queued or paused.",
+      [this] { return options_.limits.max_queued_jobs; });
   add("latvox_memory_limit_bytes", "Memory that the process stays below.", [this] { return options_.memory_bytes; });
   add("latvox_memory_budget_bytes", "Memory that jobs may reserve, of that.", [this] { return memory_.total(); });
   add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });

@@ -81,9 +81,10 @@ void VoxelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
-    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
+    if (!queue_ms_) queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
     computing_ = true;
   }
+  if (!upload_) return Enqueue();
   Lane& digesting = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
   digesting.Enqueue([self = shared_from_this()] { self->TakeMesh(); });
 }
@@ -102,13 +103,14 @@ void VoxelizeReactor::TakeMesh() {
 }
 
 void VoxelizeReactor::OnDecoded(const absl::Status& status) {
+  bool goes_on = false;
   {
     const std::lock_guard lock(mu_);
     decoding_ = false;
     if (!status.ok()) EndLocked(status);
-    paused_ = !ended_;  // for Proceed to go on
+    computing_ = goes_on = !ended_;
   }
-  Proceed();
+  goes_on ? Enqueue() : Proceed();
 }
 
 void VoxelizeReactor::Enqueue() {
@@ -119,6 +121,8 @@ Lane& VoxelizeReactor::lane() const { return computation_->IsLarge() ? environme
 
 void VoxelizeReactor::Compute() {
   const absl::StatusOr<bool> done = ComputeSome();
+  if (done.ok() && !*done && HasCredit()) return Enqueue();
+  environment_.registry.Pause(this);  // before NextStep may ask for another turn
   {
     const std::lock_guard lock(mu_);
     computing_ = false;
@@ -131,6 +135,11 @@ void VoxelizeReactor::Compute() {
     }
   }
   Proceed();
+}
+
+bool VoxelizeReactor::HasCredit() {
+  const std::lock_guard lock(mu_);
+  return unwritten_bytes_ <= kCredit / 2;
 }
 
 absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
@@ -205,7 +214,9 @@ VoxelizeReactor::Step VoxelizeReactor::NextStep() {
   if (finishing_) return step;
   if (!status_.ok()) {
     outbox_.clear();
-    if (decoding_ || computing_ || writing_) return step;  // their ends lead here again
+    // Their ends lead here again; a write that nobody takes must not keep the turn.
+    step.pause = writing_ && !computing_;
+    if (decoding_ || computing_ || writing_) return step;
     finishing_ = true;
     heard_of_client_ = Clock::now();
     step.send = Send::kStatus;
@@ -224,7 +235,7 @@ VoxelizeReactor::Step VoxelizeReactor::NextStep() {
   }
   if (paused_ && unwritten_bytes_ <= kCredit / 2) {
     paused_ = false;
-    computing_ = step.compute = true;
+    step.await_turn = true;
   }
   return step;
 }
@@ -249,7 +260,8 @@ void VoxelizeReactor::Proceed() {
       Finish(StatusForClient(status_, context_));
       break;
   }
-  if (step.compute) Enqueue();
+  if (step.pause) environment_.registry.Pause(this);
+  if (step.await_turn) environment_.registry.AwaitTurn(this);
 }
 
 // Nothing else runs any more: no callback, no task.

@@ -31,7 +31,8 @@ namespace latvox {
 //   computing  Computation::TakeMesh                                          a task
 //   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
 //   computing  Computation::Start, then Advance again and again               tasks of a lane, one at a time
-//   paused     kCredit bytes wait to be written; no thread is held            until half of them are written
+//   paused     kCredit bytes wait to be written; others have its turn         until half of them are written
+//   waiting    for another turn                                               as before; then computing goes on
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
 //
 // Callbacks neither compute nor wait: mu_ is held for a few instructions only. One write at most is under way. The
@@ -64,7 +65,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   // What the caller of NextStep must do after it has released mu_.
   struct Step {
     Send send = Send::kNothing;
-    bool compute = false;
+    bool pause = false, await_turn = false;
   };
 
   absl::Status TakeRequest();
@@ -75,6 +76,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   void Enqueue();
   Lane& lane() const;
   void Compute();
+  bool HasCredit();
   absl::StatusOr<bool> ComputeSome();
   bool Deliver(v1::VoxelizeResponse&& response);
   void End(const absl::Status& status);
@@ -107,7 +109,8 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   std::optional<double> upload_ms_, queue_ms_;
   Clock::time_point waits_since_, heard_of_client_ = began_;
   bool reading_ = true;
-  bool decoding_ = false, computing_ = false, paused_ = false, writing_ = false;
+  bool decoding_ = false, computing_ = false, writing_ = false;
+  bool paused_ = false;     // has no turn, and awaits none yet
   bool started_ = false;    // Computation::Start has been called
   bool ended_ = false;      // status_ is decided; if it is OK, outbox_ still has to be written
   bool finishing_ = false;  // gRPC has been given the status: no operation may follow

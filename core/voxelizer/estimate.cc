@@ -4,34 +4,35 @@
 #include <oneapi/tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 
 namespace latvox {
 namespace {
 
-using Corners = std::array<Vec3d, 3>;
+// Each where it lies in the mesh: copies as doubles, written one by one and read as vectors, take four times as long.
+struct Corners {
+  const Vec3f &a, &b, &c;
+};
+
+Vec3d Between(const Vec3f& from, const Vec3f& to) {
+  return {double{to[0]} - from[0], double{to[1]} - from[1], double{to[2]} - from[2]};
+}
 
 double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
-double TwiceAreaOf(const Corners& corners) {
-  const auto& [a, b, c] = corners;
-  return LengthOf(Cross(b - a, c - a));
-}
+double TwiceAreaOf(const Corners& at) { return LengthOf(Cross(Between(at.a, at.b), Between(at.a, at.c))); }
 
-double LengthAround(const Corners& corners) {
-  const auto& [a, b, c] = corners;
-  return LengthOf(b - a) + LengthOf(c - b) + LengthOf(a - c);
+double LengthAround(const Corners& at) {
+  return LengthOf(Between(at.a, at.b)) + LengthOf(Between(at.b, at.c)) + LengthOf(Between(at.c, at.a));
 }
 
 // Of the corners' box and a margin, in voxels.
-double VolumeAround(const Corners& corners, double size) {
-  const auto& [a, b, c] = corners;
+double VolumeAround(const Corners& at, double size) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m) {
-    const auto [low, high] = std::minmax({a[m], b[m], c[m]});
-    volume *= (high - low) / size + 4;
+    const auto [low, high] = std::minmax({at.a[m], at.b[m], at.c[m]});
+    volume *= (double{high} - low) / size + 4;
   }
   return volume;
 }
@@ -44,12 +45,8 @@ double SumOver(const TriangleMesh& mesh, const F& f) {
       Part(0, mesh.triangles.size(), kGrain), 0.0,
       [&](const Part& part, double sum) {
         for (size_t t = part.begin(); t < part.end(); ++t) {
-          Corners corners;
-          for (size_t n = 0; n < 3; ++n) {
-            const Vec3f& v = mesh.vertices[mesh.triangles[t][n]];
-            corners[n] = {v[0], v[1], v[2]};
-          }
-          sum += f(corners);
+          const auto& [a, b, c] = mesh.triangles[t];
+          sum += f({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
         }
         return sum;
       },
@@ -77,8 +74,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   });
 }
 
-double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
-  if (options.algorithm != Algorithm::kBruteForce) return EstimateVoxels(mesh, grid, options);
+double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels) {
+  if (options.algorithm != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();
   return SumOver(mesh, [&](const Corners& corners) { return VolumeAround(corners, size); });
 }

@@ -16,8 +16,9 @@ namespace latvox {
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
 
 // Estimates how many lattice points a job looks at, as often as it does: brute force all those in the boxes around
-// triangles, the others about those that it finds. One pass, as above.
-double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
+// triangles, which takes one pass, as above; the others about those that they find.
+//   voxels   what EstimateVoxels has told
+double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels);
 
 }  // namespace latvox
 

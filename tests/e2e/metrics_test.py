@@ -5,7 +5,9 @@ import json
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
+import time
 import unittest
 import urllib.request
 
@@ -74,6 +76,7 @@ class Metrics(Case):
             'latvox_stage_duration_seconds_count{stage="pixelize"}': 1,
             "latvox_jobs_running{}": 0,
             "latvox_jobs_queued{}": 0,
+            "latvox_jobs_paused{}": 0,
             "latvox_jobs_max{}": 16,
         }.items():
             with self.subTest(name):
@@ -87,6 +90,24 @@ class Metrics(Case):
         soonest = found["process_start_time_seconds{}"] + 2.9 * 86400
         self.assertGreater(found["latvox_tls_certificate_expiry_timestamp_seconds{}"], soonest)
         self.assertLess(found["latvox_tls_certificate_expiry_timestamp_seconds{}"], soonest + 0.2 * 86400)
+
+    def test_a_job_whose_client_does_not_read_is_paused(self):
+        with watched_server(self.dir) as server:
+            def wait_for(name):
+                end = time.monotonic() + harness.PATIENCE
+                while samples(server.scrape())[f"latvox_jobs_{name}{{}}"] != 1:
+                    self.assertLess(time.monotonic(), end, name)
+                    time.sleep(0.05)
+
+            job = ["--resolution", "8192", "-o", self.dir / "never.csv", "--server", server.address]
+            client = subprocess.Popen([harness.BIN / "latvox", "voxelize", BUNNY, *job])
+            try:
+                wait_for("running")
+                client.send_signal(signal.SIGSTOP)
+                wait_for("paused")
+            finally:
+                client.kill()
+                client.wait()
 
     def test_an_address_that_cannot_be_had_is_named(self):
         with watched_server(self.dir) as server:

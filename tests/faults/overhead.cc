@@ -67,9 +67,9 @@ absl::StatusOr<Result> ThroughServer(const Options& options, const client::Clien
   client::VoxelizeRequest request;
   request.resolution = options.resolution;
   request.separability = static_cast<uint32_t>(options.separability);
-  std::vector<client::Brick> bricks;
+  std::vector<std::vector<client::Brick>> batches;
   const auto keep = [&](const client::BrickBatch& batch) {
-    bricks.insert(bricks.end(), batch.bricks.begin(), batch.bricks.end());
+    batches.emplace_back(batch.bricks.begin(), batch.bricks.end());
     return absl::OkStatus();
   };
   const Clock::time_point start = Clock::now();

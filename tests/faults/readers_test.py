@@ -14,6 +14,7 @@ THREADS = 8  # that gRPC and oneTBB may start when there is more to do, however 
 BYTES_A_READER = 32 * MIB
 BIG = "huge bunny-8192-cartesian"  # hundreds of megabytes: more than fits under way
 LOAD = max(3.5, SECONDS / 4)
+GROSS = 30
 KEEPALIVE = ["--keepalive-time", "1", "--keepalive-timeout", "1"]
 
 
@@ -29,7 +30,7 @@ class Readers(Faults):
         return [r["ms"] for r in select(records, "done")]
 
     def under(self, server, what, roles, jobs, count=READERS):
-        """Small requests while readers of these roles hang on big ones."""
+        """Small requests while readers of these roles hang on big ones; their times alone, and beside these."""
         alone = self.small_times(server, 1, f"{what}, before")
         rest, threads = stage.memory(descendants(server.pid)), server.threads()
         with Swarm(self.dir, server.address, LOAD, clients=count, roles=roles, jobs=jobs, name=what) as swarm, Watch(
@@ -63,10 +64,25 @@ class Readers(Faults):
             "some served",
             len(times) > 3,
         )
+        return alone, times
 
     def test_slow_and_stopped_readers(self):
         with stage.server(self.dir) as server:
             self.under(server, "slow and stopped readers", ["slow", "stopped"], [BIG])
+            self.assert_serves(server)
+
+    def test_slow_readers_do_not_keep_their_turns(self):
+        """Twice as many of them as there are turns, but not more than the cores can serve."""
+        with stage.server(self.dir, "--max-jobs", "2") as server:
+            alone, beside = self.under(server, "slow readers on all turns", ["slow"], [BIG], count=4)
+            ratio = percentile(beside, 50) / percentile(alone, 50)
+            self.figure(
+                "slow readers on all turns: others' p50 over that alone",
+                ratio,
+                "times",
+                f"fails over {GROSS}",
+                ratio <= GROSS,
+            )
             self.assert_serves(server)
 
     def test_stopped_processes_are_ended_by_keepalive(self):

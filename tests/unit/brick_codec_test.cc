@@ -219,6 +219,17 @@ TEST(PackedFormat, HoldsEveryTileOfLatticeCoordinatesAndNoOther) {
 }
 
 // Where it ends makes no difference to how well it is read: the last octrees are read with less room behind them.
+TEST(Bricks, AreCountedFromNoVoxelToAll) {
+  client::Brick brick;
+  brick.mask = {};
+  for (int n = 0; n < 512; ++n) {
+    EXPECT_EQ(client::CountVoxels(brick), n);
+    const int shuffled = n * 37 % 512;
+    brick.mask[shuffled / 64] |= uint64_t{1} << shuffled % 64;
+  }
+  EXPECT_EQ(client::CountVoxels(brick), 512);
+}
+
 TEST(Unpack, RefusesWhatEndsEarlyAndReadsNothingBeyond) {
   const std::string whole = Pack({TileWith({0, 0, 0}, With(1, 2, 3), With(3, 2, 1)), CurvedTile()});
   const size_t first = 12 + 3 + 3;

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/escaping.h"
@@ -135,6 +136,101 @@ TEST(CallRegistry, ACallThatHasReceivedAfterCloseStillWorksIfThereIsAPlace) {
   registry.AwaitTurn(receiving.get());
   EXPECT_EQ(receiving->turns, 1);
   EXPECT_TRUE(receiving->stopped.ok());
+}
+
+TEST(CallRegistry, OthersHaveTheTurnOfACallThatPausesUntilItComesBack) {
+  CallRegistry registry({1, 9, 9});
+  const auto a = EnterAndWait(registry, "x"), b = EnterAndWait(registry, "x");
+  EXPECT_EQ(b->turns, 0);
+  registry.Pause(a.get());
+  EXPECT_EQ(b->turns, 1);
+  EXPECT_EQ(registry.paused(), 1);
+  EXPECT_EQ(registry.working(), 1);
+  EXPECT_EQ(registry.queued(), 0);
+  registry.AwaitTurn(a.get());
+  EXPECT_EQ(a->turns, 1) << "b has it";
+  EXPECT_EQ(registry.paused(), 0);
+  EXPECT_EQ(registry.queued(), 1);
+  registry.Vacate(b.get());
+  EXPECT_EQ(a->turns, 2);
+  registry.Pause(a.get());
+  registry.AwaitTurn(a.get());
+  EXPECT_EQ(a->turns, 3) << "nobody else waits";
+}
+
+TEST(CallRegistry, APausedCallKeepsItsPlaceAndIsNotRefusedItsReturn) {
+  CallRegistry registry({1, 1, 9});
+  const auto a = EnterAndWait(registry, "x");
+  registry.Pause(a.get());
+  const auto b = EnterAndWait(registry, "y");
+  EXPECT_EQ(registry.Admit(std::make_shared<FakeCall>(), "z").code(), absl::StatusCode::kResourceExhausted);
+  registry.AwaitTurn(a.get());
+  EXPECT_TRUE(a->stopped.ok());
+  registry.Remove(b.get());
+  EXPECT_EQ(a->turns, 2);
+  registry.Pause(a.get());
+  registry.Remove(a.get());
+  EXPECT_EQ(registry.size() + registry.paused(), 0);
+}
+
+TEST(CallRegistry, APausedCallCountsToItsClientsShareButNotAsWorking) {
+  CallRegistry registry({1, 9, 2});
+  const auto a = EnterAndWait(registry, "x"), b = EnterAndWait(registry, "y"), c = EnterAndWait(registry, "x");
+  EXPECT_EQ(registry.Admit(std::make_shared<FakeCall>(), "x").code(), absl::StatusCode::kResourceExhausted);
+  registry.Pause(a.get());
+  EXPECT_EQ(registry.Admit(std::make_shared<FakeCall>(), "x").code(), absl::StatusCode::kResourceExhausted);
+  registry.Vacate(b.get());
+  EXPECT_EQ(c->turns, 1);
+  registry.Remove(a.get());
+  EXPECT_TRUE(registry.Admit(std::make_shared<FakeCall>(), "x").ok());
+}
+
+TEST(CallRegistry, CallsThatComeBackAndNewOnesTakeTurns) {
+  CallRegistry registry({1, 99, 99});
+  std::vector<std::shared_ptr<FakeCall>> streams, fresh;
+  const auto expect_turn = [](const std::shared_ptr<FakeCall>& call) { EXPECT_EQ(std::exchange(call->turns, 0), 1); };
+  for (int n = 0; n < 3; ++n) {
+    streams.push_back(EnterAndWait(registry, "x"));
+    expect_turn(streams.back());
+    registry.Pause(streams.back().get());
+  }
+  const auto holder = EnterAndWait(registry, "x");
+  for (int n = 0; n < 3; ++n) fresh.push_back(EnterAndWait(registry, "x"));
+  for (const auto& stream : streams) registry.AwaitTurn(stream.get());
+  registry.Remove(holder.get());
+  for (size_t n = 0; n < 3; ++n) {
+    expect_turn(streams[n]);
+    registry.AwaitTurn(fresh[n].get());  // once is enough
+    registry.Pause(streams[n].get());
+    expect_turn(fresh[n]);
+    registry.AwaitTurn(streams[n].get());  // back at once
+    registry.Remove(fresh[n].get());
+  }
+  expect_turn(streams[0]);
+  registry.Pause(streams[0].get());
+  expect_turn(streams[1]);
+}
+
+TEST(CallRegistry, ACallThatPausesWhileItWaitsHasNoTurnToCome) {
+  CallRegistry registry({1, 9, 9});
+  const auto holder = EnterAndWait(registry, "x"), ended = EnterAndWait(registry, "x"),
+             next = EnterAndWait(registry, "x");
+  registry.Pause(ended.get());
+  registry.Remove(holder.get());
+  EXPECT_EQ(ended->turns, 0);
+  EXPECT_EQ(next->turns, 1);
+}
+
+TEST(CallRegistry, ACallThatHasBegunComesBackAfterClose) {
+  CallRegistry registry({1, 9, 9});
+  const auto paused = EnterAndWait(registry, "x");
+  registry.Pause(paused.get());
+  const auto working = EnterAndWait(registry, "x");
+  registry.Close();
+  registry.AwaitTurn(paused.get());
+  registry.Remove(working.get());
+  EXPECT_EQ(paused->turns, 2);
+  EXPECT_TRUE(paused->stopped.ok());
 }
 
 TEST(CallRegistry, AsksEveryCallWhetherItsClientStalls) {

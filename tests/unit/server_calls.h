@@ -17,6 +17,7 @@
 
 #include "core/tile/brick.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/mesh_store.h"
 #include "server/server.h"
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/server_meshes.h"
@@ -140,6 +141,36 @@ inline void StartBigJob(VoxelizeCall& call) {
   call.Send(SpecMessage(spec)).Send(PieceMessage(SphereBytes())).stream().WritesDone();
   v1::VoxelizeResponse message;
   EXPECT_TRUE(call.stream().Read(&message) && message.has_accepted());
+}
+
+inline std::string Sha256(const std::string& bytes) {
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  return std::string(reinterpret_cast<const char*>(digest.data()), digest.size());
+}
+
+inline v1::PutMeshRequest PutSpec(const std::string& sha256, uint64_t bytes) {
+  v1::PutMeshRequest request;
+  request.mutable_spec()->set_mesh_sha256(sha256);
+  request.mutable_spec()->set_mesh_bytes(bytes);
+  return request;
+}
+
+// Sends the messages, whether they are still wanted or not.
+inline grpc::Status PutMesh(v1::Voxelizer::Stub& stub, const std::vector<v1::PutMeshRequest>& messages,
+                            v1::PutMeshResponse& response) {
+  grpc::ClientContext context;
+  const auto stream = stub.PutMesh(&context, &response);
+  for (const auto& message : messages) {
+    if (!stream->Write(message)) break;
+  }
+  stream->WritesDone();
+  return stream->Finish();
+}
+
+inline std::vector<v1::PutMeshRequest> WholeMesh(const std::string& bytes) {
+  std::vector<v1::PutMeshRequest> messages = {PutSpec(Sha256(bytes), bytes.size())};
+  for (size_t at = 0; at < bytes.size(); at += 5000) messages.emplace_back().set_mesh_piece(bytes.substr(at, 5000));
+  return messages;
 }
 
 class ServerTest : public testing::Test {

@@ -6,43 +6,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/voxelizer/digest.h"
-#include "server/mesh_store.h"
 #include "tests/unit/server_calls.h"
 
 namespace latvox {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string Sha256(const std::string& bytes) {
-  const MeshDigest digest = DigestOf(absl::Cord(bytes));
-  return std::string(reinterpret_cast<const char*>(digest.data()), digest.size());
-}
-
-v1::PutMeshRequest PutSpec(const std::string& sha256, uint64_t bytes) {
-  v1::PutMeshRequest request;
-  request.mutable_spec()->set_mesh_sha256(sha256);
-  request.mutable_spec()->set_mesh_bytes(bytes);
-  return request;
-}
-
-// Sends the messages, whether they are still wanted or not.
-grpc::Status PutMesh(v1::Voxelizer::Stub& stub, const std::vector<v1::PutMeshRequest>& messages,
-                     v1::PutMeshResponse& response) {
-  grpc::ClientContext context;
-  const auto stream = stub.PutMesh(&context, &response);
-  for (const auto& message : messages) {
-    if (!stream->Write(message)) break;
-  }
-  stream->WritesDone();
-  return stream->Finish();
-}
-
-std::vector<v1::PutMeshRequest> WholeMesh(const std::string& bytes) {
-  std::vector<v1::PutMeshRequest> messages = {PutSpec(Sha256(bytes), bytes.size())};
-  for (size_t at = 0; at < bytes.size(); at += 5000) messages.emplace_back().set_mesh_piece(bytes.substr(at, 5000));
-  return messages;
-}
 
 v1::VoxelizeSpec SpecOfKept(uint32_t resolution, const std::string& bytes) {
   v1::VoxelizeSpec spec = Spec(resolution);
@@ -196,19 +165,6 @@ TEST_F(ResumeTest, GivesUpClientsThatStopToSendOrToRead) {
   EXPECT_NE(stopped.Receive().status.error_code(), grpc::StatusCode::OK);
 }
 
-TEST_F(ResumeTest, AJobWaitsForItsTurnAndThenIsServed) {
-  options_.limits.max_jobs = 1;
-  Start();
-  VoxelizeCall holder(*stub_);
-  StartBigJob(holder);
-  VoxelizeCall waiting(*stub_);
-  waiting.Send(SpecMessage(Spec(20))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(server_->calls(), 2);
-  holder.context().TryCancel();
-  EXPECT_TRUE(waiting.Receive().status.ok());
-}
-
 TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
   options_.memory_bytes = uint64_t{300} << 20;
   Start();
@@ -245,24 +201,6 @@ TEST_F(ResumeTest, HoldsTheThesissAlgorithmsAgainstAllThatTheyCompute) {
     spec.set_algorithm(algorithm);
     EXPECT_EQ(Voxelize(*stub_, spec, SphereBytes()).status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   }
-}
-
-TEST_F(ResumeTest, APutMeshThatWaitsForItsTurnHasNotStalled) {
-  options_.limits.max_jobs = 1;
-  options_.stall_timeout = absl::Seconds(2);
-  Start();
-  VoxelizeCall holder(*stub_);
-  holder.Send(SpecMessage(Spec(3000))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
-  v1::VoxelizeResponse message;
-  ASSERT_TRUE(holder.stream().Read(&message) && message.has_accepted());
-  v1::PutMeshResponse response;
-  std::thread putter([&] { EXPECT_TRUE(PutMesh(*stub_, WholeMesh(SphereBytes()), response).ok()); });
-  for (int n = 0; n < 6; ++n) {  // reads now and then
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    EXPECT_TRUE(holder.stream().Read(&message));
-  }
-  holder.context().TryCancel();
-  putter.join();
 }
 
 TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {

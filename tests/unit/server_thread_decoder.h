@@ -23,12 +23,19 @@ class ThreadDecoder : public MeshDecoder {
 
   std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Reserve /*reserve*/, Done done) override {
     auto decoding = std::make_shared<Flag>();
-    const std::lock_guard lock(mu_);
-    threads_.emplace_back([decoding, bytes = std::string(bytes), limits, done = std::move(done)] {
+    OnThread([decoding, bytes = std::string(bytes), limits, done = std::move(done)] {
       auto mesh = DecodeDraco(bytes, limits);
       done(decoding->cancelled ? absl::CancelledError("the decode was cancelled") : std::move(mesh));
     });
     return decoding;
+  }
+
+ protected:
+  // Runs task(), and is not destroyed before its end.
+  template <class F>
+  void OnThread(F task) {
+    const std::lock_guard lock(mu_);
+    threads_.emplace_back(std::move(task));
   }
 
  private:
