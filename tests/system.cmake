@@ -5,7 +5,7 @@
 #   e2e        command line tool, files, failures
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
 #   readme     the examples of README.md
-#   deploy     containers: by `tests/run --deploy` alone, all but what is done in a moment
+#   deploy     containers, Kubernetes, Slurm: by `tests/run --deploy` alone, all but what is done in a moment
 # A build with sanitizers runs the failures at most: the others are about results, and slow there.
 
 # Registers a command. Further arguments are test properties.
@@ -21,6 +21,9 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
 endif()
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
+  latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")
+  latvox_add_system_test(deploy.kustomize "node;deploy/kubernetes/kustomize.test.js" SKIP_RETURN_CODE 77)
+  latvox_add_system_test(deploy.scale "${latvox_python};deploy/scale_test.py")
   latvox_add_system_test(e2e.algorithms "${latvox_python};e2e/algorithms_test.py")
   latvox_add_system_test(e2e.batch "${latvox_python};e2e/batch_test.py")
   latvox_add_system_test(e2e.box "${latvox_python};e2e/box_test.py")
@@ -45,10 +48,13 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   # Of these the first makes the image that the others run; networks of containers have one name server in all.
   latvox_add_system_test(deploy.image_build "${latvox_python};deploy/image_build_test.py" FIXTURES_SETUP image LABELS deploy
                          RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
-  foreach(name image compose image_readme)
+  foreach(name image compose image_readme kubernetes_pod slurm_container)
     latvox_add_system_test(deploy.${name} "${latvox_python};deploy/${name}_test.py" FIXTURES_REQUIRED image LABELS deploy
                            RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 1800)
   endforeach()
+  latvox_add_system_test(deploy.scale_measure "${latvox_python};deploy/scale_measure_test.py" LABELS deploy RUN_SERIAL ON)
+  latvox_add_system_test(deploy.slurm "${latvox_python};deploy/slurm_test.py" LABELS deploy RUN_SERIAL ON
+                         SKIP_RETURN_CODE 77)
   latvox_add_system_test(e2e.resume "${latvox_python};e2e/resume_test.py")
   latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")
   latvox_add_system_test(node "node;--test;node/voxelize.test.js")

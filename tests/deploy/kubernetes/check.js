@@ -1,0 +1,29 @@
+// What holds of every set of manifests, and the files that deploy/README.md makes Secrets of.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { brokenReferences, needlessRights } from './references.js';
+import { typeErrors } from './types.js';
+
+export const SECRETS = { 'latvox-tls': ['tls.crt', 'tls.key'], 'latvox-tokens': ['tokens'] };
+
+export function check(objects) {
+  assert.deepEqual(typeErrors(objects), []);
+  assert.deepEqual(brokenReferences(objects, SECRETS), []);
+  assert.deepEqual(needlessRights(objects), []);
+}
+
+// Runs `use(run, directory)` in a directory with these files.
+export function withFiles(use) {
+  const directory = mkdtempSync(path.join(tmpdir(), 'latvox-manifests-'));
+  const run = (command, ...words) => execFileSync(command, words, { encoding: 'utf8', cwd: directory, stdio: ['ignore', 'pipe', 'pipe'] });
+  try {
+    run('openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-subj', '/CN=localhost', '-keyout', 'key.pem', '-out', 'certificate.pem');
+    writeFileSync(path.join(directory, 'tokens'), `alice sha256:${'0123456789abcdef'.repeat(4)}\n`, { mode: 0o600 });
+    return use(run, directory);
+  } finally {
+    rmSync(directory, { recursive: true });
+  }
+}

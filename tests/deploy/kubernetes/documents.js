@@ -1,0 +1,56 @@
+// The manifests of deploy/kubernetes, as they are written and as kustomize renders them.
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import yaml from 'yaml';
+
+const ROOT = fileURLToPath(new URL('../../../deploy/kubernetes', import.meta.url));
+export const OVERLAYS = ['service', 'batch'];
+
+const parse = (text) => yaml.parseAllDocuments(text, { strict: true }).map((document) => {
+  if (document.errors.length > 0) throw document.errors[0];
+  return document.toJS();
+});
+export const kustomization = (folder) => parse(readFileSync(path.join(ROOT, folder, 'kustomization.yaml'), 'utf8'))[0];
+
+// The objects of a folder and of those it builds on: without what a kustomization changes in them, but with what it makes.
+export function written(folder) {
+  const { resources, configMapGenerator = [] } = kustomization(folder);
+  const objects = resources.flatMap((name) => {
+    const file = path.join(folder, name);
+    return name.endsWith('.yaml') ? parse(readFileSync(path.join(ROOT, file), 'utf8')) : written(file);
+  });
+  const configMaps = configMapGenerator.map(({ name, files }) => ({
+    apiVersion: 'v1',
+    kind: 'ConfigMap',
+    metadata: { name },
+    data: Object.fromEntries(files.map((file) => [file, readFileSync(path.join(ROOT, folder, file), 'utf8')])),
+  }));
+  return [...objects, ...configMaps];
+}
+
+function output(...command) {
+  try {
+    return execFileSync(command[0], command.slice(1), { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
+  } catch {
+    return '';  // not installed
+  }
+}
+
+// Why there is no kubectl; false if there is.
+export const kubectlMissing = () => output('kubectl', 'version', '--client') === '' && 'kubectl is not installed';
+
+// A command that renders a folder, or why there is none: kustomize 5, as `replacements` want it.
+export function findKustomize() {
+  const versions = [
+    [['kubectl', 'kustomize'], output('kubectl', 'version', '--client')],
+    [['kustomize', 'build'], output('kustomize', 'version')],
+  ];
+  const [command] = versions.find(([, told]) => /^(Kustomize Version: )?v([5-9]|\d{2,})\./m.test(told)) ?? [];
+  return command ? { command } : { missing: 'neither kubectl nor kustomize is installed with kustomize 5' };
+}
+
+export function rendered(command, folder) {
+  return parse(execFileSync(command[0], [...command.slice(1), path.join(ROOT, folder)], { encoding: 'utf8' }));
+}

@@ -1,0 +1,35 @@
+// What kustomize makes of deploy/kubernetes, and kubectl of deploy/README.md. Exits with 77, ctest's "skipped", without them.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { check, SECRETS, withFiles } from './check.js';
+import { findKustomize, kubectlMissing, OVERLAYS, rendered, written } from './documents.js';
+
+const { command, missing = kubectlMissing() } = findKustomize();
+if (missing) {
+  console.error(`SKIPPED: ${missing}`);
+  process.exit(77);
+}
+
+for (const overlay of OVERLAYS) {
+  test(`${overlay}: as rendered, it has the right types, its names lead somewhere, its pods have few rights`, () => {
+    const objects = rendered(command, `overlays/${overlay}`);
+    assert.equal(objects.length, written(`overlays/${overlay}`).length);
+    check(objects);
+    const namespaced = objects.filter(({ kind }) => kind !== 'Namespace');
+    assert.deepEqual(new Set(namespaced.map(({ metadata }) => metadata.namespace)), new Set(['latvox']));
+  });
+}
+
+test('batch: workers count as many shards as there are', () => {
+  const { spec } = rendered(command, 'overlays/batch').find(({ kind }) => kind === 'Job');
+  const { value } = spec.template.spec.containers[0].env.find(({ name }) => name === 'LATVOX_SHARD_COUNT');
+  assert.equal(value, String(spec.completions));
+});
+
+test('the Secrets are as deploy/README.md makes them', () => withFiles((run) => {
+  const readme = readFileSync(new URL('../../../deploy/README.md', import.meta.url), 'utf8');
+  const made = readme.match(/^kubectl .*create secret .*$/gm)
+    .map((line) => JSON.parse(run('bash', '-c', `${line} --dry-run=client --output=json`)));
+  assert.deepEqual(Object.fromEntries(made.map(({ metadata, data }) => [metadata.name, Object.keys(data).sort()])), SECRETS);
+}));

@@ -1,0 +1,98 @@
+// The manifests of deploy/kubernetes: of the API's types, consistent, and with a configuration that latvoxd takes.
+// As they are written; kustomize.test.js takes them as they are rendered. Needs LATVOX_BIN.
+import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { check, SECRETS, withFiles } from './check.js';
+import { OVERLAYS, written } from './documents.js';
+import { brokenReferences, needlessRights } from './references.js';
+import { typeErrors } from './types.js';
+
+const load = (overlay) => written(`overlays/${overlay}`);
+const find = (objects, kind) => objects.find((object) => object.kind === kind);
+
+for (const overlay of OVERLAYS) {
+  test(`${overlay}: as written, it has the right types, its names lead somewhere, its pods have few rights`, () => check(load(overlay)));
+}
+
+// The settings that latvoxd finds in the configuration file: name -> text.
+const settings = (text) => withFiles((run, directory) => {
+  const files = { 'tls/tls.crt': 'certificate.pem', 'tls/tls.key': 'key.pem', 'tokens/tokens': 'tokens' };
+  for (const [inside, file] of Object.entries(files)) text = text.replaceAll(`/run/secrets/latvox/${inside}`, file);
+  writeFileSync(path.join(directory, 'latvoxd.toml'), text);
+  const told = run(path.join(process.env.LATVOX_BIN, 'latvoxd'), '--check-config', '--config', 'latvoxd.toml');
+  return Object.fromEntries([...told.matchAll(/^(\S+) = (.*?) +# file /gm)].map(([, name, value]) => [name, value.replace(/[[\]"]/g, '')]));
+});
+
+test('service: latvoxd takes its configuration, which has the ports and the times of the pod', () => {
+  const objects = load('service');
+  const text = find(objects, 'ConfigMap').data['latvoxd.toml'];
+  const found = settings(text);
+  assert.equal(Object.keys(found).length, text.match(/^[a-z-]+ = /gm).length, 'every line of it counts');
+  const { terminationGracePeriodSeconds, containers: [container] } = find(objects, 'Deployment').spec.template.spec;
+  const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, `0.0.0.0:${containerPort}`]));
+  assert.deepEqual(ports, { grpc: found.listen, health: found['health-listen'], metrics: found['metrics-listen'] });
+  assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
+  const lastResort = 15;  // seconds that latvoxd may take beyond --grace
+  assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
+});
+
+// What must not be there is found if it is there.
+function changed(overlay, kind, change) {
+  const objects = load(overlay);
+  change(find(objects, kind), objects);
+  return objects;
+}
+const podOf = ({ spec }) => spec.template.spec;
+
+test('wrong types are found', () => {
+  const mistakes = [
+    [/replica/, 'service', 'Deployment', ({ spec }) => { spec.replica = 3; }],
+    [/string.*number/, 'batch', 'Job', ({ spec }) => { spec.completions = '64'; }],
+    [/template.*missing/, 'batch', 'Job', ({ spec }) => { delete spec.template; }],
+    [/intervall/, 'service', 'ServiceMonitor', ({ spec }) => { spec.endpoints[0].intervall = '15s'; }],
+    [/Cannot find module.*v2/, 'service', 'Service', (service) => { service.apiVersion = 'v2'; }],
+  ];
+  const errors = typeErrors(mistakes.map(([, overlay, kind, change]) => find(changed(overlay, kind, change), kind)));
+  for (const [says] of mistakes) assert.ok(errors.some((error) => says.test(error)), `${says} is not among ${errors.join('\n')}`);
+  assert.equal(errors.length, mistakes.length, errors.join('\n'));
+});
+
+test('names that lead nowhere are found', () => {
+  for (const [says, overlay, kind, change] of [
+    ['there is no ConfigMap latvoxd', 'service', 'ConfigMap', (map) => { map.metadata.name = 'other'; }],
+    ['no volume has /etc/latvox/latvoxd.toml', 'service', 'ConfigMap', (map) => { map.data = { other: '' }; }],
+    ['no volume has /x/y', 'service', 'ConfigMap', ({ data }) => { data['latvoxd.toml'] += 'tls-client-ca = "/x/y"\n'; }],
+    ['there is no Secret latvox-tlss', 'service', 'Deployment', (o) => { podOf(o).volumes[1].secret.secretName = 'latvox-tlss'; }],
+    ['a probe asks port 1', 'service', 'Deployment', (o) => { podOf(o).containers[0].livenessProbe.grpc.port = 1; }],
+    ['does not mount tls', 'service', 'Deployment', (o) => { podOf(o).containers[0].volumeMounts.splice(1, 1); }],
+    ['there is no ServiceAccount', 'service', 'ServiceAccount', ({ metadata }) => { metadata.name = 'other'; }],
+    ['Service latvox selects no pod', 'service', 'Service', ({ spec }) => { spec.selector = { app: 'latvox' }; }],
+    ['ServiceMonitor latvox selects no Service', 'service', 'Service', ({ metadata }) => { delete metadata.labels; }],
+    ['PodDisruptionBudget latvox selects', 'service', 'PodDisruptionBudget', ({ spec }) => { spec.selector.matchLabels.x = 'y'; }],
+    ['there is no Deployment other', 'service', 'HorizontalPodAutoscaler', ({ spec }) => { spec.scaleTargetRef.name = 'other'; }],
+    ['NetworkPolicy: there is no port grpc', 'service', 'Deployment', (o) => { podOf(o).containers[0].ports[0].name = 'rpc'; }],
+    ['ServiceMonitor: there is no port metrics', 'service', 'Service', ({ spec }) => { spec.ports.pop(); }],
+    ['there is no PersistentVolumeClaim latvox-meshes', 'batch', 'PersistentVolumeClaim', ({ metadata }) => { metadata.name = 'x'; }],
+    ['no volume has /results', 'batch', 'Job', (o) => { podOf(o).containers[0].volumeMounts[1].mountPath = '/result'; }],
+    ['is spread among other pods', 'batch', 'Job', ({ spec }) => { spec.template.metadata.labels = {}; }],
+  ]) {
+    const broken = brokenReferences(changed(overlay, kind, change), SECRETS);
+    assert.ok(broken.some((line) => line.includes(says)), `${says} is not among ${JSON.stringify(broken)}`);
+  }
+});
+
+test('needless rights are found', () => {
+  for (const change of [
+    (pod) => { pod.securityContext.runAsNonRoot = false; },
+    (pod) => { pod.securityContext.seccompProfile.type = 'Unconfined'; },
+    (pod) => { delete pod.automountServiceAccountToken; },
+    (pod) => { pod.containers[0].securityContext.allowPrivilegeEscalation = true; },
+    (pod) => { delete pod.containers[0].securityContext.readOnlyRootFilesystem; },
+    (pod) => { pod.containers[0].securityContext.capabilities.drop = []; },
+    (pod) => { delete pod.containers[0].resources.limits.memory; },
+  ]) {
+    assert.equal(needlessRights(changed('batch', 'Job', (job) => change(podOf(job)))).length, 1, String(change));
+  }
+});

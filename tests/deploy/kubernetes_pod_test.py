@@ -1,0 +1,137 @@
+"""A Pod of each of deploy/kubernetes' overlays, run by `podman play kube`: what the manifests ask for is there, and enough."""
+
+import hashlib
+import json
+import pathlib
+import unittest
+
+import containers
+import yaml
+from containers import IMAGE, ROOT, await_true, inspect, podman, run
+from harness import BIN, BUNNY, Case, latvox
+
+OVERLAYS = ROOT / "deploy" / "kubernetes" / "overlays"
+OPTIONS = ["--lattice", "bcc", "--resolution", "64"]
+TOKEN = "0123456789abcdef0123"
+
+
+def pod_of(path, kind):
+    """A Pod as the object of this kind makes them, but for this machine's size."""
+    made = next(document for document in yaml.safe_load_all(path.read_text()) if document["kind"] == kind)
+    template = made["spec"]["template"]
+    container = template["spec"]["containers"][0]
+    container["image"] = IMAGE
+    container["resources"] = {"limits": {"cpu": "1", "memory": "1Gi"}}
+    for volume in template["spec"]["volumes"]:
+        if "secret" in volume:
+            volume["secret"]["optional"] = False  # the default, without which podman 4.3 crashes
+    return {"apiVersion": "v1", "kind": "Pod", "metadata": {"name": made["metadata"]["name"]} | template["metadata"], "spec": template["spec"]}
+
+
+class Pods(Case):
+    def setUp(self):
+        super().setUp()
+        self.inside = self.enterContext(containers.network_namespace())
+
+    def play(self, pod, *others):
+        """Its one container. Standard input would need no file, but what plays it also takes it down."""
+        file = self.dir / "pod.yaml"
+        file.write_text("---\n".join(json.dumps(document, indent=1) + "\n" for document in (*others, pod)))
+        network = f"{pod['metadata']['name']}-test"
+        self.make("network", network)
+        self.addCleanup(run, *self.inside, "podman", "play", "kube", "--down", file)
+        run(*self.inside, "podman", "play", "kube", f"--network={network}", file)
+        return f"{pod['metadata']['name']}-{pod['spec']['containers'][0]['name']}"
+
+    def assert_confined(self, container, memory):
+        found = inspect(container)
+        self.assertEqual(found["Config"]["User"], "65532:65532")
+        self.assertTrue(found["HostConfig"]["ReadonlyRootfs"])
+        self.assertEqual((found["EffectiveCaps"], found["BoundingCaps"]), (None, None))
+        self.assertIn("no-new-privileges", found["HostConfig"]["SecurityOpt"])
+        self.assertEqual(found["HostConfig"]["Memory"], memory)
+
+    def secret(self, name, **data):
+        """As `kubectl create secret` makes it, but in plain text: podman 4.3 does not decode it."""
+        file = self.dir / f"{name}.json"
+        file.write_text(json.dumps({"apiVersion": "v1", "kind": "Secret", "metadata": {"name": name}, "data": data}))
+        self.make("secret", name, file)
+        self.remove_later("volume", name)
+
+    def make(self, kind, name, *options):
+        """Also where a run that was killed has left one."""
+        run("podman", kind, "rm", name, check=False)
+        podman(kind, "create", name, *options)
+        self.remove_later(kind, name)
+
+    def remove_later(self, kind, name):
+        self.addCleanup(run, "podman", kind, "rm", name, check=False)
+
+    def test_the_services_pod_serves_with_tls_and_tokens_and_tells_its_health_and_metrics(self):
+        certificate, key, token = (self.dir / name for name in ("certificate.pem", "key.pem", "alice.token"))
+        request = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost"]
+        run(*request, "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate)
+        token.write_text(TOKEN)
+        token.chmod(0o600)
+        self.secret("latvox-tls", **{"tls.crt": certificate.read_text(), "tls.key": key.read_text()})
+        self.secret("latvox-tokens", tokens=f"alice sha256:{hashlib.sha256(TOKEN.encode()).hexdigest()}\n")
+        text = (OVERLAYS / "service" / "latvoxd.toml").read_text()
+        self.remove_later("volume", "latvoxd")
+        configuration = {"apiVersion": "v1", "kind": "ConfigMap", "metadata": {"name": "latvoxd"}, "data": {"latvoxd.toml": text}}
+        container = self.play(pod_of(OVERLAYS / "service" / "deployment.yaml", "Deployment"), configuration)
+
+        def client(*words):
+            return run(*self.inside, BIN / "latvox", *words, check=False)
+
+        health = ["health", "--server", "127.0.0.1:50152"]
+        await_true(podman("logs", container), lambda: client(*health).returncode == 0)
+        self.assert_confined(container, 1 << 30)
+        ask = ["voxelize", BUNNY, *OPTIONS, "-o", self.dir / "bunny.vdb", "--server", "localhost:50151", "--tls-ca", certificate]
+        self.assertEqual(client(*ask).returncode, 5, "without a token")
+        done = client(*ask, "--token-file", token, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["digest"], self.expected())
+        metrics = run(*self.inside, "/usr/bin/python3", "-c", FETCH_METRICS).stdout
+        self.assertIn("latvox_requests_total", metrics)
+        podman("stop", "--time", "60", container)
+        self.assertEqual(inspect(container)["State"]["ExitCode"], 0, podman("logs", container))
+
+    def expected(self):
+        done = latvox("voxelize", BUNNY, *OPTIONS, "-o", self.dir / "expected.vdb", "--json")
+        return json.loads(done.stdout)["digest"]
+
+    def volume(self, name):
+        self.make("volume", name)
+        folder = pathlib.Path(podman("volume", "inspect", name, "--format", "{{.Mountpoint}}"))
+        folder.chmod(0o777)  # as fsGroup does on Kubernetes
+        return folder
+
+    def test_a_worker_of_the_batch_farm_does_its_shard(self):
+        meshes, results = self.volume("latvox-meshes"), self.volume("latvox-results")
+        (meshes / "bunny.obj").write_bytes(BUNNY.read_bytes())
+        jobs = [{"mesh": "bunny.obj", "out": f"{n}.vdb", "lattice": "bcc", "resolution": 64} for n in range(4)]
+        (meshes / "jobs.jsonl").write_text("".join(json.dumps(job) + "\n" for job in jobs))
+        pod = pod_of(OVERLAYS / "batch" / "job.yaml", "Job")
+        environment = pod["spec"]["containers"][0]["env"]
+        self.assertEqual([variable["name"] for variable in environment], ["LATVOX_SHARD_COUNT"])
+        environment[0]["value"] = "2"  # as kustomize does
+        environment.append({"name": "JOB_COMPLETION_INDEX", "value": "1"})  # as the Job's controller does
+        container = self.play(pod)
+        status = int(podman("wait", container))
+        self.assertEqual(status, 0, podman("logs", container))
+        self.assert_confined(container, 1 << 30)
+        lines = [json.loads(line) for line in (results / "results-1-of-2.jsonl").read_text().splitlines()]
+        self.assertEqual({line["id"]: line["summary"]["digest"] for line in lines}, dict.fromkeys(("1.vdb", "3.vdb"), self.expected()))
+        self.assertEqual({path.name for path in results.glob("*.vdb")}, {"1.vdb", "3.vdb"})
+
+
+FETCH_METRICS = """
+import urllib.request
+print(urllib.request.urlopen("http://127.0.0.1:9464/metrics", timeout=10).read().decode())
+"""
+
+if __name__ == "__main__":
+    containers.require("openssl")
+    if not containers.exists(IMAGE):
+        containers.skip(f"there is no image {IMAGE}: the test deploy.image_build makes it")
+    unittest.main()
