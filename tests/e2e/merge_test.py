@@ -105,7 +105,7 @@ class Union(MergeCase):
     def test_parts_of_the_cartesian_bunny_are_the_whole(self):
         for name in ("slabs", "overlapping slabs", "shards"):
             with self.subTest(name):
-                self.check(self.CUTS[name], "--lattice", "cartesian", "--separability", "2", "--resolution", "200")
+                self.check(self.CUTS[name], "--lattice", "cartesian", "--separability", "2", "--resolution", "130")
 
     def test_merging_may_go_on_from_merged_files(self):
         options = ["--lattice", "bcc", "--resolution", "100"]
