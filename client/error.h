@@ -19,7 +19,9 @@ namespace latvox::client {
 // Empty strings: not known.
 struct ErrorDetails {
   std::string reason;                         // UPPER_SNAKE_CASE, for example "RESOLUTION_OUT_OF_RANGE"
-  std::string field, value, limit;            // the offending field, what it was, what is allowed
+  std::string field;                          // the offending one
+  std::string value;                          // what it was
+  std::string limit;                          // what is allowed
   std::optional<absl::Duration> retry_after;  // trying the same again can help, after this long
 };
 
