@@ -16,7 +16,8 @@ absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest&
   Voxelization all;
   const auto accept = [&all](const Accepted& accepted) { return all.accepted = accepted, absl::OkStatus(); };
   const auto take = [&all](const BrickBatch& batch) {
-    all.bricks.insert(all.bricks.end(), batch.bricks.begin(), batch.bricks.end());
+    const auto& [bricks, progress] = batch;  // all there is to a batch
+    all.bricks.insert(all.bricks.end(), bricks.begin(), bricks.end());
     return absl::OkStatus();
   };
   absl::StatusOr<Summary> summary = client.Voxelize(request, mesh, {.on_accepted = accept, .on_bricks = take}, options);
@@ -72,8 +73,8 @@ absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request,
 
 BrickStream Client::Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options) const {
   return BrickStream(
-      [service = service_, request = std::move(request), mesh = std::move(mesh_drc)](const VoxelizeHandlers& handlers,
-                                                                                     const CallOptions& its_options) {
+      [service = service_, request, mesh = std::move(mesh_drc)](const VoxelizeHandlers& handlers,
+                                                                const CallOptions& its_options) {
         return Client(service).Voxelize(request, mesh, handlers, its_options);
       },
       options);
@@ -81,8 +82,7 @@ BrickStream Client::Stream(VoxelizeRequest request, std::string mesh_drc, const 
 
 BrickStream Client::Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options) const {
   return BrickStream(
-      [service = service_, request = std::move(request), mesh](const VoxelizeHandlers& handlers,
-                                                               const CallOptions& its_options) {
+      [service = service_, request, mesh](const VoxelizeHandlers& handlers, const CallOptions& its_options) {
         return Client(service).Voxelize(request, mesh, handlers, its_options);
       },
       options);

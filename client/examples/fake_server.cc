@@ -14,7 +14,8 @@ std::string CountBricks(const lv::Client& client, const std::string& mesh) {
   const auto count = [&](const lv::BrickBatch& batch) { return bricks += batch.bricks.size(), absl::OkStatus(); };
   const auto summary = client.Voxelize(request, mesh, {.on_bricks = count});
   if (summary.ok()) return std::to_string(bricks);
-  return absl::IsUnavailable(summary.status()) ? "try again later" : std::string(summary.status().message());
+  if (absl::IsUnavailable(summary.status())) return "try again later";
+  return std::string(summary.status().message());
 }
 
 // The test's server: two bricks, then the end that the test wants.
