@@ -124,7 +124,7 @@ struct Brick {
   std::array<uint64_t, 8> mask;  // never empty
 };
 
-// The next bricks. The memory belongs to the caller of the callback and is gone when the callback returns.
+// The next bricks. The memory is the SDK's, and gone when the handler returns, or at the next Next of a BrickStream.
 struct BrickBatch {
   std::span<const Brick> bricks;  // whole 64^3 tiles
   double progress = 0;            // share of the work done, 0 to 1, never decreasing

@@ -25,7 +25,8 @@ def load_build():
 
 class Docs(Case):
     def test_everything_public_is_in_it(self):
-        done = subprocess.run(["cmake", "--build", BUILD, "--target", "docs"], capture_output=True, text=True, timeout=300)
+        build = ["cmake", "--build", BUILD, "--target", "docs"]
+        done = subprocess.run(build, capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         docs = BUILD / "docs"
         index = (docs / "index.html").read_text()
@@ -54,7 +55,7 @@ class Docs(Case):
         return subprocess.run(["doxygen", "-"], input=settings, capture_output=True, text=True, cwd=ROOT, timeout=60)
 
     def test_what_has_no_description_is_found(self):
-        header = "// A file.\n#ifndef A_H_\n#define A_H_\n\n// A thing.\nstruct A {\n  int x = 0;  // a number\n%s};\n\n#endif  // A_H_\n"
+        header = "// A file.\n#ifndef A_H_\n#define A_H_\n\n// A thing.\nstruct A {\n  int x = 0;  // a number\n%s};\n\n#endif\n"
         whole = self.doxygen(header % "")
         self.assertEqual((whole.returncode, whole.stderr), (0, ""))
         self.assertEqual(load_build().undescribed(self.dir / "xml"), [])
@@ -65,9 +66,11 @@ class Docs(Case):
         self.assertEqual(load_build().undescribed(self.dir / "xml"), ["structA: kA"])
 
     def test_a_field_without_a_comment_is_found(self):
-        (self.dir / "a.proto").write_text('// A file.\nsyntax = "proto3";\n\n// A thing.\nmessage A {\n  // A number.\n  int32 x = 1;\n  int32 y = 2;\n}\n')
+        message = "// A thing.\nmessage A {\n  // A number.\n  int32 x = 1;\n  int32 y = 2;\n}\n"
+        (self.dir / "a.proto").write_text('// A file.\nsyntax = "proto3";\n\n' + message)
         descriptors = self.dir / "a.bin"
-        subprocess.run(["protoc", "-I", self.dir, "--include_source_info", f"--descriptor_set_out={descriptors}", "a.proto"], check=True)
+        options = ["-I", self.dir, "--include_source_info", f"--descriptor_set_out={descriptors}"]
+        subprocess.run(["protoc", *options, "a.proto"], check=True, timeout=60)
         done = subprocess.run([ROOT / "client/docs/proto_reference", descriptors], capture_output=True, text=True, timeout=60)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (1, "", "a.proto: without a comment: A.y\n"))
 

@@ -1,6 +1,6 @@
-"""The examples of README.md and of the pages in client/docs run as they stand, by bash -e, in order and in one directory: the
-```sh blocks of README.md each by itself, those of a page in one shell. Each line of a ```text block has been printed; ```cpp
-compiles."""
+"""The examples of README.md and of the pages in client/docs run as they stand, by bash -e, in order, in one directory: the
+```sh blocks of README.md each by itself, those of a page in one shell, which prints each line of its ```text blocks.
+```cpp compiles."""
 
 import contextlib
 import os
