@@ -38,6 +38,8 @@ class Docs(Case):
         namespace = (docs / "namespacelatvox_1_1client.html").read_text()
         for name in ("GetErrorDetails", "MergeParts", "NamedLattice", "kBcc", "Vec3i"):
             self.assertIn(name, namespace)
+        for example in (ROOT / "client/examples").glob("*.cc"):
+            self.assertTrue((docs / f"{example.stem}_8cc-example.html").exists(), example.name)
         for picture in re.findall(r"\((\S+\.png)\)", (ROOT / "client/docs/choosing.md").read_text()):
             self.assertGreater((docs / picture).stat().st_size, 5000, picture)
         protocol = (docs / "protocol.html").read_text()
