@@ -8,9 +8,9 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
-#include "client/client.h"
 #include "client/digest.h"
 #include "client/types.h"
+#include "client/voxelize_handlers.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox::client {

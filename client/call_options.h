@@ -11,11 +11,12 @@
 
 namespace latvox::client {
 
+// All may be left out.
 struct CallOptions {
   std::optional<absl::Time> deadline;  // DEADLINE_EXCEEDED after it, over all tries; default: none
   Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
-  RetryPolicy retry = {};
-  std::string traceparent = {};  // W3C trace context that the call belongs to; a malformed one is not sent
+  RetryPolicy retry = {};              // how often and how soon to try again
+  std::string traceparent = {};        // W3C trace context that the call belongs to; a malformed one is not sent
 };
 
 }  // namespace latvox::client

@@ -12,19 +12,22 @@ namespace latvox::client {
 // from a signal handler.
 class Cancellation {
  public:
-  Cancellation();
+  Cancellation();  // a new one, not cancelled
 
+  // Stops every call that has it. Returns before they have ended.
   void Cancel() const;
+
+  // Whether Cancel was called.
   bool cancelled() const;
 
   // While it lives, `action` runs on Cancel, at once if that has come already. Its destructor waits for a running
   // action. The action must not use this Cancellation.
   class Subscription {
    public:
-    Subscription(const Cancellation& cancellation, std::function<void()> action);
-    ~Subscription();
-    Subscription(const Subscription&) = delete;
-    Subscription& operator=(const Subscription&) = delete;
+    Subscription(const Cancellation& cancellation, std::function<void()> action);  // begins to listen
+    ~Subscription();                                                               // no action runs after it
+    Subscription(const Subscription&) = delete;                                    // one place, one action
+    Subscription& operator=(const Subscription&) = delete;                         // as above
 
    private:
     struct Entry;

@@ -1,22 +1,34 @@
 #include "client/client.h"
 
-#include <grpcpp/generic/generic_stub.h>
-
-#include <future>
 #include <utility>
 
 #include "absl/strings/str_split.h"
-#include "client/attempt.h"
 #include "client/connection.h"
-#include "client/mesh_pieces.h"
-#include "client/plane_wire.h"
-#include "client/tries.h"
-#include "client/voxelize_call.h"
-#include "client/wire.h"
+#include "client/remote_service.h"
 
 namespace latvox::client {
+namespace {
 
-Client::Client(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+// A call with handlers that keeps all it is told.
+template <class Mesh>
+absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest& request, const Mesh& mesh,
+                                    const CallOptions& options) {
+  Voxelization all;
+  const auto accept = [&all](const Accepted& accepted) { return all.accepted = accepted, absl::OkStatus(); };
+  const auto take = [&all](const BrickBatch& batch) {
+    const auto& [bricks, progress] = batch;  // all there is to a batch
+    all.bricks.insert(all.bricks.end(), bricks.begin(), bricks.end());
+    return absl::OkStatus();
+  };
+  absl::StatusOr<Summary> summary = client.Voxelize(request, mesh, {.on_accepted = accept, .on_bricks = take}, options);
+  if (!summary.ok()) return summary.status();
+  all.summary = *std::move(summary);
+  return all;
+}
+
+}  // namespace
+
+Client::Client(std::shared_ptr<VoxelService> service) : service_(std::move(service)) {}
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
@@ -34,88 +46,61 @@ absl::StatusOr<Client> Client::Connect(const std::vector<std::string>& addresses
   if (addresses.empty()) return absl::InvalidArgumentError("addresses: there is none to connect to");
   auto connection = Connection::Open(addresses, options, connection_options);
   if (!connection.ok()) return connection.status();
-  return Client(*std::move(connection));
+  return Client(std::make_shared<RemoteService>(*std::move(connection)));
 }
 
 absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,
                                          const VoxelizeHandlers& handlers, const CallOptions& options) const {
   const absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_drc);
   if (!mesh.ok()) return mesh.status();
-  return VoxelizeCall(*connection_, request, *mesh, mesh_drc, handlers, options).Run();
+  return service_->Voxelize(request, {*mesh, mesh_drc}, handlers, options);
 }
 
 absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, const MeshId& mesh,
                                          const VoxelizeHandlers& handlers, const CallOptions& options) const {
-  return VoxelizeCall(*connection_, request, mesh, std::nullopt, handlers, options).Run();
+  return service_->Voxelize(request, {mesh, std::nullopt}, handlers, options);
+}
+
+absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_drc,
+                                                 const CallOptions& options) const {
+  return Gather(*this, request, mesh_drc, options);
+}
+
+absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
+                                                 const CallOptions& options) const {
+  return Gather(*this, request, mesh, options);
+}
+
+BrickStream Client::Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options) const {
+  return BrickStream(
+      [service = service_, request, mesh = std::move(mesh_drc)](const VoxelizeHandlers& handlers,
+                                                                const CallOptions& its_options) {
+        return Client(service).Voxelize(request, mesh, handlers, its_options);
+      },
+      options);
+}
+
+BrickStream Client::Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options) const {
+  return BrickStream(
+      [service = service_, request, mesh](const VoxelizeHandlers& handlers, const CallOptions& its_options) {
+        return Client(service).Voxelize(request, mesh, handlers, its_options);
+      },
+      options);
 }
 
 absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_drc, const CallOptions& options) const {
   absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_drc);
   if (!mesh.ok()) return mesh;
-  v1::PutMeshRequest first;
-  first.mutable_spec()->set_mesh_sha256(mesh->sha256.data(), mesh->sha256.size());
-  first.mutable_spec()->set_mesh_bytes(mesh->bytes);
-  const absl::Status status = Repeat(*connection_, options, [&](size_t server) {
-    Attempt attempt(options, connection_->credentials());
-    v1::PutMeshResponse response;
-    const auto stream = connection_->endpoint(server).stub->PutMesh(&attempt.context(), &response);
-    MeshPieces<v1::PutMeshRequest> pieces(mesh_drc);
-    // A write that fails means that the call is over: the server has the mesh already, for one.
-    bool open = stream->Write(first);
-    while (open && !pieces.empty()) open = stream->Write(pieces.Next());
-    if (open) stream->WritesDone();
-    AttemptEnd end = attempt.End(stream->Finish());
-    if (end.status.ok()) connection_->Remember(server, *mesh);
-    return end;
-  });
-  if (!status.ok()) return status;
+  if (absl::Status status = service_->PutMesh(*mesh, mesh_drc, options); !status.ok()) return status;
   return mesh;
 }
 
 absl::StatusOr<Pixelization> Client::Pixelize(const PixelizeRequest& request, const CallOptions& options) const {
-  const v1::PixelizeRequest message = ToProto(request);
-  v1::PixelizeResponse response;
-  const absl::Status status = Repeat(*connection_, options, [&](size_t server) {
-    Attempt attempt(options, connection_->credentials());
-    return attempt.End(connection_->endpoint(server).stub->Pixelize(&attempt.context(), message, &response));
-  });
-  if (!status.ok()) return status;
-  absl::StatusOr<Pixelization> pixelization = FromProto(response);
-  if (pixelization.ok()) {
-    pixelization->bytes_sent = message.ByteSizeLong();
-    pixelization->bytes_received = response.ByteSizeLong();
-  }
-  return pixelization;
+  return service_->Pixelize(request, options);
 }
 
-absl::StatusOr<Limits> Client::GetLimits(const CallOptions& options) const {
-  v1::GetLimitsResponse response;
-  const absl::Status status = Repeat(*connection_, options, [&](size_t server) {
-    Attempt attempt(options, connection_->credentials());
-    const v1::GetLimitsRequest message;
-    return attempt.End(connection_->endpoint(server).stub->GetLimits(&attempt.context(), message, &response));
-  });
-  if (!status.ok()) return status;
-  return FromProto(response);
-}
+absl::StatusOr<Limits> Client::GetLimits(const CallOptions& options) const { return service_->GetLimits(options); }
 
-// grpc.health.v1 written out by hand, as two bytes at most are spoken: the request {} asks for the whole server, and
-// the answer's field 1 is the status, 1 for SERVING.
-absl::StatusOr<bool> Client::Health(const CallOptions& options) const {
-  Attempt attempt(options, connection_->credentials());
-  const grpc::Slice nothing;
-  const grpc::ByteBuffer request(&nothing, 1);
-  grpc::ByteBuffer response;
-  std::promise<grpc::Status> done;
-  const size_t server = *connection_->Pick(std::vector<bool>(connection_->size(), false), nullptr);
-  grpc::GenericStub(connection_->endpoint(server).channel)
-      .UnaryCall(&attempt.context(), "/grpc.health.v1.Health/Check", grpc::StubOptions(), &request, &response,
-                 [&done](grpc::Status status) { done.set_value(std::move(status)); });
-  if (AttemptEnd end = attempt.End(done.get_future().get()); !end.status.ok()) return end.status;
-  grpc::Slice slice;
-  if (!response.DumpToSingleSlice(&slice).ok()) return absl::DataLossError("the health answer cannot be read");
-  const std::string_view bytes(reinterpret_cast<const char*>(slice.begin()), slice.size());
-  return bytes == std::string_view("\x08\x01", 2);
-}
+absl::StatusOr<bool> Client::Health(const CallOptions& options) const { return service_->Health(options); }
 
 }  // namespace latvox::client

@@ -5,56 +5,43 @@
 //   latvox::client::VoxelizeRequest request;
 //   request.lattice = latvox::client::NamedLattice::kBcc;
 //   request.resolution = 256;
-//   auto summary = client->Voxelize(request, drc_bytes, {.on_bricks = [&](const latvox::client::BrickBatch& batch) {
-//     for (const auto& brick : batch.bricks) Use(brick);
-//     return absl::OkStatus();
-//   }});
+//   auto all = client->VoxelizeAll(request, drc_bytes);
+//   if (!all.ok()) return all.status();
+//   for (const latvox::client::Brick& brick : all->bricks) Use(brick);
+//
+// Three styles of the same call: VoxelizeAll gathers all bricks, Voxelize hands them to a function as they come, Stream
+// gives a handle to take them from. The last two need the memory of some batches, however many bricks there are.
 //
 // A connection that breaks, a server that dies or drains, or is full for the moment, is no error as long as another try
-// can help (client/retry_policy.h): Voxelize goes on after the last complete tile, on another connection or another
-// server, and its handlers notice nothing but time.
+// can help (client/retry_policy.h): the call goes on after the last complete tile, on another connection or another
+// server, and whoever takes the bricks notices nothing but time.
 //
 // Errors everywhere: absl::Status with the codes that client/error.h lists; GetErrorDetails there tells field, value
 // and limit. Nothing throws, nothing logs.
 #ifndef LATVOX_CLIENT_CLIENT_H_
 #define LATVOX_CLIENT_CLIENT_H_
 
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/brick_stream.h"
 #include "client/call_options.h"
 #include "client/connection_options.h"
 #include "client/mesh_id.h"
 #include "client/plane_types.h"
 #include "client/types.h"
+#include "client/voxel_service.h"
+#include "client/voxelize_handlers.h"
 
 namespace latvox::client {
 
-class Connection;
-
-// A broken stream goes on.
-struct Resumption {
-  std::optional<Vec3i> after_tile;  // the last 64^3 tile handed on, lattice coordinates >> 6; absent: none was
-  std::string address;              // of the server that goes on
-  absl::Status cause;               // how the stream before ended
-};
-
-// They run on the thread that called Voxelize, one at a time. Anything but OK ends the call, and Voxelize returns it:
-// absl::CancelledError() is the plain way to stop. Empty functions are skipped.
-struct VoxelizeHandlers {
-  std::function<absl::Status(const Accepted&)> on_accepted = {};  // once, first
-  std::function<absl::Status(const BrickBatch&)> on_bricks = {};  // while it runs, the server is held back
-  std::function<absl::Status(const Resumption&)> on_resumed = {};
-};
-
 // Connections to one server, or to several that serve the same. Threads: all methods may be called at once from any
-// threads; calls share the connections. Movable; must outlive its calls.
+// threads; calls share the connections, each of which carries any number. Ownership: movable, not copied; must outlive
+// its calls, but not its streams. Costs: making one connects; keeping one for many calls is what saves that, and
+// uploads.
 class Client {
  public:
   // Connects to "HOST:PORT" or "unix:PATH", or to several of these with commas between them. Calls take turns over
@@ -62,12 +49,16 @@ class Client {
   // Errors: UNAVAILABLE at once if every server refuses the connection; INVALID_ARGUMENT, DEADLINE_EXCEEDED, CANCELLED.
   static absl::StatusOr<Client> Connect(const std::string& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
+  // The same, one address each.
   static absl::StatusOr<Client> Connect(const std::vector<std::string>& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
 
-  Client(Client&&) noexcept;
-  Client& operator=(Client&&) noexcept;
-  ~Client();
+  // A client of something else, not null: see client/voxel_service.h.
+  explicit Client(std::shared_ptr<VoxelService> service);
+
+  Client(Client&&) noexcept;             // the other one may then be destroyed or assigned to, no more
+  Client& operator=(Client&&) noexcept;  // as if the one before were destroyed
+  ~Client();                             // no call of it may be running
 
   // Voxelizes the Draco-encoded mesh and blocks until the last brick was handled. The mesh is read during the call and
   // uploaded while answers already arrive. Every answer is checked before it is handed on: sizes, order, no brick
@@ -85,6 +76,19 @@ class Client {
   absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, const MeshId& mesh, const VoxelizeHandlers& handlers,
                                    const CallOptions& options = {}) const;
 
+  // Voxelizes likewise, and returns all at once. Memory: 80 bytes for each brick, twice that while it grows.
+  absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_drc,
+                                           const CallOptions& options = {}) const;
+  // The same without the bytes, as above.
+  absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
+                                           const CallOptions& options = {}) const;
+
+  // Begins to voxelize likewise, and returns at once; see client/brick_stream.h. The bytes are the stream's: give them
+  // by std::move, or, to several streams, their MeshId.
+  BrickStream Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options = {}) const;
+  // The same without the bytes, as above.
+  BrickStream Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options = {}) const;
+
   // Stores the mesh on one server, which later calls with it prefer. Idempotent. The mesh is not looked at before it is
   // used. Errors: RESOURCE_EXHAUSTED for one over Limits.max_mesh_bytes or mesh_store_bytes.
   absl::StatusOr<MeshId> PutMesh(std::string_view mesh_drc, const CallOptions& options = {}) const;
@@ -92,6 +96,7 @@ class Client {
   // Pixelizes polylines. The answer is checked before it is returned: the order of its pixels, and their digest.
   absl::StatusOr<Pixelization> Pixelize(const PixelizeRequest& request, const CallOptions& options = {}) const;
 
+  // The limits of one server.
   absl::StatusOr<Limits> GetLimits(const CallOptions& options = {}) const;
 
   // Asks grpc.health.v1 of one server, once. True: the server takes requests. False: it answers, and takes none (it
@@ -99,9 +104,7 @@ class Client {
   absl::StatusOr<bool> Health(const CallOptions& options = {}) const;
 
  private:
-  explicit Client(std::unique_ptr<Connection> connection);
-
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<VoxelService> service_;
 };
 
 }  // namespace latvox::client

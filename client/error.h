@@ -10,16 +10,18 @@
 
 namespace latvox::client {
 
+// What stands behind an error. Empty strings: not known.
+//
 // Codes, as the protocol has them: INVALID_ARGUMENT: the request or the mesh is wrong. RESOURCE_EXHAUSTED: a limit, or
 // the server is full (then with retry_after, and only once RetryPolicy has run out). NOT_FOUND: the server has no mesh
 // of this MeshId. UNAVAILABLE: no server could be reached, or kept, within RetryPolicy. DEADLINE_EXCEEDED, CANCELLED.
 // UNAUTHENTICATED: the server wants a token. INTERNAL: a defect of the server. DATA_LOSS: the server broke the
 // protocol.
-
-// Empty strings: not known.
 struct ErrorDetails {
   std::string reason;                         // UPPER_SNAKE_CASE, for example "RESOLUTION_OUT_OF_RANGE"
-  std::string field, value, limit;            // the offending field, what it was, what is allowed
+  std::string field;                          // the offending one
+  std::string value;                          // what it was
+  std::string limit;                          // what is allowed
   std::optional<absl::Duration> retry_after;  // trying the same again can help, after this long
 };
 

@@ -10,6 +10,7 @@
 
 namespace latvox::client {
 
+// Equal bytes have equal ids, others have others.
 struct MeshId {
   std::array<uint8_t, 32> sha256{};  // of the encoded mesh
   uint64_t bytes = 0;                // length of the encoded mesh; 0: not known

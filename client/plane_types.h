@@ -15,14 +15,19 @@
 
 namespace latvox::client {
 
-using Vec2d = std::array<double, 2>;
-using Vec2i = std::array<int32_t, 2>;
+using Vec2d = std::array<double, 2>;   // a world position or vector: x, y
+using Vec2i = std::array<int32_t, 2>;  // lattice coordinates: i, j
 
-enum class NamedPlaneLattice { kSquare, kHexagonal };
+// The common plane lattices, in bases that are given here up to scale.
+enum class NamedPlaneLattice {
+  kSquare,     // (1,0) (0,1)
+  kHexagonal,  // (1,0) (1/2,sqrt(3)/2)
+};
 
 // The world vectors of one step in i and j.
 struct PlaneBasis {
-  Vec2d a{1, 0}, b{0, 1};
+  Vec2d a{1, 0};  // of i
+  Vec2d b{0, 1};  // of j
   bool operator==(const PlaneBasis&) const = default;
 };
 
@@ -34,26 +39,33 @@ struct Polyline {
 };
 
 // How to find the pixels. All but kExact are there to compare with.
-enum class LineAlgorithm { kExact, kBruteForce, kIncremental, kIbanez };
+enum class LineAlgorithm {
+  kExact,        // the nearer ends of all lattice edges that the polylines cross
+  kBruteForce,   // every pixel within half a step of a segment
+  kIncremental,  // one pixel for each lattice line that meets a segment
+  kIbanez,       // steps from pixel to pixel
+};
 
 // What to compute. At most one of pixel_size and resolution; a named lattice needs one of them.
 struct PixelizeRequest {
-  std::vector<Polyline> polylines;
-  std::variant<NamedPlaneLattice, PlaneBasis> lattice = NamedPlaneLattice::kSquare;
+  std::vector<Polyline> polylines;  // one at least
+  std::variant<NamedPlaneLattice, PlaneBasis> lattice =
+      NamedPlaneLattice::kSquare;      // a PlaneBasis is scaled if a density is given
   std::optional<double> pixel_size;    // edge of a square with a Voronoi cell's area, world units
   std::optional<uint32_t> resolution;  // pixels along the longer side of the polylines' bounding box
   std::optional<Vec2d> origin;         // world position of lattice point 0; default: the polylines' low corner
   uint32_t separability = 0;           // k: 0 or 1
-  bool minimal = true;
-  LineAlgorithm algorithm = LineAlgorithm::kExact;
+  bool minimal = true;                 // whether to remove pixels until none can leave
+  LineAlgorithm algorithm = LineAlgorithm::kExact;  // how to find the pixels
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b.
 struct PlaneTransform {
-  PlaneBasis basis;
-  Vec2d origin{};
-  double pixel_size = 0;
+  PlaneBasis basis;       // scaled, world units
+  Vec2d origin{};         // world position of lattice point 0
+  double pixel_size = 0;  // edge of a square with a Voronoi cell's area, world units
 
+  // The centre of a pixel.
   Vec2d ToWorld(const Vec2i& ij) const {
     return {origin[0] + ij[0] * basis.a[0] + ij[1] * basis.b[0], origin[1] + ij[0] * basis.a[1] + ij[1] * basis.b[1]};
   }
@@ -61,17 +73,20 @@ struct PlaneTransform {
 
 // The answer.
 struct Pixelization {
-  std::string request_id;
-  PlaneTransform grid;
-  std::vector<Vec2i> pixels;  // in lexicographic order, each once
-  uint64_t crossed_edges = 0, tunnels = 0, redundant = 0;
-  double snap_error_max = 0;
-  std::string lattice;             // "square", "hexagonal" or "basis"
-  std::string algorithm, version;  // of the server
-  std::string digest;              // 32 hexadecimal digits
-  double pixelize_ms = 0;          // within the server
-  // Bytes of messages as this client counted them.
-  uint64_t bytes_sent = 0, bytes_received = 0;
+  std::string request_id;       // in the server's log
+  PlaneTransform grid;          // where lattice points are
+  std::vector<Vec2i> pixels;    // in lexicographic order, each once
+  uint64_t crossed_edges = 0;   // lattice edges that the curve crosses
+  uint64_t tunnels = 0;         // of these, without an end among the pixels; always counted
+  uint64_t redundant = 0;       // pixels that could leave; always counted
+  double snap_error_max = 0;    // most by which snapping moved a point, in each lattice coordinate, in pixels
+  std::string lattice;          // "square", "hexagonal" or "basis"
+  std::string algorithm;        // "exact", "brute-force", "incremental" or "ibanez"
+  std::string version;          // of the server
+  std::string digest;           // identifies the pixel set: 32 hexadecimal digits
+  double pixelize_ms = 0;       // within the server
+  uint64_t bytes_sent = 0;      // of messages as this client counted them
+  uint64_t bytes_received = 0;  // likewise
 };
 
 }  // namespace latvox::client

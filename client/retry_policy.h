@@ -16,8 +16,8 @@ namespace latvox::client {
 struct RetryPolicy {
   // Rounds after the first one, without progress: bricks that were handed on start the count anew. 0: one try is all.
   int max_retries = 10;
-  absl::Duration first_wait = absl::Milliseconds(100);
-  absl::Duration longest_wait = absl::Seconds(5);
+  absl::Duration first_wait = absl::Milliseconds(100);  // most, between the first two rounds
+  absl::Duration longest_wait = absl::Seconds(5);       // most, between any two
 };
 
 }  // namespace latvox::client

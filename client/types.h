@@ -12,42 +12,61 @@
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace latvox::client {
 
-using Vec3d = std::array<double, 3>;
-using Vec3i = std::array<int32_t, 3>;
+using Vec3d = std::array<double, 3>;   // a world position or vector: x, y, z
+using Vec3i = std::array<int32_t, 3>;  // lattice coordinates: i, j, k
 
-enum class NamedLattice { kCartesian, kBcc, kFcc, kHexagonal };
+// The common lattices, in bases that are given here up to scale.
+enum class NamedLattice {
+  kCartesian,  // (1,0,0) (0,1,0) (0,0,1)
+  kBcc,        // body-centred cubic: (2,0,0) (0,2,0) (1,1,1)
+  kFcc,        // face-centred cubic: (1,1,0) (1,0,1) (0,1,1)
+  kHexagonal,  // hexagonal prism: (1,0,0) (1/2,sqrt(3)/2,0) (0,0,1)
+};
 
 // How to find the voxels. All but kExact are there to compare with.
-enum class Algorithm { kExact, kBruteForce, kIncremental, kOptimizedIncremental };
+enum class Algorithm {
+  kExact,                 // the nearer ends of all lattice edges that the mesh crosses
+  kBruteForce,            // of the thesis, as the other two
+  kIncremental,           // one voxel for each lattice line that meets a triangle
+  kOptimizedIncremental,  // the same by one addition a voxel
+};
 
 // The world vectors of one step in i, j and k.
 struct Basis {
-  Vec3d a{1, 0, 0}, b{0, 1, 0}, c{0, 0, 1};
+  Vec3d a{1, 0, 0};  // of i
+  Vec3d b{0, 1, 0};  // of j
+  Vec3d c{0, 0, 1};  // of k
   bool operator==(const Basis&) const = default;
 };
 
 // A half-open box of lattice points: min <= ijk < max on every axis.
 struct IndexBox {
-  Vec3i min{}, max{};
+  Vec3i min{};  // the lowest point, inside
+  Vec3i max{};  // the highest one, outside
   bool operator==(const IndexBox&) const = default;
 };
 
 // The index-th of `count` parts that cost about the same, and that together are the whole.
 struct Shard {
-  uint32_t index = 0, count = 1;  // index < count <= 1048576
+  uint32_t index = 0;  // below count
+  uint32_t count = 1;  // 1048576 at most
   bool operator==(const Shard&) const = default;
 };
 
-// How bricks travel; what arrives is the same. kPacked has about a quarter of kMasks' bytes; kPackedZstd a quarter less
-// again, for twice the time on both sides: it pays on networks below about one gigabit a second.
-enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
+// How bricks travel; what arrives is the same.
+enum class BrickEncoding {
+  kMasks,       // 76 bytes a brick
+  kPacked,      // about a quarter of that
+  kPackedZstd,  // a quarter less again, for twice the time on both sides: for networks below about one gigabit a second
+};
 
 // What to compute. At most one of voxel_size and resolution; a named lattice needs one of them.
 struct VoxelizeRequest {
-  std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;
+  std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a Basis is scaled if a density is given
   std::optional<double> voxel_size;    // edge of a cube with a Voronoi cell's volume, world units
   std::optional<uint32_t> resolution;  // voxels along the longest side of the mesh's bounding box
   std::optional<Vec3d> origin;         // world position of lattice point 0; default: the mesh's low corner
@@ -56,16 +75,17 @@ struct VoxelizeRequest {
   std::optional<IndexBox> region;      // only these voxels, as they are in the whole
   std::optional<Shard> shard;          // only this part of the tiles, as they are in the whole
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
-  Algorithm algorithm = Algorithm::kExact;
-  BrickEncoding encoding = BrickEncoding::kPacked;
+  Algorithm algorithm = Algorithm::kExact;          // how to find the voxels
+  BrickEncoding encoding = BrickEncoding::kPacked;  // how they travel
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
 struct GridTransform {
-  Basis basis;
-  Vec3d origin{};
-  double voxel_size = 0;
+  Basis basis;            // scaled, world units
+  Vec3d origin{};         // world position of lattice point 0
+  double voxel_size = 0;  // edge of a cube with a Voronoi cell's volume, world units
 
+  // The centre of a voxel.
   Vec3d ToWorld(const Vec3i& ijk) const {
     Vec3d world{};
     for (size_t m = 0; m < 3; ++m) {
@@ -78,77 +98,102 @@ struct GridTransform {
 
 // The mesh as the server found it.
 struct MeshFacts {
-  uint64_t triangles = 0, vertices = 0, degenerate_triangles = 0;
-  bool closed = false;
-  uint32_t quantization_bits = 0;
-  double snap_error_max = 0;
-  Vec3d min{}, max{};  // bounding box, world
+  uint64_t triangles = 0;             // as decoded
+  uint64_t vertices = 0;              // as decoded: codecs split and duplicate them
+  uint64_t degenerate_triangles = 0;  // without area after snapping
+  bool closed = false;                // every edge, by snapped position, belongs to an even number of triangles
+  uint32_t quantization_bits = 0;     // of a position in the Draco stream; 0: none
+  double snap_error_max = 0;          // most by which snapping moved a vertex, in each lattice coordinate, in voxels
+  Vec3d min{};                        // bounding box of all triangles, world: the low corner
+  Vec3d max{};                        // and the high one
   bool operator==(const MeshFacts&) const = default;
 };
 
 // The request as it will be carried out: the first answer.
 struct Accepted {
-  std::string request_id;
-  GridTransform grid;
+  std::string request_id;             // in the server's log
+  GridTransform grid;                 // where lattice points are
   std::optional<IndexBox> index_box;  // no voxel lies outside; absent: there is no voxel
-  uint64_t tiles_in_box = 0;
-  MeshFacts mesh;
+  uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
+  MeshFacts mesh;                     // as the server found it
 };
 
 // 8 x 8 x 8 voxels; brick_ijk is ijk >> 3. Voxel (x, y, z) of the brick is bit (y<<3 | z) of word x.
 struct Brick {
-  Vec3i brick_ijk;
+  Vec3i brick_ijk;               // lattice coordinates >> 3
   std::array<uint64_t, 8> mask;  // never empty
 };
 
-// The next bricks. The memory belongs to the caller of the callback and is gone when the callback returns.
+// The next bricks. The memory is the SDK's, and gone when the handler returns, or at the next Next of a BrickStream.
 struct BrickBatch {
-  std::span<const Brick> bricks;
-  double progress = 0;  // share of the work done, 0 to 1, never decreasing
+  std::span<const Brick> bricks;  // whole 64^3 tiles
+  double progress = 0;            // share of the work done, 0 to 1, never decreasing
 };
 
 // What was proved or checked of the result.
 struct Certificate {
-  std::string lattice;  // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
-  uint32_t separability = 0;
-  bool tunnel_free = false;
-  bool minimal = false;
-  bool verified = false;
-  uint64_t tunnels = 0, redundant = 0;  // meaningful if verified
-  bool closed = false;
-  double snap_error_max = 0;
-  uint32_t quantization_bits = 0;
-  std::string algorithm, version;
-  std::string digest;          // 32 hexadecimal digits
-  std::optional<Shard> shard;  // the part that this is, if one was asked for
+  std::string lattice;             // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
+  uint32_t separability = 0;       // k
+  bool tunnel_free = false;        // every crossed lattice edge has an end in the set
+  bool minimal = false;            // no voxel can leave
+  bool verified = false;           // the next two were counted on this very result
+  uint64_t tunnels = 0;            // crossed lattice edges with no end in the set; meaningful if verified
+  uint64_t redundant = 0;          // voxels that could leave; meaningful if verified
+  bool closed = false;             // as MeshFacts has it, like the next two
+  double snap_error_max = 0;       // voxels
+  uint32_t quantization_bits = 0;  // 0: none
+  std::string algorithm;           // "exact", "brute-force", "incremental" or "optimized-incremental"
+  std::string version;             // of the server
+  std::string digest;              // identifies the voxel set: 32 hexadecimal digits
+  std::optional<Shard> shard;      // the part that this is, if one was asked for
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.
 struct ServerTimings {
-  double upload_ms = 0, decode_ms = 0, voxelize_ms = 0, stream_ms = 0;
+  double upload_ms = 0;    // from the first to the last byte of the mesh
+  double decode_ms = 0;    // Draco decoding and checking
+  double voxelize_ms = 0;  // snapping, digitizing, thinning and, if asked for, verifying
+  double stream_ms = 0;    // waiting for the client to take bricks
 };
 
 // The last answer: nothing is missing.
 struct Summary {
-  uint64_t voxels = 0, bricks = 0, tiles = 0;
-  Certificate certificate;
-  ServerTimings timings;
-  uint64_t mesh_bytes = 0;
-  int resumed = 0;  // times that the stream broke and another one went on
-  // Bytes of messages as this client counted them, over all tries.
-  uint64_t bytes_sent = 0, bytes_received = 0;
+  uint64_t voxels = 0;          // handed on, over all streams
+  uint64_t bricks = 0;          // likewise
+  uint64_t tiles = 0;           // 64^3 tiles with voxels, likewise
+  Certificate certificate;      // what the result is
+  ServerTimings timings;        // where the time went
+  uint64_t mesh_bytes = 0;      // of the encoded mesh
+  int resumed = 0;              // times that the stream broke and another one went on
+  uint64_t bytes_sent = 0;      // of messages as this client counted them, over all tries
+  uint64_t bytes_received = 0;  // likewise
+};
+
+// A whole voxelization in memory.
+struct Voxelization {
+  Accepted accepted;          // grid and box
+  std::vector<Brick> bricks;  // in the order in which they came, which is the same each time
+  Summary summary;            // counts and certificate
 };
 
 // The limits that requests are held against.
 struct Limits {
-  uint64_t max_mesh_bytes = 0, max_triangles = 0, max_vertices = 0;
-  uint32_t max_extent = 0, max_jobs = 0;
-  uint64_t max_message_bytes = 0;
-  uint32_t subvoxel_bits = 0;
-  std::string version;
-  uint64_t max_points = 0, max_crossings = 0, max_pixels = 0;  // of Pixelize
-  uint32_t max_queued_jobs = 0, max_jobs_per_client = 0;
-  uint64_t memory_budget_bytes = 0, mesh_store_bytes = 0, max_voxels = 0;
+  uint64_t max_mesh_bytes = 0;       // of an encoded mesh
+  uint64_t max_triangles = 0;        // of a mesh
+  uint64_t max_vertices = 0;         // of a mesh, as decoded
+  uint32_t max_extent = 0;           // voxels along any lattice axis of the mesh's index box
+  uint32_t max_jobs = 0;             // at work at once
+  uint64_t max_message_bytes = 0;    // one message in either direction
+  uint32_t subvoxel_bits = 0;        // fractional bits of the lattice coordinates that vertices are snapped to
+  std::string version;               // of the server
+  uint64_t max_points = 0;           // of Pixelize: in all polylines
+  uint64_t max_crossings = 0;        // of Pixelize: lattice edges that are crossed, by an upper estimate
+  uint64_t max_pixels = 0;           // of Pixelize: in the answer
+  uint32_t max_queued_jobs = 0;      // that wait; one more is refused for the moment
+  uint32_t max_jobs_per_client = 0;  // of one token, else of one network address
+  uint64_t memory_budget_bytes = 0;  // that all jobs and stored meshes share
+  uint64_t mesh_store_bytes = 0;     // of all meshes that are kept
+  uint64_t max_voxels = 0;           // of one request, by the server's estimate
 };
 
 }  // namespace latvox::client

@@ -8,9 +8,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/answer_check.h"
-#include "client/client.h"
 #include "client/connection.h"
 #include "client/tries.h"
+#include "client/types.h"
+#include "client/voxelize_handlers.h"
 
 namespace latvox::client {
 

@@ -1,42 +1,32 @@
-// One mesh in several parts at once, over one Client: the first call uploads the mesh, the others refer to it.
-// Usage: shards ADDRESS[,ADDRESS...] MESH.drc RESOLUTION PARTS
-#include <atomic>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <thread>
+// One mesh in several parts at once, over one Client: it is uploaded once, and the parts refer to it.
+#include <future>
 #include <vector>
 
 #include "client/client.h"
+#include "example.h"
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;
-  if (argc != 5) return std::fputs("shards ADDRESS MESH.drc RESOLUTION PARTS\n", stderr), 2;
-  std::ifstream file(argv[2], std::ios::binary);
-  const std::string mesh{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  const auto parts = static_cast<uint32_t>(std::atoi(argv[4]));
-  auto client = lv::Client::Connect(argv[1]);
-  if (!client.ok()) return std::fprintf(stderr, "%s\n", client.status().ToString().c_str()), 1;
+  if (argc != 5) return example::Usage("shards ADDRESS MESH.drc RESOLUTION PARTS");
+  const auto client = lv::Client::Connect(argv[1]);
+  if (!client.ok()) return example::Fail(client.status());
+  const auto mesh = client->PutMesh(example::Read(argv[2]));
+  if (!mesh.ok()) return example::Fail(mesh.status());
 
-  std::atomic<uint64_t> voxels = 0;
-  std::atomic<bool> failed = false;
+  const uint32_t count = example::Number(argv[4]);
   const auto run = [&](uint32_t index) {
     lv::VoxelizeRequest request;
-    request.resolution = static_cast<uint32_t>(std::atoi(argv[3]));
-    request.shard = lv::Shard{index, parts};
-    const auto summary = client->Voxelize(request, mesh, {});
-    if (summary.ok()) {
-      voxels += summary->voxels;
-    } else {
-      failed = true;
-      std::fprintf(stderr, "part %u: %s\n", index, summary.status().ToString().c_str());
-    }
+    request.resolution = example::Number(argv[3]);
+    request.shard = lv::Shard{index, count};
+    return client->Voxelize(request, *mesh, {.on_bricks = [](const lv::BrickBatch&) { return absl::OkStatus(); }});
   };
-  std::vector<std::thread> threads;
-  for (uint32_t index = 0; index < parts; ++index) threads.emplace_back(run, index);
-  for (std::thread& thread : threads) thread.join();
-  if (failed) return 1;
-  std::printf("%llu voxels in %u parts\n", static_cast<unsigned long long>(voxels.load()), parts);
+  std::vector<std::future<absl::StatusOr<lv::Summary>>> parts;
+  for (uint32_t index = 0; index < count; ++index) parts.push_back(std::async(std::launch::async, run, index));
+  uint64_t voxels = 0;
+  for (auto& part : parts) {
+    const auto summary = part.get();
+    if (!summary.ok()) return example::Fail(summary.status());
+    voxels += summary->voxels;
+  }
+  std::printf("%llu voxels in %u parts\n", static_cast<unsigned long long>(voxels), count);
 }

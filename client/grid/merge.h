@@ -12,8 +12,10 @@
 
 namespace latvox::client {
 
+// The whole, as written.
 struct MergedGrid {
-  uint64_t voxels = 0, bricks = 0;
+  uint64_t voxels = 0;         // of the whole
+  uint64_t bricks = 0;         // of the whole
   uint64_t shared_bricks = 0;  // bricks of the parts beyond those of the whole: in more than one part
   std::string digest;          // of the whole
 };

@@ -8,6 +8,7 @@
 
 namespace latvox::client {
 
+// What VoxelGrid::content() gives.
 struct VoxelGrid::Content {
   openvdb::BoolGrid::Ptr grid;  // never null; shares its tree with copies of the pointer
 };

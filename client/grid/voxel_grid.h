@@ -31,9 +31,9 @@ class VoxelGrid {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
   explicit VoxelGrid(const GridTransform& transform);
-  VoxelGrid(VoxelGrid&&) noexcept;
-  VoxelGrid& operator=(VoxelGrid&&) noexcept;
-  ~VoxelGrid();
+  VoxelGrid(VoxelGrid&&) noexcept;             // the other one may then be destroyed or assigned to, no more
+  VoxelGrid& operator=(VoxelGrid&&) noexcept;  // as if the one before were destroyed
+  ~VoxelGrid();                                // frees the grid, but for pointers to it: see openvdb_grid.h
 
   // Adds the batch's voxels. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
@@ -41,14 +41,15 @@ class VoxelGrid {
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);
 
+  // The voxels added. Takes a look at each leaf.
   uint64_t CountActiveVoxels() const;
 
   // Writes a .vdb file to `path`, over what is there; not atomic. Errors: UNKNOWN, with the path and
   // OpenVDB's words.
   absl::Status Write(const std::string& path) const;
 
-  struct Content;
-  const Content& content() const { return *content_; }  // see client/grid/openvdb_grid.h
+  struct Content;                                       // in client/grid/openvdb_grid.h
+  const Content& content() const { return *content_; }  // for programs that go on with OpenVDB
 
  private:
   std::unique_ptr<Content> content_;
@@ -56,15 +57,16 @@ class VoxelGrid {
 
 // What a .vdb file holds, of its first grid.
 struct GridFileInfo {
-  std::string name, value_type;  // value_type is OpenVDB's: "bool", "float", ...
-  GridTransform transform;
-  uint64_t active_voxels = 0;
+  std::string name;                                           // of the grid
+  std::string value_type;                                     // OpenVDB's: "bool", "float", ...
+  GridTransform transform;                                    // where lattice points are
+  uint64_t active_voxels = 0;                                 // of the grid
   std::optional<IndexBox> active_box;                         // absent if there is no active voxel
   std::vector<std::pair<std::string, std::string>> metadata;  // in the order of names
 };
 
-// Errors: NOT_FOUND; INVALID_ARGUMENT (not a readable .vdb file, no grid, a transform that is not affine), with the
-// path.
+// Reads the facts, and every voxel to count them. Errors: NOT_FOUND; INVALID_ARGUMENT (not a readable .vdb file, no
+// grid, a transform that is not affine), with the path.
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
 // The metadata latvox_digest of a .vdb file's first grid, empty if there is none; no voxel is read. Errors: as above.

@@ -1,4 +1,6 @@
-"""The examples of README.md: each ```sh block runs as it stands, in order, in one directory, by bash -e; ```cpp compiles."""
+"""The examples of README.md and of the pages in client/docs run as they stand, by bash -e, in order, in one directory: the
+```sh blocks of README.md each by itself, those of a page in one shell, which prints each line of its ```text blocks.
+```cpp compiles."""
 
 import contextlib
 import os
@@ -11,10 +13,12 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ["LATVOX_BIN"])
+README = ROOT / "README.md"
+PAGES = sorted((ROOT / "client/docs").glob("*.md"))
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```$", (ROOT / "README.md").read_text(), re.M | re.S)
+def blocks(language, page):
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), re.M | re.S)
 
 
 def own_network():
@@ -28,40 +32,61 @@ def own_network():
 
 
 class Examples(unittest.TestCase):
-    def test_shell_examples_run(self):
-        examples = blocks("sh")
-        self.assertGreater(len(examples), 1, "the examples were not found")
-        network = own_network()
+    def run_in(self, directory, script):
+        """What the script prints."""
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
+        with tempfile.TemporaryFile("w+") as output:
+            shell = subprocess.Popen(
+                [*own_network(), "bash", "-euo", "pipefail", "-c", script],
+                cwd=directory,
+                env=environment,
+                stdout=output,
+                stderr=output,
+                start_new_session=True,
+            )
+            try:
+                shell.wait(timeout=120)
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(shell.pid, signal.SIGKILL)  # what the script left running
+            output.seek(0)
+            printed = output.read()
+        self.assertEqual(shell.returncode, 0, printed)
+        return printed
+
+    def test_shell_examples_run(self):
+        examples = blocks("sh", README)
+        self.assertGreater(len(examples), 1, "the examples were not found")
         with tempfile.TemporaryDirectory(prefix="latvox-readme-") as directory:
             for example in examples:
-                with self.subTest(example), tempfile.TemporaryFile("w+") as output:
-                    shell = subprocess.Popen(
-                        [*network, "bash", "-euo", "pipefail", "-c", example],
-                        cwd=directory,
-                        env=environment,
-                        stdout=output,
-                        stderr=output,
-                        start_new_session=True,
-                    )
-                    try:
-                        shell.wait(timeout=120)
-                    finally:
-                        with contextlib.suppress(ProcessLookupError):
-                            os.killpg(shell.pid, signal.SIGKILL)  # what the example left running
-                    output.seek(0)
-                    self.assertEqual(shell.returncode, 0, output.read())
+                with self.subTest(example):
+                    self.run_in(directory, example)
+
+    def test_pages_run_and_print_what_they_show(self):
+        shown = 0
+        for page in PAGES:
+            with self.subTest(page.name), tempfile.TemporaryDirectory(prefix="latvox-page-") as directory:
+                printed = self.run_in(directory, "".join(blocks("sh", page)))
+                for line in "".join(blocks("text", page)).splitlines():
+                    self.assertIn(line, printed)
+                    shown += 1
+        self.assertGreater(shown, 15, "the pages were not found")
 
     def test_cpp_examples_compile(self):
-        for example in blocks("cpp"):
-            command = ["g++", "-std=c++20", "-Wall", "-fsyntax-only", f"-I{ROOT}", "-xc++", "-"]
-            done = subprocess.run(command, input=example, capture_output=True, text=True)
-            self.assertEqual(done.returncode, 0, done.stderr)
+        for page in [README, *PAGES]:
+            for example in blocks("cpp", page):
+                command = ["g++", "-std=c++20", "-Wall", "-fsyntax-only", f"-I{ROOT}", "-xc++", "-"]
+                done = subprocess.run(command, input=example, capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_files_that_are_named_exist(self):
-        text = (ROOT / "README.md").read_text()
-        named = re.findall(r"`((?:proto|server|client|core|deploy|tests)/[\w./-]*)`|\]\(([^)#:]+)\)", text)
-        missing = [name for pair in named for name in pair if name and not (ROOT / name).exists()]
+        missing = []
+        for page in [README, *PAGES]:
+            text = page.read_text()
+            named = re.findall(r"`((?:proto|server|client|core|deploy|tests)/[\w./-]*)`", text)
+            linked = re.findall(r"\]\(([^)#:]+)\)", text)  # pictures of the pages are drawn: by the target docs
+            missing += [name for name in named if not (ROOT / name).exists()]
+            missing += [name for name in linked if not (page.parent / name).exists() and not name.endswith(".png")]
         self.assertEqual(missing, [])
 
 

@@ -14,6 +14,8 @@ latvox_add_test(client_resume_test SOURCES unit/client_resume_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_retry_test SOURCES unit/client_retry_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
+latvox_add_test(client_stream_test SOURCES unit/client_stream_test.cc
+                LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_tool_test SOURCES unit/client_tool_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_job_test SOURCES unit/client_job_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_batch_test SOURCES unit/client_batch_test.cc LIBRARIES latvox::tool latvox::grid GTest::gmock)

@@ -1,0 +1,32 @@
+// A stream that outlives its server: prints all bricks, and on standard error where it had to go on, and why.
+// Try it with a server that is killed and started again, or with two.
+#include "client/client.h"
+#include "example.h"
+
+int main(int argc, char** argv) {
+  namespace lv = latvox::client;
+  if (argc != 4) return example::Usage("resume ADDRESS[,ADDRESS...] MESH.drc RESOLUTION");
+  const auto client = lv::Client::Connect(argv[1]);
+  if (!client.ok()) return example::Fail(client.status());
+
+  lv::VoxelizeHandlers handlers;
+  handlers.on_bricks = [](const lv::BrickBatch& batch) {
+    for (const lv::Brick& brick : batch.bricks) {
+      const auto& [i, j, k] = brick.brick_ijk;
+      std::printf("%d,%d,%d\n", i, j, k);
+    }
+    return absl::OkStatus();
+  };
+  handlers.on_resumed = [](const lv::Resumption& resumption) {
+    std::fprintf(stderr, "goes on at %s after: %s\n", resumption.address.c_str(), resumption.cause.ToString().c_str());
+    return absl::OkStatus();
+  };
+  lv::VoxelizeRequest request;
+  request.resolution = example::Number(argv[3]);
+  lv::CallOptions options;
+  options.retry.max_retries = 100;  // without progress; some minutes, for a server to come back
+  const auto summary = client->Voxelize(request, example::Read(argv[2]), handlers, options);
+  if (!summary.ok()) return example::Fail(summary.status());
+  std::fprintf(stderr, "%llu bricks, resumed %d times, digest %s\n", static_cast<unsigned long long>(summary->bricks),
+               summary->resumed, summary->certificate.digest.c_str());
+}

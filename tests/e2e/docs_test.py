@@ -1,0 +1,81 @@
+"""The documentation is built, whole, without a warning; and what is missing in it would be noticed."""
+
+import importlib.machinery
+import importlib.util
+import os
+import pathlib
+import re
+import subprocess
+import unittest
+
+from harness import Case
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ["LATVOX_BUILD_DIR"])
+DOXYFILE = BUILD / "client/docs/Doxyfile"
+
+
+def load_build():
+    """client/docs/build as a module."""
+    loader = importlib.machinery.SourceFileLoader("build", str(ROOT / "client/docs/build"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("build", loader))
+    loader.exec_module(module)
+    return module
+
+
+class Docs(Case):
+    def test_everything_public_is_in_it(self):
+        build = ["cmake", "--build", BUILD, "--target", "docs"]
+        done = subprocess.run(build, capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        docs = BUILD / "docs"
+        index = (docs / "index.html").read_text()
+        for page in re.findall(r"\((\w+)\.md\)", (ROOT / "client/docs/index.md").read_text()):
+            self.assertIn(f"md_client_docs_{page}.html", index)
+            self.assertTrue((docs / f"md_client_docs_{page}.html").exists(), page)
+        for name in ("Client", "BrickStream", "VoxelService", "VoxelGrid"):
+            self.assertTrue((docs / f"classlatvox_1_1client_1_1{name}.html").exists(), name)
+        namespace = (docs / "namespacelatvox_1_1client.html").read_text()
+        for name in ("GetErrorDetails", "MergeParts", "NamedLattice", "kBcc", "Vec3i"):
+            self.assertIn(name, namespace)
+        for example in (ROOT / "client/examples").glob("*.cc"):
+            self.assertTrue((docs / f"{example.stem}_8cc-example.html").exists(), example.name)
+        for picture in re.findall(r"\((\S+\.png)\)", (ROOT / "client/docs/choosing.md").read_text()):
+            self.assertGreater((docs / picture).stat().st_size, 5000, picture)
+        protocol = (docs / "protocol.html").read_text()
+        proto = (ROOT / "proto/latvox/v1/voxelizer.proto").read_text()
+        for name in re.findall(r"^ *(?:message|enum|service|rpc) (\w+)", proto, re.M):
+            self.assertIn(name, protocol)
+        for name in re.findall(r"^ *\S+(?: \S+)? (\w+) = \d+;", proto, re.M):
+            self.assertIn(f"<code>{name}</code>", protocol)
+
+    def doxygen(self, header):
+        """Over a header with this text. Its XML is in self.dir / "xml"."""
+        (self.dir / "broken.h").write_text(header)
+        settings = re.sub(r"^INPUT .*$|^USE_MDFILE.*$", "", DOXYFILE.read_text(), flags=re.M)
+        settings += f"INPUT = {self.dir}/broken.h\nOUTPUT_DIRECTORY = {self.dir}\nHTML_OUTPUT = html\n"
+        return subprocess.run(["doxygen", "-"], input=settings, capture_output=True, text=True, cwd=ROOT, timeout=60)
+
+    def test_what_has_no_description_is_found(self):
+        header = "// A file.\n#ifndef A_H_\n#define A_H_\n\n// A thing.\nstruct A {\n  int x = 0;  // a number\n%s};\n\n#endif\n"
+        whole = self.doxygen(header % "")
+        self.assertEqual((whole.returncode, whole.stderr), (0, ""))
+        self.assertEqual(load_build().undescribed(self.dir / "xml"), [])
+        lacking = self.doxygen(header % "  int y = 0;\n")
+        self.assertNotEqual(lacking.returncode, 0)
+        self.assertRegex(lacking.stderr, r"broken\.h:8: .*Member y .* is not documented")
+        self.doxygen(header % "  // One of.\n  enum class E { kA };\n")
+        self.assertEqual(load_build().undescribed(self.dir / "xml"), ["structA: kA"])
+
+    def test_a_field_without_a_comment_is_found(self):
+        message = "// A thing.\nmessage A {\n  // A number.\n  int32 x = 1;\n  int32 y = 2;\n}\n"
+        (self.dir / "a.proto").write_text('// A file.\nsyntax = "proto3";\n\n' + message)
+        descriptors = self.dir / "a.bin"
+        options = ["-I", self.dir, "--include_source_info", f"--descriptor_set_out={descriptors}"]
+        subprocess.run(["protoc", *options, "a.proto"], check=True, timeout=60)
+        done = subprocess.run([ROOT / "client/docs/proto_reference", descriptors], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (1, "", "a.proto: without a comment: A.y\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()
