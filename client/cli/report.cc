@@ -79,6 +79,23 @@ Json ErrorJson(const absl::Status& error) {
   return json;
 }
 
+Json WeldJson(const WeldReport& weld) {
+  return {{"vertices", weld.vertices},
+          {"triangles", weld.triangles},
+          {"duplicate_vertices", weld.duplicate_vertices},
+          {"degenerate_triangles", weld.degenerate_triangles},
+          {"open_edges", weld.open_edges},
+          {"non_manifold_edges", weld.non_manifold_edges},
+          {"inconsistent_edges", weld.inconsistent_edges}};
+}
+
+std::string WeldText(const WeldReport& weld) {
+  return absl::StrCat("of ", weld.vertices, " vertices, ", weld.duplicate_vertices, " are duplicates; of ",
+                      weld.triangles, " triangles, ", weld.degenerate_triangles,
+                      " are degenerate; edges: ", weld.open_edges, " open, ", weld.non_manifold_edges,
+                      " non-manifold, ", weld.inconsistent_edges, " between triangles that turn against each other\n");
+}
+
 Json SummaryJson(const VoxelizeReport& report) {
   const Summary& summary = report.summary;
   const MeshFacts& mesh = report.accepted.mesh;
@@ -105,6 +122,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                   {"encoded_bytes", summary.mesh_bytes},
                   {"min", mesh.min},
                   {"max", mesh.max}};
+  if (report.weld) json["mesh"]["weld_report"] = WeldJson(*report.weld);
   json["outputs"] = report.outputs;
   return json;
 }
@@ -136,6 +154,7 @@ std::string ToText(const VoxelizeReport& report) {
                                : absl::StrCat("positions of ", certificate.quantization_bits, " bits");
   std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
                                   mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
+  if (report.weld) text += WeldText(*report.weld);
   if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
   absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %s\n", certificate.lattice,
                         report.accepted.grid.voxel_size, SeparationText(certificate));

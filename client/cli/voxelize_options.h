@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "client/cli/session.h"
+#include "client/mesh/mesh_input.h"
 #include "client/types.h"
 
 namespace latvox::client {
 
 struct VoxelizeOptions {
-  std::string mesh;
+  MeshInput mesh;
+  bool weld_report = false;
   std::vector<std::string> outputs;
   VoxelizeRequest request;
   std::optional<int> quantization_bits;  // absent: auto
@@ -26,11 +28,13 @@ struct VoxelizeOptions {
 struct VoxelizeWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
+  std::string scale, up, input_format;
   int separability = 0;
   std::string algorithm, encoding, fill, cover;
 };
 
-// Adds the outputs and what is asked for, without mesh and server. Parsing checks each option by itself.
+// Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by
+// itself.
 void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
 
 // Adds all options.

@@ -41,7 +41,7 @@ std::string Refusal(const std::vector<std::string>& arguments) {
 
 TEST(Options, DefaultsAreThoseOfTheContract) {
   const VoxelizeOptions options = Parse({"--resolution", "64"});
-  EXPECT_EQ(options.mesh, "mesh.obj");
+  EXPECT_THAT(options.mesh.paths, ElementsAre("mesh.obj"));
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb"));
   EXPECT_EQ(std::get<NamedLattice>(options.request.lattice), NamedLattice::kCartesian);
   EXPECT_EQ(options.request.resolution, 64u);
@@ -208,7 +208,7 @@ class Command : public FilesTest {};
 
 TEST_F(Command, AServerThatCannotBeReachedLeavesNoFileAndKeepsOldOnes) {
   VoxelizeOptions options;
-  options.mesh = Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  options.mesh.paths = {Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
   options.outputs = {Path("a.vdb"), Write("b.csv", "old")};
   options.request.resolution = 4;
   options.server.address = "unix:" + Path("nobody");
@@ -220,7 +220,7 @@ TEST_F(Command, AServerThatCannotBeReachedLeavesNoFileAndKeepsOldOnes) {
 
 TEST_F(Command, ACancelledOneStopsBeforeTheServerIsNeeded) {
   VoxelizeOptions options;
-  options.mesh = Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  options.mesh.paths = {Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
   options.outputs = {Path("a.vdb")};
   options.request.resolution = 4;
   options.server.address = "unix:" + Path("nobody");
