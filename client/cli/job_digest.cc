@@ -75,6 +75,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (input.up != UpAxis::kZ) json["up"] = static_cast<int>(input.up);
   if (input.scale != 1) json["scale"] = input.scale;
   if (input.format) json["input_format"] = static_cast<int>(*input.format);
+  if (job.options.output_options.dense_npy) json["npy"] = "dense";
   if (job.options.weld_report) json["weld_report"] = true;
   // Names need not be UTF-8.
   return Sha256(json.dump(-1, ' ', false, Json::error_handler_t::ignore));

@@ -41,6 +41,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"scale", Kind::kNumber},
     {"input_format", Kind::kText},
     {"weld_report", Kind::kFlag},
+    {"npy", Kind::kText},
 };
 
 constexpr const char* kTypes[] = {"a text that is not empty", "a number", "a number or a text", "an array of numbers",

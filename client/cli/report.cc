@@ -79,6 +79,8 @@ Json ErrorJson(const absl::Status& error) {
   return json;
 }
 
+Json BoxJson(const std::optional<IndexBox>& box) { return box ? Json{{"min", box->min}, {"max", box->max}} : Json(); }
+
 Json WeldJson(const WeldReport& weld) {
   return {{"vertices", weld.vertices},
           {"triangles", weld.triangles},
@@ -106,6 +108,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"basis", Flat(report.accepted.grid.basis)},
                {"origin", report.accepted.grid.origin},
                {"voxel_size", report.accepted.grid.voxel_size},
+               {"index_box", BoxJson(report.accepted.index_box)},
                {"separability", summary.certificate.separability},
                {"digest", summary.certificate.digest},
                {"certificate", CertificateJson(summary.certificate)}};

@@ -48,10 +48,12 @@ absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const JobHoo
 }
 
 absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& hooks) {
+  hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
   auto read = ReadMeshInput(options.mesh);
   if (!read.ok()) return read.status();
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
   const Mesh& mesh = std::get<Mesh>(*read);
+  hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
   auto encoded = EncodeMesh(mesh, bits);
@@ -61,10 +63,10 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& h
   return upload;
 }
 
-absl::StatusOr<Outputs> OpenOutputs(const std::vector<std::string>& paths) {
+absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options) {
   Outputs outputs;
-  for (const std::string& path : paths) {
-    auto output = OpenOutput(path);
+  for (const std::string& path : options.outputs) {
+    auto output = OpenOutput(path, options.output_options);
     if (!output.ok()) return output.status();
     outputs.push_back(*std::move(output));
   }
@@ -96,10 +98,13 @@ std::string ResumptionLine(const Resumption& resumption) {
 // The call itself, into the outputs.
 absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
                   const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
+  hooks.on_stage("connecting");
   const absl::StatusOr<const Client*> client = hooks.connect();
   if (!client.ok()) return client.status();
+  hooks.on_stage("uploading");
   VoxelizeHandlers handlers;
   handlers.on_accepted = [&](const Accepted& accepted) {
+    hooks.on_stage("voxelizing");
     report.accepted = accepted;
     return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
   };
@@ -126,7 +131,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.mesh_path = NameOf(options.mesh);
   report.outputs = options.outputs;
   // First of all, so that a place that cannot be written is found before any work.
-  auto outputs = OpenOutputs(options.outputs);
+  auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
   const auto upload = Prepare(options, hooks);
   if (!upload.ok()) return upload.status();
@@ -135,6 +140,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
+  hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
   if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
   if (auto status = CheckTime(call); !status.ok()) return status;
@@ -154,7 +160,10 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const
     session = *std::move(opened);
     return &session->client();
   };
-  hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, absl::StrCat(bricks, " bricks")); };
+  hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
+  hooks.on_progress = [&](double share, uint64_t bricks) {
+    bar.Show(share, CountText("bricks", bricks, bar.elapsed()));
+  };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
   return RunJob(options, call, hooks);
 }

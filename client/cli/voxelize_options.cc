@@ -77,6 +77,7 @@ uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis
 }
 
 void AddMeshOptions(CLI::App& command, VoxelizeWords& words) {
+  Group(command, "Mesh");
   command.add_option("--up", words.up, "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)")
       ->check(OneOf(UpNames()));
   command.add_option("--scale", words.scale, "multiply the mesh's coordinates, after --up")
@@ -92,7 +93,12 @@ void AddMeshOptions(CLI::App& command, VoxelizeWords& words) {
 
 void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
+  Group(command, "Output");
   AddOutputOption(command, OutputExtensions(), options.outputs);
+  command
+      .add_option("--npy", words.npy, "what a .npy holds: a row of coordinates a voxel (default), or a box of 0 and 1")
+      ->check(CLI::IsMember({"coordinates", "dense"}));
+  Group(command, "Lattice");
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: cartesian")->check(OneOf(LatticeNames()));
   command.add_option("--basis", words.basis, "three basis vectors a, b, c of any lattice, world units")
@@ -110,6 +116,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   command.add_option("--origin", words.origin, "world position of lattice point 0 (default: the mesh's low corner)")
       ->type_name("X,Y,Z")
       ->check(CheckNumbers<double, 3>);
+  Group(command, "Voxels");
   command
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
       ->type_name("K")
@@ -119,13 +126,16 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->check(OneOf(AlgorithmNames()));
   command.add_option("--fill", words.fill)->check(CLI::IsMember({"surface"}));
   command.add_option("--cover", words.cover)->check(CLI::IsMember({"separating"}));
+  Group(command, "Transfer");
   command
       .add_option("--quantization", words.quantization,
                   "position bits of the upload, 0 (exact) to 30; auto: fine enough for the resolution")
       ->type_name("auto|0..30")
       ->check(CheckQuantization);
+  Group(command, "Voxels");
   CLI::Option* verify =
       command.add_flag("--verify", options.request.verify, "count tunnels and redundant voxels independently");
+  Group(command, "Part of the whole");
   command.add_option("--region", words.region, "only the voxels i0 <= i < i1 and so on, exactly as in the whole")
       ->type_name("i0,j0,k0,i1,j1,k1")
       ->check(CheckRegion)
@@ -134,6 +144,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("I/N")
       ->check(CheckShard)
       ->excludes(verify);
+  Group(command, "Transfer");
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
   AddMeshOptions(command, words);
@@ -147,6 +158,7 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("MESH")
       ->required();
   AddRequestOptions(command, words);
+  Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
 }
@@ -166,6 +178,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
     ParseNumbers(words.region, n);
     request.region = IndexBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
   }
+  options.output_options.dense_npy = words.npy == "dense";
   if (!words.up.empty()) options.mesh.up = ValueNamed(UpNames(), words.up);
   if (!words.scale.empty()) ParseNumber(words.scale, options.mesh.scale);
   if (!words.input_format.empty()) options.mesh.format = ValueNamed(MeshFormats(), words.input_format);

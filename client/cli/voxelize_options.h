@@ -10,6 +10,7 @@
 
 #include "client/cli/session.h"
 #include "client/mesh/mesh_input.h"
+#include "client/output/output.h"
 #include "client/types.h"
 
 namespace latvox::client {
@@ -18,6 +19,7 @@ struct VoxelizeOptions {
   MeshInput mesh;
   bool weld_report = false;
   std::vector<std::string> outputs;
+  OutputOptions output_options;
   VoxelizeRequest request;
   std::optional<int> quantization_bits;  // absent: auto
   bool json = false;
@@ -28,7 +30,7 @@ struct VoxelizeOptions {
 struct VoxelizeWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
-  std::string scale, up, input_format;
+  std::string scale, up, input_format, npy;
   int separability = 0;
   std::string algorithm, encoding, fill, cover;
 };
