@@ -21,7 +21,7 @@ size_t ErrorColumns() {
 
 std::string Coloured(absl::string_view text, Colour colour) {
   const char* const no_color = std::getenv("NO_COLOR");
-  if (!ErrorIsTerminal() || (no_color != nullptr && *no_color != '\0')) return std::string(text);
+  if (text.empty() || !ErrorIsTerminal() || (no_color != nullptr && *no_color != '\0')) return std::string(text);
   return absl::StrCat("\x1b[", static_cast<int>(colour), "m", text, "\x1b[0m");
 }
 

@@ -36,7 +36,6 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
     return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
   }
   mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-  mesh.triangles.reserve(mesh.triangles.size() + part.triangles.size());
   for (auto triangle : part.triangles) {
     for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);
     mesh.triangles.push_back(triangle);

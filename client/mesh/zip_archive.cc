@@ -39,13 +39,13 @@ absl::StatusOr<ZipArchive> ZipArchive::Open(absl::string_view bytes, uint64_t ma
 }
 
 absl::StatusOr<std::string> ZipArchive::Read(const std::string& name) {
-  constexpr uint64_t kChunk = uint64_t{1} << 20;
+  constexpr uint64_t kLeast = uint64_t{1} << 16;
   const std::unique_ptr<zip_file_t, CloseEntry> file(zip_fopen(archive_.get(), name.c_str(), ZIP_FL_NOCASE));
   if (file == nullptr) return Bad(absl::StrCat("part \"", name, "\" cannot be read"), zip_get_error(archive_.get()));
   std::string bytes;
   for (;;) {
     const size_t before = bytes.size();
-    bytes.resize(before + std::min(kChunk, left_ + 1));
+    bytes.resize(before + std::min(std::max<uint64_t>(kLeast, before), left_ + 1));
     const zip_int64_t count = zip_fread(file.get(), bytes.data() + before, bytes.size() - before);
     if (count < 0) return Bad(absl::StrCat("part \"", name, "\" is damaged"), zip_file_get_error(file.get()));
     bytes.resize(before + static_cast<size_t>(count));
