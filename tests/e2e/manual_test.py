@@ -1,11 +1,13 @@
 """What the programs say of themselves: help, introduction and its examples, man pages, completions."""
 
+import functools
 import os
 import pathlib
 import pty
 import re
 import select
 import subprocess
+import tempfile
 import time
 import unittest
 
@@ -21,9 +23,14 @@ def run(*words, **options):
     return done.stdout
 
 
+@functools.cache
+def help_of(*words):
+    return run(BIN / "latvox", *words, "--help")
+
+
 def commands():
     """The commands of latvox, by its help."""
-    listed = latvox("--help").stdout.partition("Subcommands:\n")[2].partition("\n\n")[0]
+    listed = help_of().partition("Subcommands:\n")[2].partition("\n\n")[0]
     return re.findall(r"^  (\w+)", listed, re.M)
 
 
@@ -50,7 +57,7 @@ class Help(Case):
         lines = examples(latvox().stdout)
         self.assertGreater(len(lines), 3)
         for name in commands():
-            found = examples(latvox(name, "--help").stdout)
+            found = examples(help_of(name))
             self.assertTrue(found or name in ("health", "limits"), name)
             lines += found
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
@@ -63,13 +70,13 @@ class Help(Case):
         self.assertLessEqual({"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "voxels", "star.png", "whole.vdb"}, made)
 
     def test_options_are_in_groups(self):
-        text = latvox("voxelize", "--help").stdout
+        text = help_of("voxelize")
         for group in ("Mesh", "Lattice", "Voxels", "Part of the whole", "Output", "Transfer", "Server"):
             self.assertIn(f"\n{group}:\n", text)
 
     def test_the_readme_knows_the_options_and_no_others(self):
         readme = (ROOT / "README.md").read_text()
-        helps = "\n".join(latvox(name, "--help").stdout for name in commands())
+        helps = "\n".join(help_of(name) for name in commands())
         of_latvox = options(helps)
         single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))  # one word to choose from is no choice
         of_latvoxd = options(run(BIN / "latvoxd", "--help"))
@@ -107,7 +114,7 @@ class ManPages(Case):
         self.assertEqual(set(sections), set(commands()))
         for name, section in sections.items():
             with self.subTest(name):
-                wanted = options(latvox(name, "--help").stdout)
+                wanted = options(help_of(name))
                 self.assertEqual(entries(section), wanted)
         self.assertIn("cartesian|bcc|fcc|hexagonal", sections["voxelize"])
         text = self.shown("latvoxd.8")
@@ -132,14 +139,17 @@ LATTICES = {"cartesian", "bcc", "fcc", "hexagonal"}
 class Completions(Case):
     def setUp(self):
         super().setUp()
+        self.scripts = self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-"))
+        for shell in ("bash", "fish"):
+            pathlib.Path(self.scripts, shell).write_text(latvox("completions", shell).stdout)
         (self.dir / "a mesh.obj").write_text("")
         (self.dir / "folder").mkdir()
 
     def bash(self, *words):
         """What bash offers for the last of the words."""
-        script = ('source <("$0" completions bash); COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1));'
+        script = ('source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1));'
                   '_latvox 2>/dev/null; printf "%s\\n" "${COMPREPLY[@]}"')
-        done = run("bash", "-uc", script, BIN / "latvox", *words, cwd=self.dir)
+        done = run("bash", "-uc", script, f"{self.scripts}/bash", *words, cwd=self.dir)
         return set(done.splitlines()) - {""}
 
     def test_bash(self):
@@ -156,10 +166,10 @@ class Completions(Case):
         self.assertEqual(self.bash("latvox", "batch", "--out", ""), {"folder"})
         self.assertEqual(self.bash("latvox", "completions", ""), {"bash", "zsh", "fish"})
         for name in commands():
-            self.assertEqual(self.bash("latvox", name, "--"), options(latvox(name, "--help").stdout))
+            self.assertEqual(self.bash("latvox", name, "--"), options(help_of(name)))
 
     def fish(self, line):
-        script = f"source (\"{BIN}/latvox\" completions fish | psub); complete -C '{line}'"
+        script = f"source {self.scripts}/fish; complete -C '{line}'"
         environment = os.environ | {"HOME": str(self.dir), "XDG_CONFIG_HOME": str(self.dir)}
         return {found.split("\t")[0] for found in run("fish", "-c", script, cwd=self.dir, env=environment).splitlines()}
 
@@ -170,7 +180,7 @@ class Completions(Case):
         self.assertEqual(self.fish("latvox completions "), {"bash", "zsh", "fish"})
         self.assertEqual(self.fish("latvox voxelize --resolution "), set())
         for name in commands():
-            self.assertEqual(self.fish(f"latvox {name} --"), options(latvox(name, "--help").stdout))
+            self.assertEqual(self.fish(f"latvox {name} --"), options(help_of(name)))
 
     def zsh(self, line):
         """What an interactive zsh makes of the line and a tab, without the space or slash that goes with the next key."""
