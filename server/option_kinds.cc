@@ -67,6 +67,7 @@ void AddConfigurationFile(CLI::App& app) {
                  absl::StrCat("Configuration file (TOML) with the options' long names as keys (",
                               EnvironmentName("--config"), ")"),
                  /*config_required=*/!named.empty());
+  app.get_config_ptr()->type_name("FILE");
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.config_formatter(std::make_shared<ConfigBelowEnvironment>());
 }

@@ -1,15 +1,18 @@
 #include "server/options.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <string>
 #include <utility>
 
+#include "manual/man_page.h"
 #include "server/option_kinds.h"
 
 namespace latvox {
 namespace {
 
 void AddLimits(CLI::App& app, Limits& limits) {
+  app.option_defaults()->group("Limits");
   AddBytes(app, "--max-mesh-bytes", limits.max_mesh_bytes, "Largest encoded mesh, as 1073741824 or 1GiB");
   Add(app, "--max-triangles", limits.max_triangles, "Most triangles in a mesh")->check(AtLeastOne());
   Add(app, "--max-vertices", limits.max_vertices, "Most points in a mesh")->check(AtLeastOne());
@@ -26,6 +29,7 @@ void AddLimits(CLI::App& app, Limits& limits) {
 }
 
 void AddAccess(CLI::App& app, AccessOptions& access) {
+  app.option_defaults()->group("Access");
   Add(app, "--tls-cert", access.tls.certificate, "Certificate chain (PEM): TLS on all addresses but Unix sockets")
       ->type_name("FILE");
   Add(app, "--tls-key", access.tls.key, "Key of the certificate (PEM, without a passphrase)")->type_name("FILE");
@@ -40,6 +44,7 @@ void AddAccess(CLI::App& app, AccessOptions& access) {
 }
 
 void AddLog(CLI::App& app, ProgramOptions& options) {
+  app.option_defaults()->group("Log");
   AddChoice<LogLevel>(app, "--log-level",
                       {{"debug", LogLevel::kDebug},
                        {"info", LogLevel::kInfo},
@@ -52,6 +57,7 @@ void AddLog(CLI::App& app, ProgramOptions& options) {
 }
 
 void AddDecoder(CLI::App& app, DecoderOptions& decoder) {
+  app.option_defaults()->group("Decoding");
   decoder.program = "/proc/self/exe";
   Add(app, "--decoder-processes", decoder.processes, "Processes that decode meshes; 0: one for each thread, at most 4")
       ->check(CLI::Range(0, 64));
@@ -71,6 +77,7 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   app.add_flag("--check-config", options.check_config,
                "Print what is in force and where it came from, as a configuration file, and exit")
       ->configurable(false);
+  app.add_flag("--man", options.man, "Print the manual page, as troff reads it, and exit")->configurable(false);
   Add(app, "--listen", options.server.listen, "Address, HOST:PORT or unix:PATH; may be repeated")->delimiter(',');
   Add(app, "--threads", options.server.threads,
       "Threads that compute; 0: one for each core that there is, in a container as many as it may use")
@@ -87,10 +94,12 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   AddSeconds(app, "--stall-timeout", 1, options.server.stall_timeout,
              "Time after which a client that neither sends nor takes anything is given up");
   AddDecoder(app, options.server.decoder);
+  app.option_defaults()->group("Connections");
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");
   AddAccess(app, options.server.access);
+  app.option_defaults()->group("Health and metrics");
   Add(app, "--health-listen", options.server.health_listen,
       "Address for grpc.health.v1 alone, in plain text, for probes that know no TLS")
       ->type_name("ADDRESS");
@@ -98,6 +107,7 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
       "Address for Prometheus, HOST:PORT with an IP address: plain HTTP, for everybody; path /metrics")
       ->type_name("ADDRESS");
   AddLog(app, options);
+  app.option_defaults()->group("Options");
   AddSwitch(app, "--exit-with-parent", options.exit_with_parent, "Stop when the process that started this one ends");
 }
 
@@ -115,6 +125,27 @@ struct Parser {
   }
 };
 
+std::string ManPageOf(const CLI::App& app) {
+  CommandFacts facts = Describe(app);
+  facts.description = "voxelizes triangle meshes on lattices, as a gRPC service";
+  ManPage page;
+  page.section = 8;
+  page.version = LATVOX_VERSION;
+  page.before = {
+      {"DESCRIPTION",
+       "latvoxd serves the protocol latvox.v1 until SIGTERM or SIGINT, of which the first lets running\n"
+       "jobs end. Each option may also be an environment variable, or a key of the configuration file: the\n"
+       "command line wins over the environment, and that over the file. SIGHUP applies the file's log level,\n"
+       "and reads certificates and tokens again.\n"}};
+  page.after = {{"EXIT STATUS", "0 after SIGTERM or SIGINT; 1 it could not serve; 2 wrong usage"},
+                {"EXAMPLES",
+                 "  latvoxd --listen 127.0.0.1:50151\n"
+                 "  latvoxd --listen 0.0.0.0:50151 --tls-cert certificate.pem --tls-key key.pem --token-file tokens\n"
+                 "  latvoxd --config latvoxd.toml --check-config\n"}};
+  page.see_also = {"latvox(1)"};
+  return ToMan(facts, page);
+}
+
 }  // namespace
 
 std::variant<Configuration, int> ParseOptions(int argc, const char* const* argv) {
@@ -124,6 +155,10 @@ std::variant<Configuration, int> ParseOptions(int argc, const char* const* argv)
   } catch (const CLI::ParseError& error) {
     constexpr int kWrongUsage = 2;
     return parser.app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  if (parser.configuration.options.man) {
+    std::fputs(ManPageOf(parser.app).c_str(), stdout);
+    return 0;
   }
   return parser.configuration;
 }

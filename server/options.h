@@ -22,6 +22,7 @@ struct ProgramOptions {
   absl::Duration grace = absl::Seconds(10);
   bool exit_with_parent = false;
   bool check_config = false;  // tell the settings instead of serving
+  bool man = false;           // print the manual instead
 };
 
 struct Configuration {

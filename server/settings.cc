@@ -15,7 +15,9 @@ namespace latvox {
 namespace {
 
 // Those that tell instead of set.
-bool Tells(const std::string& name) { return name == "help" || name == "version" || name == "check-config"; }
+bool Tells(const std::string& name) {
+  return name == "help" || name == "version" || name == "man" || name == "check-config";
+}
 
 Reload ReloadOf(const std::string& name) {
   if (name == "log-level") return Reload::kValue;

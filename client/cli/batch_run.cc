@@ -111,6 +111,7 @@ void BatchRun::Voxelize(const Job& job, JobResult& result) {
     session = *std::move(connected);
     return &session->client();
   };
+  hooks.on_stage = [](const std::string&) {};
   hooks.on_progress = [](double, uint64_t) {};
   hooks.say = [&](const std::string& line) {
     const std::lock_guard lock(mutex_);

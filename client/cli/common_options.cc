@@ -50,6 +50,8 @@ CLI::Validator Whole(int low, int high) {
       "");
 }
 
+void Group(CLI::App& command, const char* name) { command.option_defaults()->group(name); }
+
 void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs) {
   const std::string known = absl::StrJoin(extensions, " ");
   const auto check = [extensions, known](const std::string& path) -> std::string {
@@ -92,6 +94,7 @@ void AddCredentials(CLI::App& command, ServerChoice& choice) {
 }  // namespace
 
 void AddServerOptions(CLI::App& command, ServerChoice& choice) {
+  Group(command, "Server");
   command
       .add_option("--server", choice.address,
                   "the server, as HOST:PORT or unix:PATH, or several with commas (default: a private latvoxd)")

@@ -97,6 +97,9 @@ template <class... Parts>
 // Where a path leads: absolute, links resolved as far as it exists.
 std::filesystem::path Place(const std::string& path);
 
+// The group, in help and manual, of the options that are added after this.
+void Group(CLI::App& command, const char* name);
+
 // Adds -o, --out.
 void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
 

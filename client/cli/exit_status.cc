@@ -44,6 +44,4 @@ std::string ErrorText(const absl::Status& status) {
   return line;
 }
 
-std::string ErrorLine(const absl::Status& status) { return absl::StrCat("latvox: ", ErrorText(status)); }
-
 }  // namespace latvox::client

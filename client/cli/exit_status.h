@@ -26,7 +26,6 @@ ExitStatus ExitStatusOf(const absl::Status& status);
 std::string ErrorText(const absl::Status& status);
 
 // "latvox: " and the same.
-std::string ErrorLine(const absl::Status& status);
 
 }  // namespace latvox::client
 

@@ -28,15 +28,16 @@ absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
   return Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
-absl::StatusOr<std::string> MeshDigest(const std::string& path) {
-  if (!MayReferToFiles(path)) {
-    const auto bytes = ReadBytes(path);
+absl::StatusOr<std::string> MeshDigest(const MeshInput& input) {
+  if (!MayReferToFiles(input)) {
+    const auto bytes = ReadBytes(input.paths[0]);
     if (!bytes.ok()) return bytes.status();
     return Sha256(*bytes);
   }
-  const auto mesh = ReadMeshFile(path);
-  if (!mesh.ok()) return mesh.status();
-  const auto positions = Sha256Of(mesh->positions), triangles = Sha256Of(mesh->triangles);
+  const auto read = ReadMeshInput(input);
+  if (!read.ok()) return read.status();
+  const Mesh& mesh = std::get<Mesh>(*read);
+  const auto positions = Sha256Of(mesh.positions), triangles = Sha256Of(mesh.triangles);
   if (!positions.ok()) return positions.status();
   if (!triangles.ok()) return triangles.status();
   return *positions + *triangles;
@@ -66,10 +67,16 @@ Json RequestJson(const VoxelizeRequest& request) {
 absl::StatusOr<std::string> JobDigest(const Job& job) {
   const auto mesh = MeshDigest(job.options.mesh);
   if (!mesh.ok()) return mesh.status();
-  const Json json = {{"request", RequestJson(job.options.request)},
-                     {"quantization_bits", OrNull(job.options.quantization_bits)},
-                     {"outputs", job.names},
-                     {"mesh", *mesh}};
+  Json json = {{"request", RequestJson(job.options.request)},
+               {"quantization_bits", OrNull(job.options.quantization_bits)},
+               {"outputs", job.names},
+               {"mesh", *mesh}};
+  const MeshInput& input = job.options.mesh;
+  if (input.up != UpAxis::kZ) json["up"] = static_cast<int>(input.up);
+  if (input.scale != 1) json["scale"] = input.scale;
+  if (input.format) json["input_format"] = static_cast<int>(*input.format);
+  if (job.options.output_options.dense_npy) json["npy"] = "dense";
+  if (job.options.weld_report) json["weld_report"] = true;
   // Names need not be UTF-8.
   return Sha256(json.dump(-1, ' ', false, Json::error_handler_t::ignore));
 }

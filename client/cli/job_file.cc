@@ -32,9 +32,10 @@ class Claims {
       if (auto status = Take(ids_, "id", job.id, line); !status.ok()) return status;
     }
     // Other meshes cannot be where outputs go, and asking for the places of millions would take long.
-    const std::string extension = absl::AsciiStrToLower(std::filesystem::path(job.options.mesh).extension().string());
+    const std::string& mesh = job.options.mesh.paths[0];
+    const std::string extension = absl::AsciiStrToLower(std::filesystem::path(mesh).extension().string());
     const auto& known = OutputExtensions();
-    if (std::find(known.begin(), known.end(), extension) != known.end()) meshes_.emplace_back(line, job.options.mesh);
+    if (std::find(known.begin(), known.end(), extension) != known.end()) meshes_.emplace_back(line, mesh);
     return absl::OkStatus();
   }
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_replace.h"
 #include "client/cli/common_options.h"
 #include "client/cli/file_url.h"
+#include "client/mesh/mesh_file.h"
 
 namespace latvox::client {
 namespace {
@@ -36,6 +37,11 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"region", Kind::kNumbers},
     {"shard", Kind::kText},
     {"encoding", Kind::kText},
+    {"up", Kind::kText},
+    {"scale", Kind::kNumber},
+    {"input_format", Kind::kText},
+    {"weld_report", Kind::kFlag},
+    {"npy", Kind::kText},
 };
 
 constexpr const char* kTypes[] = {"a text that is not empty", "a number", "a number or a text", "an array of numbers",
@@ -192,7 +198,8 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   words_ = VoxelizeWords();
   try {
     app_.parse(*std::move(words));
-    words_.options.mesh = *std::move(path);
+    // No job reads standard input.
+    words_.options.mesh.paths = {*path == kStandardInput ? "./-" : *path};
     for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
     return Job{id.is_null() ? names->front() : id.get<std::string>(), mesh.get<std::string>(), *std::move(names),
                InterpretRequest(words_)};
@@ -202,7 +209,7 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
 }
 
 absl::Status CheckPlaces(const Job& job) try {
-  CheckOutputs(job.options.outputs, job.options.mesh, "mesh");
+  CheckOutputs(job.options.outputs, job.options.mesh.paths[0], "mesh");
   return absl::OkStatus();
 } catch (const CLI::ValidationError& error) {
   return Wrong(absl::StrReplaceAll(error.what(), {{"--out", "out"}}));

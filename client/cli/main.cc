@@ -13,25 +13,22 @@
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/merge_command.h"
+#include "client/cli/pages.h"
 #include "client/cli/pixelize_command.h"
+#include "client/cli/terminal.h"
 #include "client/cli/voxelize_command.h"
+#include "manual/completions.h"
 
 namespace latvox::client {
 namespace {
 
-constexpr char kDescription[] = "latvox: triangle meshes to exact sparse voxels on any 3D lattice";
-constexpr char kExample[] =
-    "Try:\n"
-    "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
-    "  latvox info bunny.vdb\n"
-    "  latvox batch jobs.jsonl --out voxels\n"
-    "  latvox pixelize drawing.svg --lattice hexagonal --resolution 64 -o drawing.csv -o drawing.png\n"
-    "  latvox voxelize --help\n"
-    "\n"
-    "Exit status: 0 done; 1 other; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled\n";
+// An error's line, its beginning in red on a terminal.
+void Tell(absl::string_view what) {
+  std::fprintf(stderr, "%s %s\n", Coloured("latvox:", Colour::kRed).c_str(), std::string(what).c_str());
+}
 
 ExitStatus Fail(const absl::Status& status) {
-  std::fprintf(stderr, "%s\n", ErrorLine(status).c_str());
+  Tell(ErrorText(status));
   return ExitStatusOf(status);
 }
 
@@ -65,12 +62,12 @@ ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) 
 
 // The commands and what parsing them fills.
 struct Commands {
-  CLI::App app{kDescription, "latvox"};
+  CLI::App app{"latvox: triangle meshes to exact sparse voxels on any 3D lattice", "latvox"};
   VoxelizeWords words;
   BatchWords batch_words;
   PixelizeWords pixelize_words;
   MergeWords merge_words;
-  std::string info_path;
+  std::string info_path, shell;
   ServerChoice server;
   bool json = false;
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
@@ -80,11 +77,12 @@ struct Commands {
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
+  CLI::App* completions = app.add_subcommand("completions", "print completions for a shell");
+  CLI::App* man = app.add_subcommand("man", "print the manual page, as troff reads it");
 
   Commands() {
     app.set_version_flag("--version", "latvox " LATVOX_VERSION);
     app.require_subcommand(0, 1);
-    app.footer(kExample);
     AddVoxelizeOptions(*voxelize, words);
     AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
@@ -93,11 +91,20 @@ struct Commands {
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
     limits->add_flag("--json", json, "as a JSON object");
+    completions->add_option("shell", shell, "the shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    AddFooters(app);
   }
 };
 
+std::string Completions(const CLI::App& app, const std::string& shell) {
+  const CommandFacts facts = Describe(app);
+  return shell == "bash" ? BashCompletions(facts) : shell == "zsh" ? ZshCompletions(facts) : FishCompletions(facts);
+}
+
 ExitStatus Run(const Commands& commands) {
   const Cancellation cancellation;
+  if (*commands.completions) return Print(Completions(commands.app, commands.shell));
+  if (*commands.man) return Print(ManPageOf(commands.app));
   if (*commands.info) return Print(RunInfo(commands.info_path));
   if (*commands.voxelize) {
     const VoxelizeOptions options = Interpret(commands.words);
@@ -122,7 +129,7 @@ ExitStatus Run(const Commands& commands) {
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
   if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));
-  return Print(commands.app.help());
+  return Print(Introduction());
 }
 
 ExitStatus Main(int argc, char** argv) {
@@ -136,7 +143,7 @@ ExitStatus Main(int argc, char** argv) {
     commands.app.exit(wanted);
     return ExitStatus::kDone;
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "latvox: %s\n", error.what());
+    Tell(error.what());
     return ExitStatus::kWrongUsage;
   } catch (const std::exception& error) {
     return Fail(absl::UnknownError(error.what()));

@@ -44,9 +44,10 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   auto file = AtomicFile::Create(output);
   if (!file.ok()) return file.status();
   ProgressBar bar;
-  const auto merged =
-      MergeParts(words.parts, (*file)->temporary(), cancellation,
-                 [&bar](double share, uint64_t bricks) { bar.Show(share, absl::StrCat(bricks, " bricks")); });
+  bar.Stage("merging");
+  const auto merged = MergeParts(
+      words.parts, (*file)->temporary(), cancellation,
+      [&bar](double share, uint64_t bricks) { bar.Show(share, CountText("bricks", bricks, bar.elapsed())); });
   if (!merged.ok()) return merged.status();
   if (auto status = (*file)->Sync(); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");

@@ -29,7 +29,9 @@ void AddPixelizeOptions(CLI::App& command, PixelizeWords& words) {
   command.add_option("input", options.input, "drawing: .txt (a polyline a line: x,y x,y ... [z]) or .svg")
       ->type_name("INPUT")
       ->required();
+  Group(command, "Output");
   AddOutputOption(command, PixelExtensions(), options.outputs);
+  Group(command, "Lattice");
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: square")->check(OneOf(LatticeNames()));
   command.add_option("--basis", words.basis, "two basis vectors a, b of any lattice, the drawing's units")
@@ -47,12 +49,14 @@ void AddPixelizeOptions(CLI::App& command, PixelizeWords& words) {
   command.add_option("--origin", words.origin, "position of lattice point 0 (default: the drawing's low corner)")
       ->type_name("X,Y")
       ->check(CheckNumbers<double, 2>);
+  Group(command, "Pixels");
   command.add_option("--separability", options.request.separability, "0 (stronger, the default) or 1")
       ->type_name("K")
       ->check(CLI::IsMember({0, 1}));
   command.add_flag("--minimal,!--no-minimal", options.request.minimal, "remove every pixel that can go (default)");
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));
+  Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
 }

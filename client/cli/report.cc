@@ -79,6 +79,25 @@ Json ErrorJson(const absl::Status& error) {
   return json;
 }
 
+Json BoxJson(const std::optional<IndexBox>& box) { return box ? Json{{"min", box->min}, {"max", box->max}} : Json(); }
+
+Json WeldJson(const WeldReport& weld) {
+  return {{"vertices", weld.vertices},
+          {"triangles", weld.triangles},
+          {"duplicate_vertices", weld.duplicate_vertices},
+          {"degenerate_triangles", weld.degenerate_triangles},
+          {"open_edges", weld.open_edges},
+          {"non_manifold_edges", weld.non_manifold_edges},
+          {"inconsistent_edges", weld.inconsistent_edges}};
+}
+
+std::string WeldText(const WeldReport& weld) {
+  return absl::StrCat("of ", weld.vertices, " vertices, ", weld.duplicate_vertices, " are duplicates; of ",
+                      weld.triangles, " triangles, ", weld.degenerate_triangles,
+                      " are degenerate; edges: ", weld.open_edges, " open, ", weld.non_manifold_edges,
+                      " non-manifold, ", weld.inconsistent_edges, " between triangles that turn against each other\n");
+}
+
 Json SummaryJson(const VoxelizeReport& report) {
   const Summary& summary = report.summary;
   const MeshFacts& mesh = report.accepted.mesh;
@@ -89,6 +108,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"basis", Flat(report.accepted.grid.basis)},
                {"origin", report.accepted.grid.origin},
                {"voxel_size", report.accepted.grid.voxel_size},
+               {"index_box", BoxJson(report.accepted.index_box)},
                {"separability", summary.certificate.separability},
                {"digest", summary.certificate.digest},
                {"certificate", CertificateJson(summary.certificate)}};
@@ -105,6 +125,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                   {"encoded_bytes", summary.mesh_bytes},
                   {"min", mesh.min},
                   {"max", mesh.max}};
+  if (report.weld) json["mesh"]["weld_report"] = WeldJson(*report.weld);
   json["outputs"] = report.outputs;
   return json;
 }
@@ -136,6 +157,7 @@ std::string ToText(const VoxelizeReport& report) {
                                : absl::StrCat("positions of ", certificate.quantization_bits, " bits");
   std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
                                   mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
+  if (report.weld) text += WeldText(*report.weld);
   if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
   absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %s\n", certificate.lattice,
                         report.accepted.grid.voxel_size, SeparationText(certificate));

@@ -2,12 +2,14 @@
 #ifndef LATVOX_CLIENT_CLI_REPORT_H_
 #define LATVOX_CLIENT_CLI_REPORT_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "client/cli/exit_status.h"
 #include "client/grid/merge.h"
+#include "client/mesh/weld_report.h"
 #include "client/plane_types.h"
 #include "client/types.h"
 
@@ -18,9 +20,10 @@ struct VoxelizeReport {
   std::vector<std::string> outputs;
   Accepted accepted;
   Summary summary;
-  uint64_t skipped = 0;  // points and lines of the mesh file
-  double encode_ms = 0;  // reading and encoding the mesh
-  double total_ms = 0;   // the whole command
+  uint64_t skipped = 0;            // points and lines of the mesh file
+  std::optional<WeldReport> weld;  // if it was asked for
+  double encode_ms = 0;            // reading and encoding the mesh
+  double total_ms = 0;             // the whole command
 };
 
 // One object; scripts rely on its keys. Without verification, tunnels and redundant are null.

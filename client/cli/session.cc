@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/terminal.h"
 
 namespace latvox::client {
 namespace {
@@ -30,8 +31,9 @@ absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOpti
     if (!server.ok()) return server.status();
     session.server_ = *std::move(server);
     address = session.server_->address();
-    std::fprintf(stderr, "latvox: no --server given, started a private %s for this call\n",
-                 session.server_->program().c_str());
+    // Over a line of progress, if there is one.
+    std::fprintf(stderr, "%slatvox: no --server given, started a private %s for this call\n",
+                 ErrorIsTerminal() ? "\r\x1b[K" : "", session.server_->program().c_str());
   }
   ConnectionOptions connection{.credentials = choice.credentials};
   if (!choice.token_file.empty()) {

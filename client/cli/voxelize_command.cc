@@ -10,6 +10,8 @@
 #include "client/cli/progress_bar.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
+#include "client/mesh/mesh_input.h"
+#include "client/mesh/weld_report.h"
 #include "client/output/output.h"
 
 namespace latvox::client {
@@ -20,6 +22,7 @@ using Outputs = std::vector<std::unique_ptr<Output>>;
 struct Upload {
   std::string drc;
   uint64_t skipped = 0;
+  std::optional<WeldReport> weld = std::nullopt;
 };
 
 // Voxels along the longest side of the mesh, as far as the request tells.
@@ -32,26 +35,38 @@ double VoxelsAlong(double side, const VoxelizeRequest& request) {
   return side / std::cbrt(std::abs(det)) + 1;
 }
 
-absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& hooks) {
-  if (IsDracoFile(options.mesh)) {
-    if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
-    auto drc = ReadBytes(options.mesh);
-    if (!drc.ok()) return drc.status();
-    return Upload{*std::move(drc), 0};
+// Sent as it is; only what is counted needs it decoded here.
+absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const JobHooks& hooks, std::string drc) {
+  if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
+  Upload upload{.drc = std::move(drc)};
+  if (options.weld_report) {
+    const auto mesh = ParseMeshFile(options.mesh.paths[0], upload.drc, MeshFormat::kDraco);
+    if (!mesh.ok()) return mesh.status();
+    upload.weld = Weld(*mesh);
   }
-  const auto mesh = ReadMeshFile(options.mesh);
-  if (!mesh.ok()) return mesh.status();
-  const int bits =
-      options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(*mesh), options.request)));
-  auto encoded = EncodeMesh(*mesh, bits);
-  if (!encoded.ok()) return encoded.status();
-  return Upload{std::move(encoded->drc), mesh->skipped};
+  return upload;
 }
 
-absl::StatusOr<Outputs> OpenOutputs(const std::vector<std::string>& paths) {
+absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& hooks) {
+  hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
+  auto read = ReadMeshInput(options.mesh);
+  if (!read.ok()) return read.status();
+  if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
+  const Mesh& mesh = std::get<Mesh>(*read);
+  hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
+  const int bits =
+      options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
+  auto encoded = EncodeMesh(mesh, bits);
+  if (!encoded.ok()) return encoded.status();
+  Upload upload{.drc = std::move(encoded->drc), .skipped = mesh.skipped};
+  if (options.weld_report) upload.weld = Weld(mesh);
+  return upload;
+}
+
+absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options) {
   Outputs outputs;
-  for (const std::string& path : paths) {
-    auto output = OpenOutput(path);
+  for (const std::string& path : options.outputs) {
+    auto output = OpenOutput(path, options.output_options);
     if (!output.ok()) return output.status();
     outputs.push_back(*std::move(output));
   }
@@ -83,10 +98,13 @@ std::string ResumptionLine(const Resumption& resumption) {
 // The call itself, into the outputs.
 absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
                   const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
+  hooks.on_stage("connecting");
   const absl::StatusOr<const Client*> client = hooks.connect();
   if (!client.ok()) return client.status();
+  hooks.on_stage("uploading");
   VoxelizeHandlers handlers;
   handlers.on_accepted = [&](const Accepted& accepted) {
+    hooks.on_stage("voxelizing");
     report.accepted = accepted;
     return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
   };
@@ -110,17 +128,19 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
 absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
   const absl::Time start = absl::Now();
   VoxelizeReport report;
-  report.mesh_path = options.mesh;
+  report.mesh_path = NameOf(options.mesh);
   report.outputs = options.outputs;
   // First of all, so that a place that cannot be written is found before any work.
-  auto outputs = OpenOutputs(options.outputs);
+  auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
   const auto upload = Prepare(options, hooks);
   if (!upload.ok()) return upload.status();
   report.skipped = upload->skipped;
+  report.weld = upload->weld;
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
+  hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
   if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
   if (auto status = CheckTime(call); !status.ok()) return status;
@@ -140,7 +160,10 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const
     session = *std::move(opened);
     return &session->client();
   };
-  hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, absl::StrCat(bricks, " bricks")); };
+  hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
+  hooks.on_progress = [&](double share, uint64_t bricks) {
+    bar.Show(share, CountText("bricks", bricks, bar.elapsed()));
+  };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
   return RunJob(options, call, hooks);
 }

@@ -18,6 +18,7 @@ namespace latvox::client {
 struct JobHooks {
   std::function<absl::StatusOr<const Client*>()>
       connect;  // once, when the mesh is ready; valid until the job has ended
+  std::function<void(const std::string& stage)> on_stage;  // what it begins with
   std::function<void(double share, uint64_t bricks)> on_progress;
   std::function<void(const std::string& line)> say;  // for people
 };

@@ -1,10 +1,12 @@
 #include "client/cli/voxelize_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
+#include "client/mesh/mesh_file.h"
 #include "client/output/output.h"
 
 namespace latvox::client {
@@ -30,6 +32,11 @@ const Names<BrickEncoding>& EncodingNames() {
   static const auto* const kNames = new Names<BrickEncoding>{{"packed", BrickEncoding::kPacked},
                                                              {"packed-zstd", BrickEncoding::kPackedZstd},
                                                              {"masks", BrickEncoding::kMasks}};
+  return *kNames;
+}
+
+const Names<UpAxis>& UpNames() {
+  static const auto* const kNames = new Names<UpAxis>{{"z", UpAxis::kZ}, {"x", UpAxis::kX}, {"y", UpAxis::kY}};
   return *kNames;
 }
 
@@ -69,11 +76,29 @@ uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis
   return given == 26 ? 0 : given == 18 ? 1 : 2;
 }
 
+void AddMeshOptions(CLI::App& command, VoxelizeWords& words) {
+  Group(command, "Mesh");
+  command.add_option("--up", words.up, "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)")
+      ->check(OneOf(UpNames()));
+  command.add_option("--scale", words.scale, "multiply the mesh's coordinates, after --up")
+      ->type_name("S")
+      ->check(CheckPositive);
+  command.add_option("--input-format", words.input_format, "of MESH, whatever its extension and its first bytes say")
+      ->check(OneOf(MeshFormats()));
+  command.add_flag("--weld-report", words.options.weld_report,
+                   "count duplicate vertices, degenerate triangles, open and non-manifold edges");
+}
+
 }  // namespace
 
 void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
+  Group(command, "Output");
   AddOutputOption(command, OutputExtensions(), options.outputs);
+  command
+      .add_option("--npy", words.npy, "what a .npy holds: a row of coordinates a voxel (default), or a box of 0 and 1")
+      ->check(CLI::IsMember({"coordinates", "dense"}));
+  Group(command, "Lattice");
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: cartesian")->check(OneOf(LatticeNames()));
   command.add_option("--basis", words.basis, "three basis vectors a, b, c of any lattice, world units")
@@ -91,6 +116,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   command.add_option("--origin", words.origin, "world position of lattice point 0 (default: the mesh's low corner)")
       ->type_name("X,Y,Z")
       ->check(CheckNumbers<double, 3>);
+  Group(command, "Voxels");
   command
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
       ->type_name("K")
@@ -100,13 +126,16 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->check(OneOf(AlgorithmNames()));
   command.add_option("--fill", words.fill)->check(CLI::IsMember({"surface"}));
   command.add_option("--cover", words.cover)->check(CLI::IsMember({"separating"}));
+  Group(command, "Transfer");
   command
       .add_option("--quantization", words.quantization,
                   "position bits of the upload, 0 (exact) to 30; auto: fine enough for the resolution")
       ->type_name("auto|0..30")
       ->check(CheckQuantization);
+  Group(command, "Voxels");
   CLI::Option* verify =
       command.add_flag("--verify", options.request.verify, "count tunnels and redundant voxels independently");
+  Group(command, "Part of the whole");
   command.add_option("--region", words.region, "only the voxels i0 <= i < i1 and so on, exactly as in the whole")
       ->type_name("i0,j0,k0,i1,j1,k1")
       ->check(CheckRegion)
@@ -115,14 +144,21 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("I/N")
       ->check(CheckShard)
       ->excludes(verify);
+  Group(command, "Transfer");
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
+  AddMeshOptions(command, words);
 }
 
 void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
-  command.add_option("mesh", options.mesh, "mesh file: .drc .obj .ply .stl .glb .gltf")->type_name("MESH")->required();
+  command
+      .add_option("mesh", options.mesh.paths,
+                  "mesh file: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input; several are one mesh")
+      ->type_name("MESH")
+      ->required();
   AddRequestOptions(command, words);
+  Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
 }
@@ -142,6 +178,10 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
     ParseNumbers(words.region, n);
     request.region = IndexBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
   }
+  options.output_options.dense_npy = words.npy == "dense";
+  if (!words.up.empty()) options.mesh.up = ValueNamed(UpNames(), words.up);
+  if (!words.scale.empty()) ParseNumber(words.scale, options.mesh.scale);
+  if (!words.input_format.empty()) options.mesh.format = ValueNamed(MeshFormats(), words.input_format);
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
   if (words.basis.empty() && !request.voxel_size && !request.resolution) {
@@ -152,7 +192,9 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
 
 VoxelizeOptions Interpret(const VoxelizeWords& words) {
   VoxelizeOptions options = InterpretRequest(words);
-  CheckOutputs(options.outputs, options.mesh, "mesh");
+  const std::vector<std::string>& paths = options.mesh.paths;
+  if (std::count(paths.begin(), paths.end(), kStandardInput) > 1) Refuse("mesh: - is given twice, but read once");
+  for (const std::string& path : paths) CheckOutputs(options.outputs, path, "mesh");
   return options;
 }
 

@@ -9,13 +9,17 @@
 #include <vector>
 
 #include "client/cli/session.h"
+#include "client/mesh/mesh_input.h"
+#include "client/output/output.h"
 #include "client/types.h"
 
 namespace latvox::client {
 
 struct VoxelizeOptions {
-  std::string mesh;
+  MeshInput mesh;
+  bool weld_report = false;
   std::vector<std::string> outputs;
+  OutputOptions output_options;
   VoxelizeRequest request;
   std::optional<int> quantization_bits;  // absent: auto
   bool json = false;
@@ -26,11 +30,13 @@ struct VoxelizeOptions {
 struct VoxelizeWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
+  std::string scale, up, input_format, npy;
   int separability = 0;
   std::string algorithm, encoding, fill, cover;
 };
 
-// Adds the outputs and what is asked for, without mesh and server. Parsing checks each option by itself.
+// Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by
+// itself.
 void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
 
 // Adds all options.

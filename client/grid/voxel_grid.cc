@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "client/error.h"
 #include "client/grid/grid_file.h"
+#include "client/grid/nano_file.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/tree_nodes.h"
 
@@ -138,6 +139,8 @@ void VoxelGrid::SetCertificate(const Certificate& certificate) {
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 
 absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridFile(content_->grid, path); }
+
+absl::Status VoxelGrid::WriteNano(const std::string& path) const { return WriteNanoFile(*content_->grid, path); }
 
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
   return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFileInfo> {

@@ -48,6 +48,9 @@ class VoxelGrid {
   // OpenVDB's words.
   absl::Status Write(const std::string& path) const;
 
+  // The same as a .nvdb file (NanoVDB): name, voxels and transform, but no metadata. Errors: as Write.
+  absl::Status WriteNano(const std::string& path) const;
+
   struct Content;                                       // in client/grid/openvdb_grid.h
   const Content& content() const { return *content_; }  // for programs that go on with OpenVDB
 

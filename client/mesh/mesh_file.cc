@@ -1,43 +1,71 @@
 #include "client/mesh/mesh_file.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 #include <system_error>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/mesh/draco_file.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
 #include "client/mesh/scene_file.h"
+#include "client/mesh/three_mf_file.h"
 
 namespace latvox::client {
 namespace {
 
-std::string Extension(const std::string& path) {
-  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format) {
+  switch (format) {
+    case MeshFormat::kDraco:
+      return ParseDraco(bytes);
+    case MeshFormat::kObj:
+      return ParseObj(bytes);
+    case MeshFormat::kPly:
+      return ParsePly(bytes);
+    case MeshFormat::kThreeMf:
+      return Parse3mf(bytes);
+    case MeshFormat::kStl:
+    case MeshFormat::kGlb:
+    case MeshFormat::kGltf:
+      break;
+  }
+  return ParseScene(bytes, format == MeshFormat::kStl ? "stl" : format == MeshFormat::kGlb ? "glb" : "gltf");
 }
 
-absl::StatusOr<Mesh> Read(const std::string& path, const std::string& extension) {
-  if (extension == ".obj" || extension == ".ply") {
-    const auto bytes = ReadBytes(path);
-    if (!bytes.ok()) return bytes.status();
-    return extension == ".obj" ? ParseObj(*bytes) : ParsePly(*bytes);
-  }
-  if (extension == ".stl" || extension == ".glb" || extension == ".gltf") {
-    return ReadSceneFile(path);
-  }
-  return absl::InvalidArgumentError(
-      absl::StrCat("mesh format \"", extension, "\" is not one of .drc .obj .ply .stl .glb .gltf"));
+// With the path before the error; without a triangle, that is one.
+absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
+  const std::string name = path == kStandardInput ? "standard input" : path;
+  if (!mesh.ok()) return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", mesh.status().message()));
+  if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles"));
+  return mesh;
+}
+
+std::string Known() {
+  const auto name = [](std::string* out, const auto& format) { absl::StrAppend(out, ".", format.first); };
+  return absl::StrJoin(MeshFormats(), " ", name);
 }
 
 }  // namespace
 
-bool IsDracoFile(const std::string& path) { return Extension(path) == ".drc"; }
+bool IsDracoFile(const std::string& path) { return FormatOfPath(path) == MeshFormat::kDraco; }
 
-bool MayReferToFiles(const std::string& path) { return Extension(path) == ".glb" || Extension(path) == ".gltf"; }
+absl::StatusOr<std::string> ReadStandardInput() {
+  if (isatty(STDIN_FILENO) == 1) {
+    return absl::InvalidArgumentError("standard input: is a terminal; a mesh belongs into it, by | or <");
+  }
+  std::ostringstream bytes;
+  bytes << std::cin.rdbuf();
+  std::string text = std::move(bytes).str();
+  if (text.empty()) return absl::InvalidArgumentError("standard input: is empty");
+  return text;
+}
 
 absl::StatusOr<std::string> ReadBytes(const std::string& path) {
   std::error_code error;
@@ -59,14 +87,20 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
 absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  absl::StatusOr<Mesh> mesh = Read(path, Extension(path));
-  if (!mesh.ok()) {
-    const absl::string_view message = mesh.status().message();
-    const bool named = message.substr(0, path.size()) == path;
-    return named ? mesh.status() : absl::Status(mesh.status().code(), absl::StrCat(path, ": ", message));
+  const auto format = FormatOfPath(path);
+  if (!format) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        path, ": mesh format \"", std::filesystem::path(path).extension().string(), "\" is not one of ", Known()));
   }
-  if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": the mesh has no triangles"));
-  return mesh;
+  // By name, so that what a glTF refers to is found beside it.
+  if (*format == MeshFormat::kGltf || *format == MeshFormat::kGlb) return Named(path, ReadSceneFile(path));
+  const auto bytes = ReadBytes(path);
+  if (!bytes.ok()) return bytes.status();
+  return ParseMeshFile(path, *bytes, *format);
+}
+
+absl::StatusOr<Mesh> ParseMeshFile(const std::string& path, absl::string_view bytes, MeshFormat format) {
+  return Named(path, Parse(bytes, format));
 }
 
 }  // namespace latvox::client

@@ -2,11 +2,11 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/mesh/float_text.h"
 #include "client/mesh/polygon.h"
 
 // Why not assimp, which reads the other formats: its decimal parser misses the nearest float32 for about one number in
@@ -74,15 +74,6 @@ class Statements {
   std::string joined_;
   size_t line_ = 1, next_line_ = 1;
 };
-
-bool ParseFloat(absl::string_view word, float& value) {
-  if (!word.empty() && word[0] == '+') word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (end != word.data() + word.size()) return false;
-  // from_chars has no value for what overflows or underflows; strtof has the right one for both.
-  if (error == std::errc::result_out_of_range) value = std::strtof(std::string(word).c_str(), nullptr);
-  return error == std::errc() || error == std::errc::result_out_of_range;
-}
 
 absl::Status ReadPositions(absl::string_view text, std::vector<Vec3f>& positions) {
   Statements statements(text);

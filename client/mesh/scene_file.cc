@@ -9,35 +9,13 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh/affine.h"
 
 namespace latvox::client {
 namespace {
 
-// Row-major affine map in double, of which the fourth row is (0, 0, 0, 1).
-using Affine = std::array<std::array<double, 4>, 3>;
-
-constexpr Affine kIdentity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-
-Affine operator*(const Affine& outer, const aiMatrix4x4& inner) {
-  Affine out{};
-  for (size_t r = 0; r < 3; ++r) {
-    for (unsigned c = 0; c < 4; ++c) {
-      out[r][c] = c == 3 ? outer[r][3] : 0;
-      for (unsigned m = 0; m < 3; ++m) out[r][c] += outer[r][m] * double{inner[m][c]};
-    }
-  }
-  return out;
-}
-
-Vec3f Apply(const Affine& map, const aiVector3D& v) {
-  // Untouched, so that positions without a transform keep their bits.
-  if (map == kIdentity) return {v.x, v.y, v.z};
-  Vec3f out;
-  for (size_t r = 0; r < 3; ++r) {
-    out[r] =
-        static_cast<float>(map[r][0] * double{v.x} + map[r][1] * double{v.y} + map[r][2] * double{v.z} + map[r][3]);
-  }
-  return out;
+Affine ToAffine(const aiMatrix4x4& m) {
+  return {{{m.a1, m.a2, m.a3, m.a4}, {m.b1, m.b2, m.b3, m.b4}, {m.c1, m.c2, m.c3, m.c4}}};
 }
 
 absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) {
@@ -46,7 +24,8 @@ absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) 
     return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
   }
   for (unsigned v = 0; v < part.mNumVertices; ++v) {
-    const Vec3f position = Apply(to_world, part.mVertices[v]);
+    const aiVector3D& vertex = part.mVertices[v];
+    const Vec3f position = Apply(to_world, {vertex.x, vertex.y, vertex.z});
     for (const float coordinate : position) {
       if (!std::isfinite(coordinate))
         return absl::InvalidArgumentError(absl::StrCat("vertex ", base + v, " is not finite"));
@@ -73,7 +52,7 @@ absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) 
 }
 
 absl::Status AppendNode(const aiScene& scene, const aiNode& node, const Affine& parent, Mesh& mesh) {
-  const Affine to_world = parent * node.mTransformation;
+  const Affine to_world = parent * ToAffine(node.mTransformation);
   for (unsigned n = 0; n < node.mNumMeshes; ++n) {
     if (auto status = AppendMesh(*scene.mMeshes[node.mMeshes[n]], to_world, mesh); !status.ok()) return status;
   }
@@ -83,12 +62,12 @@ absl::Status AppendNode(const aiScene& scene, const aiNode& node, const Affine& 
   return absl::OkStatus();
 }
 
-}  // namespace
-
-// No other post-processing than triangulation: joining or validating steps move, merge or drop what the file says.
-absl::StatusOr<Mesh> ReadSceneFile(const std::string& path) try {
+// What `read` makes of a file. No other post-processing than triangulation: joining or validating steps move, merge or
+// drop what the file says.
+template <class Read>
+absl::StatusOr<Mesh> ReadScene(const Read& read) try {
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+  const aiScene* scene = read(importer, aiProcess_Triangulate);
   if (scene == nullptr) {
     const std::string reason(absl::StripAsciiWhitespace(importer.GetErrorString()));
     return absl::InvalidArgumentError(absl::StrCat("cannot be read as a mesh (", reason, ")"));
@@ -100,6 +79,18 @@ absl::StatusOr<Mesh> ReadSceneFile(const std::string& path) try {
   return mesh;
 } catch (const std::exception& error) {
   return absl::InvalidArgumentError(absl::StrCat("cannot be read as a mesh (", error.what(), ")"));
+}
+
+}  // namespace
+
+absl::StatusOr<Mesh> ReadSceneFile(const std::string& path) {
+  return ReadScene([&](Assimp::Importer& importer, unsigned flags) { return importer.ReadFile(path, flags); });
+}
+
+absl::StatusOr<Mesh> ParseScene(absl::string_view bytes, const std::string& extension) {
+  return ReadScene([&](Assimp::Importer& importer, unsigned flags) {
+    return importer.ReadFileFromMemory(bytes.data(), bytes.size(), flags, extension.c_str());
+  });
 }
 
 }  // namespace latvox::client

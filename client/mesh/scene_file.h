@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "client/mesh/mesh.h"
 
 namespace latvox::client {
@@ -13,6 +14,10 @@ namespace latvox::client {
 // Of glTF, assimp leaves out triangles with an index out of range without a word.
 // Errors: INVALID_ARGUMENT naming what is wrong, without the path.
 absl::StatusOr<Mesh> ReadSceneFile(const std::string& path);
+
+// The same of a file's bytes; `extension`, without the dot, says what they are. Files that they refer to are looked for
+// in the working directory.
+absl::StatusOr<Mesh> ParseScene(absl::string_view bytes, const std::string& extension);
 
 }  // namespace latvox::client
 

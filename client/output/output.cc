@@ -10,6 +10,7 @@
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
 #include "client/output/box_output.h"
+#include "client/output/dense_output.h"
 #include "client/output/picture_output.h"
 #include "client/output/surface_output.h"
 #include "client/output/table_output.h"
@@ -17,9 +18,12 @@
 namespace latvox::client {
 namespace {
 
-class VdbOutput final : public Output {
+// Writes a file of a grid.
+using WriteGrid = absl::Status (VoxelGrid::*)(const std::string& path) const;
+
+class GridOutput final : public Output {
  public:
-  explicit VdbOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+  GridOutput(std::unique_ptr<AtomicFile> file, WriteGrid write) : file_(std::move(file)), write_(write) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
@@ -29,7 +33,7 @@ class VdbOutput final : public Output {
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
     grid_->SetCertificate(summary.certificate);
-    if (auto status = grid_->Write(file_->temporary()); !status.ok()) return Named(status);
+    if (auto status = ((*grid_).*write_)(file_->temporary()); !status.ok()) return Named(status);
     return file_->Sync();
   }
   absl::Status Commit() override { return file_->Commit(); }
@@ -43,18 +47,24 @@ class VdbOutput final : public Output {
   }
 
   std::unique_ptr<AtomicFile> file_;
+  WriteGrid write_;
   std::optional<VoxelGrid> grid_;
 };
 
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<VdbOutput>(std::move(file));
+  return std::make_unique<GridOutput>(std::move(file), &VoxelGrid::Write);
+}
+
+std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file) {
+  return std::make_unique<GridOutput>(std::move(file), &VoxelGrid::WriteNano);
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
 
 constexpr std::pair<const char*, NewOutput> kFormats[] = {
-    {".vdb", NewVdbOutput},     {".csv", NewCsvOutput}, {".npy", NewNpyOutput},       {".ply", NewPlyOutput},
-    {".png", NewPictureOutput}, {".glb", NewGlbOutput}, {".binvox", NewBinvoxOutput}, {".vox", NewVoxOutput},
+    {".vdb", NewVdbOutput}, {".nvdb", NewNvdbOutput},     {".csv", NewCsvOutput},
+    {".npy", NewNpyOutput}, {".ply", NewPlyOutput},       {".png", NewPictureOutput},
+    {".glb", NewGlbOutput}, {".binvox", NewBinvoxOutput}, {".vox", NewVoxOutput},
 };
 
 }  // namespace
@@ -68,12 +78,13 @@ const std::vector<std::string>& OutputExtensions() {
   return *kExtensions;
 }
 
-absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path) {
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const OutputOptions& options) {
   const std::string wanted = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
   for (const auto& [extension, new_output] : kFormats) {
     if (wanted != extension) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
+    if (options.dense_npy && new_output == NewNpyOutput) return NewDenseNpyOutput(*std::move(file));
     return new_output(*std::move(file));
   }
   return absl::InvalidArgumentError(

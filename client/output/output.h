@@ -24,21 +24,27 @@ class Output {
   virtual absl::Status Commit() = 0;
 };
 
+// What an extension alone does not say.
+struct OutputOptions {
+  bool dense_npy = false;
+};
+
 // Extensions that OpenOutput knows, with the dot.
 const std::vector<std::string>& OutputExtensions();
 
 // Opens the output for the path's extension:
 //   .vdb   OpenVDB, see client/grid/voxel_grid.h
+//   .nvdb  NanoVDB, the same grid without its metadata
 //   .csv   header i,j,k,x,y,z; lattice coordinates, world position with 17 significant digits
-//   .npy   int32 array of shape (voxels, 3): lattice coordinates
+//   .npy   int32 array of shape (voxels, 3): lattice coordinates; or dense, see client/output/dense_output.h
 //   .ply   points, binary little-endian: double x, y, z, int i, j, k
 //   .png   picture
 //   .glb   surface, see client/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/output/box_output.h
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, .vdb, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension); FAILED_PRECONDITION (the file
-// cannot be created).
-absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path);
+// voxels, .vdb, .nvdb, dense .npy, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension);
+// FAILED_PRECONDITION (the file cannot be created).
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const OutputOptions& options = {});
 
 }  // namespace latvox::client
 

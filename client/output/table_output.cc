@@ -1,10 +1,12 @@
 #include "client/output/table_output.h"
 
+#include <array>
 #include <charconv>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/output/npy_header.h"
 #include "client/output/voxel_walk.h"
 
 namespace latvox::client {
@@ -78,22 +80,12 @@ class CsvOutput final : public TableOutput {
   }
 };
 
-// numpy.lib.format version 1.0: magic, header length, a Python dictionary padded with spaces to a multiple of 64 bytes.
 class NpyOutput final : public TableOutput {
  public:
   using TableOutput::TableOutput;
 
  private:
-  static constexpr size_t kHeaderBytes = 128;
-
-  std::string Header(uint64_t rows) const override {
-    std::string header("\x93NUMPY\x01\x00", 8);
-    const uint16_t length = kHeaderBytes - 10;
-    AppendBinary(length, header);
-    absl::StrAppend(&header, "{'descr': '<i4', 'fortran_order': False, 'shape': (", rows, ", 3), }");
-    header.resize(kHeaderBytes - 1, ' ');
-    return header + "\n";
-  }
+  std::string Header(uint64_t rows) const override { return NpyHeader("<i4", std::array<uint64_t, 2>{rows, 3}); }
 
   void AppendRow(const Vec3i& ijk, const Vec3d&, std::string& rows) const override { AppendBinary(ijk, rows); }
 };

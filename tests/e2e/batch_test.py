@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import pty
+import re
 import signal
 import subprocess
 import time
@@ -195,7 +196,8 @@ class Jobs(Batch):
                 shown += part
         os.close(reader)
         self.assertEqual(client.wait(), OK)
-        self.assertRegex(shown.decode(), r"\[#+\.*\] +\d+ %  \d+/31 jobs, [\d.e+]+/s, \S+ left")
+        plain = re.sub(r"\x1b\[\d*m", "", shown.decode())  # without colours
+        self.assertRegex(plain, r"\[#+\.*\] +\d+ %  \d+/31 jobs, [\d.e+]+/s, \S+ left")
 
 
 class Resume(Batch):

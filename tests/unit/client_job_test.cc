@@ -31,7 +31,7 @@ TEST(JobLine, DefaultsAreThoseOfVoxelize) {
   EXPECT_EQ(job->id, "b.vdb");
   EXPECT_EQ(job->mesh, "a/b.stl");
   EXPECT_THAT(job->names, ElementsAre("b.vdb"));
-  EXPECT_EQ(job->options.mesh, "jobs/a/b.stl");
+  EXPECT_EQ(job->options.mesh.paths[0], "jobs/a/b.stl");
   EXPECT_THAT(job->options.outputs, ElementsAre("out/b.vdb"));
   EXPECT_EQ(job->options.request.resolution, 64u);
   EXPECT_EQ(std::get<NamedLattice>(job->options.request.lattice), NamedLattice::kCartesian);
@@ -48,7 +48,7 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   ASSERT_TRUE(job.ok()) << job.status();
   EXPECT_EQ(job->id, "x");
   EXPECT_THAT(job->names, ElementsAre("d/a.vdb", "b.csv"));
-  EXPECT_EQ(job->options.mesh, "/m.obj");
+  EXPECT_EQ(job->options.mesh.paths[0], "/m.obj");
   EXPECT_THAT(job->options.outputs, ElementsAre("out/d/a.vdb", "out/b.csv"));
   const VoxelizeRequest& request = job->options.request;
   EXPECT_EQ(std::get<Basis>(request.lattice), (Basis{{1, 0, 0}, {-0.5, 2, 0}, {0.1, 0.25, 3}}));

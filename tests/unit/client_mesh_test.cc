@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "absl/strings/escaping.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
 #include "client/mesh/polygon.h"
+#include "client/mesh/zip_archive.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {
@@ -248,6 +250,40 @@ TEST_F(MeshFile, ErrorsNameTheFile) {
   fails("mesh.xyz", "v 0 0 0\n");
   EXPECT_EQ(ReadMeshFile(Path("missing.stl")).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(ReadMeshFile(Path("")).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(MeshFormat, IsToldByTheFirstBytes) {
+  const auto is = [](absl::string_view bytes, MeshFormat format) { EXPECT_EQ(FormatOfBytes(bytes), format) << bytes; };
+  is("DRACO\x02", MeshFormat::kDraco);
+  is("ply\r\nformat", MeshFormat::kPly);
+  is("glTF\x02", MeshFormat::kGlb);
+  is("PK\x03\x04", MeshFormat::kThreeMf);
+  is(" \n{\"asset\":", MeshFormat::kGltf);
+  is("solid s\n", MeshFormat::kStl);
+  is(BinaryStl(2), MeshFormat::kStl);
+  is("solid" + BinaryStl(1).substr(5), MeshFormat::kStl);
+  is("# a comment\no name\n\tv 0 0 0\n", MeshFormat::kObj);
+  for (const absl::string_view none : {"", "plywood\n", "vertex 0 0 0\n", "x v 0 0 0", "<svg/>"}) {
+    EXPECT_EQ(FormatOfBytes(none), std::nullopt) << none;
+  }
+  EXPECT_EQ(FormatOfBytes(absl::string_view("\0v\nv 0 0 0\n", 11)), std::nullopt);
+}
+
+TEST(ZipArchive, UnpacksNoMoreThanTheLimit) {
+  // An entry "a" of a thousand letters in 11 bytes.
+  const std::string bytes = absl::HexStringToBytes(
+      "504b03041400000008000000210003da389a0b000000e803000001000000614b4c1c05a360140c770000504b010214031400000008000000"
+      "2100"
+      "03da389a0b000000e803000001000000000000000000000080010000000061504b050600000000010001002f0000002a0000000000");
+  auto wide = ZipArchive::Open(bytes, 1000);
+  ASSERT_TRUE(wide.ok()) << wide.status();
+  EXPECT_EQ(wide->Read("a").value(), std::string(1000, 'a'));
+  EXPECT_EQ(wide->Read("a").status().code(), absl::StatusCode::kResourceExhausted);  // of all entries together
+  auto narrow = ZipArchive::Open(bytes, 999);
+  ASSERT_TRUE(narrow.ok());
+  EXPECT_THAT(Message(narrow->Read("a").status()), HasSubstr("\"a\" unpacks to more than the 999 bytes"));
+  EXPECT_THAT(Message(narrow->Read("b").status()), HasSubstr("\"b\""));
+  EXPECT_EQ(ZipArchive::Open("PK", 1000).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "client/cli/exit_status.h"
 #include "client/cli/private_server.h"
+#include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
 #include "client/cli/voxelize_command.h"
 #include "client/cli/voxelize_options.h"
@@ -41,7 +42,7 @@ std::string Refusal(const std::vector<std::string>& arguments) {
 
 TEST(Options, DefaultsAreThoseOfTheContract) {
   const VoxelizeOptions options = Parse({"--resolution", "64"});
-  EXPECT_EQ(options.mesh, "mesh.obj");
+  EXPECT_THAT(options.mesh.paths, ElementsAre("mesh.obj"));
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb"));
   EXPECT_EQ(std::get<NamedLattice>(options.request.lattice), NamedLattice::kCartesian);
   EXPECT_EQ(options.request.resolution, 64u);
@@ -82,7 +83,16 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "--algorithm",
                                          "optimized-incremental",
                                          "--fill",
-                                         "surface"});
+                                         "surface",
+                                         "--up",
+                                         "y",
+                                         "--scale",
+                                         "2.5",
+                                         "--input-format",
+                                         "3mf",
+                                         "--weld-report",
+                                         "--npy",
+                                         "dense"});
   EXPECT_EQ(std::get<Basis>(options.request.lattice), (Basis{{1, 0, 0}, {-0.5, 2, 0}, {0.1, 0.25, 3}}));
   EXPECT_EQ(options.request.voxel_size, 0.125);
   EXPECT_EQ(options.request.origin, (Vec3d{-1, -2.5, 3}));
@@ -92,6 +102,10 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_EQ(options.quantization_bits, 0);
   EXPECT_EQ(options.request.algorithm, Algorithm::kOptimizedIncremental);
   EXPECT_TRUE(options.json);
+  EXPECT_EQ(options.mesh.up, UpAxis::kY);
+  EXPECT_EQ(options.mesh.scale, 2.5);
+  EXPECT_EQ(options.mesh.format, MeshFormat::kThreeMf);
+  EXPECT_TRUE(options.weld_report && options.output_options.dense_npy);
   EXPECT_EQ(options.server.threads, 3);
   EXPECT_EQ(options.server.timeout_seconds, 1.5);
   EXPECT_EQ(options.server.retries, 7);
@@ -145,6 +159,11 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
   refuses({"--resolution", "9", "--fill", "solid"}, {"--fill", "solid", "surface"});
   refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
+  refuses({"--resolution", "9", "--up", "w"}, {"--up", "w", "x,y"});
+  refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
+  refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
+  refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
+  refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
@@ -171,7 +190,7 @@ TEST(Exit, EveryStatusCodeHasItsNumber) {
 TEST(Exit, TheLineNamesFieldAndLimitOnceAndIsOneLine) {
   absl::Status status = absl::ResourceExhaustedError("too many\njobs: 5");
   SetErrorDetails({"JOBS", "jobs", "5", "4", absl::Seconds(2)}, status);
-  EXPECT_EQ(ErrorLine(status), "latvox: too many jobs: 5 (limit 4) (try again in 2s)");
+  EXPECT_EQ(ErrorText(status), "too many jobs: 5 (limit 4) (try again in 2s)");
 }
 
 TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
@@ -204,11 +223,21 @@ TEST(Report, TextClaimsNoSeparationThatIsNotCertain) {
   EXPECT_THAT(ToText(report), HasSubstr("1-separating, minimal"));
 }
 
+TEST(Progress, RatesAndTheTimeLeftAreToldOnceTheyMeanSomething) {
+  EXPECT_EQ(CountText("bricks", 1000, absl::Milliseconds(100)), "1000 bricks");
+  EXPECT_EQ(CountText("bricks", 1000, absl::Seconds(4)), "1000 bricks, 250/s");
+  EXPECT_EQ(RemainingText(0.25, absl::Milliseconds(100)), "");
+  EXPECT_EQ(RemainingText(0, absl::Seconds(4)), "");
+  EXPECT_EQ(RemainingText(0.25, absl::Seconds(4)), ", 12s left");
+  EXPECT_EQ(RemainingText(0.25, absl::Seconds(25)), ", 1m15s left");
+  EXPECT_EQ(RemainingText(1, absl::Seconds(25)), ", 0 left");
+}
+
 class Command : public FilesTest {};
 
 TEST_F(Command, AServerThatCannotBeReachedLeavesNoFileAndKeepsOldOnes) {
   VoxelizeOptions options;
-  options.mesh = Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  options.mesh.paths = {Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
   options.outputs = {Path("a.vdb"), Write("b.csv", "old")};
   options.request.resolution = 4;
   options.server.address = "unix:" + Path("nobody");
@@ -220,7 +249,7 @@ TEST_F(Command, AServerThatCannotBeReachedLeavesNoFileAndKeepsOldOnes) {
 
 TEST_F(Command, ACancelledOneStopsBeforeTheServerIsNeeded) {
   VoxelizeOptions options;
-  options.mesh = Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  options.mesh.paths = {Write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
   options.outputs = {Path("a.vdb")};
   options.request.resolution = 4;
   options.server.address = "unix:" + Path("nobody");

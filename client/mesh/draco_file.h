@@ -1,0 +1,18 @@
+// Draco streams that are not sent as they are.
+#ifndef LATVOX_CLIENT_MESH_DRACO_FILE_H_
+#define LATVOX_CLIENT_MESH_DRACO_FILE_H_
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client/mesh/mesh.h"
+
+namespace latvox::client {
+
+// Positions and triangles of a Draco mesh. Of a damaged stream, Draco may take much time and memory before it says so.
+// Errors: INVALID_ARGUMENT: no Draco mesh, positions that are not three floats, a vertex that is not finite, an index
+// out of range; RESOURCE_EXHAUSTED (memory).
+absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_DRACO_FILE_H_

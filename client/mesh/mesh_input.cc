@@ -1,0 +1,75 @@
+#include "client/mesh/mesh_input.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/mesh/affine.h"
+#include "client/mesh/mesh_file.h"
+#include "client/mesh/mesh_join.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr char kStandardInputName[] = "standard input";
+
+Affine ToWorld(const MeshInput& input) {
+  constexpr Affine kFromX = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};
+  constexpr Affine kFromY = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
+  const Affine& turn = input.up == UpAxis::kX ? kFromX : input.up == UpAxis::kY ? kFromY : kIdentity;
+  return Scaling(input.scale) * turn;
+}
+
+std::string NameOf(const std::string& path) { return path == kStandardInput ? kStandardInputName : path; }
+
+absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshInput& input, absl::string_view bytes) {
+  if (input.format) return *input.format;
+  if (const auto format = FormatOfBytes(bytes)) return *format;
+  return absl::InvalidArgumentError(
+      absl::StrCat(NameOf(path), ": begins like none of the mesh formats; --input-format says which one it is"));
+}
+
+absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshInput& input, bool keep_draco) {
+  const bool standard_input = path == kStandardInput;
+  const auto by_name = FormatOfPath(path);
+  if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
+    return ReadMeshFile(path);
+  }
+  auto bytes = standard_input ? ReadStandardInput() : ReadBytes(path);
+  if (!bytes.ok()) return bytes.status();
+  const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
+  if (!format.ok()) return format.status();
+  if (keep_draco && *format == MeshFormat::kDraco) return *std::move(bytes);
+  return ParseMeshFile(path, *bytes, *format);
+}
+
+}  // namespace
+
+std::string NameOf(const MeshInput& input) {
+  const auto name = [](std::string* out, const std::string& path) { *out += NameOf(path); };
+  return absl::StrJoin(input.paths, " + ", name);
+}
+
+bool MayReferToFiles(const MeshInput& input) {
+  return std::any_of(input.paths.begin(), input.paths.end(), [&](const std::string& path) {
+    const auto format = input.format ? input.format : FormatOfPath(path);
+    return format == MeshFormat::kGlb || format == MeshFormat::kGltf;
+  });
+}
+
+absl::StatusOr<MeshOrDraco> ReadMeshInput(const MeshInput& input) {
+  const Affine to_world = ToWorld(input);
+  const bool keep_draco = input.paths.size() == 1 && to_world == kIdentity;
+  Mesh joined;
+  for (const std::string& path : input.paths) {
+    auto read = ReadOne(path, input, keep_draco);
+    if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
+    if (auto status = Append(std::get<Mesh>(*std::move(read)), to_world, joined); !status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(NameOf(path), ": ", status.message()));
+    }
+  }
+  return joined;
+}
+
+}  // namespace latvox::client

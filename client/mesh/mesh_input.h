@@ -1,0 +1,44 @@
+// Meshes as the tool is told to take them.
+#ifndef LATVOX_CLIENT_MESH_MESH_INPUT_H_
+#define LATVOX_CLIENT_MESH_MESH_INPUT_H_
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/mesh/mesh.h"
+#include "client/mesh/mesh_format.h"
+
+namespace latvox::client {
+
+// The axis that becomes z, by a quarter turn about another one: (x, y, z) goes to (x, -z, y) for kY, which leaves x,
+// and to (-z, y, x) for kX, which leaves y. Exact.
+enum class UpAxis { kX, kY, kZ };
+
+// Several meshes are one: what they enclose together is not known, their triangles are. Positions are turned, then
+// multiplied by `scale` in double and rounded to float32 once.
+struct MeshInput {
+  std::vector<std::string> paths;    // at least one; "-", once at most, is standard input
+  std::optional<MeshFormat> format;  // of all of them; absent: by extension, of standard input by how it begins
+  UpAxis up = UpAxis::kZ;
+  double scale = 1;
+};
+
+// The paths for people.
+std::string NameOf(const MeshInput& input);
+
+// Whether the mesh is more than the bytes of one file: its files may refer to others.
+bool MayReferToFiles(const MeshInput& input);
+
+// One mesh, or the bytes of one Draco stream of which nothing is asked that would change them.
+using MeshOrDraco = std::variant<Mesh, std::string>;
+
+// Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input is of no format that is known, a vertex is
+// not finite once it is scaled.
+absl::StatusOr<MeshOrDraco> ReadMeshInput(const MeshInput& input);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_MESH_INPUT_H_

@@ -1,0 +1,47 @@
+#include "client/mesh/mesh_join.h"
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+
+absl::Status Transform(const Affine& to_world, Mesh& mesh) {
+  if (to_world == kIdentity) return absl::OkStatus();
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    Vec3f& position = mesh.positions[v];
+    const Vec3f moved = Apply(to_world, position);
+    for (const float coordinate : moved) {
+      if (std::isfinite(coordinate)) continue;
+      return absl::InvalidArgumentError(
+          absl::StrCat("vertex ", v, " (", absl::StrJoin(position, " "), ") is not finite where it is moved to"));
+    }
+    position = moved;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
+  if (auto status = Transform(to_world, part); !status.ok()) return status;
+  if (mesh.triangles.empty() && mesh.positions.empty()) {
+    part.skipped += mesh.skipped;
+    mesh = std::move(part);
+    return absl::OkStatus();
+  }
+  const size_t base = mesh.positions.size();
+  if (base + part.positions.size() > UINT32_MAX) {
+    return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
+  }
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  for (auto triangle : part.triangles) {
+    for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);
+    mesh.triangles.push_back(triangle);
+  }
+  mesh.skipped += part.skipped;
+  return absl::OkStatus();
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,29 @@
+// The head of .npy files.
+#ifndef LATVOX_CLIENT_OUTPUT_NPY_HEADER_H_
+#define LATVOX_CLIENT_OUTPUT_NPY_HEADER_H_
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+
+// numpy.lib.format version 1.0: magic, header length, a Python dictionary padded with spaces; 128 bytes for every shape
+// of at most three sides. `type` is numpy's: "<i4".
+inline std::string NpyHeader(const char* type, std::span<const uint64_t> shape) {
+  constexpr size_t kBytes = 128;
+  std::string header("\x93NUMPY\x01\x00", 8);
+  header.push_back(static_cast<char>(kBytes - 10));
+  header.push_back(0);
+  absl::StrAppend(&header, "{'descr': '", type, "', 'fortran_order': False, 'shape': (", absl::StrJoin(shape, ", "),
+                  "), }");
+  header.resize(kBytes - 1, ' ');
+  return header + "\n";
+}
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_OUTPUT_NPY_HEADER_H_

@@ -1,0 +1,146 @@
+"""What is written is read by programs of others, with the voxels of the .csv at their positions."""
+
+import json
+import pathlib
+import re
+import subprocess
+import unittest
+
+import numpy
+import pyopenvdb
+
+from harness import BUNNY, PATIENCE, Case, latvox, rows
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BCC = ["--lattice", "bcc", "--resolution", "40"]
+CUBES = ["--lattice", "cartesian", "--resolution", "40", "--origin", "0.5,-3,1"]
+
+
+def run(*words, **options):
+    return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=PATIENCE, check=True, **options).stdout
+
+
+def grid_points(path):
+    """The active points of the first grid of a .vdb file, and that grid."""
+    grid = pyopenvdb.readAll(str(path))[0][0]
+    points = set()
+    for item in grid.citerOnValues():
+        assert item.value, item.min
+        points |= {(i, j, k) for i in range(item.min[0], item.max[0] + 1) for j in range(item.min[1], item.max[1] + 1)
+                   for k in range(item.min[2], item.max[2] + 1)}
+    return points, grid
+
+
+def nano_map(path):
+    """The matrix and shift from index to world of the first grid of a .nvdb file: GridData's Map, as NanoVDB.h lays it out."""
+    data = path.read_bytes()
+    grid = data.index(b"NanoVDB0", 16)  # after that of the file itself
+    name_ends = grid + 40 + 256
+    doubles = numpy.frombuffer(data, "<f8", 21, name_ends + 22 * 4)  # behind the same as floats
+    return doubles[:9].reshape(3, 3), doubles[18:]
+
+
+class Formats(Case):
+    def write(self, names, *options):
+        """The summary and the .csv's voxels of a run that writes these files, too."""
+        files = [word for name in ("a.csv", *names) for word in ("-o", self.dir / name)]
+        done = latvox("voxelize", BUNNY, *files, "--json", *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout), rows(self.dir / "a.csv")
+
+    def by_node(self, script, name):
+        """What a script of node prints as JSON of the bytes of a file, `data`."""
+        whole = f"const data = require('fs').readFileSync(process.argv[1]); {script}"
+        return json.loads(run("node", "-e", whole, self.dir / name, cwd=ROOT / "tests/node"))
+
+    def test_vdb_print_counts_the_voxels(self):
+        summary, _ = self.write(["a.vdb"], *BCC)
+        text = run("vdb_print", "-l", self.dir / "a.vdb")
+        self.assertRegex(text, rf"\b{summary['voxels']}\b")
+        self.assertIn("voxels", text)
+        text = run("vdb_print", "-m", self.dir / "a.vdb")
+        self.assertIn(summary["digest"], text)
+
+    def test_info_tells_what_a_vdb_holds(self):
+        summary, voxels = self.write(["a.vdb"], *BCC)
+        done = latvox("info", self.dir / "a.vdb")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        low, above = (",".join(str(f(v[m] for v in voxels) + add) for m in range(3)) for f, add in ((min, 0), (max, 1)))
+        for line in (f"active voxels  {summary['voxels']}", f"active box     {low} to below {above}",
+                     f"latvox_digest = {summary['digest']}", "latvox_lattice = bcc", "grid           voxels (bool)"):
+            self.assertIn(line + "\n", done.stdout)
+
+    def test_nanovdb_finds_its_file_valid_and_gives_the_grid_back(self):
+        for options in (BCC, ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3"]):
+            with self.subTest(options):
+                summary, voxels = self.write(["a.nvdb"], *options)
+                self.assertIn("pass", run("nanovdb_validate", "-v", self.dir / "a.nvdb").lower())
+                self.assertRegex(run("nanovdb_print", self.dir / "a.nvdb"), rf"voxels .*\b{summary['voxels']}\b")
+                run("nanovdb_convert", "-f", self.dir / "a.nvdb", self.dir / "back.vdb")
+                points, grid = grid_points(self.dir / "back.vdb")
+                self.assertEqual(points, set(voxels))
+                self.assertEqual(grid.name, "voxels")
+                # The way back to OpenVDB turns the matrix over; NanoVDB's own map has it as it is.
+                matrix, shift = nano_map(self.dir / "a.nvdb")
+                for ijk, position in voxels.items():
+                    for seen, written in zip(matrix @ ijk + shift, position):
+                        self.assertAlmostEqual(seen, written, places=12)
+
+    def test_numpy_reads_coordinates_and_boxes(self):
+        for options in (BCC, CUBES, [*BCC, "--region", "3,4,5,17,30,9"]):
+            with self.subTest(options):
+                _, voxels = self.write(["a.npy"], *options)
+                array = numpy.load(self.dir / "a.npy")
+                self.assertEqual((array.dtype, array.shape), (numpy.int32, (len(voxels), 3)))
+                self.assertEqual(set(map(tuple, array.tolist())), set(voxels))
+                table = numpy.genfromtxt(self.dir / "a.csv", delimiter=",", names=True)
+                self.assertEqual(list(zip(table["x"], table["y"], table["z"])), list(voxels.values()))
+                summary, _ = self.write(["a.npy"], *options, "--npy", "dense")
+                low, high = summary["index_box"]["min"], summary["index_box"]["max"]
+                dense = numpy.load(self.dir / "a.npy")
+                self.assertEqual((dense.dtype, dense.shape), (numpy.uint8, tuple(h - l for l, h in zip(low, high))))
+                self.assertEqual({tuple(p) for p in (numpy.argwhere(dense == 1) + low).tolist()}, set(voxels))
+                self.assertEqual(int(dense.sum()), len(voxels))
+
+    def test_a_box_without_a_voxel_is_an_empty_array(self):
+        self.write(["a.npy"], "--resolution", 20, "--region", "1000,0,0,1001,1,1", "--npy", "dense")
+        self.assertEqual(int(numpy.load(self.dir / "a.npy").sum()), 0)
+
+    def test_a_box_that_is_too_large_is_refused_before_anything_is_done(self):
+        done = latvox("voxelize", BUNNY, "-o", self.dir / "a.npy", "--npy", "dense", "--resolution", 3000)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertRegex(done.stderr, r"a.npy: .* \d+ x \d+ x \d+ elements exceeds 4294967296 bytes; --region")
+        self.assertEqual(list(self.dir.iterdir()), [])
+
+    def test_meshio_reads_the_points(self):
+        _, voxels = self.write(["a.ply"], *BCC)
+        script = "import json, meshio, sys; m = meshio.read(sys.argv[1]); " \
+                 "print(json.dumps([m.points.tolist(), *(m.point_data[n].tolist() for n in 'ijk')]))"
+        points, *ijk = json.loads(run("/usr/bin/python3", "-c", script, self.dir / "a.ply"))
+        self.assertEqual(dict(zip(zip(*ijk), map(tuple, points))), voxels)
+
+    def test_readers_from_npm_find_the_cubes(self):
+        summary, voxels = self.write(["a.binvox", "a.vox"], *CUBES)
+        size, low = summary["basis"][0], [min(v[m] for v in voxels) for m in range(3)]
+        found = self.by_node("const b = new (require('binvox').Parser)().parse(new Uint8Array(data).buffer);"
+                             "console.log(JSON.stringify(b))", "a.binvox")
+        cells = {(v["x"], v["y"], v["z"]) for v in found["voxels"]}
+        self.assertEqual(cells, {tuple(x - l for x, l in zip(v, low)) for v in voxels})
+        depth = found["dimension"]["depth"]
+        self.assertAlmostEqual(found["scale"] / depth, size, places=12)
+        corner = [voxels[min(voxels)][m] + (low[m] - min(voxels)[m]) * size - size / 2 for m in range(3)]
+        for seen, wanted in zip((found["translate"][n] for n in ("depth", "width", "height")), corner):
+            self.assertAlmostEqual(seen, wanted, places=9)
+        found = self.by_node("console.log(JSON.stringify(require('parse-magica-voxel')(data).XYZI))", "a.vox")
+        self.assertEqual({(v["x"], v["y"], v["z"]) for v in found}, cells)
+
+    def test_imagemagick_sees_the_picture(self):
+        self.write(["a.png"], *BCC)
+        width, height, depth, colours = run("identify", "-format", "%w %h %z %k", self.dir / "a.png").split()
+        self.assertGreater(min(int(width), int(height)), 100)
+        self.assertEqual(depth, "8")
+        self.assertGreater(int(colours), 16, "the picture is not shaded")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,221 @@
+"""What the programs say of themselves: help, introduction and its examples, man pages, completions."""
+
+import functools
+import os
+import pathlib
+import pty
+import re
+import select
+import subprocess
+import tempfile
+import time
+import unittest
+
+from harness import BIN, PATIENCE, Case, latvox
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAMS = {"latvox": ("latvox.1", ["man"]), "latvoxd": ("latvoxd.8", ["--man"])}
+
+
+def run(*words, **options):
+    done = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=PATIENCE, **options)
+    assert done.returncode == 0, (words, done.stderr)
+    return done.stdout
+
+
+@functools.cache
+def help_of(*words):
+    return run(BIN / "latvox", *words, "--help")
+
+
+def commands():
+    """The commands of latvox, by its help."""
+    listed = help_of().partition("Subcommands:\n")[2].partition("\n\n")[0]
+    return re.findall(r"^  (\w+)", listed, re.M)
+
+
+def options(text):
+    """The long options that a help text defines."""
+    defined = re.findall(r"^  (-\S*)", text, re.M)
+    return {name for names in defined for name in re.findall(r"--[\w-]+", names)}
+
+
+def entries(shown):
+    """The long options that a section of a page has entries for."""
+    heads = re.findall(r"^       (-.*)", shown, re.M)
+    return {name for head in heads for name in re.findall(r"--[\w-]+", head.partition("  ")[0])}
+
+
+def examples(text):
+    return [line[2:] for line in text.splitlines() if re.match(r"  (latvox|cp|echo|for|source) ", line)]
+
+
+class Help(Case):
+    def test_every_example_of_introduction_and_help_runs(self):
+        self.assertEqual(latvox().returncode, 0)
+        self.assertLess(len(latvox().stdout.splitlines()), 24, "longer than a terminal")
+        lines = examples(latvox().stdout)
+        self.assertGreater(len(lines), 3)
+        for name in commands():
+            found = examples(help_of(name))
+            self.assertTrue(found or name in ("health", "limits"), name)
+            lines += found
+        environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
+        for line in lines:
+            with self.subTest(line):
+                done = subprocess.run(["bash", "-euo", "pipefail", "-c", line], cwd=self.dir, env=environment,
+                                      capture_output=True, text=True, timeout=PATIENCE)
+                self.assertEqual(done.returncode, 0, done.stderr)
+        made = {path.name for path in self.dir.iterdir()}
+        self.assertLessEqual({"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "voxels", "star.png", "whole.vdb"}, made)
+
+    def test_options_are_in_groups(self):
+        text = help_of("voxelize")
+        for group in ("Mesh", "Lattice", "Voxels", "Part of the whole", "Output", "Transfer", "Server"):
+            self.assertIn(f"\n{group}:\n", text)
+
+    def test_the_readme_knows_the_options_and_no_others(self):
+        readme = (ROOT / "README.md").read_text()
+        helps = "\n".join(help_of(name) for name in commands())
+        of_latvox = options(helps)
+        single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))  # one word to choose from is no choice
+        of_latvoxd = options(run(BIN / "latvoxd", "--help"))
+        self.assertGreater(len(of_latvox), 30)
+        missing = {name for name in of_latvox if not re.search(rf"{name}\b(?!-)", readme)}
+        self.assertLessEqual(missing - single, {"--help"})
+        tables = "\n".join(line for line in readme.splitlines() if line.startswith("| `-"))
+        named = set(re.findall(r"`(--[\w-]+)", tables))
+        self.assertGreater(len(named), 20)
+        self.assertLessEqual(named, of_latvox | of_latvoxd)
+
+
+class ManPages(Case):
+    def setUp(self):
+        super().setUp()
+        for program, (page, words) in PROGRAMS.items():
+            (self.dir / page).write_text(run(BIN / program, *words))
+
+    def shown(self, page):
+        """What a reader sees, without bold and underlined letters' other strokes."""
+        return re.sub(r".\x08", "", run("mandoc", "-Tascii", "-O", "width=200", self.dir / page))
+
+    def test_neither_man_nor_mandoc_complains(self):
+        for page, _ in PROGRAMS.values():
+            with self.subTest(page):
+                path = self.dir / page
+                self.assertEqual(run("mandoc", "-Tlint", "-W", "warning", path), "")
+                done = subprocess.run(["man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", "-Z", path], capture_output=True,
+                                      timeout=PATIENCE, env=os.environ | {"LC_ALL": "C.UTF-8"})
+                self.assertEqual((done.returncode, done.stderr), (0, b""))
+
+    def test_every_option_of_the_help_is_in_the_page_of_its_command(self):
+        text = self.shown("latvox.1")
+        sections = dict(re.findall(r"^   latvox (\w+)\n(.*?)(?=^ {0,3}\w|\Z)", text, re.M | re.S))
+        self.assertEqual(set(sections), set(commands()))
+        for name, section in sections.items():
+            with self.subTest(name):
+                wanted = options(help_of(name))
+                self.assertEqual(entries(section), wanted)
+        self.assertIn("cartesian|bcc|fcc|hexagonal", sections["voxelize"])
+        text = self.shown("latvoxd.8")
+        self.assertEqual(entries(text.partition("\nOPTIONS\n")[2].partition("\nEXIT")[0]), options(run(BIN / "latvoxd", "--help")))
+        self.assertIn("LATVOX_MAX_JOBS", text)
+
+    def test_pages_and_completions_are_installed_where_they_are_looked_for(self):
+        prefix = self.dir / "prefix"
+        run("cmake", "--install", os.environ["LATVOX_BUILD_DIR"], "--prefix", prefix)
+        share = prefix / "share"
+        for program, (page, _) in PROGRAMS.items():
+            found = run("man", "-M", share / "man", "-w", program).strip()
+            self.assertEqual(pathlib.Path(found).read_text(), (self.dir / page).read_text())
+        for shell, path in (("bash", "bash-completion/completions/latvox"), ("zsh", "zsh/site-functions/_latvox"),
+                            ("fish", "fish/vendor_completions.d/latvox.fish")):
+            self.assertEqual((share / path).read_text(), latvox("completions", shell).stdout)
+
+
+LATTICES = {"cartesian", "bcc", "fcc", "hexagonal"}
+
+
+class Completions(Case):
+    def setUp(self):
+        super().setUp()
+        self.scripts = self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-"))
+        for shell in ("bash", "fish"):
+            pathlib.Path(self.scripts, shell).write_text(latvox("completions", shell).stdout)
+        (self.dir / "a mesh.obj").write_text("")
+        (self.dir / "folder").mkdir()
+
+    def bash(self, *words):
+        """What bash offers for the last of the words."""
+        script = ('source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1));'
+                  '_latvox 2>/dev/null; printf "%s\\n" "${COMPREPLY[@]}"')
+        done = run("bash", "-uc", script, f"{self.scripts}/bash", *words, cwd=self.dir)
+        return set(done.splitlines()) - {""}
+
+    def test_bash(self):
+        self.assertEqual(self.bash("latvox", ""), set(commands()))
+        self.assertEqual(self.bash("latvox", "vox"), {"voxelize"})
+        self.assertEqual(self.bash("latvox", "--v"), {"--version"})
+        self.assertEqual(self.bash("latvox", "voxelize", "--lat"), {"--lattice"})
+        self.assertEqual(self.bash("latvox", "voxelize", "--lattice", ""), LATTICES)
+        self.assertEqual(self.bash("latvox", "voxelize", "--lattice", "=", "h"), {"hexagonal"})
+        self.assertEqual(self.bash("latvox", "voxelize", "--lattice", "="), LATTICES)
+        self.assertEqual(self.bash("latvox", "voxelize", "a"), {"a mesh.obj"})
+        self.assertEqual(self.bash("latvox", "voxelize", "--tls-ca", ""), {"a mesh.obj", "folder"})
+        self.assertEqual(self.bash("latvox", "voxelize", "--resolution", ""), set())
+        self.assertEqual(self.bash("latvox", "batch", "--out", ""), {"folder"})
+        self.assertEqual(self.bash("latvox", "completions", ""), {"bash", "zsh", "fish"})
+        for name in commands():
+            self.assertEqual(self.bash("latvox", name, "--"), options(help_of(name)))
+
+    def fish(self, line):
+        script = f"source {self.scripts}/fish; complete -C '{line}'"
+        environment = os.environ | {"HOME": str(self.dir), "XDG_CONFIG_HOME": str(self.dir)}
+        return {found.split("\t")[0] for found in run("fish", "-c", script, cwd=self.dir, env=environment).splitlines()}
+
+    def test_fish(self):
+        self.assertLessEqual(set(commands()), self.fish("latvox "))
+        self.assertEqual(self.fish("latvox voxelize --lattice "), LATTICES)
+        self.assertEqual(self.fish("latvox voxelize --lattice=h"), {"--lattice=hexagonal"})
+        self.assertEqual(self.fish("latvox completions "), {"bash", "zsh", "fish"})
+        self.assertEqual(self.fish("latvox voxelize --resolution "), set())
+        for name in commands():
+            self.assertEqual(self.fish(f"latvox {name} --"), options(help_of(name)))
+
+    def zsh(self, line):
+        """What an interactive zsh makes of the line and a tab, without the space or slash that goes with the next key."""
+        master, slave = pty.openpty()
+        environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}", "TERM": "dumb", "PS1": "> ", "ZDOTDIR": str(self.dir)}
+        shell = subprocess.Popen(["zsh", "-f", "-i"], stdin=slave, stdout=slave, stderr=slave, cwd=self.dir,
+                                 env=environment, start_new_session=True)
+        os.close(slave)
+        try:
+            os.write(master, b"autoload -U compinit; compinit -u -D; source <(latvox completions zsh); echo rea''dy\n")
+            self.read(master, "ready")
+            os.write(master, line.encode() + b"\t")
+            time.sleep(0.2)
+            os.write(master, b"\x01print -r -- 'line:\x05:end'\n")
+            return re.findall(r"^line:(.*):end", self.read(master, "\nline:[^\n]*:end"), re.M)[-1]
+        finally:
+            shell.kill()
+            shell.wait()
+            os.close(master)
+
+    def read(self, master, until):
+        text, deadline = "", time.monotonic() + PATIENCE
+        while not re.search(until, text):
+            self.assertGreater(deadline, time.monotonic(), text)
+            if select.select([master], [], [], 0.1)[0]:
+                text += os.read(master, 65536).decode(errors="replace").replace("\r", "\n")
+        return text
+
+    def test_zsh(self):
+        for line, whole in (("latvox vox", "latvox voxelize"), ("latvox voxelize --lat", "latvox voxelize --lattice"),
+                            ("latvox voxelize --lattice hex", "latvox voxelize --lattice hexagonal"),
+                            ("latvox batch --out fol", "latvox batch --out folder")):
+            with self.subTest(line):
+                self.assertEqual(self.zsh(line), whole)
+
+
+if __name__ == "__main__":
+    unittest.main()

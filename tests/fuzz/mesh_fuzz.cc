@@ -1,0 +1,69 @@
+// Foreign meshes: whatever comes, a clean status, or finite positions with triangles among them.
+#include <zip.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "client/mesh/mesh_format.h"
+#include "client/mesh/obj_file.h"
+#include "client/mesh/ply_file.h"
+#include "client/mesh/three_mf_file.h"
+
+namespace {
+
+constexpr absl::string_view kRelations =
+    R"(<Relationships><Relationship Target="/m" Type="/3dmodel"/></Relationships>)";
+
+void Check(const absl::StatusOr<latvox::client::Mesh>& mesh) {
+  if (!mesh.ok()) return;
+  for (const auto& [x, y, z] : mesh->positions) {
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) std::abort();
+  }
+  for (const auto& triangle : mesh->triangles) {
+    for (const uint32_t vertex : triangle) {
+      if (vertex >= mesh->positions.size()) std::abort();
+    }
+  }
+}
+
+void Add(zip_t* archive, const char* name, absl::string_view bytes) {
+  zip_source_t* source = zip_source_buffer(archive, bytes.data(), bytes.size(), 0);
+  const zip_int64_t index = zip_file_add(archive, name, source, 0);
+  if (index < 0 || zip_set_file_compression(archive, static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0) < 0)
+    std::abort();
+}
+
+// A 3MF file with the model.
+std::string Archive(absl::string_view model) {
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* memory = zip_source_buffer_create(nullptr, 0, 0, &error);
+  zip_source_keep(memory);
+  zip_t* archive = zip_open_from_source(memory, ZIP_TRUNCATE, &error);
+  if (archive == nullptr) std::abort();
+  Add(archive, "_rels/.rels", kRelations);
+  Add(archive, "m", model);
+  if (zip_close(archive) < 0 || zip_source_open(memory) < 0) std::abort();
+  zip_source_seek(memory, 0, SEEK_END);
+  std::string bytes(static_cast<size_t>(zip_source_tell(memory)), '\0');
+  zip_source_seek(memory, 0, SEEK_SET);
+  if (zip_source_read(memory, bytes.data(), bytes.size()) != static_cast<zip_int64_t>(bytes.size())) std::abort();
+  zip_source_close(memory);
+  zip_source_free(memory);
+  zip_error_fini(&error);
+  return bytes;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
+  latvox::client::FormatOfBytes(bytes);
+  Check(latvox::client::ParseObj(bytes));
+  Check(latvox::client::ParsePly(bytes));
+  Check(latvox::client::Parse3mf(bytes));
+  Check(latvox::client::Parse3mf(Archive(bytes)));
+  return 0;
+}
