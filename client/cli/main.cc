@@ -14,6 +14,7 @@
 #include "client/cli/interrupt.h"
 #include "client/cli/merge_command.h"
 #include "client/cli/pixelize_command.h"
+#include "client/cli/render_command.h"
 #include "client/cli/voxelize_command.h"
 
 namespace latvox::client {
@@ -24,6 +25,7 @@ constexpr char kExample[] =
     "Try:\n"
     "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
     "  latvox info bunny.vdb\n"
+    "  latvox render bunny.vdb --view -60,10 -o side.png\n"
     "  latvox batch jobs.jsonl --out voxels\n"
     "  latvox pixelize drawing.svg --lattice hexagonal --resolution 64 -o drawing.csv -o drawing.png\n"
     "  latvox voxelize --help\n"
@@ -70,6 +72,7 @@ struct Commands {
   BatchWords batch_words;
   PixelizeWords pixelize_words;
   MergeWords merge_words;
+  RenderWords render_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
@@ -77,6 +80,7 @@ struct Commands {
   CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
   CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
+  CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
@@ -89,6 +93,7 @@ struct Commands {
     AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
     AddMergeOptions(*merge, merge_words);
+    AddRenderOptions(*render, render_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
@@ -119,6 +124,7 @@ ExitStatus Run(const Commands& commands) {
     const Interrupt interrupt(cancellation);
     return Print(RunMerge(commands.merge_words, cancellation));
   }
+  if (*commands.render) return Print(RunRender(commands.render_words, Interpret(commands.render_words)));
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
   if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));

@@ -1,0 +1,157 @@
+"""Pictures and slices of .vdb files: whole, of the size that was asked for, with the voxels where they belong."""
+
+import itertools
+import os
+import struct
+import subprocess
+import unittest
+import zlib
+
+import pyopenvdb
+
+from harness import BIN, BUNNY, Case, latvox
+
+OK, OTHER, USAGE, BAD_INPUT = range(4)
+LATTICES = {
+    "cartesian": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "bcc": ((1.2, 0, 0), (0, 1.2, 0), (0.6, 0.6, 0.6)),
+    "fcc": ((0.8, 0.8, 0), (0.8, 0, 0.8), (0, 0.8, 0.8)),
+    "hexagonal": ((1, 0, 0), (0.5, 0.75**0.5, 0), (0, 0, 1)),
+}
+
+
+def write_octahedron(path, basis, radius=12):
+    """The lattice points of an octahedron; their world positions by lattice coordinates."""
+    grid = pyopenvdb.BoolGrid()
+    grid.name = "voxels"
+    grid.transform = pyopenvdb.createLinearTransform([[*vector, 0] for vector in basis] + [[0, 0, 0, 1]])
+    accessor, points = grid.getAccessor(), {}
+    for ijk in itertools.product(range(-2 * radius, 2 * radius + 1), repeat=3):
+        point = [sum(n * vector[m] for n, vector in zip(ijk, basis)) for m in range(3)]
+        if sum(map(abs, point)) <= radius:
+            accessor.setValueOn(ijk, True)
+            points[ijk] = point
+    pyopenvdb.write(str(path), grids=[grid])
+    return points
+
+
+def read_png(path):
+    """Width, height and the rows of (r, g, b) of an 8-bit RGB .png."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", "not a .png"
+    at, packed = 8, b""
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack_from(">IIBB", body)
+            assert (depth, color) == (8, 2)
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    lines, before, raw = [], bytes(3 * width), zlib.decompress(packed)
+    for y in range(height):
+        kind, *line = raw[y * (3 * width + 1) : (y + 1) * (3 * width + 1)]
+        for n in range(3 * width):
+            a, b, c = (line[n - 3] if n >= 3 else 0), before[n], (before[n - 3] if n >= 3 else 0)
+            paeth = min((a, b, c), key=lambda x: abs(a + b - c - x))
+            line[n] = (line[n] + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
+        lines.append([tuple(line[n : n + 3]) for n in range(0, 3 * width, 3)])
+        before = line
+    return width, height, lines
+
+
+class Picture(Case):
+    def render(self, *arguments, out="out.png"):
+        done = latvox("render", *arguments, "-o", self.dir / out)
+        self.assertEqual(done.returncode, OK, done.stderr)
+        return read_png(self.dir / out)
+
+    def covered(self, lines):
+        background = lines[0][0]
+        return [(x, y) for y, line in enumerate(lines) for x, color in enumerate(line) if color != background]
+
+    def test_every_lattice_shows_the_shape(self):
+        for lattice, basis in LATTICES.items():
+            with self.subTest(lattice):
+                write_octahedron(self.dir / "a.vdb", basis, 10)
+                # From z: the shape is a square on its corner, half of its box.
+                width, height, lines = self.render(self.dir / "a.vdb", "--size", 96, "--view", "0,0")
+                self.assertEqual((width, height), (96, 96))
+                seen = self.covered(lines)
+                box = [f(p[m] for p in seen) for m in (0, 1) for f in (min, max)]
+                for low, high in (box[:2], box[2:]):
+                    self.assertAlmostEqual(high - low, 0.92 * 96, delta=10)
+                share = len(seen) / ((box[1] - box[0]) * (box[3] - box[2]))
+                self.assertTrue(0.45 < share < 0.68, share)
+                self.assertGreater(len({lines[y][x] for x, y in seen}), 30)
+                # Lit from above on the left.
+                brightness = lambda x, y: sum(sum(lines[y + d][x + e]) for d in range(-3, 4) for e in range(-3, 4))
+                self.assertGreater(brightness(36, 36), 1.2 * brightness(60, 60))
+
+    def test_options_do_what_they_say(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 9)
+        size = ["--size", 64]
+        _, _, first = self.render(self.dir / "a.vdb", *size)
+        _, _, aside = self.render(self.dir / "a.vdb", *size, "--view", "120,-10")
+        _, _, red = self.render(self.dir / "a.vdb", *size, "--color", "d04010")
+        self.assertNotEqual(self.covered(first), self.covered(aside))
+        self.assertEqual(self.covered(first), self.covered(red))
+        total = lambda lines, m: sum(lines[y][x][m] for x, y in self.covered(lines))
+        self.assertGreater(total(first, 2), total(first, 0))
+        self.assertGreater(total(red, 0), 2 * total(red, 2))
+
+    def test_bytes_depend_on_no_thread(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["bcc"])
+        self.assertEqual(latvox("render", self.dir / "a.vdb", "--size", 300, "-o", self.dir / "all.png").returncode, OK)
+        one = [BIN / "latvox", "render", self.dir / "a.vdb", "--size", "300", "-o", self.dir / "one.png"]
+        subprocess.run(one, check=True, stdout=subprocess.DEVNULL, preexec_fn=lambda: os.sched_setaffinity(0, [0]))
+        self.assertEqual((self.dir / "all.png").read_bytes(), (self.dir / "one.png").read_bytes())
+
+    def test_voxelize_draws_the_same(self):
+        self.voxelize(BUNNY, "--lattice", "fcc", "--resolution", 50, "-o", self.dir / "a.vdb", out="a.png")
+        self.assertEqual(latvox("render", self.dir / "a.vdb", "-o", self.dir / "b.png").returncode, OK)
+        self.assertEqual((self.dir / "a.png").read_bytes(), (self.dir / "b.png").read_bytes())
+
+
+class Errors(Case):
+    def setUp(self):
+        super().setUp()
+        self.vdb = self.dir / "a.vdb"
+        write_octahedron(self.vdb, LATTICES["cartesian"], 5)
+        self.no_vdb = self.dir / "octahedron.obj"
+        self.no_vdb.write_text("v 0 0 0\n")
+
+    def refused(self, status, pattern, *arguments):
+        names = sorted(self.dir.iterdir())
+        done = latvox(*arguments)
+        self.assertEqual(done.returncode, status, done.stderr)
+        self.assertRegex(done.stderr, pattern)
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertEqual(sorted(self.dir.iterdir()), names, "something was left behind")
+
+    def test_render(self):
+        out = ["-o", self.dir / "out.png"]
+        for options, status, pattern in [
+            ([self.vdb], USAGE, "--out"),
+            ([self.vdb, "-o", self.dir / "out.jpg"], USAGE, r"out\.jpg.*\.png"),
+            ([self.vdb, *out, "--size", "15"], USAGE, "--size.*15.*16 to 8192"),
+            ([self.vdb, *out, "--view", "10,91"], USAGE, "--view.*10,91.*90"),
+            ([self.vdb, *out, "--color", "red"], USAGE, "--color.*red.*RRGGBB"),
+            ([self.dir / "none.vdb", *out], BAD_INPUT, "none.vdb: no such file"),
+            ([self.no_vdb, *out], BAD_INPUT, "octahedron.obj: is not a readable .vdb file"),
+            ([self.vdb, "-o", self.dir / "none" / "out.png"], OTHER, "none/out.png: cannot be written"),
+        ]:
+            with self.subTest(pattern):
+                self.refused(status, pattern, "render", *options)
+
+    def test_an_existing_file_stays_until_the_new_one_is_complete(self):
+        out = self.dir / "out.png"
+        out.write_bytes(b"old")
+        self.refused(BAD_INPUT, "octahedron.obj", "render", self.no_vdb, "-o", out)
+        self.assertEqual(out.read_bytes(), b"old")
+        self.assertEqual(latvox("render", self.vdb, "--size", 40, "-o", out).returncode, OK)
+        self.assertEqual(read_png(out)[:2], (40, 40))
+
+
+if __name__ == "__main__":
+    unittest.main()
