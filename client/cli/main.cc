@@ -10,11 +10,13 @@
 #include "client/cli/batch_options.h"
 #include "client/cli/commands.h"
 #include "client/cli/common_options.h"
+#include "client/cli/compare_command.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/merge_command.h"
 #include "client/cli/pixelize_command.h"
 #include "client/cli/render_command.h"
+#include "client/cli/slice_command.h"
 #include "client/cli/voxelize_command.h"
 
 namespace latvox::client {
@@ -30,7 +32,8 @@ constexpr char kExample[] =
     "  latvox pixelize drawing.svg --lattice hexagonal --resolution 64 -o drawing.csv -o drawing.png\n"
     "  latvox voxelize --help\n"
     "\n"
-    "Exit status: 0 done; 1 other; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled\n";
+    "Exit status: 0 done; 1 other; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled\n"
+    "compare: 0 equal; 1 different\n";
 
 ExitStatus Fail(const absl::Status& status) {
   std::fprintf(stderr, "%s\n", ErrorLine(status).c_str());
@@ -65,6 +68,13 @@ ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) 
   return printed == ExitStatus::kDone ? report->status : printed;
 }
 
+ExitStatus Compare(const CompareWords& words) {
+  const auto comparison = RunCompare(words);
+  if (!comparison.ok()) return Fail(comparison.status());
+  const ExitStatus printed = Print(comparison->text);
+  return printed == ExitStatus::kDone && !comparison->equal ? ExitStatus::kOther : printed;
+}
+
 // The commands and what parsing them fills.
 struct Commands {
   CLI::App app{kDescription, "latvox"};
@@ -73,6 +83,8 @@ struct Commands {
   PixelizeWords pixelize_words;
   MergeWords merge_words;
   RenderWords render_words;
+  SliceWords slice_words;
+  CompareWords compare_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
@@ -81,6 +93,8 @@ struct Commands {
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
   CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
   CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
+  CLI::App* slice = app.add_subcommand("slice", "draw one layer of a .vdb file's voxels, or list them");
+  CLI::App* compare = app.add_subcommand("compare", "tell what differs between two .vdb files");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
@@ -94,6 +108,8 @@ struct Commands {
     AddPixelizeOptions(*pixelize, pixelize_words);
     AddMergeOptions(*merge, merge_words);
     AddRenderOptions(*render, render_words);
+    AddSliceOptions(*slice, slice_words);
+    AddCompareOptions(*compare, compare_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
@@ -125,6 +141,11 @@ ExitStatus Run(const Commands& commands) {
     return Print(RunMerge(commands.merge_words, cancellation));
   }
   if (*commands.render) return Print(RunRender(commands.render_words, Interpret(commands.render_words)));
+  if (*commands.slice) {
+    Check(commands.slice_words);
+    return Print(RunSlice(commands.slice_words));
+  }
+  if (*commands.compare) return Compare(commands.compare_words);
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
   if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));

@@ -5,12 +5,15 @@
 #include <limits>
 
 #include "client/output/vec3.h"
+#include "client/plane_types.h"
 
 namespace latvox::client {
 namespace {
 
-constexpr double kSquare = 4;  // edge
-constexpr double kNothing = -std::numeric_limits<double>::infinity();
+constexpr double kSquare = 2;    // edge
+constexpr double kSlack = 1e-2;  // for single precision
+constexpr double kFar = std::numeric_limits<double>::max();
+constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 int Floor(double x) { return static_cast<int>(std::floor(x)); }
 
@@ -19,39 +22,36 @@ int Floor(double x) { return static_cast<int>(std::floor(x)); }
 VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards) : towards_(towards) {
   u_ = Unit(Cross(std::abs(towards[1]) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, towards));
   v_ = Cross(towards, u_);
-  // A brick is within a ball about its middle.
-  std::vector<Vec3d> balls;
-  scene.ForEachBrick([&](const Brick& brick) {
-    const Vec3i& b = brick.brick_ijk;
-    const Vec3d low = scene.CenterOf({8 * b[0], 8 * b[1], 8 * b[2]}),
-                high = scene.CenterOf({8 * b[0] + 7, 8 * b[1] + 7, 8 * b[2] + 7});
-    balls.push_back(Project(Sum(low, 0.5, Sum(high, -1, low))));
-  });
-  double radius = 0, cell = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto side = [&](int m) { return corner >> m & 1 ? 7 : 0; };
-    const Vec3d middle = Sum({}, 0.5, scene.CenterOf({7, 7, 7}));
-    radius = std::max(radius, Length(Sum(scene.CenterOf({side(0), side(1), side(2)}), -1, middle)));
-  }
-  for (const Vec3d& corner : scene.cell_corners()) cell = std::max(cell, Length(corner));
-  radius += cell;
+  // A cell is within a ball about its centre.
+  double radius = 0;
+  for (const Vec3d& corner : scene.cell_corners()) radius = std::max(radius, Length(corner));
   const double across = radius / kSquare;
-  for (size_t m = 0; m < 2 && !balls.empty(); ++m) {
-    const auto [least, most] =
-        std::minmax_element(balls.begin(), balls.end(), [m](const Vec3d& a, const Vec3d& b) { return a[m] < b[m]; });
-    low_[m] = Floor((*least)[m] - across);
-    size_[m] = Floor((*most)[m] + across) + 1 - low_[m];
+  Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
+  scene.ForEach([&](const Vec3i& cell) {
+    const Vec3d at = Project(scene.CenterOf(cell));
+    for (size_t m = 0; m < 2; ++m) {
+      low[m] = std::min(low[m], at[m] - across);
+      high[m] = std::max(high[m], at[m] + across);
+    }
+  });
+  for (size_t m = 0; m < 2 && !scene.empty(); ++m) {
+    low_[m] = Floor(low[m]);
+    size_[m] = Floor(high[m]) + 1 - low_[m];
   }
   front_.assign(static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]), kNothing);
-  for (const Vec3d& ball : balls) {
-    for (int y = Floor(ball[1] - across); y <= Floor(ball[1] + across); ++y) {
-      for (int x = Floor(ball[0] - across); x <= Floor(ball[0] + across); ++x) {
-        double& front =
-            front_[static_cast<size_t>(y - low_[1]) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x - low_[0])];
-        front = std::max(front, ball[2] + radius);
+  scene.ForEach([&](const Vec3i& cell) {
+    const Vec3d at = Project(scene.CenterOf(cell));
+    for (int y = Floor(at[1] - across); y <= Floor(at[1] + across); ++y) {
+      for (int x = Floor(at[0] - across); x <= Floor(at[0] + across); ++x) {
+        float& front = front_[Square(x, y)];
+        front = std::max(front, static_cast<float>(at[2] + radius + kSlack));
       }
     }
-  }
+  });
+}
+
+size_t VoxelFront::Square(int x, int y) const {
+  return static_cast<size_t>(y - low_[1]) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x - low_[0]);
 }
 
 Vec3d VoxelFront::Project(const Vec3d& point) const {
@@ -60,9 +60,10 @@ Vec3d VoxelFront::Project(const Vec3d& point) const {
 
 double VoxelFront::Reach(const Vec3d& point) const {
   const Vec3d at = Project(point);
-  const int x = Floor(at[0]) - low_[0], y = Floor(at[1]) - low_[1];
-  if (x < 0 || y < 0 || x >= size_[0] || y >= size_[1]) return kNothing;
-  return front_[static_cast<size_t>(y) * static_cast<size_t>(size_[0]) + static_cast<size_t>(x)] - at[2];
+  for (size_t m = 0; m < 2; ++m) {
+    if (!(at[m] >= low_[m] && at[m] < low_[m] + size_[m])) return kNothing;
+  }
+  return front_[Square(Floor(at[0]), Floor(at[1]))] - at[2];
 }
 
 }  // namespace latvox::client

@@ -22,10 +22,11 @@ class VoxelFront {
  private:
   // Across, in squares of the plane; along `towards`.
   Vec3d Project(const Vec3d& point) const;
+  size_t Square(int x, int y) const;  // in front_
 
   Vec3d u_, v_, towards_;
   std::array<int, 2> low_{}, size_{};  // squares
-  std::vector<double> front_;          // of each square
+  std::vector<float> front_;           // of each square
 };
 
 }  // namespace latvox::client

@@ -47,6 +47,7 @@ VoxelScene::VoxelScene(const GridTransform& grid, int shift) : shift_(shift) {
     const Vec3d to = Combine(basis_, {double(w[0]), double(w[1]), double(w[2])});
     const Vec3d n = Unit(to);
     facets_.push_back({w, n, Length(to) / 2, {Dot(basis_.a, n), Dot(basis_.b, n), Dot(basis_.c, n)}});
+    if (w > Vec3i{}) sides_.push_back(facets_.back());
   }
   for (const Vec3d& corner : cell.corners) {
     const Vec3d lattice = {Dot(dual_.a, corner), Dot(dual_.b, corner), Dot(dual_.c, corner)};
@@ -149,19 +150,21 @@ Vec3d VoxelScene::CenterOf(const Vec3i& cell) const {
 }
 
 // Greedy: from any cell but the nearest, one of the facets has the point behind it, and stepping over it comes nearer.
+// Of two facets that are opposite, one is looked at.
 Vec3i VoxelScene::Nearest(const Vec3d& point, Vec3i cell) const {
   constexpr double kOnFacet = 1e-9;
   for (;;) {
-    const Facet* over = nullptr;
+    const Vec3d at = Sum(point, -1, CenterOf(cell));
+    Vec3i step{};
     double most = kOnFacet;
-    for (const Facet& facet : facets_) {
-      const double beyond = Dot(point, facet.normal) - Product(cell, facet.gradient) - facet.distance;
+    for (const Facet& facet : sides_) {
+      const double height = Dot(at, facet.normal), beyond = std::abs(height) - facet.distance;
       if (beyond <= most) continue;
       most = beyond;
-      over = &facet;
+      for (size_t m = 0; m < 3; ++m) step[m] = height > 0 ? facet.step[m] : -facet.step[m];
     }
-    if (!over) return cell;
-    cell = Plus(cell, over->step);
+    if (step == Vec3i{}) return cell;
+    cell = Plus(cell, step);
   }
 }
 

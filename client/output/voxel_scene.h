@@ -95,7 +95,8 @@ class VoxelScene {
   double size_ = 1;  // world
   std::vector<Vec3d> corners_;
   std::vector<Facet> facets_;
-  Vec3d reach_{};  // of a cell, in lattice coordinates
+  std::vector<Facet> sides_;  // one of each two that are opposite
+  Vec3d reach_{};             // of a cell, in lattice coordinates
   std::optional<Vec3i> corner_;
   Vec3i low_{}, high_{};  // cells; corners of the bricks, half-open
   absl::flat_hash_map<Vec3i, int32_t> tile_numbers_;

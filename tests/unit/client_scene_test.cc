@@ -136,7 +136,7 @@ TEST(VoxelFront, NoVoxelIsBeyondIt) {
         least = std::min(least, reach);
       }
     });
-    EXPECT_LT(least, 50) << "a bound, but an idle one";
+    EXPECT_LT(least, 5) << "a bound, but an idle one";
     const Vec3d aside = Cross(towards, Unit({1, 2, 3}));
     EXPECT_EQ(front.Reach(Sum({}, 1e4, aside)), -std::numeric_limits<double>::infinity());
   }
