@@ -17,6 +17,7 @@
 #include "client/cli/pixelize_command.h"
 #include "client/cli/render_command.h"
 #include "client/cli/slice_command.h"
+#include "client/cli/view_command.h"
 #include "client/cli/voxelize_command.h"
 
 namespace latvox::client {
@@ -85,6 +86,7 @@ struct Commands {
   RenderWords render_words;
   SliceWords slice_words;
   CompareWords compare_words;
+  ViewWords view_words;
   std::string info_path;
   ServerChoice server;
   bool json = false;
@@ -94,6 +96,7 @@ struct Commands {
   CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
   CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
   CLI::App* slice = app.add_subcommand("slice", "draw one layer of a .vdb file's voxels, or list them");
+  CLI::App* view = app.add_subcommand("view", "make a page that shows a .vdb file's voxels in a browser");
   CLI::App* compare = app.add_subcommand("compare", "tell what differs between two .vdb files");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
@@ -109,6 +112,7 @@ struct Commands {
     AddMergeOptions(*merge, merge_words);
     AddRenderOptions(*render, render_words);
     AddSliceOptions(*slice, slice_words);
+    AddViewOptions(*view, view_words);
     AddCompareOptions(*compare, compare_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
@@ -144,6 +148,10 @@ ExitStatus Run(const Commands& commands) {
   if (*commands.slice) {
     Check(commands.slice_words);
     return Print(RunSlice(commands.slice_words));
+  }
+  if (*commands.view) {
+    Check(commands.view_words);
+    return Print(RunView(commands.view_words));
   }
   if (*commands.compare) return Compare(commands.compare_words);
   const Interrupt interrupt(cancellation);

@@ -77,8 +77,6 @@ PictureOptions Interpret(const RenderWords& words) {
 absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& options) {
   const absl::Time start = absl::Now();
   const std::string& output = words.outputs.front();
-  auto file = AtomicFile::Create(output);
-  if (!file.ok()) return file.status();
   const auto grid = ReadGridFile(words.input);
   if (!grid.ok()) return grid.status();
   const GridTransform& transform = grid->info.transform;
@@ -87,9 +85,7 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   scene.Seal();
   const auto png = DrawVoxels(scene, options);
   if (!png.ok()) return png.status();
-  if (auto status = (*file)->Append(*png); !status.ok()) return status;
-  if (auto status = (*file)->Sync(); !status.ok()) return status;
-  if (auto status = (*file)->Commit(); !status.ok()) return status;
+  if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
   return absl::StrFormat("%s: %d voxels\nwrote %s in %.2f s\n", words.input, grid->info.active_voxels, output,
                          absl::ToDoubleSeconds(absl::Now() - start));
 }
