@@ -11,7 +11,7 @@ namespace latvox::client {
 // Scripts rely on these numbers.
 enum class ExitStatus {
   kDone = 0,
-  kOther = 1,
+  kOther = 1,  // and: the files of `latvox compare` differ
   kWrongUsage = 2,
   kBadInput = 3,
   kUnreachable = 4,

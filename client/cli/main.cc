@@ -10,12 +10,16 @@
 #include "client/cli/batch_options.h"
 #include "client/cli/commands.h"
 #include "client/cli/common_options.h"
+#include "client/cli/compare_command.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/merge_command.h"
 #include "client/cli/pages.h"
 #include "client/cli/pixelize_command.h"
+#include "client/cli/render_command.h"
+#include "client/cli/slice_command.h"
 #include "client/cli/terminal.h"
+#include "client/cli/view_command.h"
 #include "client/cli/voxelize_command.h"
 #include "manual/completions.h"
 
@@ -60,6 +64,13 @@ ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) 
   return printed == ExitStatus::kDone ? report->status : printed;
 }
 
+ExitStatus Compare(const CompareWords& words) {
+  const auto comparison = RunCompare(words);
+  if (!comparison.ok()) return Fail(comparison.status());
+  const ExitStatus printed = Print(comparison->text);
+  return printed == ExitStatus::kDone && !comparison->equal ? ExitStatus::kOther : printed;
+}
+
 // The commands and what parsing them fills.
 struct Commands {
   CLI::App app{"latvox: triangle meshes to exact sparse voxels on any 3D lattice", "latvox"};
@@ -67,6 +78,10 @@ struct Commands {
   BatchWords batch_words;
   PixelizeWords pixelize_words;
   MergeWords merge_words;
+  RenderWords render_words;
+  SliceWords slice_words;
+  CompareWords compare_words;
+  ViewWords view_words;
   std::string info_path, shell;
   ServerChoice server;
   bool json = false;
@@ -74,6 +89,10 @@ struct Commands {
   CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
   CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
+  CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
+  CLI::App* slice = app.add_subcommand("slice", "draw one layer of a .vdb file's voxels, or list them");
+  CLI::App* view = app.add_subcommand("view", "make a page that shows a .vdb file's voxels in a browser");
+  CLI::App* compare = app.add_subcommand("compare", "tell what differs between two .vdb files");
   CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
   CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
   CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
@@ -87,6 +106,10 @@ struct Commands {
     AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
     AddMergeOptions(*merge, merge_words);
+    AddRenderOptions(*render, render_words);
+    AddSliceOptions(*slice, slice_words);
+    AddViewOptions(*view, view_words);
+    AddCompareOptions(*compare, compare_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
@@ -126,6 +149,16 @@ ExitStatus Run(const Commands& commands) {
     const Interrupt interrupt(cancellation);
     return Print(RunMerge(commands.merge_words, cancellation));
   }
+  if (*commands.render) return Print(RunRender(commands.render_words, Interpret(commands.render_words)));
+  if (*commands.slice) {
+    Check(commands.slice_words);
+    return Print(RunSlice(commands.slice_words));
+  }
+  if (*commands.view) {
+    Check(commands.view_words);
+    return Print(RunView(commands.view_words));
+  }
+  if (*commands.compare) return Compare(commands.compare_words);
   const Interrupt interrupt(cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
   if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));

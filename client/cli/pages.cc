@@ -31,6 +31,20 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
      "Examples:\n"
      "  for i in 0 1; do latvox voxelize bunny.obj --resolution 64 --shard $i/2 -o part$i.vdb; done\n"
      "  latvox merge part0.vdb part1.vdb -o whole.vdb\n"},
+    {"render",
+     "Examples:\n"
+     "  latvox render bunny.vdb --view -60,10 -o side.png\n"},
+    {"slice",
+     "Examples:\n"
+     "  latvox slice bunny.vdb --axis z --index 40 -o slice.png\n"},
+    {"view",
+     "Examples:\n"
+     "  latvox view bunny.vdb -o bunny.html\n"},
+    {"compare",
+     "Exit status: 0 equal; 1 different; otherwise as of all commands\n"
+     "\n"
+     "Examples:\n"
+     "  latvox compare bunny.vdb bunny.vdb\n"},
     {"info", "Examples:\n  latvox info bunny.vdb\n"},
     {"completions",
      "Examples:\n"

@@ -1,5 +1,6 @@
 #include "client/grid/voxel_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <filesystem>
@@ -71,6 +72,36 @@ GridFileInfo Describe(const openvdb::GridBase& grid) {
     if (meta->second) info.metadata.emplace_back(meta->first, meta->second->str());
   }
   return info;
+}
+
+bool IsFinite(const GridTransform& transform) {
+  double sum = transform.voxel_size;
+  for (const Vec3d& v : {transform.basis.a, transform.basis.b, transform.basis.c, transform.origin}) {
+    for (const double x : v) sum += std::abs(x);
+  }
+  return std::isfinite(sum);
+}
+
+absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std::string& path) {
+  const auto grid = openvdb::gridPtrCast<openvdb::BoolGrid>(first);
+  if (!grid) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", first->getName(), "\" is a ", first->type(),
+                                                   ", not a ", openvdb::BoolGrid::gridType()));
+  }
+  if (const auto tiles = grid->tree().activeTileCount(); tiles > 0) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": has ", tiles, " active tiles, not voxels alone"));
+  }
+  if (!grid->transform().isLinear() || !IsFinite(FromTransform(grid->transform()))) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine and finite"));
+  }
+  GridFile file{Describe(*grid), {}};
+  file.bricks.reserve(grid->tree().leafCount());
+  for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
+    if (!leaf->isEmpty()) file.bricks.push_back(ToBrick(*leaf));
+  }
+  std::sort(file.bricks.begin(), file.bricks.end(),
+            [](const Brick& a, const Brick& b) { return a.brick_ijk < b.brick_ijk; });
+  return file;
 }
 
 }  // namespace
@@ -150,6 +181,14 @@ absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine"));
     }
     return Describe(*grids->front());
+  });
+}
+
+absl::StatusOr<GridFile> ReadGridFile(const std::string& path) {
+  return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFile> {
+    const auto name = file.beginName();
+    if (name == file.endName()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
+    return Content(file.readGrid(file.hasGrid("voxels") ? "voxels" : *name), path);
   });
 }
 

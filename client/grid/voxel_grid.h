@@ -72,6 +72,16 @@ struct GridFileInfo {
 // grid, a transform that is not affine), with the path.
 absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
+// A .vdb file's voxels: the grid "voxels", or else the first grid. Bricks are in lexicographic order of brick_ijk.
+struct GridFile {
+  GridFileInfo info;
+  std::vector<Brick> bricks;
+};
+
+// Memory: 230 bytes for each brick while it reads, 80 then. Errors: as above; a grid that is not boolean, or has active
+// tiles, which latvox does not write; a transform that is not of finite numbers.
+absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
+
 // The metadata latvox_digest of a .vdb file's first grid, empty if there is none; no voxel is read. Errors: as above.
 absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
 

@@ -103,4 +103,12 @@ absl::Status AtomicFile::Commit() {
   return absl::OkStatus();
 }
 
+absl::Status WriteAtomically(const std::string& target, std::string_view bytes) {
+  const auto file = AtomicFile::Create(target);
+  if (!file.ok()) return file.status();
+  if (auto status = (*file)->Append(bytes); !status.ok()) return status;
+  if (auto status = (*file)->Sync(); !status.ok()) return status;
+  return (*file)->Commit();
+}
+
 }  // namespace latvox::client

@@ -47,6 +47,9 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+// A file of these bytes in the place of the target.
+absl::Status WriteAtomically(const std::string& target, std::string_view bytes);
+
 }  // namespace latvox::client
 
 #endif  // LATVOX_CLIENT_OUTPUT_ATOMIC_FILE_H_

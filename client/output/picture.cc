@@ -1,204 +1,310 @@
 #include "client/output/picture.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <vector>
 
 #include "client/output/png.h"
-#include "client/output/voxel_walk.h"
+#include "client/output/vec3.h"
+#include "client/output/voxel_front.h"
 
 namespace latvox::client {
 namespace {
 
+constexpr int kSamples = 2;       // per pixel and axis
+constexpr double kFilled = 0.92;  // share of the picture
+
+using Rgb = std::array<float, 3>;
+using Vec3f = std::array<float, 3>;
+
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
+constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colours here
 
-// View frame: x to the right, y up, z towards the viewer; the world seen from azimuth 30 and elevation 22 degrees.
-constexpr double kSinAzimuth = 0.5, kCosAzimuth = 0.8660254037844386;
-constexpr double kSinElevation = 0.374606593415912, kCosElevation = 0.9271838545667874;
+float Dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-constexpr std::array<float, 3> kLight = {-0.42F, 0.62F, 0.66F};  // unit vector towards the light, view frame
-constexpr std::array<float, 3> kBackground = {0.97F, 0.97F, 0.96F};
-constexpr std::array<float, 3> kSurface = {0.33F, 0.47F, 0.66F};
-
-Vec3d Rotate(const Vec3d& v) {
-  const double x = kCosAzimuth * v[0] - kSinAzimuth * v[2];
-  const double towards = kSinAzimuth * v[0] + kCosAzimuth * v[2];
-  return {x, kCosElevation * v[1] - kSinElevation * towards, kSinElevation * v[1] + kCosElevation * towards};
+Vec3f Unit(const Vec3f& v) {
+  const float length = std::sqrt(Dot(v, v));
+  return {v[0] / length, v[1] / length, v[2] / length};
 }
 
-double Dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float Share(float x, float none, float all) { return std::clamp((x - none) / (all - none), 0.0F, 1.0F); }
 
-float Lambert(const std::array<float, 3>& normal) {
-  return std::max(0.0F, normal[0] * kLight[0] + normal[1] * kLight[1] + normal[2] * kLight[2]);
+float ToLinear(uint8_t level) { return std::pow(static_cast<float>(level) / 255, 2.2F); }
+uint8_t ToLevel(float linear) {
+  return static_cast<uint8_t>(std::pow(std::clamp(linear, 0.0F, 1.0F), 1 / 2.2F) * 255 + 0.5F);
 }
+
+// View frame: x to the right, y up, z towards the viewer, in samples.
+class Renderer {
+ public:
+  Renderer(const VoxelScene& scene, const PictureOptions& options)
+      : scene_(scene), side_(options.side), wide_(options.side * kSamples) {
+    const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
+    right_ = {std::cos(a), 0, -std::sin(a)};
+    towards_ = {std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
+    up_ = Cross(towards_, right_);
+    for (size_t m = 0; m < 3; ++m) color_[m] = ToLinear(options.color[m]);
+    for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));
+    const size_t samples = static_cast<size_t>(wide_) * static_cast<size_t>(wide_);
+    depth_.resize(samples, kNothing);
+    facet_.resize(samples);
+    edge_.resize(samples);
+    MakeTaps();
+    constexpr float kSpread = 0.06F;  // for soft shadows
+    for (int phase = 0; phase < kSamples * kSamples; ++phase) {
+      const float dx = kSpread * static_cast<float>(phase % kSamples),
+                  dy = kSpread * static_cast<float>(phase / kSamples);
+      lights_[static_cast<size_t>(phase)] = Unit({-0.52F + dx, 0.66F, 0.50F + dy});
+    }
+  }
+
+  std::vector<uint8_t> Draw() {
+    std::vector<uint8_t> pixels(static_cast<size_t>(side_) * static_cast<size_t>(side_) * 3);
+    Frame();
+    front_.emplace(scene_, towards_);
+    for (const Vec3f& light : lights_) light_fronts_.emplace_back(scene_, ToScene(light));
+    ForRows(wide_, [this](int y) { CastRow(y); });
+    Smooth();
+    ForRows(side_, [&](int y) {
+      for (int x = 0; x < side_; ++x) {
+        const Rgb color = ShadePixel(x, y);
+        for (size_t m = 0; m < 3; ++m)
+          pixels[3 * (static_cast<size_t>(y) * static_cast<size_t>(side_) + static_cast<size_t>(x)) + m] =
+              ToLevel(color[m]);
+      }
+    });
+    return pixels;
+  }
+
+ private:
+  template <class Row>
+  static void ForRows(int rows, const Row& row) {
+    tbb::parallel_for(0, rows, row);
+  }
+
+  Vec3f ToView(const Vec3d& v) const {
+    return {static_cast<float>(Dot3(v, right_)), static_cast<float>(Dot3(v, up_)),
+            static_cast<float>(Dot3(v, towards_))};
+  }
+  static double Dot3(const Vec3d& a, const Vec3d& b) { return latvox::client::Dot(a, b); }
+  Vec3d ToScene(const Vec3f& v) const { return Sum(Sum(Sum({}, v[0], right_), v[1], up_), v[2], towards_); }
+
+  size_t At(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(wide_) + static_cast<size_t>(x); }
+
+  void Frame() {
+    constexpr double kFar = std::numeric_limits<double>::max();
+    Vec3d low = {kFar, kFar, kFar}, high = {-kFar, -kFar, -kFar}, reach{};
+    for (const Vec3d& corner : scene_.cell_corners()) {
+      const Vec3f view = ToView(corner);
+      for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], double{view[m]});
+    }
+    scene_.ForEach([&](const Vec3i& cell) {
+      const Vec3d at = scene_.CenterOf(cell);
+      const Vec3d view = {Dot3(at, right_), Dot3(at, up_), Dot3(at, towards_)};
+      for (size_t m = 0; m < 3; ++m) {
+        low[m] = std::min(low[m], view[m]);
+        high[m] = std::max(high[m], view[m]);
+      }
+    });
+    if (scene_.empty()) low = high = {};
+    scale_ = kFilled * wide_ / (std::max(high[0] - low[0] + 2 * reach[0], high[1] - low[1] + 2 * reach[1]));
+    const Vec3f middle = {static_cast<float>((low[0] + high[0]) / 2), static_cast<float>((low[1] + high[1]) / 2),
+                          static_cast<float>(high[2] + reach[2] + 1)};
+    eye_ = ToScene(middle);
+    cell_ = static_cast<float>(scale_);
+  }
+
+  void CastRow(int y) {
+    const Vec3d back = {-towards_[0], -towards_[1], -towards_[2]};
+    for (int x = 0; x < wide_; ++x) {
+      const Vec3d eye = SceneAt(static_cast<float>(x), static_cast<float>(y), 0);
+      const double front = front_->Reach(eye);
+      if (!std::isfinite(front)) continue;
+      const Ray ray{Sum(eye, front, towards_), back};
+      const auto hit = scene_.Cast(ray);
+      if (!hit) continue;
+      depth_[At(x, y)] = static_cast<float>((front - hit->t) * scale_);
+      facet_[At(x, y)] = static_cast<uint8_t>(hit->facet);
+      edge_[At(x, y)] = EdgeAt(Sum(ray.from, hit->t, back), *hit);
+    }
+  }
+
+  Vec3d SceneAt(float x, float y, float depth) const {
+    const Vec3d right = Sum(eye_, (x + 0.5 - wide_ / 2.0) / scale_, right_);
+    return Sum(Sum(right, (wide_ / 2.0 - y - 0.5) / scale_, up_), depth / scale_, towards_);
+  }
+
+  // How much of an edge's line there is: 255 on it.
+  uint8_t EdgeAt(const Vec3d& point, const VoxelScene::Hit& hit) const {
+    constexpr float kLeast = 8;  // samples that a cell must be wide for its edges to show
+    if (cell_ < kLeast) return 0;
+    const VoxelScene::Facet& facet = scene_.facets()[static_cast<size_t>(hit.facet)];
+    const Vec3d at = Sum(point, -1, scene_.CenterOf(hit.cell));
+    double nearest = 1;
+    for (const VoxelScene::Facet& other : scene_.facets()) {
+      const double cosine = Dot3(facet.normal, other.normal), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+      if (sine > 1e-6) nearest = std::min(nearest, (other.distance - Dot3(at, other.normal)) / sine);
+    }
+    const float distance = static_cast<float>(nearest * scale_), line = std::clamp(0.02F * cell_, 0.5F, 3.0F);
+    return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
+  }
+
+  // The surface beneath the cells' facets: depth averaged over some voxels, not across the edges of the shape.
+  void Smooth() {
+    const int radius = std::clamp(static_cast<int>(2.0F * cell_), 2, 32);
+    const float edge = 3.0F * static_cast<float>(radius);
+    smooth_ = depth_;
+    std::vector<float> in;
+    for (const bool across : {true, false, true, false}) {
+      in = smooth_;
+      ForRows(wide_, [&](int y) {
+        for (int x = 0; x < wide_; ++x) {
+          const float here = in[At(x, y)];
+          if (here == kNothing) continue;
+          const int along = across ? x : y;
+          float sum = 0, weight = 0;
+          for (int d = std::max(-radius, -along), last = std::min(radius, wide_ - 1 - along); d <= last; ++d) {
+            const float there = in[across ? At(x + d, y) : At(x, y + d)];
+            if (!(std::abs(there - here) < edge)) continue;
+            sum += there;
+            weight += 1;
+          }
+          smooth_[At(x, y)] = sum / weight;
+        }
+      });
+    }
+  }
+
+  // Of the smooth surface.
+  Vec3f NormalAt(int x, int y) const {
+    const float here = smooth_[At(x, y)];
+    const auto slope = [&](int dx, int dy) {
+      const auto depth = [&](int sign) {
+        const int sx = std::clamp(x + sign * dx, 0, wide_ - 1), sy = std::clamp(y + sign * dy, 0, wide_ - 1);
+        const float there = smooth_[At(sx, sy)];
+        return std::abs(there - here) < 16 ? there : here;
+      };
+      return (depth(1) - depth(-1)) / 4;
+    };
+    return Unit({-slope(2, 0), slope(0, 2), 1});
+  }
+
+  // Where to look for what hides the sky: eight directions, others for each of a pixel's samples.
+  void MakeTaps() {
+    for (int phase = 0; phase < kSamples * kSamples; ++phase) {
+      for (int d = 0; d < kDirections; ++d) {
+        const float angle = (static_cast<float>(d) + static_cast<float>(phase) / (kSamples * kSamples)) *
+                            (2 * std::numbers::pi_v<float> / kDirections);
+        float distance = HollowReach();
+        for (Tap& tap : taps_[static_cast<size_t>(phase)][static_cast<size_t>(d)]) {
+          tap = {static_cast<int>(std::lround(std::cos(angle) * distance)),
+                 static_cast<int>(std::lround(std::sin(angle) * distance)), distance};
+          distance *= 0.55F;
+        }
+      }
+    }
+  }
+
+  float HollowReach() const { return 0.07F * static_cast<float>(wide_); }
+
+  // The share of the sky that is hidden, by how far things around rise over the tangent plane. Where the surface is
+  // seen from its edge, its tangent plane is not known well enough.
+  float Occlusion(int x, int y, const Vec3f& normal) const {
+    const float reach = HollowReach(), here = smooth_[At(x, y)], z = std::max(normal[2], 0.3F);
+    float sum = 0;
+    for (const auto& direction : taps_[PhaseOf(x, y)]) {
+      float horizon = 0;
+      for (const Tap& tap : direction) {
+        if (x + tap.dx < 0 || y + tap.dy < 0 || x + tap.dx >= wide_ || y + tap.dy >= wide_) continue;
+        const float there = smooth_[At(x + tap.dx, y + tap.dy)];
+        const float slope = (normal[0] * static_cast<float>(tap.dx) - normal[1] * static_cast<float>(tap.dy)) / z;
+        const float rise = there - (here - slope);
+        if (!(rise > 0)) continue;
+        const float sine = rise / std::sqrt(rise * rise + tap.distance * tap.distance);
+        horizon = std::max(horizon, Share(sine, 0.08F, 1) * Share(rise, 3 * reach, reach));
+      }
+      sum += horizon;
+    }
+    return sum / kDirections * Share(normal[2], 0.1F, 0.5F);
+  }
+
+  // Whether nothing is between the sample's surface and the light. A point `raise` above the surface stands for it, so
+  // that small cells do not shade each other.
+  bool Lit(int x, int y, const Vec3f& normal, float raise) const {
+    const Vec3d surface = SceneAt(static_cast<float>(x), static_cast<float>(y), depth_[At(x, y)]);
+    const Vec3d above = Sum(surface, raise, ToScene(normal));
+    const size_t phase = PhaseOf(x, y);
+    const double reach = light_fronts_[phase].Reach(above);
+    return reach <= 0 || !scene_.Cast({above, ToScene(lights_[phase]), reach}).has_value();
+  }
+
+  static size_t PhaseOf(int x, int y) { return static_cast<size_t>(x % kSamples + kSamples * (y % kSamples)); }
+
+  Rgb ShadePixel(int px, int py) const {
+    Rgb sum{};
+    for (int s = 0; s < kSamples * kSamples; ++s) {
+      const Rgb sample = Shade(px * kSamples + s % kSamples, py * kSamples + s / kSamples);
+      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kSamples * kSamples);
+    }
+    return sum;
+  }
+
+  Rgb Shade(int x, int y) const {
+    const size_t at = At(x, y);
+    if (depth_[at] == kNothing) return kBackground;
+    const float facets = 0.2F * Share(cell_, 2, 4) + 0.65F * Share(cell_, 6, 24);
+    const Vec3f smooth = NormalAt(x, y), &facet = normals_[facet_[at]];
+    Vec3f normal;
+    for (size_t m = 0; m < 3; ++m) normal[m] = facets * facet[m] + (1 - facets) * smooth[m];
+    normal = Unit(normal);
+    float key = std::max(0.0F, Dot(normal, lights_[PhaseOf(x, y)]));
+    if (key > 0 && !Lit(x, y, smooth, cell_ < 12 ? 2.0F : 0.02F)) key = 0;
+    const float sky = 0.5F + 0.5F * normal[1], open = 1 - Occlusion(x, y, smooth);
+    const float fill = std::max(0.0F, Dot(normal, Unit({0.8F, 0.1F, 0.6F})));
+    const float value = (open * open * (0.13F + 0.22F * sky + 0.16F * fill) + 1.05F * key) *
+                        (1 - 0.45F * static_cast<float>(edge_[at]) / 255);
+    Rgb color;
+    for (size_t m = 0; m < 3; ++m) color[m] = color_[m] * value;
+    return color;
+  }
+
+  static constexpr int kDirections = 8, kSteps = 5;
+  struct Tap {
+    int dx, dy;
+    float distance;
+  };
+
+  const VoxelScene& scene_;
+  const int side_, wide_;       // pixels, samples
+  Vec3d right_, up_, towards_;  // the view frame's axes in the scene
+  Vec3d eye_{};                 // before the middle of the picture
+  double scale_ = 1;            // samples per unit of the scene
+  float cell_ = 1;              // a cell's edge in samples
+  Rgb color_;
+  std::vector<Vec3f> normals_;         // of the cell's facets, view frame
+  std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNothing where no cell is; rows from the top
+  std::optional<VoxelFront> front_;
+  std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
+  std::vector<VoxelFront> light_fronts_;           // of each of them
+  std::vector<uint8_t> facet_, edge_;
+  std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};
+};
 
 }  // namespace
 
-Picture::Picture(const GridTransform& grid, const Vec3d& low, const Vec3d& high)
-    : grid_(grid), depth_(size_t{kWide} * kWide, kNothing), normal_(size_t{kWide} * kWide, 0) {
-  Frame(low, high);
-  MakeStamps();
+int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& options) {
+  constexpr double kLeast = 0.35;  // samples that a cell is wide, seen with its whole diagonal across the picture
+  const double samples = kFilled * options.side * kSamples * grid.voxel_size / diagonal;
+  return samples < kLeast ? static_cast<int>(std::ceil(std::log2(kLeast / samples))) : 0;
 }
 
-Vec3d Picture::ToView(const Vec3d& world) const {
-  const Vec3d view = Rotate({world[0] - center_[0], world[1] - center_[1], world[2] - center_[2]});
-  return {view[0] * scale_, view[1] * scale_, view[2] * scale_};
-}
-
-void Picture::Frame(const Vec3d& low, const Vec3d& high) {
-  constexpr double kFilled = 0.92;  // share of the picture
-  for (size_t m = 0; m < 3; ++m) center_[m] = (low[m] + high[m]) / 2;
-  double reach = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d view =
-        ToView({corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1], corner & 4 ? high[2] : low[2]});
-    reach = std::max({reach, std::abs(view[0]), std::abs(view[1])});
-  }
-  reach += grid_.voxel_size;
-  scale_ = kFilled * kWide / (2 * reach);
-  voxel_samples_ = grid_.voxel_size * scale_;
-}
-
-// The cell is the intersection of the half-spaces p*w <= |w|^2 / 2 over lattice vectors w; along the line of sight
-// through a sample it is the interval that none of them cuts off. Coefficients to 3 find the cell's faces for any basis
-// that is not very skew; for one that is, cells look too large. Cells are half a sample wider on every side, so that
-// rounding their centres to samples leaves no cracks.
-void Picture::MakeStamps() {
-  constexpr int kReach = 3;
-  std::vector<Vec3d> vectors;
-  for (int i = -kReach; i <= kReach; ++i) {
-    for (int j = -kReach; j <= kReach; ++j) {
-      for (int k = -kReach; k <= kReach; ++k) {
-        if (i == 0 && j == 0 && k == 0) continue;
-        Vec3d w{};
-        for (size_t m = 0; m < 3; ++m)
-          w[m] = (i * grid_.basis.a[m] + j * grid_.basis.b[m] + k * grid_.basis.c[m]) * scale_;
-        vectors.push_back(Rotate(w));
-      }
-    }
-  }
-  for (const Vec3d& w : vectors) {
-    const double length = std::sqrt(Dot(w, w));
-    normals_.push_back(
-        {static_cast<float>(w[0] / length), static_cast<float>(w[1] / length), static_cast<float>(w[2] / length)});
-  }
-  const double radius = (std::sqrt(Dot(grid_.basis.a, grid_.basis.a)) + std::sqrt(Dot(grid_.basis.b, grid_.basis.b)) +
-                         std::sqrt(Dot(grid_.basis.c, grid_.basis.c))) /
-                        2 * scale_;
-  const int reach = static_cast<int>(std::min(radius + 1, double{kWide}));
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      double front = std::numeric_limits<double>::max(), back = std::numeric_limits<double>::lowest();
-      size_t face = 0;
-      for (size_t n = 0; n < vectors.size() && back <= front; ++n) {
-        const Vec3d& w = vectors[n];
-        const double square = Dot(w, w);
-        const double room = square / 2 + std::sqrt(square) / 2 - w[0] * dx - w[1] * dy;
-        if (std::abs(w[2]) <= 1e-9 * std::sqrt(square)) {
-          if (room < 0) back = std::numeric_limits<double>::max();
-        } else if (w[2] > 0 && room / w[2] < front) {
-          front = room / w[2];
-          face = n;
-        } else if (w[2] < 0) {
-          back = std::max(back, room / w[2]);
-        }
-      }
-      if (back <= front) stamps_.push_back({dx, dy, static_cast<float>(front), static_cast<uint16_t>(face)});
-    }
-  }
-}
-
-void Picture::Draw(const Brick& brick) {
-  ForEachVoxel(brick, [this](const Vec3i& ijk) { DrawVoxel(ijk); });
-}
-
-void Picture::DrawVoxel(const Vec3i& ijk) {
-  const Vec3d view = ToView(grid_.ToWorld(ijk));
-  // Negated, so that nothing beyond int or NaN gets through.
-  if (!(std::abs(view[0]) < kWide && std::abs(view[1]) < kWide)) return;
-  const int x = static_cast<int>(std::lround(kWide / 2 + view[0])),
-            y = static_cast<int>(std::lround(kWide / 2 - view[1]));
-  for (const Stamp& stamp : stamps_) {
-    const int sx = x + stamp.dx, sy = y - stamp.dy;
-    if (sx < 0 || sy < 0 || sx >= kWide || sy >= kWide) continue;
-    const size_t at = static_cast<size_t>(sy) * kWide + static_cast<size_t>(sx);
-    const float depth = static_cast<float>(view[2]) + stamp.depth;
-    if (depth <= depth_[at]) continue;
-    depth_[at] = depth;
-    normal_[at] = stamp.normal;
-  }
-}
-
-// The surface beneath the cells' facets: depth averaged over about two voxels, not across the edges of the shape.
-std::vector<float> Picture::SmoothDepth() const {
-  const int radius = std::clamp(static_cast<int>(1.5 * voxel_samples_), 2, 24);
-  const float edge = 3.0F * static_cast<float>(radius);
-  std::vector<float> in = depth_, out = depth_;
-  for (const int step : {1, kWide}) {
-    for (int y = 0; y < kWide; ++y) {
-      for (int x = 0; x < kWide; ++x) {
-        const int at = y * kWide + x;
-        const float here = in[static_cast<size_t>(at)];
-        if (here == kNothing) continue;
-        const int along = step == 1 ? x : y;
-        float sum = 0, weight = 0;
-        for (int d = std::max(-radius, -along); d <= std::min(radius, kWide - 1 - along); ++d) {
-          const float there = in[static_cast<size_t>(at + d * step)];
-          if (!(std::abs(there - here) < edge)) continue;
-          sum += there;
-          weight += 1;
-        }
-        out[static_cast<size_t>(at)] = sum / weight;
-      }
-    }
-    in = out;
-  }
-  return out;
-}
-
-// Facets where voxels are large enough to be seen, the smooth surface where they are not; hollows a little darker.
-Picture::Rgb Picture::Shade(const std::vector<float>& smooth, int x, int y) const {
-  const size_t at = static_cast<size_t>(y) * kWide + static_cast<size_t>(x);
-  if (depth_[at] == kNothing) return kBackground;
-  const auto slope = [&](int dx, int dy) {
-    const auto depth = [&](int sign) {
-      const int sx = std::clamp(x + sign * dx, 0, kWide - 1), sy = std::clamp(y + sign * dy, 0, kWide - 1);
-      const float there = smooth[static_cast<size_t>(sy) * kWide + static_cast<size_t>(sx)];
-      return std::abs(there - smooth[at]) < 12 ? there : smooth[at];
-    };
-    return (depth(1) - depth(-1)) / 4;
-  };
-  std::array<float, 3> normal = {-slope(2, 0), slope(0, 2), 1};
-  const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + 1);
-  for (float& component : normal) component /= length;
-  const float facet = std::clamp((static_cast<float>(voxel_samples_) - 4) / 16, 0.0F, 0.75F);
-  const float light = facet * Lambert(normals_[normal_[at]]) + (1 - facet) * Lambert(normal);
-  const float hollow = std::clamp((smooth[at] - depth_[at]) / static_cast<float>(voxel_samples_ + 1), 0.0F, 0.5F);
-  const float value = (0.30F + 0.95F * light) * (1 - 0.5F * hollow);
-  Rgb color;
-  for (size_t m = 0; m < 3; ++m) {
-    // Towards white where it is brightest.
-    const float bright = std::max(0.0F, value - 0.85F);
-    color[m] = std::clamp(kSurface[m] * value * 1.15F + bright * 0.9F, 0.0F, 1.0F);
-  }
-  return color;
-}
-
-absl::StatusOr<std::string> Picture::ToPng() const {
-  const std::vector<float> smooth = SmoothDepth();
-  std::vector<uint8_t> pixels;
-  pixels.reserve(size_t{kSide} * kSide * 3);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      Rgb sum{};
-      for (int s = 0; s < kSamples * kSamples; ++s) {
-        const Rgb sample = Shade(smooth, x * kSamples + s % kSamples, y * kSamples + s / kSamples);
-        for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kSamples * kSamples);
-      }
-      for (const float component : sum) pixels.push_back(static_cast<uint8_t>(component * 255 + 0.5F));
-    }
-  }
-  return EncodePng(kSide, kSide, pixels);
+absl::StatusOr<std::string> DrawVoxels(const VoxelScene& scene, const PictureOptions& options) {
+  return EncodePng(options.side, options.side, Renderer(scene, options).Draw());
 }
 
 }  // namespace latvox::client

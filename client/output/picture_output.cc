@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/output/picture.h"
+#include "client/output/vec3.h"
 
 namespace latvox::client {
 namespace {
@@ -37,17 +38,19 @@ class PictureOutput final : public Output {
 
   absl::Status Begin(const Accepted& accepted) override {
     const auto [low, high] = Visible(accepted);
-    picture_.emplace(accepted.grid, low, high);
+    const double diagonal = Length(Sum(high, -1, low)) + accepted.grid.voxel_size;
+    scene_.emplace(accepted.grid, ShiftFor(accepted.grid, diagonal, PictureOptions()));
     return absl::OkStatus();
   }
 
   absl::Status Add(const BrickBatch& batch) override {
-    for (const Brick& brick : batch.bricks) picture_->Draw(brick);
+    for (const Brick& brick : batch.bricks) scene_->Add(brick);
     return absl::OkStatus();
   }
 
   absl::Status Finish(const Summary&) override {
-    const auto png = picture_->ToPng();
+    scene_->Seal();
+    const auto png = DrawVoxels(*scene_, PictureOptions());
     if (!png.ok()) return png.status();
     if (auto status = file_->Append(*png); !status.ok()) return status;
     return file_->Sync();
@@ -57,7 +60,7 @@ class PictureOutput final : public Output {
 
  private:
   std::unique_ptr<AtomicFile> file_;
-  std::optional<Picture> picture_;
+  std::optional<VoxelScene> scene_;
 };
 
 }  // namespace

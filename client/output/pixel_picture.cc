@@ -105,15 +105,36 @@ class CellFinder {
 
 class PixelPicture {
  public:
-  PixelPicture(const Drawing& drawing, const Pixelization& pixelization)
-      : drawing_(drawing), finder_(pixelization.grid), filled_(pixelization.pixels.begin(), pixelization.pixels.end()) {
-    Frame(pixelization);
-    cell_ = pixelization.grid.pixel_size * scale_;
+  PixelPicture(const PlaneTransform& grid, const std::vector<Vec2i>& pixels)
+      : grid_(grid), finder_(grid), filled_(pixels.begin(), pixels.end()) {}
+
+  // What the picture shows of the world.
+  void Frame(const Vec2d& low, const Vec2d& high, bool y_down) {
+    const Vec2d size = high - low;
+    scale_ = kFilled * kSide / std::max({size[0], size[1], grid_.pixel_size});
+    const double margin = (1 - kFilled) * kSide;
+    const auto side = [&](double length) {
+      return std::clamp(static_cast<int>(std::lround(length * scale_ + margin)), kShortestSide, kSide);
+    };
+    width_ = side(size[0]);
+    height_ = side(size[1]);
+    for (size_t m = 0; m < 2; ++m) center_[m] = (low[m] + high[m]) / 2;
+    up_ = y_down ? -1 : 1;
+    cell_ = grid_.pixel_size * scale_;
     curve_.resize(static_cast<size_t>(width_) * static_cast<size_t>(height_));
   }
 
-  absl::StatusOr<std::string> Draw() {
-    for (const Polyline& polyline : drawing_.polylines) DrawCurve(polyline);
+  // No point of a cell is farther from its centre.
+  double reach() const { return finder_.reach(); }
+
+  void DrawCurve(const Polyline& polyline) {
+    const size_t count = polyline.points.size(), segments = polyline.closed || count == 1 ? count : count - 1;
+    for (size_t n = 0; n < segments; ++n) {
+      DrawSegment(ToPicture(polyline.points[n]), ToPicture(polyline.points[(n + 1) % count]));
+    }
+  }
+
+  absl::StatusOr<std::string> Draw() const {
     std::vector<uint8_t> rgb;
     rgb.reserve(3 * curve_.size());
     for (int y = 0; y < height_; ++y) {
@@ -128,30 +149,6 @@ class PixelPicture {
  private:
   size_t At(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
-  }
-
-  void Frame(const Pixelization& pixelization) {
-    Vec2d low = drawing_.polylines[0].points[0], high = low;
-    const auto extend = [&](const Vec2d& p, double by) {
-      for (size_t m = 0; m < 2; ++m) {
-        low[m] = std::min(low[m], p[m] - by);
-        high[m] = std::max(high[m], p[m] + by);
-      }
-    };
-    for (const Polyline& polyline : drawing_.polylines) {
-      for (const Vec2d& p : polyline.points) extend(p, 0);
-    }
-    for (const Vec2i& ij : pixelization.pixels) extend(pixelization.grid.ToWorld(ij), finder_.reach());
-    const Vec2d size = high - low;
-    scale_ = kFilled * kSide / std::max({size[0], size[1], pixelization.grid.pixel_size});
-    const double margin = (1 - kFilled) * kSide;
-    const auto side = [&](double length) {
-      return std::clamp(static_cast<int>(std::lround(length * scale_ + margin)), kShortestSide, kSide);
-    };
-    width_ = side(size[0]);
-    height_ = side(size[1]);
-    for (size_t m = 0; m < 2; ++m) center_[m] = (low[m] + high[m]) / 2;
-    up_ = drawing_.y_down ? -1 : 1;
   }
 
   Vec2d ToPicture(const Vec2d& world) const {
@@ -186,13 +183,6 @@ class PixelPicture {
     return sum;
   }
 
-  void DrawCurve(const Polyline& polyline) {
-    const size_t count = polyline.points.size(), segments = polyline.closed || count == 1 ? count : count - 1;
-    for (size_t n = 0; n < segments; ++n) {
-      DrawSegment(ToPicture(polyline.points[n]), ToPicture(polyline.points[(n + 1) % count]));
-    }
-  }
-
   // Line by line across the axis that it runs along, so that the cost is its length.
   void DrawSegment(const Vec2d& p, const Vec2d& q) {
     const Vec2d along = q - p;
@@ -218,7 +208,7 @@ class PixelPicture {
     }
   }
 
-  const Drawing& drawing_;
+  const PlaneTransform grid_;
   const CellFinder finder_;
   const absl::flat_hash_set<Vec2i> filled_;
   int width_ = 0, height_ = 0;
@@ -230,7 +220,28 @@ class PixelPicture {
 }  // namespace
 
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization) {
-  return PixelPicture(drawing, pixelization).Draw();
+  PixelPicture picture(pixelization.grid, pixelization.pixels);
+  Vec2d low = drawing.polylines[0].points[0], high = low;
+  const auto extend = [&](const Vec2d& p, double by) {
+    for (size_t m = 0; m < 2; ++m) {
+      low[m] = std::min(low[m], p[m] - by);
+      high[m] = std::max(high[m], p[m] + by);
+    }
+  };
+  for (const Polyline& polyline : drawing.polylines) {
+    for (const Vec2d& p : polyline.points) extend(p, 0);
+  }
+  for (const Vec2i& ij : pixelization.pixels) extend(pixelization.grid.ToWorld(ij), picture.reach());
+  picture.Frame(low, high, drawing.y_down);
+  for (const Polyline& polyline : drawing.polylines) picture.DrawCurve(polyline);
+  return picture.Draw();
+}
+
+absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<Vec2i>& cells, const Vec2d& low,
+                                      const Vec2d& high) {
+  PixelPicture picture(grid, cells);
+  picture.Frame(low, high, /*y_down=*/false);
+  return picture.Draw();
 }
 
 }  // namespace latvox::client

@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_OUTPUT_PIXEL_PICTURE_H_
 
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/curve/curve_file.h"
@@ -13,6 +14,10 @@ namespace latvox::client {
 // The bytes of a PNG file, 1024 samples on its longer side: every pixel as its Voronoi cell, a rectangle or a hexagon,
 // and the curve over it. Errors: INTERNAL (libpng).
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization);
+
+// The same without a curve: what is within `low` and `high`, world coordinates.
+absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<Vec2i>& cells, const Vec2d& low,
+                                      const Vec2d& high);
 
 }  // namespace latvox::client
 

@@ -4,21 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "client/output/vec3.h"
+
 namespace latvox::client {
 namespace {
 
 constexpr double kTolerance = 1e-9;  // of lengths, relative to the cell
-
-double Dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Vec3d Cross(const Vec3d& a, const Vec3d& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-// a + t * b.
-Vec3d Sum(const Vec3d& a, double t, const Vec3d& b) { return {a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]}; }
-
-double Length(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
 struct LatticeVector {
   Vec3i ijk;

@@ -3,6 +3,8 @@ latvox_add_test(client_mesh_test SOURCES unit/client_mesh_test.cc LIBRARIES latv
 latvox_add_test(client_encoder_test SOURCES unit/client_encoder_test.cc LIBRARIES latvox::tool draco::draco GTest::gmock)
 latvox_add_test(client_curve_test SOURCES unit/client_curve_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client_output_test.cc LIBRARIES latvox::tool GTest::gmock)
+latvox_add_test(client_compare_test SOURCES unit/client_compare_test.cc LIBRARIES latvox::tool GTest::gmock)
+latvox_add_test(client_scene_test SOURCES unit/client_scene_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_grid_test SOURCES unit/client_grid_test.cc LIBRARIES latvox::grid GTest::gmock)
 foreach(name client_merge_test client_merge_errors_test)
   latvox_add_test(${name} SOURCES unit/${name}.cc LIBRARIES latvox::grid GTest::gmock)

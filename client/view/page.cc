@@ -1,0 +1,131 @@
+#include "client/view/page.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "absl/strings/string_view.h"
+#include "client/output/vec3.h"
+#include "client/output/voronoi_cell.h"
+#include "client/output/voxel_walk.h"
+
+// The files of this folder, as they are.
+#define LATVOX_EMBED(name, file)                                                                                       \
+  asm(".pushsection .rodata\n.global " #name "\n.global " #name "_end\n" #name ":\n.incbin \"" LATVOX_VIEW_FOLDER file \
+      "\"\n" #name "_end:\n.popsection\n");                                                                            \
+  extern "C" const char name[], name##_end[]
+LATVOX_EMBED(latvox_view_page, "/page.html");
+LATVOX_EMBED(latvox_view_script, "/view.js");
+LATVOX_EMBED(latvox_view_three, "/three.js");
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+static_assert(std::endian::native == std::endian::little && sizeof(Brick::brick_ijk) + sizeof(Brick::mask) == 76);
+
+constexpr int64_t kMaxSide = 65536;
+
+Json MetadataOf(const GridFileInfo& info) {
+  Json metadata = Json::array();
+  for (const auto& [name, value] : info.metadata) {
+    if (absl::StartsWith(name, "latvox_")) metadata.push_back({name.substr(7), value});
+  }
+  return metadata;
+}
+
+Json FacetsOf(const Basis& basis) {
+  const VoronoiCell cell = VoronoiCellOf(basis);
+  Json facets = Json::array();
+  for (const CellFace& face : cell.faces) {
+    const Vec3i& w = face.neighbor;
+    Json corners = Json::array();
+    for (const int n : face.corners) corners.push_back(cell.corners[static_cast<size_t>(n)]);
+    const Vec3d to = Combine(basis, {double(w[0]), double(w[1]), double(w[2])});
+    facets.push_back({{"step", w}, {"normal", Unit(to)}, {"corners", corners}});
+  }
+  return facets;
+}
+
+// Where the voxels are drawn: within 1 of 0.
+struct Placement {
+  Basis basis;
+  Vec3d middle{};  // lattice coordinates from the box's low corner on
+};
+
+Placement PlacementOf(const GridFile& file, const IndexBox& box) {
+  const GridTransform& grid = file.info.transform;
+  Vec3d low = grid.ToWorld(box.min), high = low;
+  const auto visit = [&](const auto& each) {
+    for (const Brick& brick : file.bricks) ForEachVoxel(brick, [&](const Vec3i& ijk) { each(grid.ToWorld(ijk)); });
+  };
+  bool first = true;
+  visit([&](const Vec3d& at) {
+    for (size_t m = 0; m < 3; ++m) {
+      low[m] = first ? at[m] : std::min(low[m], at[m]);
+      high[m] = first ? at[m] : std::max(high[m], at[m]);
+    }
+    first = false;
+  });
+  const Vec3d center = Sum(low, 0.5, Sum(high, -1, low));
+  double radius = 0;
+  visit([&](const Vec3d& at) { radius = std::max(radius, Length(Sum(at, -1, center))); });
+  radius += Length(grid.basis.a) + Length(grid.basis.b) + Length(grid.basis.c);
+  const Basis dual = Dual(grid.basis);
+  const Vec3d from_low = Sum(center, -1, grid.ToWorld(box.min));
+  return {{Sum({}, 1 / radius, grid.basis.a), Sum({}, 1 / radius, grid.basis.b), Sum({}, 1 / radius, grid.basis.c)},
+          {Dot(dual.a, from_low), Dot(dual.b, from_low), Dot(dual.c, from_low)}};
+}
+
+absl::string_view Embedded(const char* begin, const char* end) { return {begin, static_cast<size_t>(end - begin)}; }
+
+std::string Bytes(const std::vector<Brick>& bricks) {
+  std::string bytes;
+  bytes.reserve(76 * bricks.size());
+  for (const Brick& brick : bricks) {
+    bytes.append(reinterpret_cast<const char*>(brick.brick_ijk.data()), sizeof(brick.brick_ijk));
+    bytes.append(reinterpret_cast<const char*>(brick.mask.data()), sizeof(brick.mask));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& title) {
+  if (file.info.active_voxels > kMaxPageVoxels) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ", kMaxPageVoxels, " of a page"));
+  }
+  const IndexBox box = file.info.active_box.value_or(IndexBox{{0, 0, 0}, {1, 1, 1}});
+  for (size_t m = 0; m < 3; ++m) {
+    if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
+      return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
+                                                       " are over the ", kMaxSide, " of a page"));
+    }
+  }
+  const Placement placement = PlacementOf(file, box);
+  const auto& [a, b, c] = placement.basis;
+  const Json data = {{"title", title},
+                     {"metadata", MetadataOf(file.info)},
+                     {"low", box.min},
+                     {"high", box.max},
+                     {"basis", {a, b, c}},
+                     {"middle", placement.middle},
+                     {"facets", FacetsOf(placement.basis)}};
+  // No tag can begin within the JSON.
+  const std::string json =
+      absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
+  return absl::StrReplaceAll(Embedded(latvox_view_page, latvox_view_page_end),
+                             {{"{{data}}", json},
+                              {"{{bricks}}", absl::Base64Escape(Bytes(file.bricks))},
+                              {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
+                              {"{{view}}", Embedded(latvox_view_script, latvox_view_script_end)}});
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,246 @@
+"""What is told of .vdb files: pictures and slices show the voxels where they belong, and differences are found."""
+
+import itertools
+import json
+import os
+import struct
+import subprocess
+import unittest
+import zlib
+
+import pyopenvdb
+
+from harness import BIN, BUNNY, Case, latvox, rows
+
+OK, OTHER, USAGE, BAD_INPUT = range(4)
+LATTICES = {
+    "cartesian": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "bcc": ((1.2, 0, 0), (0, 1.2, 0), (0.6, 0.6, 0.6)),
+    "fcc": ((0.8, 0.8, 0), (0.8, 0, 0.8), (0, 0.8, 0.8)),
+    "hexagonal": ((1, 0, 0), (0.5, 0.75**0.5, 0), (0, 0, 1)),
+}
+
+
+def write_octahedron(path, basis, radius=12):
+    """The lattice points of an octahedron; their world positions by lattice coordinates."""
+    grid = pyopenvdb.BoolGrid()
+    grid.name = "voxels"
+    grid.transform = pyopenvdb.createLinearTransform([[*vector, 0] for vector in basis] + [[0, 0, 0, 1]])
+    accessor, points = grid.getAccessor(), {}
+    for ijk in itertools.product(range(-2 * radius, 2 * radius + 1), repeat=3):
+        point = [sum(n * vector[m] for n, vector in zip(ijk, basis)) for m in range(3)]
+        if sum(map(abs, point)) <= radius:
+            accessor.setValueOn(ijk, True)
+            points[ijk] = point
+    pyopenvdb.write(str(path), grids=[grid])
+    return points
+
+
+def read_png(path):
+    """Width, height and the rows of (r, g, b) of an 8-bit RGB .png."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", "not a .png"
+    at, packed = 8, b""
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack_from(">IIBB", body)
+            assert (depth, color) == (8, 2)
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    lines, before, raw = [], bytes(3 * width), zlib.decompress(packed)
+    for y in range(height):
+        kind, *line = raw[y * (3 * width + 1) : (y + 1) * (3 * width + 1)]
+        for n in range(3 * width):
+            a, b, c = (line[n - 3] if n >= 3 else 0), before[n], (before[n - 3] if n >= 3 else 0)
+            paeth = min((a, b, c), key=lambda x: abs(a + b - c - x))
+            line[n] = (line[n] + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
+        lines.append([tuple(line[n : n + 3]) for n in range(0, 3 * width, 3)])
+        before = line
+    return width, height, lines
+
+
+class Picture(Case):
+    def render(self, *arguments, out="out.png"):
+        done = latvox("render", *arguments, "-o", self.dir / out)
+        self.assertEqual(done.returncode, OK, done.stderr)
+        return read_png(self.dir / out)
+
+    def covered(self, lines):
+        background = lines[0][0]
+        return [(x, y) for y, line in enumerate(lines) for x, color in enumerate(line) if color != background]
+
+    def test_every_lattice_shows_the_shape(self):
+        for lattice, basis in LATTICES.items():
+            with self.subTest(lattice):
+                write_octahedron(self.dir / "a.vdb", basis, 10)
+                # From z: the shape is a square on its corner, half of its box.
+                width, height, lines = self.render(self.dir / "a.vdb", "--size", 96, "--view", "0,0")
+                self.assertEqual((width, height), (96, 96))
+                seen = self.covered(lines)
+                box = [f(p[m] for p in seen) for m in (0, 1) for f in (min, max)]
+                for low, high in (box[:2], box[2:]):
+                    self.assertAlmostEqual(high - low, 0.92 * 96, delta=12)
+                share = len(seen) / ((box[1] - box[0]) * (box[3] - box[2]))
+                self.assertTrue(0.45 < share < 0.68, share)
+                self.assertGreater(len({lines[y][x] for x, y in seen}), 30)
+                # Lit from above on the left.
+                brightness = lambda x, y: sum(sum(lines[y + d][x + e]) for d in range(-3, 4) for e in range(-3, 4))
+                self.assertGreater(brightness(36, 36), 1.2 * brightness(60, 60))
+
+    def test_options_do_what_they_say(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 9)
+        size = ["--size", 64]
+        _, _, first = self.render(self.dir / "a.vdb", *size)
+        _, _, aside = self.render(self.dir / "a.vdb", *size, "--view", "120,-10")
+        _, _, red = self.render(self.dir / "a.vdb", *size, "--color", "d04010")
+        self.assertNotEqual(self.covered(first), self.covered(aside))
+        self.assertEqual(self.covered(first), self.covered(red))
+        total = lambda lines, m: sum(lines[y][x][m] for x, y in self.covered(lines))
+        self.assertGreater(total(first, 2), total(first, 0))
+        self.assertGreater(total(red, 0), 2 * total(red, 2))
+
+    def test_bytes_depend_on_no_thread(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["bcc"])
+        self.assertEqual(latvox("render", self.dir / "a.vdb", "--size", 300, "-o", self.dir / "all.png").returncode, OK)
+        one = [BIN / "latvox", "render", self.dir / "a.vdb", "--size", "300", "-o", self.dir / "one.png"]
+        subprocess.run(one, check=True, stdout=subprocess.DEVNULL, preexec_fn=lambda: os.sched_setaffinity(0, [0]))
+        self.assertEqual((self.dir / "all.png").read_bytes(), (self.dir / "one.png").read_bytes())
+
+    def test_voxelize_draws_the_same(self):
+        self.voxelize(BUNNY, "--lattice", "fcc", "--resolution", 50, "-o", self.dir / "a.vdb", out="a.png")
+        self.assertEqual(latvox("render", self.dir / "a.vdb", "-o", self.dir / "b.png").returncode, OK)
+        self.assertEqual((self.dir / "a.png").read_bytes(), (self.dir / "b.png").read_bytes())
+
+
+class Slice(Case):
+    def test_layers_are_those_of_the_file(self):
+        for lattice, basis in LATTICES.items():
+            points = write_octahedron(self.dir / "a.vdb", basis, 5)
+            for m, axis in enumerate("xyz"):
+                with self.subTest(lattice, axis=axis):
+                    done = latvox("slice", self.dir / "a.vdb", "--axis", axis, "--index", "-1", "-o", self.dir / "a.csv")
+                    self.assertEqual(done.returncode, OK, done.stderr)
+                    layer = {ijk: point for ijk, point in points.items() if ijk[m] == -1}
+                    found = rows(self.dir / "a.csv")
+                    self.assertEqual(found.keys(), layer.keys())
+                    for ijk, point in layer.items():
+                        self.assertLess(max(abs(x - y) for x, y in zip(point, found[ijk])), 1e-12)
+
+    def test_pictures_show_as_much_as_there_is(self):
+        points = write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 8)
+        for index in (0, 5):
+            done = latvox("slice", self.dir / "a.vdb", "--axis=x", f"--index={index}", "-o", self.dir / "a.png")
+            self.assertEqual(done.returncode, OK, done.stderr)
+            width, height, lines = read_png(self.dir / "a.png")
+            self.assertEqual(max(width, height), 1024)
+            # Cells are blue, what is empty is not.
+            inside = sum(b - r > 20 for line in lines[::4] for r, _, b in line[::4]) * 16
+            voxels = sum(ijk[0] == index for ijk in points)
+            if index == 0:
+                cell = inside / voxels
+            self.assertAlmostEqual(inside / voxels / cell, 1, delta=0.08)
+
+
+class Compare(Case):
+    def compare(self, *arguments):
+        done = latvox("compare", *arguments, "--json")
+        self.assertEqual(done.stderr, "")
+        return done.returncode, json.loads(done.stdout)
+
+    def test_differences_are_those_that_were_made(self):
+        a, b = self.dir / "a.vdb", self.dir / "b.vdb"
+        points = write_octahedron(a, LATTICES["bcc"], 8)
+        self.assertEqual(self.compare(a, a)[0], OK)
+        grid = pyopenvdb.read(str(a), "voxels")
+        gone, new = [(0, 0, 0), (1, 1, 1)], [(100, -20, 3)]
+        for ijk in gone:
+            grid.getAccessor().setValueOff(ijk, False)
+        for ijk in new:
+            grid.getAccessor().setValueOn(ijk, True)
+        pyopenvdb.write(str(b), grids=[grid])
+        status, report = self.compare(a, b)
+        self.assertEqual((status, report["equal"]), (1, False))
+        self.assertEqual((report["only_a"], report["only_b"], report["both"]), (2, 1, len(points) - 2))
+        self.assertEqual(report["box"], {"min": [0, -20, 0], "max": [101, 2, 4]})
+        self.assertEqual({(*d["ijk"], d["only"]) for d in report["first"]}, {(0, 0, 0, "a"), (1, 1, 1, "a"), (100, -20, 3, "b")})
+        self.assertAlmostEqual(report["jaccard"], (len(points) - 2) / (len(points) + 1))
+        self.assertEqual(report["voxels"], {"a": len(points), "b": len(points) - 1})
+        self.assertEqual(report["fields"], [])
+
+    def test_fields_differ_without_a_voxel_that_does(self):
+        a, b = self.dir / "a.vdb", self.dir / "b.vdb"
+        write_octahedron(a, LATTICES["bcc"], 4)
+        grid = pyopenvdb.read(str(a), "voxels")
+        grid["latvox_lattice"] = "bcc"
+        pyopenvdb.write(str(b), grids=[grid])
+        status, report = self.compare(a, b)
+        self.assertEqual((status, report["only_a"] + report["only_b"]), (1, 0))
+        self.assertEqual(report["fields"], [{"name": "latvox_lattice", "a": "", "b": "bcc"}])
+        self.assertEqual(self.compare(a, b, "--voxels")[0], OK)
+        grid.transform.translate((0, 0, 1))
+        pyopenvdb.write(str(b), grids=[grid])
+        self.assertEqual(self.compare(a, b, "--voxels")[0], 1)
+        done = latvox("compare", a, b)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stdout, r"origin: .* in A, .* in B\n(.*\n)*different\n$")
+
+
+class Errors(Case):
+    def setUp(self):
+        super().setUp()
+        self.vdb = self.dir / "a.vdb"
+        write_octahedron(self.vdb, LATTICES["cartesian"], 5)
+        self.no_vdb = self.dir / "octahedron.obj"
+        self.no_vdb.write_text("v 0 0 0\n")
+
+    def refused(self, status, pattern, *arguments):
+        names = sorted(self.dir.iterdir())
+        done = latvox(*arguments)
+        self.assertEqual(done.returncode, status, done.stderr)
+        self.assertRegex(done.stderr, pattern)
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertEqual(sorted(self.dir.iterdir()), names, "something was left behind")
+
+    def test_render(self):
+        out = ["-o", self.dir / "out.png"]
+        for options, status, pattern in [
+            ([self.vdb], USAGE, "--out"),
+            ([self.vdb, "-o", self.dir / "out.jpg"], USAGE, r"out\.jpg.*\.png"),
+            ([self.vdb, *out, "--size", "15"], USAGE, "--size.*15.*16 to 8192"),
+            ([self.vdb, *out, "--view", "10,91"], USAGE, "--view.*10,91.*90"),
+            ([self.vdb, *out, "--color", "red"], USAGE, "--color.*red.*RRGGBB"),
+            ([self.dir / "none.vdb", *out], BAD_INPUT, "none.vdb: no such file"),
+            ([self.no_vdb, *out], BAD_INPUT, "octahedron.obj: is not a readable .vdb file"),
+            ([self.vdb, "-o", self.dir / "none" / "out.png"], OTHER, "none/out.png: cannot be written"),
+        ]:
+            with self.subTest(pattern):
+                self.refused(status, pattern, "render", *options)
+
+    def test_compare_and_slice(self):
+        out, none = ["-o", self.dir / "out.png"], self.dir / "none.vdb"
+        for status, pattern, *arguments in [
+            (USAGE, "required", "compare", self.vdb),
+            (BAD_INPUT, "none.vdb: no such file", "compare", self.vdb, none),
+            (BAD_INPUT, "is not a readable .vdb file", "compare", self.no_vdb, self.vdb),
+            (USAGE, "--axis.*w", "slice", self.vdb, "--axis", "w", "--index", "0", *out),
+            (USAGE, "--index.*1.5", "slice", self.vdb, "--axis", "x", "--index", "1.5", *out),
+            (USAGE, "--index", "slice", self.vdb, "--axis", "x", *out),
+            (BAD_INPUT, "--index 6 .* -5 to 5 across x", "slice", self.vdb, "--axis", "x", "--index", "6", *out),
+            (BAD_INPUT, "none.vdb: no such file", "slice", none, "--axis", "x", "--index", "6", *out),
+        ]:
+            with self.subTest(pattern, command=arguments[0]):
+                self.refused(status, pattern, *arguments)
+
+    def test_an_existing_file_stays_until_the_new_one_is_complete(self):
+        out = self.dir / "out.png"
+        out.write_bytes(b"old")
+        self.refused(BAD_INPUT, "octahedron.obj", "render", self.no_vdb, "-o", out)
+        self.assertEqual(out.read_bytes(), b"old")
+        self.assertEqual(latvox("render", self.vdb, "--size", 40, "-o", out).returncode, OK)
+        self.assertEqual(read_png(out)[:2], (40, 40))
+
+
+if __name__ == "__main__":
+    unittest.main()

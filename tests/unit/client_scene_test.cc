@@ -1,0 +1,183 @@
+#include <gmock/gmock.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <cmath>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "client/output/picture.h"
+#include "client/output/vec3.h"
+#include "client/output/voronoi_cell.h"
+#include "client/output/voxel_front.h"
+#include "client/output/voxel_scene.h"
+
+namespace latvox::client {
+namespace {
+
+const Basis kLattices[] = {
+    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},                    // cubes
+    {{2, 0, 0}, {0, 2, 0}, {1, 1, 1}},                    // BCC
+    {{1, 1, 0}, {1, 0, 1}, {0, 1, 1}},                    // FCC
+    {{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 0, 1.1}},  // hexagonal
+    {{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}},
+    {{1, 0, 0}, {3, 1, 0}, {2, 2, 1}},  // cubes again, by a skew basis
+};
+
+// Voxels here and there, so that rays pass over empty bricks and tiles, too.
+std::vector<Brick> Scattered(std::mt19937& chance, int bricks) {
+  std::vector<Brick> out;
+  for (int n = 0; n < bricks; ++n) {
+    const auto place = [&] { return static_cast<int32_t>(chance() % 24) - 9; };
+    Brick brick{{place(), place(), place()}, {}};
+    for (int voxel = 0; voxel < 6; ++voxel) brick.mask[chance() % 8] |= uint64_t{1} << (chance() % 64);
+    out.push_back(brick);
+  }
+  return out;
+}
+
+// Where the ray enters the nearest cell of all, by cutting it with every facet of every cell.
+std::optional<double> NearestByBruteForce(const VoxelScene& scene, const VoronoiCell& cell, const Basis& basis,
+                                          const Ray& ray) {
+  std::optional<double> nearest;
+  scene.ForEach([&](const Vec3i& at) {
+    const Vec3d center = scene.CenterOf(at);
+    double in = 0, out = ray.reach;
+    for (const CellFace& face : cell.faces) {
+      const Vec3i& f = face.neighbor;
+      const Vec3d w = Combine(basis, {double(f[0]), double(f[1]), double(f[2])});
+      const double room = Dot(w, w) / 2 - Dot(Sum(ray.from, -1, center), w), along = Dot(ray.along, w);
+      if (along > 0) out = std::min(out, room / along);
+      if (along < 0) in = std::max(in, room / along);
+      if (along == 0 && room < 0) out = -1;
+    }
+    if (in <= out && (!nearest || in < *nearest)) nearest = in;
+  });
+  return nearest;
+}
+
+TEST(VoxelScene, RaysMeetTheCellThatBruteForceFinds) {
+  std::mt19937 chance(20260719);
+  std::normal_distribution<double> normal;
+  int hits = 0, misses = 0;
+  for (const Basis& lattice : kLattices) {
+    const double size = std::cbrt(std::abs(Dot(lattice.a, Cross(lattice.b, lattice.c))));
+    const Basis unit = {Sum({}, 1 / size, lattice.a), Sum({}, 1 / size, lattice.b), Sum({}, 1 / size, lattice.c)};
+    const VoronoiCell cell = VoronoiCellOf(unit);
+    VoxelScene scene({lattice, {100, -200, 300}, size}, 0);
+    for (const Brick& brick : Scattered(chance, 40)) scene.Add(brick);
+    std::vector<Vec3i> cells;
+    scene.ForEach([&](const Vec3i& at) { cells.push_back(at); });
+    for (const bool sealed : {false, true}) {
+      if (sealed) scene.Seal();
+      for (int n = 0; n < 150; ++n) {
+        const Vec3d direction = Unit({normal(chance), normal(chance), normal(chance)});
+        const Vec3d near =
+            Sum(scene.CenterOf(cells[chance() % cells.size()]), 1.2, {normal(chance), normal(chance), 0});
+        const double before = n % 3 == 0 ? 5 : 300, reach = n % 4 == 0 ? before + 1 : 1e6;
+        const Ray ray{Sum(near, -before, direction), direction, reach};
+        const auto expected = NearestByBruteForce(scene, cell, unit, ray);
+        const auto hit = scene.Cast(ray);
+        ASSERT_EQ(hit.has_value(), expected.has_value()) << "ray " << n;
+        hit ? ++hits : ++misses;
+        if (!hit) continue;
+        ASSERT_NEAR(hit->t, *expected, 1e-7) << "ray " << n;
+        EXPECT_TRUE(scene.Has(hit->cell));
+        if (hit->t == 0) continue;
+        const VoxelScene::Facet& facet = scene.facets()[static_cast<size_t>(hit->facet)];
+        const Vec3d at = Sum(Sum(ray.from, hit->t, ray.along), -1, scene.CenterOf(hit->cell));
+        EXPECT_NEAR(Dot(at, facet.normal), facet.distance, 1e-7) << "the point is not on the facet";
+        EXPECT_LT(Dot(ray.along, facet.normal), 0);
+      }
+    }
+  }
+  EXPECT_GT(hits, 300);
+  EXPECT_GT(misses, 300);
+}
+
+TEST(VoxelScene, ShiftedCellsAreThoseThatHoldAVoxel) {
+  std::mt19937 chance(7);
+  const std::vector<Brick> bricks = Scattered(chance, 30);
+  for (int shift = 0; shift < 6; ++shift) {
+    VoxelScene scene({kLattices[1], {}, 0}, shift);
+    std::set<Vec3i> expected, found;
+    const auto corner = [&](int32_t ijk) { return (ijk >> shift) & ~63; };
+    for (const Brick& brick : bricks) {
+      scene.Add(brick);
+      const Vec3i& first = bricks[0].brick_ijk;
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        Vec3i cell;
+        for (size_t m = 0; m < 3; ++m) cell[m] = (ijk[m] >> shift) - corner(first[m] * 8);
+        expected.insert(cell);
+      });
+    }
+    scene.ForEach([&](const Vec3i& cell) { found.insert(cell); });
+    EXPECT_EQ(found, expected) << "shift " << shift;
+    EXPECT_NEAR(scene.cell_size(), std::cbrt(4) * (1 << shift), 1e-9);
+  }
+}
+
+TEST(VoxelFront, NoVoxelIsBeyondIt) {
+  std::mt19937 chance(11);
+  std::normal_distribution<double> normal;
+  for (const Basis& lattice : kLattices) {
+    VoxelScene scene({lattice, {}, 0}, 0);
+    for (const Brick& brick : Scattered(chance, 10)) scene.Add(brick);
+    scene.Seal();
+    const Vec3d towards = Unit({normal(chance), normal(chance), normal(chance)});
+    const VoxelFront front(scene, towards);
+    double least = 1e9;
+    scene.ForEach([&](const Vec3i& cell) {
+      for (const Vec3d& corner : scene.cell_corners()) {
+        const double reach = front.Reach(Sum(scene.CenterOf(cell), 1, corner));
+        EXPECT_GE(reach, 0);
+        least = std::min(least, reach);
+      }
+    });
+    EXPECT_LT(least, 5) << "a bound, but an idle one";
+    const Vec3d aside = Cross(towards, Unit({1, 2, 3}));
+    EXPECT_EQ(front.Reach(Sum({}, 1e4, aside)), -std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(Picture, BytesAreTheSameForAnyNumberOfThreads) {
+  std::mt19937 chance(3);
+  VoxelScene scene({kLattices[2], {}, 0}, 0);
+  for (const Brick& brick : Scattered(chance, 60)) scene.Add(brick);
+  scene.Seal();
+  const PictureOptions options{.side = 150};
+  const auto draw = [&](size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const auto png = DrawVoxels(scene, options);
+    EXPECT_TRUE(png.ok()) << png.status();
+    return *png;
+  };
+  const std::string one = draw(1);
+  EXPECT_EQ(draw(3), one);
+  PictureOptions other = options;
+  other.azimuth += 5;
+  EXPECT_NE(*DrawVoxels(scene, other), one);
+  other = options;
+  other.color[0] = 0;
+  EXPECT_NE(*DrawVoxels(scene, other), one);
+}
+
+TEST(Picture, WithoutAVoxelThereIsBackground) {
+  VoxelScene scene({kLattices[0], {}, 0}, 0);
+  scene.Seal();
+  EXPECT_TRUE(DrawVoxels(scene, {.side = 32}).ok());
+}
+
+TEST(Picture, ScenesHoldNoMoreThanThePictureTells) {
+  const GridTransform grid = {kLattices[0], {}, 1};
+  EXPECT_EQ(ShiftFor(grid, 100, {}), 0);
+  const int shift = ShiftFor(grid, 60000, {});
+  EXPECT_GE(shift, 3);
+  EXPECT_LE(shift, 5);
+  EXPECT_EQ(ShiftFor(grid, 60000, {.side = 2048}), shift - 1);
+}
+
+}  // namespace
+}  // namespace latvox::client
