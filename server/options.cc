@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "manual/man_page.h"
+#include "deploy/manual/man_page.h"
 #include "server/option_kinds.h"
 
 namespace latvox {

@@ -21,7 +21,7 @@
 #include "client/cli/terminal.h"
 #include "client/cli/view_command.h"
 #include "client/cli/voxelize_command.h"
-#include "manual/completions.h"
+#include "deploy/manual/completions.h"
 
 namespace latvox::client {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "manual/man_page.h"
+#include "deploy/manual/man_page.h"
 
 namespace latvox::client {
 namespace {

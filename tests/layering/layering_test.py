@@ -1,4 +1,4 @@
-"""Who may depend on whom: core and manual on nothing of ours, server on core, proto and manual, client on proto and manual,
+"""Who may depend on whom: core and deploy on nothing of ours, server on core, proto and deploy, client on proto and deploy,
 tests on all.
 
 Reads every #include, every target_link_libraries, and the link lines of $LATVOX_BUILD_DIR/build.ninja.
@@ -12,7 +12,7 @@ import subprocess
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("core", "proto", "manual", "server", "client", "deploy", "tests")
+FOLDERS = ("core", "proto", "server", "client", "deploy", "tests")
 TOP = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", *FOLDERS}
 
 # What each folder must not include, as a pattern over include paths, and must not link, over names of libraries.
@@ -24,10 +24,9 @@ RULES = {
         r"grpc|protobuf|draco|openvdb|spdlog|fmt|assimp|latvox[_:]+(proto|server|client|grid|tool|oracle)|gtest",
     ),
     "proto": Rule(r"(core|server|client|tests)/", r"draco|openvdb|latvox[_:]+(core|server|client|grid|tool)|gtest"),
-    "manual": Rule(r"(core|proto|server|client|tests)/", r"latvox[_:]+(core|proto|server|client|grid|tool|oracle)|gtest"),
     "server": Rule(r"openvdb|nanovdb|assimp|(client|tests)/", r"openvdb|assimp|latvox[_:]+(client|grid|tool|oracle)|gtest"),
     "client": Rule(r"(core|server|tests)/", r"latvox[_:]+(core|server|oracle)|gtest"),
-    "deploy": Rule(r"(core|server|tests)/", r"latvox[_:]+(core|server|oracle)|gtest"),
+    "deploy": Rule(r"(core|proto|server|client|tests)/", r"latvox[_:]+(core|proto|server|client|grid|tool|oracle)|gtest"),
 }
 
 # The folder that each of our programs comes from. What is in core alone is a library: its rule is on its CMakeLists.txt.
@@ -127,7 +126,7 @@ class TheRules(unittest.TestCase):
             ("client", "server/convert.h"),
             ("client", "tests/oracle/oracle.h"),
             ("proto", "core/lattice/lattice.h"),
-            ("manual", "client/types.h"),
+            ("deploy", "client/types.h"),
         ):
             for line in (f'#include "{name}"', f"  #  include <{name}>  // why", f'int x;\n#include "{name}"\n'):
                 with self.subTest(folder=folder, line=line):

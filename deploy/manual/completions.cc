@@ -1,4 +1,4 @@
-#include "manual/completions.h"
+#include "deploy/manual/completions.h"
 
 #include <vector>
 

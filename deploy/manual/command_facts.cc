@@ -1,4 +1,4 @@
-#include "manual/command_facts.h"
+#include "deploy/manual/command_facts.h"
 
 #include <CLI/CLI.hpp>
 

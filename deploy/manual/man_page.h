@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "manual/command_facts.h"
+#include "deploy/manual/command_facts.h"
 
 namespace latvox {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "manual/command_facts.h"
+#include "deploy/manual/command_facts.h"
 
 namespace latvox {
 
