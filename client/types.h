@@ -41,6 +41,19 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
+// Which lattice points are inside of a mesh: by an odd number of crossings with it on the way there, or by a sum of
+// these other than 0, each + or - by the triangle's orientation.
+enum class InteriorRule { kParity, kWinding };
+
+// To fill a mesh, which must be closed: every edge in an even number of triangles (kParity), or run through equally
+// often both ways (kWinding).
+struct Solid {
+  InteriorRule rule = InteriorRule::kParity;
+  bool surface = true;      // with the surface's voxels, too
+  bool force_open = false;  // fill a mesh that is not closed along those lattice lines in k that are balanced
+  bool operator==(const Solid&) const = default;
+};
+
 // How bricks travel; what arrives is the same. kPacked has about a quarter of kMasks' bytes; kPackedZstd a quarter less
 // again, for twice the time on both sides: it pays on networks below about one gigabit a second.
 enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
@@ -57,6 +70,7 @@ struct VoxelizeRequest {
   std::optional<Shard> shard;          // only this part of the tiles, as they are in the whole
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
   Algorithm algorithm = Algorithm::kExact;
+  std::optional<Solid> solid;  // absent: the surface alone; not with verify, and kExact only
   BrickEncoding encoding = BrickEncoding::kPacked;
 };
 
@@ -107,6 +121,13 @@ struct BrickBatch {
   double progress = 0;  // share of the work done, 0 to 1, never decreasing
 };
 
+// How a mesh was filled.
+struct SolidFacts {
+  std::string rule;  // "parity" or "winding"
+  bool surface = true;
+  uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
+};
+
 // What was proved or checked of the result.
 struct Certificate {
   std::string lattice;  // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
@@ -121,6 +142,7 @@ struct Certificate {
   std::string algorithm, version;
   std::string digest;          // 32 hexadecimal digits
   std::optional<Shard> shard;  // the part that this is, if one was asked for
+  std::optional<SolidFacts> solid;
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.
