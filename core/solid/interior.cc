@@ -52,11 +52,13 @@ class ClosedInterior : public Interior {
 
   void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const override {
     const Vec3i low = tile_ijk * kTileSide;
-    std::fill(rows.rows_.begin(), rows.rows_.end(), 0);
+    const int32_t at_corner = SumAtCorner(tile_ijk);
+    std::fill(rows.rows_.begin(), rows.rows_.end(), triangles.empty() && IsInside(rule_, at_corner) ? From(0) : 0);
+    if (triangles.empty()) return;
     std::fill(rows.starts_.begin(), rows.starts_.end(), 0);
     if (rule_ == InteriorRule::kWinding) rows.turns_.resize(InteriorRows::kRows * kTileSide);
     std::array<int32_t, kTileSide> along_i{};
-    along_i[0] = SumAtCorner(tile_ijk);
+    along_i[0] = at_corner;
     for (const uint32_t t : triangles) {
       const Triangle triangle = TriangleAt(mesh_, t);
       if (MeetsTile(triangle, low)) Add(triangle, low, along_i, rows);
