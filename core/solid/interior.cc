@@ -27,15 +27,6 @@ Triangle TriangleAt(const SnappedMesh& mesh, uint32_t t) {
   return {mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
 }
 
-// Whether the triangle's bounding box meets the box around the tile's lattice points.
-bool MeetsTile(const Triangle& v, const Vec3i& low) {
-  for (size_t m = 0; m < 3; ++m) {
-    const auto [least, most] = std::minmax({v[0][m], v[1][m], v[2][m]});
-    if (most < int64_t{low[m]} * kLatticeUnit || least > int64_t{low[m] + kTileSide - 1} * kLatticeUnit) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 class ClosedInterior : public Interior {
@@ -59,10 +50,7 @@ class ClosedInterior : public Interior {
     if (rule_ == InteriorRule::kWinding) rows.turns_.resize(InteriorRows::kRows * kTileSide);
     std::array<int32_t, kTileSide> along_i{};
     along_i[0] = at_corner;
-    for (const uint32_t t : triangles) {
-      const Triangle triangle = TriangleAt(mesh_, t);
-      if (MeetsTile(triangle, low)) Add(triangle, low, along_i, rows);
-    }
+    for (const uint32_t t : triangles) Add(TriangleAt(mesh_, t), low, along_i, rows);
     FinishStarts(along_i, rows);
     FinishRows(rows);
   }

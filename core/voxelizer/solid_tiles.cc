@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/solid/balance.h"
 #include "core/tile/cut_out.h"
+#include "core/tile/tile_order.h"
 
 namespace latvox {
 namespace {
@@ -42,10 +43,32 @@ bool HasAxes(const std::vector<Frame>& frames) {
 
 SolidTiles::SolidTiles() : bits_(LayoutOf({}).Words()) {}
 
+// Each tile gets the triangles whose bounding boxes meet the box around its lattice points.
+void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node) {
+  constexpr int kTileUnitBits = kSubvoxelBits + kTileBits;
+  triangles_.resize(size_t{1} << 3 * node.level);
+  for (std::vector<uint32_t>& list : triangles_) list.clear();
+  for (const uint32_t t : node.triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
+    Vec3i first, last;
+    for (size_t m = 0; m < 3; ++m) {
+      const auto [least, most] = std::minmax({va[m], vb[m], vc[m]});
+      first[m] = std::max(((least + kLatticeUnit - 1) >> kTileUnitBits) - node.tile_ijk[m], 0);
+      last[m] = std::min((most >> kTileUnitBits) - node.tile_ijk[m], (1 << node.level) - 1);
+    }
+    for (int32_t i = first[0]; i <= last[0]; ++i) {
+      for (int32_t j = first[1]; j <= last[1]; ++j) {
+        for (int32_t k = first[2]; k <= last[2]; ++k) triangles_[TileNumber({i, j, k})].push_back(t);
+      }
+    }
+  }
+}
+
 // Without a margin, a tile's rows lie in its bits one after the other.
-TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, const Vec3i& tile_ijk,
-                              std::span<const uint32_t> triangles, TileScan* surface) {
-  interior.Find(tile_ijk, triangles, rows_);
+TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, size_t number,
+                              const Vec3i& tile_ijk, TileScan* surface) {
+  interior.Find(tile_ijk, triangles_[number], rows_);
   if (surface != nullptr) {
     surface->AddRows(tile_ijk, rows_.view());
     return surface->CutOut(context, tile_ijk);

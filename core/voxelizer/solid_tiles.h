@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -30,18 +29,22 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& 
 // the frames are nothing to the interior, either.
 bool HasAxes(const std::vector<Frame>& frames);
 
-// What a thread allocates for one tile serves it for the next.
+// The tiles of a node, one after the other. What a thread allocates for one node serves it for the next.
 class SolidTiles {
  public:
   SolidTiles();
 
-  // The bricks of a tile (local) as TileScan::CutOut has them.
-  //   triangles   as Interior::Find wants them
-  //   surface     null, or a scan of the tile, which the interior is added to
-  TileBricks CutOut(const TileContext& context, const Interior& interior, const Vec3i& tile_ijk,
-                    std::span<const uint32_t> triangles, TileScan* surface);
+  // Begins a node.
+  void Sort(const SnappedMesh& mesh, const TileNode& node);
+
+  // The bricks of the node's tile of that number, in Morton order, as TileScan::CutOut has them.
+  //   tile_ijk   where it is, local
+  //   surface    null, or a scan of the node, which the interior is added to
+  TileBricks CutOut(const TileContext& context, const Interior& interior, size_t number, const Vec3i& tile_ijk,
+                    TileScan* surface);
 
  private:
+  std::vector<std::vector<uint32_t>> triangles_;  // of each tile
   InteriorRows rows_;
   TileBits bits_;  // of a tile alone
 };

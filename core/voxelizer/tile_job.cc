@@ -36,6 +36,7 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, const Inter
                    BlockScan& scan, std::vector<TileBricks>& tiles) {
   surface = surface && !node.triangles.empty();
   if (surface) FindSurface(context, node, scan.surface);
+  if (interior != nullptr) scan.solid.Sort(context.mesh, node);
   const int32_t count = 1 << 3 * node.level;
   for (int32_t n = 0; n < count && !context.cancelled; ++n) {
     Vec3i step{};  // Morton order, i most significant
@@ -44,7 +45,7 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, const Inter
     }
     const Vec3i tile_ijk = node.tile_ijk + step;
     TileBricks tile = interior == nullptr ? scan.surface.CutOut(context, tile_ijk)
-                                          : scan.solid.CutOut(context, *interior, tile_ijk, node.triangles,
+                                          : scan.solid.CutOut(context, *interior, static_cast<size_t>(n), tile_ijk,
                                                               surface ? &scan.surface : nullptr);
     if (tile.bricks.empty()) continue;
     tile.progress = std::min(1.0, node.progress + node.share * (n + 1) / count);
