@@ -20,8 +20,8 @@ namespace {
 
 using Mask = decltype(Brick::mask);
 
-// The root, eight nodes, 64 leaves.
-constexpr size_t kMinOctreeBytes = 3, kMaxOctreeBytes = 1 + 8 + 64;
+// The root, eight nodes, 64 leaves; or that of all cells.
+constexpr size_t kMinOctreeBytes = 1, kMaxOctreeBytes = 1 + 8 + 64;
 constexpr size_t kTileIjkBytes = sizeof(Vec3i);
 // Of lattice coordinates in 32 bits, shifted right by 6.
 constexpr int32_t kMinTile = -(1 << 25), kMaxTile = (1 << 25) - 1;
@@ -81,9 +81,17 @@ inline bool Scatter(const uint8_t*& in, const uint8_t* end, uint64_t which, uint
   return true;
 }
 
+// Reads the octree of all cells.
+inline bool UnpackFull(const uint8_t*& in, Mask& mask) {
+  ++in;
+  mask.fill(~uint64_t{0});
+  return true;
+}
+
 // Reads one octree. False: it is none, and `in` is anywhere up to `end`.
 bool UnpackPortably(const uint8_t*& in, const uint8_t* end, Mask& mask) {
-  if (in == end || *in == 0) return false;
+  if (in == end) return false;
+  if (*in == 0) return UnpackFull(in, mask);
   const uint64_t root = *in++;
   uint64_t nodes = 0;
   if (!Scatter(in, end, root, nodes)) return false;
@@ -122,8 +130,10 @@ LATVOX_SSSE3 inline uint64_t NonZeroBytes(uint64_t low, uint64_t high) {
   return ~static_cast<uint64_t>(_mm_movemask_epi8(_mm_cmpeq_epi8(words, _mm_setzero_si128()))) & 0xFFFF;
 }
 
-// As UnpackPortably, for at least kMaxOctreeBytes up to the end. No branch depends on the octree but the last.
+// As UnpackPortably, for at least kMaxOctreeBytes up to the end. No branch depends on the octree but the first, which
+// is foreseen in a surface as in a solid, and the last.
 LATVOX_SSSE3 inline bool UnpackFast(const uint8_t*& in, Mask& mask) {
+  if (*in == 0) return UnpackFull(in, mask);
   const uint64_t root = *in++;
   const uint64_t nodes = ScatterFast(in, root);
   in += CountInBytes(root);
@@ -134,7 +144,7 @@ LATVOX_SSSE3 inline bool UnpackFast(const uint8_t*& in, Mask& mask) {
   uint64_t found = 0;
   for (int o = 0; o < 8; o += 2) found |= NonZeroBytes(leaves[o], leaves[o + 1]) << 8 * o;
   mask = MaskOf(leaves);
-  return root != 0 && NonZeroBytes(nodes, 0) == root && found == nodes;
+  return NonZeroBytes(nodes, 0) == root && found == nodes;
 }
 
 LATVOX_SSSE3 bool UnpackAllFast(const uint8_t*& in, const uint8_t* end, Brick* bricks, size_t count) {

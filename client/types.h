@@ -64,6 +64,22 @@ enum class BrickEncoding {
   kPackedZstd,  // a quarter less again, for twice the time on both sides: for networks below about one gigabit a second
 };
 
+// Which lattice points are inside of a mesh: by an odd number of crossings with it on the way there, or by a sum of
+// these other than 0, each + or - by the triangle's orientation.
+enum class InteriorRule {
+  kParity,   // an odd number
+  kWinding,  // a sum other than 0
+};
+
+// To fill a mesh, which must be closed: every edge in an even number of triangles (kParity), or run through equally
+// often both ways (kWinding).
+struct Solid {
+  InteriorRule rule = InteriorRule::kParity;  // what is inside
+  bool surface = true;                        // with the surface's voxels, too
+  bool force_open = false;  // fill a mesh that is not closed along those lattice lines in k that are balanced
+  bool operator==(const Solid&) const = default;
+};
+
 // What to compute. At most one of voxel_size and resolution; a named lattice needs one of them.
 struct VoxelizeRequest {
   std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a Basis is scaled if a density is given
@@ -77,6 +93,7 @@ struct VoxelizeRequest {
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
   Algorithm algorithm = Algorithm::kExact;          // how to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // how they travel
+  std::optional<Solid> solid;                       // absent: the surface alone; not with verify, and kExact only
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
@@ -130,22 +147,30 @@ struct BrickBatch {
   double progress = 0;            // share of the work done, 0 to 1, never decreasing
 };
 
+// How a mesh was filled.
+struct SolidFacts {
+  std::string rule;               // "parity" or "winding"
+  bool surface = true;            // with the surface's voxels, too
+  uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
+};
+
 // What was proved or checked of the result.
 struct Certificate {
-  std::string lattice;             // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
-  uint32_t separability = 0;       // k
-  bool tunnel_free = false;        // every crossed lattice edge has an end in the set
-  bool minimal = false;            // no voxel can leave
-  bool verified = false;           // the next two were counted on this very result
-  uint64_t tunnels = 0;            // crossed lattice edges with no end in the set; meaningful if verified
-  uint64_t redundant = 0;          // voxels that could leave; meaningful if verified
-  bool closed = false;             // as MeshFacts has it, like the next two
-  double snap_error_max = 0;       // voxels
-  uint32_t quantization_bits = 0;  // 0: none
-  std::string algorithm;           // "exact", "brute-force", "incremental" or "optimized-incremental"
-  std::string version;             // of the server
-  std::string digest;              // identifies the voxel set: 32 hexadecimal digits
-  std::optional<Shard> shard;      // the part that this is, if one was asked for
+  std::string lattice;              // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
+  uint32_t separability = 0;        // k
+  bool tunnel_free = false;         // every crossed lattice edge has an end in the set
+  bool minimal = false;             // no voxel can leave
+  bool verified = false;            // the next two were counted on this very result
+  uint64_t tunnels = 0;             // crossed lattice edges with no end in the set; meaningful if verified
+  uint64_t redundant = 0;           // voxels that could leave; meaningful if verified
+  bool closed = false;              // as MeshFacts has it, like the next two
+  double snap_error_max = 0;        // voxels
+  uint32_t quantization_bits = 0;   // 0: none
+  std::string algorithm;            // "exact", "brute-force", "incremental" or "optimized-incremental"
+  std::string version;              // of the server
+  std::string digest;               // identifies the voxel set: 32 hexadecimal digits
+  std::optional<Shard> shard;       // the part that this is, if one was asked for
+  std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.

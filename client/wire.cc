@@ -65,6 +65,31 @@ v1::BrickEncoding ToProto(BrickEncoding encoding) {
   return v1::BRICK_ENCODING_UNSPECIFIED;
 }
 
+v1::InteriorRule ToProto(InteriorRule rule) {
+  switch (rule) {
+    case InteriorRule::kParity:
+      return v1::INTERIOR_RULE_PARITY;
+    case InteriorRule::kWinding:
+      return v1::INTERIOR_RULE_WINDING;
+  }
+  return v1::INTERIOR_RULE_UNSPECIFIED;
+}
+
+v1::Fill ToProto(const Solid& solid) {
+  v1::Fill fill;
+  fill.set_mode(v1::FILL_MODE_SOLID);
+  fill.set_rule(ToProto(solid.rule));
+  fill.set_without_surface(!solid.surface);
+  fill.set_force_open(solid.force_open);
+  return fill;
+}
+
+std::optional<SolidFacts> SolidFactsOf(const v1::Certificate& certificate) {
+  if (!certificate.has_fill()) return std::nullopt;
+  const v1::FillFacts& fill = certificate.fill();
+  return SolidFacts{fill.rule(), fill.with_surface(), fill.unbalanced_lines()};
+}
+
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
   return {.triangles = mesh.triangles(),
           .vertices = mesh.vertices(),
@@ -90,7 +115,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .algorithm = certificate.algorithm(),
           .version = certificate.version(),
           .digest = certificate.digest(),
-          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt};
+          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
+          .solid = SolidFactsOf(certificate)};
 }
 
 }  // namespace
@@ -121,6 +147,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
     spec.mutable_shard()->set_count(request.shard->count);
   }
   if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
+  if (request.solid) *spec.mutable_fill() = ToProto(*request.solid);
   spec.set_algorithm(ToProto(request.algorithm));
   spec.set_encoding(ToProto(request.encoding));
   return spec;

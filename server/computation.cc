@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/solid/interior.h"
 #include "core/tile/tile_order.h"
 #include "core/voxelizer/estimate.h"
 #include "server/errors.h"
@@ -27,6 +28,7 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 // What a job takes, bytes. Of the stream, the reactor's credit and what gRPC and the kernel hold for a slow client; of
 // the threads, what they scan with; of the mesh, its arrays and the job's, as measured, and half as much again.
 constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} << 20;
+constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 // Of sets that are kept: a brick, in a vector and an index that double as they grow; and where bricks are not counted
 // beforehand, a voxel, of which a surface has at least ten in a brick.
@@ -129,6 +131,15 @@ uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
   return kStreamBytes + threads * kThreadBytes + triangles * kBytesPerTriangle + vertices * kBytesPerVertex;
 }
 
+// What a job takes more if it fills.
+uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
+  const std::optional<Solid>& solid = spec_.options.solid;
+  if (!solid) return 0;
+  const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_) : 0;
+  const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
+  return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
+}
+
 void Computation::Free() {
   job_.reset();
   voxels_ = {};
@@ -154,7 +165,7 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
     return LimitExceeded("voxels (estimated)", static_cast<uint64_t>(std::min(visits, 1e19)), limit);
   }
   large_ = LastsLong(facts_.triangles, visits);
-  if (spec_.options.algorithm == Algorithm::kExact) return absl::OkStatus();
+  if (spec_.options.algorithm == Algorithm::kExact) return memory_.Grow(job_bytes_);
   job_bytes_ += static_cast<uint64_t>(std::min(voxels * kBytesPerKeptVoxel, 1e18));
   return memory_.Grow(job_bytes_);
 }
@@ -169,6 +180,7 @@ absl::Status Computation::CreateJob() {
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
   const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels);
+  job_bytes_ += BytesOfSolid(decoded.mesh);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
   auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);
@@ -179,6 +191,7 @@ absl::Status Computation::CreateJob() {
   if (spec_.options.resume_after && !job_->facts().HasTile(*spec_.options.resume_after)) {
     return BadResumePoint(*spec_.options.resume_after);
   }
+  if (absl::Status status = job_->Prepare(); !status.ok()) return WithCauseOfCore(status);
   return CheckCancelled();
 }
 

@@ -79,6 +79,7 @@ class Computation {
   absl::Status CheckCancelled() const;
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
+  uint64_t BytesOfSolid(const TriangleMesh& mesh) const;
   absl::Status TakeEstimate(double voxels, double visits);
   absl::Status CreateJob();
   bool TakeTile(const TileBricks& tile, const Deliver& deliver);

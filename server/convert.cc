@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
 #include "server/errors.h"
+#include "server/fill_convert.h"
 
 namespace latvox {
 namespace {
@@ -166,6 +167,9 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
     options.shard = Shard{spec.shard().index(), spec.shard().count()};
   }
   if (spec.has_resume_after()) options.resume_after = FromProto(spec.resume_after());
+  const absl::StatusOr<std::optional<Solid>> solid = SolidFromProto(spec, options.algorithm);
+  if (!solid.ok()) return solid.status();
+  options.solid = *solid;
   return options;
 }
 
@@ -252,8 +256,9 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   certificate.set_separability(static_cast<uint32_t>(spec.options.separability));
   const Verdict counted = verdict.value_or(Verdict{});
   if (spec.options.algorithm == Algorithm::kExact) {
-    certificate.set_tunnel_free(true);
-    certificate.set_minimal(spec.options.minimal && IsWhole(spec.options, facts));
+    const bool surface = !spec.options.solid || spec.options.solid->surface;
+    certificate.set_tunnel_free(surface);
+    certificate.set_minimal(surface && spec.options.minimal && IsWhole(spec.options, facts));
   } else {
     certificate.set_tunnel_free(verdict && counted.tunnels == 0);
     certificate.set_minimal(verdict && counted.tunnels == 0 && counted.redundant == 0);
@@ -270,6 +275,9 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   if (const auto& shard = spec.options.shard) {
     certificate.mutable_shard()->set_index(shard->index);
     certificate.mutable_shard()->set_count(shard->count);
+  }
+  if (const auto& solid = spec.options.solid) {
+    *certificate.mutable_fill() = FillFactsToProto(*solid, facts);
   }
   return certificate;
 }

@@ -59,6 +59,9 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"algorithm", static_cast<int>(request.algorithm)}};
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
+  if (const auto& solid = request.solid) {
+    json["solid"] = {static_cast<int>(solid->rule), solid->surface, solid->force_open};
+  }
   return json;
 }
 

@@ -24,16 +24,23 @@ std::array<double, 9> Flat(const Basis& basis) {
 }
 
 Json CertificateJson(const Certificate& certificate) {
-  return {{"tunnels", certificate.verified ? Json(certificate.tunnels) : Json()},
-          {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
-          {"tunnel_free", certificate.tunnel_free},
-          {"minimal", certificate.minimal},
-          {"closed", certificate.closed},
-          {"snap_error_max", certificate.snap_error_max},
-          {"quantization_bits", certificate.quantization_bits},
-          {"verified", certificate.verified},
-          {"algorithm", certificate.algorithm},
-          {"version", certificate.version}};
+  Json json = {{"tunnels", certificate.verified ? Json(certificate.tunnels) : Json()},
+               {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
+               {"tunnel_free", certificate.tunnel_free},
+               {"minimal", certificate.minimal},
+               {"closed", certificate.closed},
+               {"snap_error_max", certificate.snap_error_max},
+               {"quantization_bits", certificate.quantization_bits},
+               {"verified", certificate.verified},
+               {"algorithm", certificate.algorithm},
+               {"version", certificate.version},
+               {"fill", certificate.solid ? "solid" : "surface"}};
+  if (const auto& solid = certificate.solid) {
+    json["interior_rule"] = solid->rule;
+    json["with_surface"] = solid->surface;
+    json["unbalanced_lines"] = solid->unbalanced_lines;
+  }
+  return json;
 }
 
 Json LimitsJson(const Limits& limits) {
@@ -58,8 +65,20 @@ Json LimitsJson(const Limits& limits) {
 // What is certain of the set. For another algorithm than the exact one, only what was counted is.
 std::string SeparationText(const Certificate& certificate) {
   const std::string k = absl::StrCat(certificate.separability);
+  if (certificate.solid && !certificate.solid->surface) return "interior";
   if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
   return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");
+}
+
+std::string FillText(const Certificate& certificate) {
+  const auto& solid = certificate.solid;
+  if (!solid) return "";
+  std::string text =
+      absl::StrCat("filled by ", solid->rule, ", ", solid->surface ? "with" : "without", " the surface\n");
+  if (solid->unbalanced_lines > 0) {
+    absl::StrAppend(&text, "not filled: ", solid->unbalanced_lines, " lattice lines along k that end unbalanced\n");
+  }
+  return text;
 }
 
 std::string VerificationText(const Certificate& certificate) {
@@ -162,7 +181,7 @@ std::string ToText(const VoxelizeReport& report) {
   absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %s\n", certificate.lattice,
                         report.accepted.grid.voxel_size, SeparationText(certificate));
   absl::StrAppend(&text, report.summary.voxels, " voxels in ", report.summary.bricks, " bricks, digest ",
-                  certificate.digest, "\n", VerificationText(certificate));
+                  certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
   absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
   return text;
 }

@@ -28,6 +28,12 @@ const Names<Algorithm>& AlgorithmNames() {
   return *kNames;
 }
 
+const Names<InteriorRule>& RuleNames() {
+  static const auto* const kNames =
+      new Names<InteriorRule>{{"parity", InteriorRule::kParity}, {"winding", InteriorRule::kWinding}};
+  return *kNames;
+}
+
 const Names<BrickEncoding>& EncodingNames() {
   static const auto* const kNames = new Names<BrickEncoding>{{"packed", BrickEncoding::kPacked},
                                                              {"packed-zstd", BrickEncoding::kPackedZstd},
@@ -89,6 +95,29 @@ void AddMeshOptions(CLI::App& command, VoxelizeWords& words) {
                    "count duplicate vertices, degenerate triangles, open and non-manifold edges");
 }
 
+void AddFillOptions(CLI::App& command, VoxelizeWords& words) {
+  command.add_option("--fill", words.fill, "surface (default), or solid: what is inside of a closed mesh, too")
+      ->check(CLI::IsMember({"surface", "solid"}));
+  command
+      .add_option("--interior-rule", words.interior_rule,
+                  "what is inside: parity (default), or winding, which makes bodies that overlap one")
+      ->check(OneOf(RuleNames()));
+  command.add_flag("--without-surface", words.without_surface, "of a solid only voxels whose centre is inside");
+  command.add_flag("--force-open", words.force_open,
+                   "fill a mesh that is not closed, but for lattice lines along k that end unbalanced");
+}
+
+std::optional<Solid> InterpretSolid(const VoxelizeWords& words) {
+  if (words.fill == "solid") {
+    if (words.options.request.verify) Refuse("--verify: is for --fill surface");
+    return Solid{ValueNamed(RuleNames(), words.interior_rule), !words.without_surface, words.force_open};
+  }
+  if (!words.interior_rule.empty()) Refuse("--interior-rule: needs --fill solid");
+  if (words.without_surface) Refuse("--without-surface: needs --fill solid");
+  if (words.force_open) Refuse("--force-open: needs --fill solid");
+  return std::nullopt;
+}
+
 }  // namespace
 
 void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
@@ -124,7 +153,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   command.add_flag("--minimal,!--no-minimal", options.request.minimal, "remove every voxel that can go (default)");
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));
-  command.add_option("--fill", words.fill)->check(CLI::IsMember({"surface"}));
+  AddFillOptions(command, words);
   command.add_option("--cover", words.cover)->check(CLI::IsMember({"separating"}));
   Group(command, "Transfer");
   command
@@ -169,6 +198,8 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.lattice = InterpretLattice(words);
   request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
+  request.solid = InterpretSolid(words);
+  if (request.solid && request.algorithm != Algorithm::kExact) Refuse("--fill: solid is for --algorithm exact");
   request.separability = InterpretSeparability(words.separability, request.lattice);
   if (!words.voxel_size.empty()) ParseNumber(words.voxel_size, request.voxel_size.emplace());
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());

@@ -32,7 +32,8 @@ struct VoxelizeWords {
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
   std::string scale, up, input_format, npy;
   int separability = 0;
-  std::string algorithm, encoding, fill, cover;
+  std::string algorithm, encoding, fill, interior_rule, cover;
+  bool without_surface = false, force_open = false;
 };
 
 // Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by

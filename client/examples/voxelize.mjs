@@ -31,6 +31,10 @@ async function encode(obj) {
 function* voxelsOf(packed) {
   let at = 0;
   const octree = () => {
+    if (packed[at] === 0) {
+      at++; // all 512
+      return Array.from({ length: 512 }, (_, n) => [n >> 6, (n >> 3) & 7, n & 7]);
+    }
     let corners = [[0, 0, 0]];
     for (const half of [4, 2, 1]) {
       corners = corners.flatMap(([x, y, z]) => {

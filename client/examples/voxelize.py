@@ -30,6 +30,8 @@ def requests(mesh, resolution, lattice):
 
 def octree(packed, at):
     """The cells (x, y, z) of the octree that begins at byte `at`, and the byte after it."""
+    if packed[at] == 0:  # all of them
+        return [(n >> 6, n >> 3 & 7, n & 7) for n in range(512)], at + 1
     corners = [(0, 0, 0)]
     for half in (4, 2, 1):
         inner = []

@@ -165,6 +165,12 @@ void VoxelGrid::SetCertificate(const Certificate& certificate) {
   if (const auto& shard = certificate.shard) {
     Insert(grid, "latvox_shard", absl::StrCat(shard->index, "/", shard->count));
   }
+  if (const auto& solid = certificate.solid) {
+    Insert(grid, "latvox_fill", "solid");
+    Insert(grid, "latvox_interior_rule", solid->rule);
+    grid.insertMeta("latvox_with_surface", openvdb::BoolMetadata(solid->surface));
+    grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
+  }
 }
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }

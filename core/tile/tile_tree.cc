@@ -139,16 +139,17 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   std::vector<size_t> numbers;
   size_t total = 0;
   for (size_t cell = 0; cell < cells; ++cell) {
-    if (sizes[2 * cell] == 0) continue;
     const int level = node.level - levels;
-    children.push_back({node.tile_ijk + CellAt(cell) * (1 << level), level, {}, {}, 0, 0});
+    const Vec3i tile_ijk = node.tile_ijk + CellAt(cell) * (1 << level);
+    if (sizes[2 * cell] == 0 && !(keep_empty_ && MeetsRegion(tile_ijk, level))) continue;
+    children.push_back({tile_ijk, level, {}, {}, 0, 0});
     numbers.push_back(cell);
     total += sizes[2 * cell];
   }
   double progress = node.progress;
   for (size_t n = 0; n < children.size(); ++n) {
     children[n].progress = progress;
-    children[n].share = node.share * sizes[2 * numbers[n]] / static_cast<double>(total);
+    children[n].share = node.share * sizes[2 * numbers[n]] / static_cast<double>(std::max<size_t>(total, 1));
     progress += children[n].share;
   }
 
@@ -163,6 +164,14 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   });
   ForEachOf(count, [&](size_t n) { Fill(lists.data(), chunks[n]); });
   return children;
+}
+
+bool TileTree::MeetsRegion(const Vec3i& tile_ijk, int level) const {
+  for (size_t m = 0; m < 3; ++m) {
+    const int32_t low = tile_ijk[m] * kTileSide, high = low + (kTileSide << level);
+    if (low >= region_.max[m] || high <= region_.min[m]) return false;
+  }
+  return true;
 }
 
 // Makes the chunk of a node's triangles begin .. end - 1, and of its fringe between them, or of such of all triangles.

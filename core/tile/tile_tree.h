@@ -50,6 +50,9 @@ class TileTree {
 
   void SetLeafLevel(int level) { leaf_level_ = level; }
 
+  // From now on nodes that no triangle comes near to count as children, too, where they meet the region.
+  void KeepEmpty() { keep_empty_ = true; }
+
   int level() const { return TileCubeLevel(mesh_.box); }
 
   // Whether the node has no children.
@@ -74,7 +77,10 @@ class TileTree {
   static void Fill(uint32_t* const* lists, Chunk& chunk);
 
   const SnappedMesh& mesh_;
+  bool MeetsRegion(const Vec3i& tile_ijk, int level) const;
+
   int leaf_level_;
+  bool keep_empty_ = false;
   Vec3i near_, far_;
   IndexBox region_;
   const std::atomic<bool>& cancelled_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 namespace latvox {
 namespace {
@@ -60,18 +61,35 @@ double VolumeOf(const IndexBox& box) {
   return volume;
 }
 
+// Of the interior of a surface with twice that area, by the isoperimetric inequality.
+double EstimateInterior(const TriangleMesh& mesh, double twice_area, double size, bool closed) {
+  const Bounds bounds = BoundsOf(mesh);
+  double volume = 1;
+  for (size_t m = 0; m < 3; ++m) volume *= bounds.max[m] - bounds.min[m];
+  const double ball = std::pow(twice_area / 2, 1.5) / (6 * std::sqrt(std::numbers::pi));
+  return (closed ? std::min(volume, ball) : volume) / (size * size * size);
+}
+
 }  // namespace
 
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
   const double size = grid.lattice.voxel_size();
   if (options.algorithm == Algorithm::kExact) {
-    const double voxels = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) / (size * size);
+    const double twice_area = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); });
+    double voxels = twice_area / (size * size);
+    if (options.solid) voxels += EstimateInterior(mesh, twice_area, size, !options.solid->force_open);
     const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
     return options.shard ? delivered / options.shard->count : delivered;
   }
   return SumOver(mesh, [&](const Corners& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
   });
+}
+
+// A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full.
+double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid) {
+  const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
+  return SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) * step / (size * size * size);
 }
 
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels) {

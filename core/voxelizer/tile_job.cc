@@ -15,9 +15,11 @@ Vec3i ReachOf(const std::vector<Frame>& frames) {
   return reach;
 }
 
+namespace {
+
 // Nearly all blocks can be thinned knowing kNearHalo steps around them; the rest are done again with all that may
 // matter.
-void DigitizeBlock(const TileContext& context, const TileNode& node, TileScan& scan, std::vector<TileBricks>& tiles) {
+void FindSurface(const TileContext& context, const TileNode& node, TileScan& scan) {
   scan.Scan(context, node, context.minimal ? kNearHalo : 0, node.triangles);
   std::vector<uint32_t> all;
   if (context.minimal && !scan.Thin(context)) {
@@ -26,13 +28,25 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, TileScan& s
     scan.Scan(context, node, kThinHalo, all);
     scan.Thin(context);
   }
+}
+
+}  // namespace
+
+void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
+                   BlockScan& scan, std::vector<TileBricks>& tiles) {
+  surface = surface && !node.triangles.empty();
+  if (surface) FindSurface(context, node, scan.surface);
+  if (interior != nullptr) scan.solid.Sort(context.mesh, node);
   const int32_t count = 1 << 3 * node.level;
   for (int32_t n = 0; n < count && !context.cancelled; ++n) {
     Vec3i step{};  // Morton order, i most significant
     for (int bit = 0; bit < node.level; ++bit) {
       for (size_t m = 0; m < 3; ++m) step[m] |= (n >> (3 * bit + 2 - static_cast<int>(m)) & 1) << bit;
     }
-    TileBricks tile = scan.CutOut(context, node.tile_ijk + step);
+    const Vec3i tile_ijk = node.tile_ijk + step;
+    TileBricks tile = interior == nullptr ? scan.surface.CutOut(context, tile_ijk)
+                                          : scan.solid.CutOut(context, *interior, static_cast<size_t>(n), tile_ijk,
+                                                              surface ? &scan.surface : nullptr);
     if (tile.bricks.empty()) continue;
     tile.progress = std::min(1.0, node.progress + node.share * (n + 1) / count);
     tiles.push_back(std::move(tile));

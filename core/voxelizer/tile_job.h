@@ -7,6 +7,7 @@
 #include "core/lattice/frame.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_tree.h"
+#include "core/voxelizer/solid_tiles.h"
 #include "core/voxelizer/tile_scan.h"
 
 namespace latvox {
@@ -14,11 +15,19 @@ namespace latvox {
 // Per axis, the longest step of the frames.
 Vec3i ReachOf(const std::vector<Frame>& frames);
 
+// What a thread needs for one block, from block to block.
+struct BlockScan {
+  TileScan surface;
+  SolidTiles solid;
+};
+
 // Appends the node's tiles that have voxels, in global coordinates and in the canonical order; once the job is
 // cancelled, whatever there is.
-//   node   of a tree with the context's margins
-//   scan   a thread's own, from block to block
-void DigitizeBlock(const TileContext& context, const TileNode& node, TileScan& scan, std::vector<TileBricks>& tiles);
+//   node       of a tree with the context's margins
+//   interior   null, or of the mesh
+//   surface    whether the surface's voxels are wanted
+void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
+                   BlockScan& scan, std::vector<TileBricks>& tiles);
 
 }  // namespace latvox
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <iterator>
 
 #include "core/tile/cut_out.h"
@@ -237,6 +238,22 @@ bool TileScan::Thin(const TileContext& context) {
   }
   for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
   return decided;
+}
+
+// Rows of a tile begin at whole bytes.
+void TileScan::AddRows(const Vec3i& tile_ijk, std::span<const uint64_t> rows) {
+  static_assert(std::endian::native == std::endian::little, "words of both sizes are read as bytes");
+  auto* const bytes = reinterpret_cast<char*>(surface_.words().data());
+  const Vec3i low = tile_ijk * kTileSide;
+  for (int32_t row = 0; row < kTileSide * kTileSide; ++row) {
+    const uint64_t added = rows[static_cast<size_t>(row)];
+    if (added == 0) continue;
+    char* const at = bytes + layout_.NumberOf(low + Vec3i{row / kTileSide, row % kTileSide, 0}) / 8;
+    uint64_t word;
+    std::memcpy(&word, at, sizeof(word));
+    word |= added;
+    std::memcpy(at, &word, sizeof(word));
+  }
 }
 
 TileBricks TileScan::CutOut(const TileContext& context, const Vec3i& tile_ijk) const {

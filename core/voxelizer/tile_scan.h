@@ -48,6 +48,9 @@ class TileScan {
   // Removes redundant voxels; returns whether that was decided for the whole node. See Thin.
   bool Thin(const TileContext& context);
 
+  // Adds the voxels of a tile (local) of the node: bit k of rows[i << 6 | j].
+  void AddRows(const Vec3i& tile_ijk, std::span<const uint64_t> rows);
+
   // The bricks of a tile (local) of the node in lexicographic order, in global coordinates, without voxels outside of
   // context.region.
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;

@@ -31,6 +31,7 @@ namespace {
 // small, little enough to keep threads busy and memory bounded.
 constexpr int kMaxUnitLevel = 2;  // 4^3 tiles
 constexpr size_t kMaxUnitTriangles = 4096;
+constexpr int kMaxSolidUnitLevel = 1;  // tiles may be full, of 512 bricks each
 
 using Unit = std::vector<TileBricks>;
 
@@ -49,21 +50,21 @@ IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box
 // What was allocated for one block serves the next: as many scans as there are threads at work.
 class ScanPool {
  public:
-  std::unique_ptr<TileScan> Take() {
+  std::unique_ptr<BlockScan> Take() {
     const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return std::make_unique<TileScan>();
-    std::unique_ptr<TileScan> scan = std::move(idle_.back());
+    if (idle_.empty()) return std::make_unique<BlockScan>();
+    std::unique_ptr<BlockScan> scan = std::move(idle_.back());
     idle_.pop_back();
     return scan;
   }
-  void Give(std::unique_ptr<TileScan> scan) {
+  void Give(std::unique_ptr<BlockScan> scan) {
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(scan));
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::unique_ptr<TileScan>> idle_;
+  std::vector<std::unique_ptr<BlockScan>> idle_;
 };
 
 class Job : public VoxelizeJob {
@@ -77,12 +78,14 @@ class Job : public VoxelizeJob {
         context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, fineness_.most_tiny, region, cancelled_},
         tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
         facts_(FactsOfJob(mesh_, region, cancelled)),
+        solid_(options.solid),
         shard_(options.shard.value_or(Shard{})),
         span_(SpanOf(options, mesh_, frames_, region, cancelled)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
   void Cancel() override { cancelled_ = true; }
+  absl::Status Prepare() override;
   absl::StatusOr<bool> Advance(const Sink& sink) override;
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
     return Validate(mesh_, frames_, voxels, cancelled_);
@@ -105,7 +108,10 @@ class Job : public VoxelizeJob {
   const TileContext context_;
   TileTree tree_;
   mutable ScanPool scans_;
-  const JobFacts facts_;
+  JobFacts facts_;
+  const std::optional<Solid> solid_;
+  std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
+  const bool has_axes_ = HasAxes(frames_);
   const Vec3i tile_base_ = Shifted(mesh_.base_ijk, kTileBits);
   const Shard shard_;
   const TileSpan span_;  // of what is delivered
@@ -123,7 +129,17 @@ int BlockLevel(int tree_level) {
 }
 
 bool Job::IsUnit(const TileNode& node) const {
-  return tree_.IsLeaf(node) || (node.level <= kMaxUnitLevel && node.triangles.size() <= kMaxUnitTriangles);
+  const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
+  return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
+}
+
+absl::Status Job::Prepare() {
+  if (!solid_ || interior_) return absl::OkStatus();
+  auto interior = MakeInterior(mesh_, *solid_, facts_.closed, cancelled_, facts_.unbalanced_lines);
+  if (!interior.ok()) return interior.status();
+  interior_ = *std::move(interior);
+  tree_.KeepEmpty();
+  return absl::OkStatus();
 }
 
 // A tile's place in the canonical order.
@@ -131,6 +147,7 @@ uint64_t Job::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(tile_ijk
 
 // Whether none of a node's tiles is delivered.
 bool Job::IsLeftOut(const TileNode& node) const {
+  if (node.triangles.empty() && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) return true;
   return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
 }
 
@@ -140,8 +157,10 @@ std::optional<TileNode> Job::NextUnit() {
   if (!std::exchange(started_, true)) {
     tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
-    oneapi::tbb::this_task_arena::isolate(
-        [&] { todo_ = fineness_.few_touch ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top(); });
+    oneapi::tbb::this_task_arena::isolate([&] {
+      todo_ = fineness_.few_touch && (!interior_ || has_axes_) ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_))
+                                                               : tree_.Top();
+    });
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {
@@ -187,8 +206,8 @@ void Job::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
-  std::unique_ptr<TileScan> scan = scans_.Take();
-  DigitizeBlock(context_, node, *scan, out);
+  std::unique_ptr<BlockScan> scan = scans_.Take();
+  DigitizeBlock(context_, node, interior_.get(), !solid_ || solid_->surface, *scan, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
   scans_.Give(std::move(scan));
 }
@@ -205,6 +224,7 @@ void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {
 absl::StatusOr<bool> Job::Advance(const Sink& sink) {
   using oneapi::tbb::filter_mode;
   using oneapi::tbb::flow_control;
+  if (absl::Status status = Prepare(); !status.ok()) return status;
   const auto tokens = 2 * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
   std::atomic<bool> stop = false;
   oneapi::tbb::parallel_pipeline(
@@ -278,6 +298,10 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   if (options.shard && (options.shard->index >= options.shard->count || options.shard->count > kMaxShards)) {
     return absl::InvalidArgumentError(absl::StrFormat("shard: %d of %d is not one of at most %d", options.shard->index,
                                                       options.shard->count, kMaxShards));
+  }
+  if (options.solid && options.algorithm != Algorithm::kExact) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("solid: not with the algorithm %s, but with exact", NameOf(options.algorithm)));
   }
   if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);

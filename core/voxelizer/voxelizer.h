@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
+#include "core/solid/solid.h"
 #include "core/tile/brick.h"
 #include "core/validate/validate.h"
 #include "core/voxelizer/algorithm.h"
@@ -45,6 +46,7 @@ struct VoxelizeOptions {
   Algorithm algorithm = Algorithm::kExact;
   std::optional<Shard> shard = std::nullopt;         // only this part of them
   std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
+  std::optional<Solid> solid = std::nullopt;         // the interior, too; kExact only
 };
 
 struct JobFacts {
@@ -54,6 +56,7 @@ struct JobFacts {
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/tile/tile_order.h)
+  uint64_t unbalanced_lines = 0;                     // of a solid, once prepared: see CountUnbalancedLines
 
   // Whether the tile meets index_box.
   bool HasTile(const Vec3i& tile_ijk) const;
@@ -74,7 +77,7 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, shard, resume_after.
+  // separability, region, shard, resume_after, solid.
   // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
@@ -82,6 +85,11 @@ class VoxelizeJob {
   virtual ~VoxelizeJob() = default;
 
   virtual const JobFacts& facts() const = 0;
+
+  // Does what comes before the first tile and takes its time: of a solid, finding out whether the mesh has an inside.
+  // Advance does it if nobody did before.
+  // Errors: INVALID_ARGUMENT if that has none and options.solid does not force it; CANCELLED.
+  virtual absl::Status Prepare() { return absl::OkStatus(); }
 
   // Receives one tile; returns false to pause. Called from one thread at a time.
   using Sink = std::function<bool(TileBricks&&)>;

@@ -47,6 +47,15 @@ class Bench(unittest.TestCase):
         kept, discarded = measured("box", "128"), measured("box", "128", "--discard")
         self.assertEqual((kept["voxels"], kept["digest"]), (discarded["voxels"], discarded["digest"]))
 
+    def test_solids_have_more_voxels_and_interiors_fewer(self):
+        surface, solid, inside = (
+            measured("box", "64", *words)["voxels"]
+            for words in ((), ("--fill", "solid", "--interior-rule", "winding"), ("--fill", "solid", "--without-surface"))
+        )
+        self.assertGreater(inside, surface)
+        self.assertGreater(solid, inside)
+        self.assertLess(solid, inside + surface)
+
     def test_peers(self):
         self.assertEqual(measured("box", "32", "--peer", "openvdb")["simd"], "openvdb")
         self.assertNotEqual(

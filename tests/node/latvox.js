@@ -85,6 +85,10 @@ function unpack(packed) {
   const bricks = [];
   let at = 0;
   const octree = () => {
+    if (packed.readUInt8(at) === 0) {
+      ++at;
+      return Array.from({ length: 512 }, (_, n) => [n >> 6, (n >> 3) & 7, n & 7]);
+    }
     let boxes = [[0, 0, 0]]; // low corners
     for (const half of [4, 2, 1]) {
       boxes = boxes.flatMap(([x, y, z]) => {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,7 @@ bool AddOctree(const BrickMask& mask, int side, int x, int y, int z, std::string
 }
 
 std::string OctreeOf(const BrickMask& mask) {
+  if (CountVoxels(mask) == 512) return std::string(1, '\0');
   std::string levels[3];
   AddOctree(mask, 8, 0, 0, 0, levels);
   return levels[0] + levels[1] + levels[2];
@@ -138,11 +140,15 @@ TEST(PackedFormat, IsTheContractsExampleByteForByte) {
                                  0x22, 0x02, 0x20, 0x08, 0x08}));
 }
 
-TEST(PackedFormat, TakesOneByteANode) {
+TEST(PackedFormat, TakesOneByteANodeAndOneForAllCells) {
   BrickMask full;
   full.fill(~uint64_t{0});
-  EXPECT_EQ(Pack({TileWith({0, 0, 0}, With(0, 0, 0), full)}),
-            std::string(12, '\0') + Bytes({1, 1, 1}) + std::string(73, '\xFF'));
+  EXPECT_EQ(Pack({TileWith({0, 0, 0}, With(0, 0, 0), full)}), std::string(12, '\0') + Bytes({1, 1, 1, 0}));
+  EXPECT_EQ(Pack({TileWith({0, 0, 0}, full, full)}), std::string(12 + 1 + 512, '\0'));
+  BrickMask most = full;
+  most[7] &= ~(uint64_t{1} << 63);
+  EXPECT_EQ(Pack({TileWith({0, 0, 0}, With(0, 0, 0), most)}),
+            std::string(12, '\0') + Bytes({1, 1, 1}) + std::string(72, '\xFF') + Bytes({0x7F}));
   EXPECT_EQ(Pack({TileWith({0, 0, 0}, With(7, 7, 7), With(7, 7, 7))}),
             std::string(12, '\0') + Bytes({0x80, 0x80, 0x80, 0x80, 0x80, 0x80}));
   EXPECT_EQ(Pack({TileWith({-2, 0x01020304, 0}, With(4, 2, 1), With(0, 0, 1, With(2, 0, 0)))}),
@@ -246,8 +252,21 @@ TEST(Unpack, RefusesWhatEndsEarlyAndReadsNothingBeyond) {
 }
 
 TEST(Unpack, RefusesNodesWithoutCells) {
-  const std::string whole = Pack({CurvedTile()});
+  const TileBricks tile = CurvedTile();
+  const std::string whole = Pack({tile});
+  BrickMask which = {};
+  for (const Brick& brick : tile.bricks) {
+    which = With(brick.brick_ijk[0] & 7, brick.brick_ijk[1] & 7, brick.brick_ijk[2] & 7, which);
+  }
+  std::set<size_t> roots = {12};  // where a byte 0 stands for all cells
+  size_t end = 12 + OctreeOf(which).size();
+  for (const Brick& brick : tile.bricks) {
+    roots.insert(end);
+    end += OctreeOf(brick.mask).size();
+  }
+  ASSERT_EQ(end, whole.size());
   for (size_t n = 12; n < whole.size(); ++n) {
+    if (roots.contains(n)) continue;
     std::string bad = whole;
     bad[n] = '\0';
     for (const UnpackKernel kernel : UnpackKernels()) {

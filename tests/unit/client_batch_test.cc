@@ -234,18 +234,26 @@ TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
   EXPECT_EQ(digest(out + R"("mesh": "m.obj", "resolution": 8, "lattice": "cartesian", "minimal": true)"), plain);
   EXPECT_EQ(digest(out + R"("mesh": "m.obj", "resolution": 8, "separability": 26, "encoding": "masks")"), plain);
   std::set<std::string> digests = {plain};
-  for (const char* fields :
-       {R"("mesh": "other.obj", "resolution": 8)", R"("mesh": "m.obj", "resolution": 9)",
-        R"("mesh": "m.obj", "voxel_size": 8)", R"("mesh": "m.obj", "resolution": 8, "lattice": "bcc")",
-        R"("mesh": "m.obj", "basis": [1,0,0,0,1,0,0,0,1])", R"("mesh": "m.obj", "basis": [1,0,0,0,1,0,0,0,2])",
-        R"("mesh": "m.obj", "resolution": 8, "origin": [0,0,1])",
-        R"("mesh": "m.obj", "resolution": 8, "separability": 1)",
-        R"("mesh": "m.obj", "resolution": 8, "minimal": false)", R"("mesh": "m.obj", "resolution": 8, "verify": true)",
-        R"("mesh": "m.obj", "resolution": 8, "algorithm": "brute-force")",
-        R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,1])",
-        R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,2])",
-        R"("mesh": "m.obj", "resolution": 8, "quantization": 12)",
-        R"("mesh": "m.obj", "resolution": 8, "shard": "0/2")", R"("mesh": "m.obj", "resolution": 8, "shard": "1/2")"}) {
+  for (const char* fields : {R"("mesh": "other.obj", "resolution": 8)",
+                             R"("mesh": "m.obj", "resolution": 9)",
+                             R"("mesh": "m.obj", "voxel_size": 8)",
+                             R"("mesh": "m.obj", "resolution": 8, "lattice": "bcc")",
+                             R"("mesh": "m.obj", "basis": [1,0,0,0,1,0,0,0,1])",
+                             R"("mesh": "m.obj", "basis": [1,0,0,0,1,0,0,0,2])",
+                             R"("mesh": "m.obj", "resolution": 8, "origin": [0,0,1])",
+                             R"("mesh": "m.obj", "resolution": 8, "separability": 1)",
+                             R"("mesh": "m.obj", "resolution": 8, "minimal": false)",
+                             R"("mesh": "m.obj", "resolution": 8, "verify": true)",
+                             R"("mesh": "m.obj", "resolution": 8, "algorithm": "brute-force")",
+                             R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,1])",
+                             R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,2])",
+                             R"("mesh": "m.obj", "resolution": 8, "quantization": 12)",
+                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid")",
+                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid", "interior_rule": "winding")",
+                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid", "without_surface": true)",
+                             R"("mesh": "m.obj", "resolution": 8, "fill": "solid", "force_open": true)",
+                             R"("mesh": "m.obj", "resolution": 8, "shard": "0/2")",
+                             R"("mesh": "m.obj", "resolution": 8, "shard": "1/2")"}) {
     EXPECT_TRUE(digests.insert(digest(out + fields)).second) << fields;
   }
   EXPECT_TRUE(digests.insert(digest(R"("out": ["m.vdb", "m.csv"], "mesh": "m.obj", "resolution": 8)")).second);

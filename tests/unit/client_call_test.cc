@@ -172,6 +172,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   request.minimal = false;
   request.region = IndexBox{{-5, 0, 5}, {6, 7, 8}};
   request.shard = Shard{3, 8};
+  request.solid = Solid{InteriorRule::kWinding, false, true};
   ASSERT_TRUE(fake.client().Voxelize(request, kMesh, {}).ok());
   EXPECT_EQ(mesh, kMesh);
   EXPECT_EQ(spec.lattice().basis().c().z(), 9.5);
@@ -184,6 +185,9 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_EQ(spec.region().max().k(), 8);
   EXPECT_EQ(spec.shard().index(), 3u);
   EXPECT_EQ(spec.shard().count(), 8u);
+  EXPECT_EQ(spec.fill().mode(), v1::FILL_MODE_SOLID);
+  EXPECT_EQ(spec.fill().rule(), v1::INTERIOR_RULE_WINDING);
+  EXPECT_TRUE(spec.fill().without_surface() && spec.fill().force_open());
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 

@@ -60,6 +60,10 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   EXPECT_EQ(request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
   EXPECT_EQ(request.encoding, BrickEncoding::kMasks);
   EXPECT_EQ(job->options.quantization_bits, 0);
+  EXPECT_EQ(Parse(R"({"mesh": "m", "resolution": 9, "fill": "solid", "interior_rule": "winding",
+    "without_surface": true, "force_open": true})")
+                ->options.request.solid,
+            (Solid{InteriorRule::kWinding, false, true}));
   EXPECT_TRUE(
       Parse(R"({"mesh": "m", "resolution": 9, "verify": true, "quantization": "auto"})")->options.request.verify);
 }

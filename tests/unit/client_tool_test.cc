@@ -112,6 +112,18 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png"));
 }
 
+TEST(Options, OfASolidSayWhatIsInside) {
+  EXPECT_EQ(Parse({"--resolution", "9"}).request.solid, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "surface"}).request.solid, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid"}).request.solid, Solid{});
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "parity"}).request.solid, Solid{});
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "winding"}).request.solid,
+            (Solid{.rule = InteriorRule::kWinding}));
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--without-surface"}).request.solid,
+            (Solid{.surface = false}));
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--force-open"}).request.solid, (Solid{.force_open = true}));
+}
+
 TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
   ServerChoice choice;
   EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 0);
@@ -157,7 +169,13 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--region", "0,0,0,1,1,1", "--verify"}, {"--region", "--verify"});
   refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
   refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
-  refuses({"--resolution", "9", "--fill", "solid"}, {"--fill", "solid", "surface"});
+  refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
+  refuses({"--resolution", "9", "--fill", "solid", "--interior-rule", "odd"}, {"--interior-rule", "odd", "parity"});
+  refuses({"--resolution", "9", "--fill", "solid", "--verify"}, {"--verify", "--fill"});
+  refuses({"--resolution", "9", "--fill", "solid", "--algorithm", "incremental"}, {"--fill", "solid", "exact"});
+  refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
+  refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
+  refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
   refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
   refuses({"--resolution", "9", "--up", "w"}, {"--up", "w", "x,y"});
   refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
@@ -231,6 +249,19 @@ TEST(Progress, RatesAndTheTimeLeftAreToldOnceTheyMeanSomething) {
   EXPECT_EQ(RemainingText(0.25, absl::Seconds(4)), ", 12s left");
   EXPECT_EQ(RemainingText(0.25, absl::Seconds(25)), ", 1m15s left");
   EXPECT_EQ(RemainingText(1, absl::Seconds(25)), ", 0 left");
+}
+
+TEST(Report, SaysHowAMeshWasFilled) {
+  VoxelizeReport report;
+  EXPECT_THAT(ToText(report), Not(HasSubstr("filled")));
+  EXPECT_THAT(ToJson(report), AllOf(HasSubstr("\"fill\": \"surface\""), Not(HasSubstr("unbalanced_lines"))));
+  report.summary.certificate.solid = SolidFacts{"winding", false, 0};
+  EXPECT_THAT(ToText(report),
+              AllOf(HasSubstr("filled by winding, without the surface\n"), Not(HasSubstr("not filled"))));
+  report.summary.certificate.solid->unbalanced_lines = 7;
+  EXPECT_THAT(ToText(report), HasSubstr("not filled: 7 lattice lines"));
+  EXPECT_THAT(ToJson(report), AllOf(HasSubstr("\"fill\": \"solid\""), HasSubstr("\"interior_rule\": \"winding\""),
+                                    HasSubstr("\"with_surface\": false"), HasSubstr("\"unbalanced_lines\": 7")));
 }
 
 class Command : public FilesTest {};

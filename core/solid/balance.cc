@@ -1,0 +1,133 @@
+#include "core/solid/balance.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <numeric>
+#include <vector>
+
+#include "core/solid/axis_crossing.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace latvox {
+namespace {
+
+using Part = oneapi::tbb::blocked_range<size_t>;
+
+// A linear form of the edges' multiplicities, modulo 2^64 in each half.
+using EdgeSum = std::array<uint64_t, 2>;
+
+void AddEdge(const Vec3i& from, const Vec3i& to, EdgeSum& sum) {
+  if (from == to) return;
+  const bool up = from < to;
+  const std::array<Vec3i, 2> ends = {up ? from : to, up ? to : from};
+  const XXH128_hash_t hash = XXH3_128bits(ends.data(), sizeof(ends));
+  sum[0] += up ? hash.low64 : 0 - hash.low64;
+  sum[1] += up ? hash.high64 : 0 - hash.high64;
+}
+
+// A square of lines along k: a, b are i, j of its lowest line.
+struct Square {
+  int32_t a, b;
+  int level;  // its side is 64 << level lines
+  AxisLines Lines() const {
+    const int64_t last = (int64_t{kTileSide} << level) - 1;
+    return {{a, a + last}, {b, b + last}};
+  }
+};
+
+class LineCount {
+ public:
+  LineCount(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
+      : mesh_(mesh), rule_(rule), cancelled_(cancelled) {}
+
+  uint64_t Unbalanced(const Square& square, const std::vector<uint32_t>& triangles) const {
+    if (triangles.empty() || cancelled_) return 0;
+    if (square.level == 0) return CountLines(square, triangles);
+    return oneapi::tbb::parallel_reduce(
+        oneapi::tbb::blocked_range<int32_t>(0, 4), uint64_t{0},
+        [&](const auto& quarters, uint64_t sum) {
+          for (int32_t n = quarters.begin(); n < quarters.end(); ++n) {
+            const int32_t side = kTileSide << (square.level - 1);
+            const Square quarter{square.a + (n >> 1) * side, square.b + (n & 1) * side, square.level - 1};
+            sum += Unbalanced(quarter, Near(quarter, triangles));
+          }
+          return sum;
+        },
+        std::plus<>());
+  }
+
+ private:
+  Triangle TriangleAt(uint32_t t) const {
+    const auto& [v0, v1, v2] = mesh_.triangles[t];
+    return {mesh_.vertices_lat[v0], mesh_.vertices_lat[v1], mesh_.vertices_lat[v2]};
+  }
+
+  std::vector<uint32_t> Near(const Square& square, const std::vector<uint32_t>& triangles) const {
+    const AxisLines lines = square.Lines();
+    std::vector<uint32_t> near;
+    std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(near), [&](uint32_t t) {
+      const Triangle v = TriangleAt(t);
+      const auto meets = [&](size_t m, const crossing_internal::Span& span) {
+        const auto [low, high] = std::minmax({v[0][m], v[1][m], v[2][m]});
+        return low <= span.last * kLatticeUnit && high >= span.first * kLatticeUnit;
+      };
+      return meets(0, lines.a) && meets(1, lines.b);
+    });
+    return near;
+  }
+
+  uint64_t CountLines(const Square& square, const std::vector<uint32_t>& triangles) const {
+    std::array<int32_t, size_t{kTileSide} * kTileSide> sums{};
+    for (const uint32_t t : triangles) {
+      ForEachAxisCrossing<kSubvoxelBits>(TriangleAt(t), 2, square.Lines(),
+                                         [&](int32_t a, int32_t b, int32_t, int32_t turn) {
+                                           sums[static_cast<size_t>((a - square.a) * kTileSide + b - square.b)] += turn;
+                                         });
+    }
+    return static_cast<uint64_t>(
+        std::count_if(sums.begin(), sums.end(), [&](int32_t sum) { return IsInside(rule_, sum); }));
+  }
+
+  const SnappedMesh& mesh_;
+  const InteriorRule rule_;
+  const std::atomic<bool>& cancelled_;
+};
+
+}  // namespace
+
+bool IsOriented(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
+  constexpr size_t kGrain = 4096;  // triangles a task
+  const EdgeSum sum = oneapi::tbb::parallel_reduce(
+      Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
+      [&](const Part& part, EdgeSum sum) {
+        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
+          const auto& [a, b, c] = mesh.triangles[t];
+          const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
+          AddEdge(va, vb, sum);
+          AddEdge(vb, vc, sum);
+          AddEdge(vc, va, sum);
+        }
+        return sum;
+      },
+      [](const EdgeSum& x, const EdgeSum& y) {
+        return EdgeSum{x[0] + y[0], x[1] + y[1]};
+      });
+  return sum == EdgeSum{};
+}
+
+uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled) {
+  std::vector<uint32_t> triangles(mesh.triangles.size());
+  std::iota(triangles.begin(), triangles.end(), 0);
+  // Vertices lie above 0; the box reaches beyond them.
+  int level = 0;
+  while ((kTileSide << level) < std::max(mesh.box.max[0], mesh.box.max[1])) ++level;
+  return LineCount(mesh, rule, cancelled).Unbalanced({0, 0, level}, triangles);
+}
+
+}  // namespace latvox

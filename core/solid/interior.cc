@@ -1,0 +1,211 @@
+#include "core/solid/interior.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "core/solid/axis_crossing.h"
+#include "core/solid/line_crossings.h"
+
+namespace latvox {
+namespace {
+
+// Corners of tiles are the points of a lattice of their own.
+constexpr int kCornerBits = kSubvoxelBits + kTileBits;
+
+// The points `first` .. 63 of a row.
+constexpr uint64_t From(int32_t first) { return first >= kTileSide ? 0 : ~uint64_t{0} << first; }
+
+// Bit k: whether an odd number of the bits up to k are set.
+constexpr uint64_t RunningParity(uint64_t bits) {
+  for (int shift = 1; shift < 64; shift *= 2) bits ^= bits << shift;
+  return bits;
+}
+
+Triangle TriangleAt(const SnappedMesh& mesh, uint32_t t) {
+  const auto& [a, b, c] = mesh.triangles[t];
+  return {mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
+}
+
+}  // namespace
+
+class ClosedInterior : public Interior {
+ public:
+  ClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
+      : mesh_(mesh), rule_(rule), corners_(FindLineCrossings<kCornerBits>(mesh, cancelled)) {
+    // Sums over whole lines are even, or 0 (of kWinding): none concerns the lines after it.
+    sums_.reserve(corners_.size());
+    int32_t sum = 0;
+    for (const uint64_t corner : corners_) sums_.push_back(sum += LineCrossing::Turn(corner));
+  }
+
+  bool MayHold(const Vec3i& tile_ijk, int) const override { return IsInside(rule_, SumAtCorner(tile_ijk)); }
+
+  void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const override {
+    const Vec3i low = tile_ijk * kTileSide;
+    const int32_t at_corner = SumAtCorner(tile_ijk);
+    std::fill(rows.rows_.begin(), rows.rows_.end(), triangles.empty() && IsInside(rule_, at_corner) ? From(0) : 0);
+    if (triangles.empty()) return;
+    std::fill(rows.starts_.begin(), rows.starts_.end(), 0);
+    if (rule_ == InteriorRule::kWinding) rows.turns_.resize(InteriorRows::kRows * kTileSide);
+    std::array<int32_t, kTileSide> along_i{};
+    along_i[0] = at_corner;
+    for (const uint32_t t : triangles) Add(TriangleAt(mesh_, t), low, along_i, rows);
+    FinishStarts(along_i, rows);
+    FinishRows(rows);
+  }
+
+ private:
+  int32_t SumAtCorner(const Vec3i& tile_ijk) const {
+    const uint64_t end = LineCrossing::Least(tile_ijk[0], tile_ijk[1], tile_ijk[2] + 1);
+    const auto after = std::lower_bound(corners_.begin(), corners_.end(), end);
+    return after == corners_.begin() ? 0 : sums_[static_cast<size_t>(after - corners_.begin()) - 1];
+  }
+
+  // Adds what the triangle crosses of the first line along i, of the first plane's lines along j, and of all along k;
+  // starts hold, until they are finished, what each point adds to the sums along j.
+  void Add(const Triangle& triangle, const Vec3i& low, std::array<int32_t, kTileSide>& along_i,
+           InteriorRows& rows) const {
+    const auto lines = [&](size_t a, bool all_a, size_t b, bool all_b) {
+      const int64_t last = kTileSide - 1;
+      return AxisLines{{low[a], low[a] + (all_a ? last : 0)}, {low[b], low[b] + (all_b ? last : 0)}};
+    };
+    const auto is_within = [](int32_t step) { return step > 0 && step < kTileSide; };
+    ForEachAxisCrossing<kSubvoxelBits>(triangle, 0, lines(1, false, 2, false),
+                                       [&](int32_t, int32_t, int32_t above, int32_t turn) {
+                                         const int32_t i = above - low[0];
+                                         if (is_within(i)) along_i[static_cast<size_t>(i)] += turn;
+                                       });
+    ForEachAxisCrossing<kSubvoxelBits>(triangle, 1, lines(2, false, 0, true),
+                                       [&](int32_t, int32_t i, int32_t above, int32_t turn) {
+                                         const int32_t j = above - low[1];
+                                         if (is_within(j))
+                                           rows.starts_[static_cast<size_t>((i - low[0]) * kTileSide + j)] += turn;
+                                       });
+    ForEachAxisCrossing<kSubvoxelBits>(
+        triangle, 2, lines(0, true, 1, true), [&](int32_t i, int32_t j, int32_t above, int32_t turn) {
+          const int32_t k = above - low[2];
+          if (is_within(k)) AddToRow(static_cast<size_t>((i - low[0]) * kTileSide + j - low[1]), k, turn, rows);
+        });
+  }
+
+  // For kParity rows hold where the parity changes, for kWinding where the sum may.
+  void AddToRow(size_t row, int32_t k, int32_t turn, InteriorRows& rows) const {
+    const uint64_t bit = uint64_t{1} << k;
+    if (rule_ == InteriorRule::kParity) {
+      rows.rows_[row] ^= bit;
+    } else {
+      rows.rows_[row] |= bit;
+      rows.turns_[row * kTileSide + static_cast<size_t>(k)] += turn;
+    }
+  }
+
+  static void FinishStarts(const std::array<int32_t, kTileSide>& along_i, InteriorRows& rows) {
+    int32_t at_i = 0;
+    for (size_t i = 0; i < kTileSide; ++i) {
+      at_i += along_i[i];
+      int32_t at_j = at_i;
+      for (size_t j = 0; j < kTileSide; ++j) {
+        int32_t& start = rows.starts_[i * kTileSide + j];
+        start = at_j += start;
+      }
+    }
+  }
+
+  void FinishRows(InteriorRows& rows) const {
+    for (size_t row = 0; row < InteriorRows::kRows; ++row) {
+      const uint64_t changes = rows.rows_[row];
+      const bool starts_inside = IsInside(rule_, rows.starts_[row]);
+      if (changes == 0 || rule_ == InteriorRule::kParity) {
+        rows.rows_[row] = RunningParity(changes) ^ (starts_inside ? From(0) : 0);
+      } else {
+        rows.rows_[row] = WindingRow(changes, rows.starts_[row], &rows.turns_[row * kTileSide]);
+      }
+    }
+  }
+
+  // Clears the turns that it reads.
+  static uint64_t WindingRow(uint64_t changes, int32_t sum, int32_t* turns) {
+    uint64_t inside = sum != 0 ? From(0) : 0;
+    for (; changes != 0; changes &= changes - 1) {
+      const int k = std::countr_zero(changes);
+      const bool was_inside = sum != 0;
+      sum += turns[k];
+      turns[k] = 0;
+      if ((sum != 0) != was_inside) inside ^= From(k);
+    }
+    return inside;
+  }
+
+  const SnappedMesh& mesh_;
+  const InteriorRule rule_;
+  const std::vector<uint64_t> corners_;  // of lines through the tiles' corners, in tiles
+  std::vector<int32_t> sums_;            // up to each of them, included
+};
+
+class OpenInterior : public Interior {
+ public:
+  OpenInterior(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
+      : rule_(rule), crossings_(FindLineCrossings<kSubvoxelBits>(mesh, cancelled)) {}
+
+  bool MayHold(const Vec3i& tile_ijk, int level) const override {
+    const Vec3i low = tile_ijk * kTileSide;
+    for (int32_t i = low[0]; i < low[0] + (kTileSide << level); ++i) {
+      if (!Crossings(i, low[1], low[1] + (kTileSide << level)).empty()) return true;
+    }
+    return false;
+  }
+
+  void Find(const Vec3i& tile_ijk, std::span<const uint32_t>, InteriorRows& rows) const override {
+    const Vec3i low = tile_ijk * kTileSide;
+    std::fill(rows.rows_.begin(), rows.rows_.end(), 0);
+    for (int32_t i = 0; i < kTileSide; ++i) {
+      std::span<const uint64_t> some = Crossings(low[0] + i, low[1], low[1] + kTileSide);
+      while (!some.empty()) {
+        const int32_t j = LineCrossing::LineJ(some.front());
+        const auto end =
+            std::find_if(some.begin(), some.end(), [&](uint64_t c) { return LineCrossing::LineJ(c) != j; });
+        const auto line = some.first(static_cast<size_t>(end - some.begin()));
+        rows.rows_[static_cast<size_t>(i * kTileSide + j - low[1])] = RowOf(line, low[2]);
+        some = some.subspan(line.size());
+      }
+    }
+  }
+
+ private:
+  // Of the lines (i, j), j_begin <= j < j_end.
+  std::span<const uint64_t> Crossings(int32_t i, int32_t j_begin, int32_t j_end) const {
+    const auto least = [&](int32_t j) {
+      return std::lower_bound(crossings_.begin(), crossings_.end(), LineCrossing::Least(i, j, -kTileSide));
+    };
+    return {least(j_begin), least(j_end)};
+  }
+
+  // The row of a line, k from `low` on, by all crossings of the line.
+  uint64_t RowOf(std::span<const uint64_t> line, int32_t low) const {
+    uint64_t inside = 0;
+    int32_t sum = 0;
+    for (const uint64_t crossing : line) {
+      const bool was_inside = IsInside(rule_, sum);
+      sum += LineCrossing::Turn(crossing);
+      if (IsInside(rule_, sum) != was_inside)
+        inside ^= From(std::clamp(LineCrossing::Above(crossing) - low, 0, kTileSide));
+    }
+    return IsInside(rule_, sum) ? 0 : inside;
+  }
+
+  const InteriorRule rule_;
+  const std::vector<uint64_t> crossings_;
+};
+
+std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule,
+                                             const std::atomic<bool>& cancelled) {
+  return std::make_unique<ClosedInterior>(mesh, rule, cancelled);
+}
+
+std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule,
+                                           const std::atomic<bool>& cancelled) {
+  return std::make_unique<OpenInterior>(mesh, rule, cancelled);
+}
+
+}  // namespace latvox

@@ -1,0 +1,81 @@
+#include "core/voxelizer/solid_tiles.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+
+#include "absl/strings/str_format.h"
+#include "core/solid/balance.h"
+#include "core/tile/cut_out.h"
+#include "core/tile/tile_order.h"
+
+namespace latvox {
+namespace {
+
+BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; }
+
+}  // namespace
+
+// A closed mesh is balanced on every line; of one that is not, all lines are looked at.
+absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
+                                                             const std::atomic<bool>& cancelled,
+                                                             uint64_t& unbalanced_lines) {
+  const bool parity = solid.rule == InteriorRule::kParity;
+  const bool has_inside = parity ? closed : IsOriented(mesh, cancelled);
+  unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, solid.rule, cancelled);
+  if (!has_inside && !solid.force_open && !cancelled) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "mesh: it is not closed%s, and %d lattice lines along k end unbalanced; force_open fills the others",
+        closed ? " with one orientation, as the rule winding asks" : "", unbalanced_lines));
+  }
+  std::unique_ptr<const Interior> interior =
+      has_inside ? MakeClosedInterior(mesh, solid.rule, cancelled) : MakeOpenInterior(mesh, solid.rule, cancelled);
+  if (cancelled) return absl::CancelledError("voxelization cancelled");
+  return interior;
+}
+
+bool HasAxes(const std::vector<Frame>& frames) {
+  return std::count_if(frames.begin(), frames.end(), [](const Frame& frame) {
+           return std::abs(frame.q[0]) + std::abs(frame.q[1]) + std::abs(frame.q[2]) == 1;
+         }) == 3;
+}
+
+SolidTiles::SolidTiles() : bits_(LayoutOf({}).Words()) {}
+
+// Each tile gets the triangles whose bounding boxes meet the box around its lattice points.
+void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node) {
+  constexpr int kTileUnitBits = kSubvoxelBits + kTileBits;
+  triangles_.resize(size_t{1} << 3 * node.level);
+  for (std::vector<uint32_t>& list : triangles_) list.clear();
+  for (const uint32_t t : node.triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
+    Vec3i first, last;
+    for (size_t m = 0; m < 3; ++m) {
+      const auto [least, most] = std::minmax({va[m], vb[m], vc[m]});
+      first[m] = std::max(((least + kLatticeUnit - 1) >> kTileUnitBits) - node.tile_ijk[m], 0);
+      last[m] = std::min((most >> kTileUnitBits) - node.tile_ijk[m], (1 << node.level) - 1);
+    }
+    for (int32_t i = first[0]; i <= last[0]; ++i) {
+      for (int32_t j = first[1]; j <= last[1]; ++j) {
+        for (int32_t k = first[2]; k <= last[2]; ++k) triangles_[TileNumber({i, j, k})].push_back(t);
+      }
+    }
+  }
+}
+
+// Without a margin, a tile's rows lie in its bits one after the other.
+TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, size_t number,
+                              const Vec3i& tile_ijk, TileScan* surface) {
+  interior.Find(tile_ijk, triangles_[number], rows_);
+  if (surface != nullptr) {
+    surface->AddRows(tile_ijk, rows_.view());
+    return surface->CutOut(context, tile_ijk);
+  }
+  static_assert(std::endian::native == std::endian::little, "words of both sizes are read as bytes");
+  std::memcpy(bits_.words().data(), rows_.view().data(), rows_.view().size_bytes());
+  return latvox::CutOut(LayoutOf(tile_ijk), bits_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
+}
+
+}  // namespace latvox

@@ -1,0 +1,54 @@
+// The interior points of tiles, alone or with the surface's voxels.
+#ifndef LATVOX_CORE_VOXELIZER_SOLID_TILES_H_
+#define LATVOX_CORE_VOXELIZER_SOLID_TILES_H_
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/lattice/frame.h"
+#include "core/snap/snap.h"
+#include "core/solid/interior.h"
+#include "core/solid/solid.h"
+#include "core/tile/brick.h"
+#include "core/tile/tile_bits.h"
+#include "core/voxelizer/tile_scan.h"
+
+namespace latvox {
+
+// The interior of a solid, and how many of the mesh's lines along k end unbalanced.
+//   closed   of the mesh, by SurfaceFacts
+// Errors: INVALID_ARGUMENT if the mesh has no inside and solid.force_open is not set; CANCELLED.
+absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
+                                                             const std::atomic<bool>& cancelled,
+                                                             uint64_t& unbalanced_lines);
+
+// Whether the frames include those along the three axes of lattice coordinates: then triangles that touch no line along
+// the frames are nothing to the interior, either.
+bool HasAxes(const std::vector<Frame>& frames);
+
+// The tiles of a node, one after the other. What a thread allocates for one node serves it for the next.
+class SolidTiles {
+ public:
+  SolidTiles();
+
+  // Begins a node.
+  void Sort(const SnappedMesh& mesh, const TileNode& node);
+
+  // The bricks of the node's tile of that number, in Morton order, as TileScan::CutOut has them.
+  //   tile_ijk   where it is, local
+  //   surface    null, or a scan of the node, which the interior is added to
+  TileBricks CutOut(const TileContext& context, const Interior& interior, size_t number, const Vec3i& tile_ijk,
+                    TileScan* surface);
+
+ private:
+  std::vector<std::vector<uint32_t>> triangles_;  // of each tile
+  InteriorRows rows_;
+  TileBits bits_;  // of a tile alone
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_SOLID_TILES_H_
