@@ -213,6 +213,10 @@ TEST(Balance, OfOneTriangleTheOtherWayRoundIsThatOfParityAlone) {
   const uint64_t lines = CountUnbalancedLines(snapped, InteriorRule::kWinding);
   EXPECT_TRUE(lines == 45 || lines == 55) << lines;
   EXPECT_EQ(VoxelizeSolid(ToWorld(mesh, lattice), lattice, {InteriorRule::kParity, false}).totals.voxels, 1000U);
+  const auto job =
+      VoxelizeJob::Create(ToWorld(mesh, lattice), Unscaled(lattice), {.solid = Solid{.rule = InteriorRule::kWinding}});
+  EXPECT_EQ((*job)->Prepare().message().substr(0, 67),
+            "mesh: it is not closed with one orientation, as the rule winding as");
 }
 
 TEST(Solids, OfMeshesThatAreNotClosedAreRefused) {
