@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
@@ -208,6 +209,10 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
     std::array<int32_t, 6> n{};
     ParseNumbers(words.region, n);
     request.region = IndexBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  }
+  const auto is_npy = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".npy"); };
+  if (!words.npy.empty() && std::none_of(options.outputs.begin(), options.outputs.end(), is_npy)) {
+    Refuse("--npy: ", words.npy, " is of a .npy, and no --out is one");
   }
   options.output_options.dense_npy = words.npy == "dense";
   if (!words.up.empty()) options.mesh.up = ValueNamed(UpNames(), words.up);

@@ -16,6 +16,7 @@
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
 #include "client/mesh/scene_file.h"
+#include "client/mesh/stl_file.h"
 #include "client/mesh/three_mf_file.h"
 
 namespace latvox::client {
@@ -32,11 +33,12 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format) {
     case MeshFormat::kThreeMf:
       return Parse3mf(bytes);
     case MeshFormat::kStl:
+      return ParseStl(bytes);
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
       break;
   }
-  return ParseScene(bytes, format == MeshFormat::kStl ? "stl" : format == MeshFormat::kGlb ? "glb" : "gltf");
+  return ParseScene(bytes, format == MeshFormat::kGlb ? "glb" : "gltf");
 }
 
 // With the path before the error; without a triangle, that is one.

@@ -1,23 +1,14 @@
 #include "client/mesh/mesh_format.h"
 
-#include <cstdint>
-#include <cstring>
 #include <filesystem>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_split.h"
+#include "client/mesh/stl_file.h"
 
 namespace latvox::client {
 namespace {
-
-bool IsBinaryStl(absl::string_view bytes) {
-  constexpr size_t kHead = 84, kTriangle = 50;
-  if (bytes.size() < kHead) return false;
-  uint32_t triangles;
-  std::memcpy(&triangles, bytes.data() + 80, sizeof(triangles));
-  return bytes.size() == kHead + kTriangle * uint64_t{triangles};
-}
 
 bool IsObj(absl::string_view bytes) {
   constexpr size_t kMost = size_t{1} << 16;  // comments before the first vertex
@@ -60,7 +51,7 @@ std::optional<MeshFormat> FormatOfBytes(absl::string_view bytes) {
   if (IsBinaryStl(bytes)) return MeshFormat::kStl;
   const absl::string_view text = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
   if (absl::StartsWith(text, "{")) return MeshFormat::kGltf;
-  if (absl::StartsWith(text, "solid")) return MeshFormat::kStl;
+  if (absl::StartsWithIgnoreCase(text, "solid")) return MeshFormat::kStl;
   if (IsObj(bytes)) return MeshFormat::kObj;
   return std::nullopt;
 }

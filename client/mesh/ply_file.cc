@@ -14,7 +14,7 @@
 #include "absl/strings/str_split.h"
 #include "client/mesh/polygon.h"
 
-// Why not assimp, which reads STL and glTF: on a file cut short its PLY importer crashes or does not return, and it
+// Why not assimp, which reads glTF: on a file cut short its PLY importer crashes or does not return, and it
 // triangulates polygons before anyone could have checked their indices.
 namespace latvox::client {
 namespace {

@@ -1,4 +1,4 @@
-// STL and glTF, through assimp.
+// glTF, through assimp.
 #ifndef LATVOX_CLIENT_MESH_SCENE_FILE_H_
 #define LATVOX_CLIENT_MESH_SCENE_FILE_H_
 
@@ -10,9 +10,8 @@
 
 namespace latvox::client {
 
-// All triangles of the scene in world coordinates. Numbers in text files may come out one float32 beside the nearest.
-// Of glTF, assimp leaves out triangles with an index out of range without a word.
-// Errors: INVALID_ARGUMENT naming what is wrong, without the path.
+// All triangles of the scene in world coordinates. Of glTF, assimp leaves out triangles with an index out of range
+// without a word. Errors: INVALID_ARGUMENT naming what is wrong, without the path.
 absl::StatusOr<Mesh> ReadSceneFile(const std::string& path);
 
 // The same of a file's bytes; `extension`, without the dot, says what they are. Files that they refer to are looked for

@@ -17,7 +17,8 @@ CUBES = ["--lattice", "cartesian", "--resolution", "40", "--origin", "0.5,-3,1"]
 
 
 def run(*words, **options):
-    return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=PATIENCE, check=True, **options).stdout
+    command = list(map(str, words))
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True, **options).stdout
 
 
 def grid_points(path):
@@ -32,7 +33,7 @@ def grid_points(path):
 
 
 def nano_map(path):
-    """The matrix and shift from index to world of the first grid of a .nvdb file: GridData's Map, as NanoVDB.h lays it out."""
+    """The matrix and shift from index to world of a .nvdb file's first grid: GridData's Map, as NanoVDB.h has it."""
     data = path.read_bytes()
     grid = data.index(b"NanoVDB0", 16)  # after that of the file itself
     name_ends = grid + 40 + 256

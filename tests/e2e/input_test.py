@@ -1,5 +1,6 @@
-"""However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up, --scale."""
+"""However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up."""
 
+import functools
 import json
 import struct
 import unittest
@@ -8,8 +9,8 @@ import zipfile
 from harness import Case, encode_drc, float32, latvox, server, write_obj, write_ply, write_stl
 
 # No two extents or turns of it are alike.
-MESH = ([(0.1, 0.2, 0.3), (2.7, 0.2, 0.4), (0.3, 4.1, 0.1), (0.2, 0.9, 7.3)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
-MESH = ([tuple(map(float32, v)) for v in MESH[0]], MESH[1])
+CORNERS = [(0.1, 0.2, 0.3), (2.7, 0.2, 0.4), (0.3, 4.1, 0.1), (0.2, 0.9, 7.3)]
+MESH = ([tuple(map(float32, v)) for v in CORNERS], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
 GRID = ["--voxel-size", "0.25", "--origin", "0,0,0", "--quantization", "0"]
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
@@ -53,17 +54,19 @@ def write_3mf(path, text, **parts):
 def write_gltf(path, mesh):
     """As .glb: a node that moves the mesh by (1, 0, 0), and one that has it as it is."""
     body = b"".join(struct.pack("<3f", *v) for v in mesh[0]) + b"".join(struct.pack("<3H", *t) for t in mesh[1])
-    split = 12 * len(mesh[0])
+    split, low, high = 12 * len(mesh[0]), *([f(v[m] for v in mesh[0]) for m in range(3)] for f in (min, max))
     document = {
         "asset": {"version": "2.0"},
         "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"mesh": 0, "translation": [1, 0, 0]}, {"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
         "buffers": [{"byteLength": len(body)}],
-        "bufferViews": [{"buffer": 0, "byteLength": split}, {"buffer": 0, "byteOffset": split, "byteLength": len(body) - split}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": split},
+            {"buffer": 0, "byteOffset": split, "byteLength": len(body) - split},
+        ],
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": len(mesh[0]), "type": "VEC3",
-             "min": [min(v[m] for v in mesh[0]) for m in range(3)], "max": [max(v[m] for v in mesh[0]) for m in range(3)]},
+            {"bufferView": 0, "componentType": 5126, "count": len(mesh[0]), "type": "VEC3", "min": low, "max": high},
             {"bufferView": 1, "componentType": 5123, "count": 3 * len(mesh[1]), "type": "SCALAR"},
         ],
     }
@@ -76,9 +79,10 @@ def write_gltf(path, mesh):
 
 
 class InputCase(Case):
-    def setUp(self):
-        super().setUp()
-        self.server = ["--server", self.enterContext(server(self.dir)).address]
+    @functools.cached_property
+    def server(self):
+        """The options that name a server of this test; what is refused needs none."""
+        return ["--server", self.enterContext(server(self.dir)).address]
 
     def digest(self, *arguments, stdin=None):
         with open(stdin or "/dev/null", "rb") as file:
@@ -92,7 +96,7 @@ class InputCase(Case):
 
     def assert_refused(self, code, says, *arguments, stdin=None):
         with open(stdin or "/dev/null", "rb") as file:
-            done = latvox("voxelize", *arguments, *GRID, "-o", self.dir / "out.csv", *self.server, stdin=file)
+            done = latvox("voxelize", *arguments, *GRID, "-o", self.dir / "out.csv", stdin=file)
         self.assertEqual(done.returncode, code, done.stderr)
         self.assertRegex(done.stderr, says)
 
@@ -123,7 +127,8 @@ class Input(InputCase):
         write_ply(self.dir / "mesh.obj", MESH)
         self.assert_refused(3, "mesh.obj: ", self.dir / "mesh.obj")
         self.assertEqual(self.digest(self.dir / "mesh.obj", "--input-format", "ply"), wanted)
-        self.assert_refused(3, "standard input: not a PLY file", "-", "--input-format", "ply", stdin=self.dir / "expected.obj")
+        obj = self.dir / "expected.obj"
+        self.assert_refused(3, "standard input: not a PLY file", "-", "--input-format", "ply", stdin=obj)
 
     def test_standard_input_that_is_no_mesh_is_refused(self):
         (self.dir / "text").write_text("this is no mesh\n")
@@ -195,17 +200,18 @@ class ThreeMf(InputCase):
     def test_errors_name_part_line_and_element(self):
         good = f'<object id="1">{mesh_xml(MESH)}</object>'
         item = '<item objectid="1"/>'
-        nest = "".join(f'<object id="{n}"><components>' + f'<component objectid="{n + 1}"/>' * 10 + "</components></object>"
-                       for n in range(1, 12)) + '<object id="12"/>'
+        tenfold = '<object id="{}"><components>' + '<component objectid="{}"/>' * 10 + "</components></object>"
+        nest = "".join(tenfold.format(n, *[n + 1] * 10) for n in range(1, 12)) + '<object id="12"/>'
+        itself = '<object id="1"><components><component objectid="1"/></components></object>'
         for text, code, says in (
-            (model(good.replace('v3="1"', 'v3="4"'), item), 3, 'line 7: <triangle>: v3="4" of triangle 0 .* 4 vertices'),
+            (model(good.replace('v3="1"', 'v3="4"'), item), 3, 'line 7: <triangle>: v3="4" of triangle 0 .* 4 vert'),
             (model(good.replace('z="', 'z="x', 1), item), 3, 'line 2: <vertex>: z="x.*" of vertex 0 is not a finite'),
             (model(good, '<item objectid="7"/>'), 3, 'line 11: <item>: objectid="7" is no object'),
             (model(good, '<item objectid="1" transform="1 0 0"/>'), 3, "<item>: transform has 3 numbers, not 12"),
             (model(good, ""), 3, "the build has no item"),
             (model(good, item, 'unit="league"'), 3, 'unit "league" is not one of'),
             (model(good, item, 'xmlns:b="urn:beams" requiredextensions="b"'), 3, r'extension "b" \(urn:beams\)'),
-            (model('<object id="1"><components><component objectid="1"/></components></object>', item), 3, "nest deeper than 64"),
+            (model(itself, item), 3, "nest deeper than 64"),
             (model(nest, item), 5, "more than 1048576 objects"),
             ("<model", 3, "3dmodel.model, line 1: is not XML"),
         ):
@@ -213,9 +219,11 @@ class ThreeMf(InputCase):
                 self.assert_refused(code, f"a.3mf: .*{says}", write_3mf(self.dir / "a.3mf", text))
 
     def test_an_archive_that_is_damaged_is_refused(self):
-        path = write_3mf(self.dir / "a.3mf", model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/>'))
+        text = model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/>')
+        path = write_3mf(self.dir / "a.3mf", text)
         whole = path.read_bytes()
-        for name, data in (("cut", whole[:-30]), ("text", b"PK\3\4 and no more"), ("flipped", whole.replace(b"3D/3dmodel", b"3D/3dmodal"))):
+        elsewhere = whole.replace(b"3D/3dmodel", b"3D/3dmodal")
+        for name, data in (("cut", whole[:-30]), ("text", b"PK\3\4 and no more"), ("elsewhere", elsewhere)):
             with self.subTest(name):
                 path.write_bytes(data)
                 self.assert_refused(3, "a.3mf: ", path)
@@ -239,8 +247,8 @@ class WeldReport(InputCase):
         report = self.voxelize(turned, *GRID, *self.server, "--weld-report")["mesh"]["weld_report"]
         self.assertEqual((report["open_edges"], report["inconsistent_edges"]), (0, 3))
         done = latvox("voxelize", path, *GRID, "--weld-report", "-o", self.dir / "out.csv", *self.server)
-        self.assertIn("of 6 vertices, 1 are duplicates; of 6 triangles, 1 are degenerate; edges: 2 open, 1 non-manifold",
-                      done.stdout)
+        says = "of 6 vertices, 1 are duplicates; of 6 triangles, 1 are degenerate; edges: 2 open, 1 non-manifold"
+        self.assertIn(says, done.stdout)
 
     def test_it_leaves_a_draco_stream_as_it_is(self):
         drc = encode_drc(self.dir / "a.drc", write_obj(self.dir / "a.obj", MESH))

@@ -67,7 +67,8 @@ class Help(Case):
                                       capture_output=True, text=True, timeout=PATIENCE)
                 self.assertEqual(done.returncode, 0, done.stderr)
         made = {path.name for path in self.dir.iterdir()}
-        self.assertLessEqual({"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "voxels", "star.png", "whole.vdb"}, made)
+        wanted = {"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "voxels", "star.png", "whole.vdb"}
+        self.assertLessEqual(wanted, made)
 
     def test_options_are_in_groups(self):
         text = help_of("voxelize")
@@ -78,7 +79,8 @@ class Help(Case):
         readme = (ROOT / "README.md").read_text()
         helps = "\n".join(help_of(name) for name in commands())
         of_latvox = options(helps)
-        single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))  # one word to choose from is no choice
+        # One word to choose from is no choice.
+        single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))
         of_latvoxd = options(run(BIN / "latvoxd", "--help"))
         self.assertGreater(len(of_latvox), 30)
         missing = {name for name in of_latvox if not re.search(rf"{name}\b(?!-)", readme)}
@@ -104,8 +106,9 @@ class ManPages(Case):
             with self.subTest(page):
                 path = self.dir / page
                 self.assertEqual(run("mandoc", "-Tlint", "-W", "warning", path), "")
-                done = subprocess.run(["man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", "-Z", path], capture_output=True,
-                                      timeout=PATIENCE, env=os.environ | {"LC_ALL": "C.UTF-8"})
+                command = ["man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", "-Z", path]
+                environment = os.environ | {"LC_ALL": "C.UTF-8"}
+                done = subprocess.run(command, capture_output=True, timeout=PATIENCE, env=environment)
                 self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_every_option_of_the_help_is_in_the_page_of_its_command(self):
@@ -118,7 +121,8 @@ class ManPages(Case):
                 self.assertEqual(entries(section), wanted)
         self.assertIn("cartesian|bcc|fcc|hexagonal", sections["voxelize"])
         text = self.shown("latvoxd.8")
-        self.assertEqual(entries(text.partition("\nOPTIONS\n")[2].partition("\nEXIT")[0]), options(run(BIN / "latvoxd", "--help")))
+        section = text.partition("\nOPTIONS\n")[2].partition("\nEXIT")[0]
+        self.assertEqual(entries(section), options(run(BIN / "latvoxd", "--help")))
         self.assertIn("LATVOX_MAX_JOBS", text)
 
     def test_pages_and_completions_are_installed_where_they_are_looked_for(self):
@@ -183,9 +187,10 @@ class Completions(Case):
             self.assertEqual(self.fish(f"latvox {name} --"), options(help_of(name)))
 
     def zsh(self, line):
-        """What an interactive zsh makes of the line and a tab, without the space or slash that goes with the next key."""
+        """What an interactive zsh makes of the line and a tab, without the space or slash that the next key removes."""
         master, slave = pty.openpty()
-        environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}", "TERM": "dumb", "PS1": "> ", "ZDOTDIR": str(self.dir)}
+        path = f"{BIN}:{os.environ['PATH']}"
+        environment = os.environ | {"PATH": path, "TERM": "dumb", "PS1": "> ", "ZDOTDIR": str(self.dir)}
         shell = subprocess.Popen(["zsh", "-f", "-i"], stdin=slave, stdout=slave, stderr=slave, cwd=self.dir,
                                  env=environment, start_new_session=True)
         os.close(slave)

@@ -14,7 +14,8 @@ def on_terminal(*words, **environment):
     """The exit status, and what a terminal gets on standard error."""
     master, slave = pty.openpty()
     command = [BIN / "latvox", *map(str, words)]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=slave, env=os.environ | {"TERM": "xterm"} | environment)
+    environment = os.environ | {"TERM": "xterm"} | environment
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=slave, env=environment)
     os.close(slave)
     text = b""
     while True:

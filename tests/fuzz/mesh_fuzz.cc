@@ -9,6 +9,7 @@
 #include "client/mesh/mesh_format.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
+#include "client/mesh/stl_file.h"
 #include "client/mesh/three_mf_file.h"
 
 namespace {
@@ -63,6 +64,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   latvox::client::FormatOfBytes(bytes);
   Check(latvox::client::ParseObj(bytes));
   Check(latvox::client::ParsePly(bytes));
+  Check(latvox::client::ParseStl(bytes));
   Check(latvox::client::Parse3mf(bytes));
   Check(latvox::client::Parse3mf(Archive(bytes)));
   return 0;

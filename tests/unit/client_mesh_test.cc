@@ -10,6 +10,7 @@
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
 #include "client/mesh/polygon.h"
+#include "client/mesh/stl_file.h"
 #include "client/mesh/zip_archive.h"
 #include "tests/unit/client_files.h"
 
@@ -206,6 +207,34 @@ TEST_F(MeshFile, ReadsAsciiStl) {
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   ASSERT_EQ(mesh->triangles.size(), 1u);
   EXPECT_THAT(mesh->positions[2], ElementsAre(0.F, 1.F, 0.5F));
+}
+
+TEST(StlFile, TextIsReadToTheNearestFloatsInAnyCaseAndLayout) {
+  const auto mesh = ParseStl(
+      "SOLID vertex of a facet\n  FACET NORMAL 0 0 1 outer loop\nVertex -3.85359e-05 7.70718e-05 +0.1\n"
+      "vertex 1 0 0 vertex 0 1e-50 0\nendloop endfacet\nendsolid\nsolid\nfacet normal nan nan nan\nouter loop\n"
+      "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid vertex\n");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(mesh->positions[0], ElementsAre(-3.85359e-05F, 7.70718e-05F, 0.1F));
+  EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{3, 4, 5}));
+}
+
+TEST(StlFile, ErrorsNameLineOrTriangle) {
+  const std::string head = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
+  const auto says = [](const std::string& bytes, const char* text) {
+    EXPECT_THAT(Message(ParseStl(bytes).status()), HasSubstr(text));
+  };
+  says(head + "vertex 0 x 0\n", "line 6: coordinate \"x\" of a vertex is not a finite number");
+  says(head + "vertex 0 1e99 0\n", "line 6: coordinate \"1e99\"");
+  says(head + "vertex 0 1", "line 6: coordinate \"\"");
+  says(head + "endloop\n", "line 6: a facet has 2 vertices, not 3");
+  says(head + "vortex 0 1 0\n", "line 6: \"vortex\" is not understood");
+  says(head, "ends within a facet");
+  says(BinaryStl(2).substr(0, 150), "ends within triangle 1 of 2");
+  says(BinaryStl(2).substr(0, 83), "is no STL file");
+  std::string bytes = BinaryStl(2);
+  bytes.replace(84 + 50 + 12 + 8, 4, Bytes(std::numeric_limits<float>::infinity()));
+  says(bytes, "a vertex of triangle 1 is not finite (inf)");
 }
 
 // One triangle under two nested nodes, embedded in base64: positions (0,0,0) (1,0,0) (0,1,0), indices 0 1 `last`.

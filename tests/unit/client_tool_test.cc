@@ -80,6 +80,8 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "b.csv",
                                          "--out",
                                          "c.png",
+                                         "-o",
+                                         "d.npy",
                                          "--algorithm",
                                          "optimized-incremental",
                                          "--fill",
@@ -109,7 +111,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_EQ(options.server.threads, 3);
   EXPECT_EQ(options.server.timeout_seconds, 1.5);
   EXPECT_EQ(options.server.retries, 7);
-  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png"));
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png", "d.npy"));
 }
 
 TEST(Options, OfASolidSayWhatIsInside) {
@@ -181,6 +183,7 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
   refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
   refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
+  refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
   refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
