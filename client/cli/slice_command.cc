@@ -13,6 +13,7 @@
 #include "client/cli/common_options.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
+#include "client/output/cell_index.h"
 #include "client/output/output.h"
 #include "client/output/pixel_picture.h"
 #include "client/output/vec3.h"
@@ -35,8 +36,7 @@ std::vector<Brick> Cut(const std::vector<Brick>& bricks, size_t axis, int32_t in
     uint64_t any = 0;
     ForEachVoxel(brick, [&](const Vec3i& ijk) {
       if (ijk[axis] != index) return;
-      const uint64_t bit = uint64_t{1} << ((ijk[1] & 7) << 3 | (ijk[2] & 7));
-      any |= cut.mask[static_cast<size_t>(ijk[0] & 7)] |= bit;
+      any |= cut.mask[WordInBrick(ijk)] |= BitInWord(ijk);
     });
     if (any != 0) layer.push_back(cut);
   }
