@@ -7,11 +7,13 @@ import re
 import subprocess
 import unittest
 
+import pyopenvdb
+
 from harness import BUNNY, PATIENCE, Case, latvox
 from picture_test import LATTICES, read_png, write_octahedron
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-OK, OTHER, USAGE, BAD_INPUT = range(4)
+OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED = range(6)
 WIDTH, HEIGHT = 800, 360
 PANEL = 330  # pixels on the left, at most
 
@@ -100,8 +102,15 @@ class View(Case):
                 done = latvox("view", *arguments)
                 self.assertEqual(done.returncode, status, done.stderr)
                 self.assertRegex(done.stderr, pattern)
+        grid = pyopenvdb.BoolGrid()
+        for far in (0, 70000):
+            grid.getAccessor().setValueOn((0, far, 0), True)
+        pyopenvdb.write(str(self.dir / "far.vdb"), grids=[grid])
+        done = latvox("view", self.dir / "far.vdb", "-o", self.page)
+        self.assertEqual(done.returncode, REFUSED, done.stderr)
+        self.assertRegex(done.stderr, "far.vdb: 70001 voxels on axis j are over the 65536 of a page")
         self.assertEqual(self.page.read_text(), "old")
-        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "page.html"])
+        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "page.html"])
 
 
 class Page(Case):
