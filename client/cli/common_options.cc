@@ -67,6 +67,14 @@ void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensio
       ->check(check);
 }
 
+void AddSizeOption(CLI::App& command, const std::string& what, int& size) {
+  command
+      .add_option("--size", size,
+                  absl::StrCat(what, ", ", kMinPictureSide, " to ", kMaxPictureSide, " (default: ", size, ")"))
+      ->type_name("N")
+      ->check(Whole(kMinPictureSide, kMaxPictureSide));
+}
+
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what) {
   std::set<std::filesystem::path> places;
   for (const std::string& output : outputs) {

@@ -27,6 +27,7 @@ namespace latvox::client {
 
 // The least and most that --resolution takes.
 inline constexpr int kMinResolution = 2, kMaxResolution = 65536;
+inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 8192;
 inline constexpr uint32_t kMaxShards = 1 << 20;
 
 // Whether the text is a number, finite if T is not integral.
@@ -102,6 +103,9 @@ void Group(CLI::App& command, const char* name);
 
 // Adds -o, --out.
 void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
+
+// Adds --size, of a picture.
+void AddSizeOption(CLI::App& command, const std::string& what, int& size);
 
 // Refuses an output that is given twice, or in the place of the input, which is called `what`.
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what);

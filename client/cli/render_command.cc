@@ -46,9 +46,7 @@ double DiagonalOf(const GridFileInfo& info) {
 void AddRenderOptions(CLI::App& command, RenderWords& words) {
   command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
   AddOutputOption(command, {".png"}, words.outputs);
-  command.add_option("--size", words.picture.side, "pixels of each side, 16 to 8192 (default: 1024)")
-      ->type_name("N")
-      ->check(Whole(kMinPictureSide, kMaxPictureSide));
+  AddSizeOption(command, "pixels of each side", words.picture.side);
   command
       .add_option("--view", words.view,
                   "where the viewer is, degrees: from z towards x, and above; y is up (default: 30,22)")

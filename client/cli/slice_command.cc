@@ -13,6 +13,7 @@
 #include "client/cli/common_options.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
+#include "client/output/cell_index.h"
 #include "client/output/output.h"
 #include "client/output/pixel_picture.h"
 #include "client/output/vec3.h"
@@ -35,16 +36,16 @@ std::vector<Brick> Cut(const std::vector<Brick>& bricks, size_t axis, int32_t in
     uint64_t any = 0;
     ForEachVoxel(brick, [&](const Vec3i& ijk) {
       if (ijk[axis] != index) return;
-      const uint64_t bit = uint64_t{1} << ((ijk[1] & 7) << 3 | (ijk[2] & 7));
-      any |= cut.mask[static_cast<size_t>(ijk[0] & 7)] |= bit;
+      any |= cut.mask[WordInBrick(ijk)] |= BitInWord(ijk);
     });
     if (any != 0) layer.push_back(cut);
   }
   return layer;
 }
 
-absl::StatusOr<std::string> Draw(const GridFile& file, const std::vector<Brick>& cut, size_t axis, int32_t index) {
-  const Layer layer = LayerOf(file.info.transform, axis, index);
+absl::StatusOr<std::string> Draw(const GridFile& file, const std::vector<Brick>& cut, size_t axis,
+                                 const SliceWords& words) {
+  const Layer layer = LayerOf(file.info.transform, axis, words.index);
   const auto [first, second] = Others(axis);
   constexpr double kFar = std::numeric_limits<double>::max();
   Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
@@ -64,7 +65,7 @@ absl::StatusOr<std::string> Draw(const GridFile& file, const std::vector<Brick>&
       cells.push_back({ijk[first], ijk[second]});
     });
   }
-  return DrawCells(layer.grid, cells, low, high);
+  return DrawCells(layer.grid, cells, low, high, words.size);
 }
 
 absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const GridFile& file,
@@ -100,6 +101,7 @@ void AddSliceOptions(CLI::App& command, SliceWords& words) {
       ->type_name("N")
       ->required()
       ->check(Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
+  AddSizeOption(command, "pixels of the picture's longer side", words.size);
 }
 
 void Check(const SliceWords& words) { CheckOutputs(words.outputs, words.input, "file"); }
@@ -137,7 +139,7 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words) {
     }
     auto picture = AtomicFile::Create(path);
     if (!picture.ok()) return picture.status();
-    const auto png = Draw(*file, cut, axis, words.index);
+    const auto png = Draw(*file, cut, axis, words);
     if (!png.ok()) return png.status();
     if (auto status = (*picture)->Append(*png); !status.ok()) return status;
     if (auto status = (*picture)->Sync(); !status.ok()) return status;

@@ -3,11 +3,11 @@
 #define LATVOX_CLIENT_CLI_SLICE_COMMAND_H_
 
 #include <CLI/App.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/output/pixel_picture.h"
 #include "client/plane_types.h"
 #include "client/types.h"
 
@@ -16,7 +16,7 @@ namespace latvox::client {
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct SliceWords {
   std::string input, axis;
-  int index = 0;
+  int index = 0, size = kPixelPictureSide;
   std::vector<std::string> outputs;
 };
 

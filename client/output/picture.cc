@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/output/depth_blur.h"
 #include "client/output/png.h"
 #include "client/output/vec3.h"
 #include "client/output/voxel_front.h"
@@ -22,7 +23,6 @@ constexpr double kFilled = 0.92;  // share of the picture
 using Rgb = std::array<float, 3>;
 using Vec3f = std::array<float, 3>;
 
-constexpr float kNothing = -std::numeric_limits<float>::infinity();
 constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colours here
 
 float Dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -51,7 +51,7 @@ class Renderer {
     for (size_t m = 0; m < 3; ++m) color_[m] = ToLinear(options.color[m]);
     for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));
     const size_t samples = static_cast<size_t>(wide_) * static_cast<size_t>(wide_);
-    depth_.resize(samples, kNothing);
+    depth_.resize(samples, kNoDepth);
     facet_.resize(samples);
     edge_.resize(samples);
     MakeTaps();
@@ -69,7 +69,7 @@ class Renderer {
     front_.emplace(scene_, towards_);
     for (const Vec3f& light : lights_) light_fronts_.emplace_back(scene_, ToScene(light));
     ForRows(wide_, [this](int y) { CastRow(y); });
-    Smooth();
+    smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
     ForRows(side_, [&](int y) {
       for (int x = 0; x < side_; ++x) {
         const Rgb color = ShadePixel(x, y);
@@ -154,32 +154,6 @@ class Renderer {
     return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
   }
 
-  // The surface beneath the cells' facets: depth averaged over some voxels, not across the edges of the shape.
-  void Smooth() {
-    const int radius = std::clamp(static_cast<int>(2.0F * cell_), 2, 32);
-    const float edge = 3.0F * static_cast<float>(radius);
-    smooth_ = depth_;
-    std::vector<float> in;
-    for (const bool across : {true, false, true, false}) {
-      in = smooth_;
-      ForRows(wide_, [&](int y) {
-        for (int x = 0; x < wide_; ++x) {
-          const float here = in[At(x, y)];
-          if (here == kNothing) continue;
-          const int along = across ? x : y;
-          float sum = 0, weight = 0;
-          for (int d = std::max(-radius, -along), last = std::min(radius, wide_ - 1 - along); d <= last; ++d) {
-            const float there = in[across ? At(x + d, y) : At(x, y + d)];
-            if (!(std::abs(there - here) < edge)) continue;
-            sum += there;
-            weight += 1;
-          }
-          smooth_[At(x, y)] = sum / weight;
-        }
-      });
-    }
-  }
-
   // Of the smooth surface.
   Vec3f NormalAt(int x, int y) const {
     const float here = smooth_[At(x, y)];
@@ -256,7 +230,7 @@ class Renderer {
 
   Rgb Shade(int x, int y) const {
     const size_t at = At(x, y);
-    if (depth_[at] == kNothing) return kBackground;
+    if (depth_[at] == kNoDepth) return kBackground;
     const float facets = 0.2F * Share(cell_, 2, 4) + 0.65F * Share(cell_, 6, 24);
     const Vec3f smooth = NormalAt(x, y), &facet = normals_[facet_[at]];
     Vec3f normal;
@@ -287,7 +261,7 @@ class Renderer {
   float cell_ = 1;              // a cell's edge in samples
   Rgb color_;
   std::vector<Vec3f> normals_;         // of the cell's facets, view frame
-  std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNothing where no cell is; rows from the top
+  std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
   std::optional<VoxelFront> front_;
   std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
   std::vector<VoxelFront> light_fronts_;           // of each of them

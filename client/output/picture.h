@@ -12,10 +12,8 @@
 
 namespace latvox::client {
 
-inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 8192;  // pixels
-
 struct PictureOptions {
-  int side = 1024;
+  int side = 1024;                                 // pixels
   double azimuth = 30, elevation = 22;             // of the viewer, degrees: from z towards x, and above; y is up
   std::array<uint8_t, 3> color = {118, 158, 210};  // of the surface, sRGB
 };

@@ -13,7 +13,6 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kSide = 1024;  // of the longer side
 constexpr int kShortestSide = 64;
 constexpr double kFilled = 0.94;  // share of the picture
 constexpr int kSamples = 3;       // per sample of the picture and axis
@@ -109,12 +108,13 @@ class PixelPicture {
       : grid_(grid), finder_(grid), filled_(pixels.begin(), pixels.end()) {}
 
   // What the picture shows of the world.
-  void Frame(const Vec2d& low, const Vec2d& high, bool y_down) {
+  void Frame(const Vec2d& low, const Vec2d& high, bool y_down, int longer_side) {
     const Vec2d size = high - low;
-    scale_ = kFilled * kSide / std::max({size[0], size[1], grid_.pixel_size});
-    const double margin = (1 - kFilled) * kSide;
+    scale_ = kFilled * longer_side / std::max({size[0], size[1], grid_.pixel_size});
+    const double margin = (1 - kFilled) * longer_side;
     const auto side = [&](double length) {
-      return std::clamp(static_cast<int>(std::lround(length * scale_ + margin)), kShortestSide, kSide);
+      return std::clamp(static_cast<int>(std::lround(length * scale_ + margin)), std::min(kShortestSide, longer_side),
+                        longer_side);
     };
     width_ = side(size[0]);
     height_ = side(size[1]);
@@ -232,15 +232,15 @@ absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelizatio
     for (const Vec2d& p : polyline.points) extend(p, 0);
   }
   for (const Vec2i& ij : pixelization.pixels) extend(pixelization.grid.ToWorld(ij), picture.reach());
-  picture.Frame(low, high, drawing.y_down);
+  picture.Frame(low, high, drawing.y_down, kPixelPictureSide);
   for (const Polyline& polyline : drawing.polylines) picture.DrawCurve(polyline);
   return picture.Draw();
 }
 
 absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<Vec2i>& cells, const Vec2d& low,
-                                      const Vec2d& high) {
+                                      const Vec2d& high, int longer_side) {
   PixelPicture picture(grid, cells);
-  picture.Frame(low, high, /*y_down=*/false);
+  picture.Frame(low, high, /*y_down=*/false, longer_side);
   return picture.Draw();
 }
 

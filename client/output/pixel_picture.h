@@ -11,13 +11,15 @@
 
 namespace latvox::client {
 
-// The bytes of a PNG file, 1024 samples on its longer side: every pixel as its Voronoi cell, a rectangle or a hexagon,
-// and the curve over it. Errors: INTERNAL (libpng).
+inline constexpr int kPixelPictureSide = 1024;  // samples, of the longer one
+
+// The bytes of a PNG file, kPixelPictureSide samples on its longer side: every pixel as its Voronoi cell, a rectangle
+// or a hexagon, and the curve over it. Errors: INTERNAL (libpng).
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization);
 
-// The same without a curve: what is within `low` and `high`, world coordinates.
+// The same without a curve, of another size: what is within `low` and `high`, world coordinates.
 absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<Vec2i>& cells, const Vec2d& low,
-                                      const Vec2d& high);
+                                      const Vec2d& high, int longer_side);
 
 }  // namespace latvox::client
 

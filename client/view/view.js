@@ -139,15 +139,18 @@ class View {
   // The shape is a ball of radius 1 at most, about 0.
   look(azimuth, elevation) {
     const [a, e] = [azimuth, elevation].map((degrees) => (degrees * Math.PI) / 180);
-    const distance = 4;
+    const distance = 4 / Math.min(1, this.camera.aspect);
     this.camera.position.set(Math.cos(e) * Math.sin(a) * distance, Math.sin(e) * distance, Math.cos(e) * Math.cos(a) * distance);
     this.controls.update();
   }
 
+  // Beside the panel where there is room.
   resize() {
+    const panel = byId("panel").getBoundingClientRect();
+    const width = innerWidth > 600 ? innerWidth - panel.right : innerWidth;
     this.renderer.setPixelRatio(devicePixelRatio);
-    this.renderer.setSize(innerWidth, innerHeight);
-    this.camera.aspect = innerWidth / innerHeight;
+    this.renderer.setSize(width, innerHeight);
+    this.camera.aspect = width / innerHeight;
     this.camera.updateProjectionMatrix();
     this.draw();
   }

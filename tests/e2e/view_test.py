@@ -7,12 +7,15 @@ import re
 import subprocess
 import unittest
 
+import pyopenvdb
+
 from harness import BUNNY, PATIENCE, Case, latvox
 from picture_test import LATTICES, read_png, write_octahedron
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-OK, OTHER, USAGE, BAD_INPUT = range(4)
-WIDTH, HEIGHT = 640, 400
+OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED = range(6)
+WIDTH, HEIGHT = 800, 360
+PANEL = 330  # pixels on the left, at most
 
 
 class View(Case):
@@ -44,12 +47,12 @@ class View(Case):
         return {name: int(value) for name, value in re.findall(r'<td id="(\w+)">(\d+)', dom)}, dom
 
     def look(self, place=""):
-        """The picture without the panel's part: (x, y) -> colour of all that is not background."""
+        """The picture beside the panel: (x, y) -> colour of all that is not background."""
         self.chromium(f"--screenshot={self.dir}/page.png", place)
         width, height, lines = read_png(self.dir / "page.png")
         self.assertEqual((width, height), (WIDTH, HEIGHT))
         background = lines[HEIGHT - 1][WIDTH - 1]
-        return {(x, y): c for y, line in enumerate(lines) for x, c in enumerate(line) if c != background and x > WIDTH / 2}
+        return {(x, y): c for y, line in enumerate(lines) for x, c in enumerate(line) if c != background and x > PANEL}
 
     def test_counts_are_those_of_the_file(self):
         summary = self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", 24, out="a.vdb")
@@ -73,13 +76,12 @@ class View(Case):
         write_octahedron(self.dir / "a.vdb", LATTICES["bcc"], 8)
         self.view(self.dir / "a.vdb")
         seen = self.look("#azimuth=0&elevation=0")
-        # From z, the right half of a square on its corner about the middle: a triangle, half of its box.
-        xs, ys = [x for x, _ in seen], [y for _, y in seen]
-        size = max(ys) - min(ys)
-        self.assertGreater(size, HEIGHT / 3)
-        self.assertAlmostEqual((max(ys) + min(ys)) / 2, HEIGHT / 2, delta=3)
-        self.assertAlmostEqual(max(xs) - WIDTH / 2, size / 2, delta=size * 0.1)
-        self.assertTrue(0.4 < len(seen) / (size * (max(xs) - WIDTH / 2)) < 0.65, len(seen))
+        # From z, a square on its corner: half of its box.
+        (left, right), (top, bottom) = ((min(xs), max(xs)) for xs in zip(*seen))
+        self.assertGreater(bottom - top, HEIGHT / 3)
+        self.assertAlmostEqual((top + bottom) / 2, HEIGHT / 2, delta=3)
+        self.assertAlmostEqual((right - left) / (bottom - top), 1, delta=0.1)
+        self.assertTrue(0.4 < len(seen) / ((right - left) * (bottom - top)) < 0.65, len(seen))
         self.assertGreater(len(set(seen.values())), 20)
         cut = self.look("#azimuth=0&elevation=0&axis=j&layer=-3")
         self.assertLess(len(cut), 0.8 * len(seen))
@@ -100,8 +102,15 @@ class View(Case):
                 done = latvox("view", *arguments)
                 self.assertEqual(done.returncode, status, done.stderr)
                 self.assertRegex(done.stderr, pattern)
+        grid = pyopenvdb.BoolGrid()
+        for far in (0, 70000):
+            grid.getAccessor().setValueOn((0, far, 0), True)
+        pyopenvdb.write(str(self.dir / "far.vdb"), grids=[grid])
+        done = latvox("view", self.dir / "far.vdb", "-o", self.page)
+        self.assertEqual(done.returncode, REFUSED, done.stderr)
+        self.assertRegex(done.stderr, "far.vdb: 70001 voxels on axis j are over the 65536 of a page")
         self.assertEqual(self.page.read_text(), "old")
-        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "page.html"])
+        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "page.html"])
 
 
 class Page(Case):
