@@ -64,14 +64,15 @@ double VolumeOf(const IndexBox& box) {
 
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
   const double size = grid.lattice.voxel_size();
-  if (options.algorithm == Algorithm::kExact) {
-    const double voxels = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) / (size * size);
-    const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
-    return options.shard ? delivered / options.shard->count : delivered;
-  }
-  return SumOver(mesh, [&](const Corners& corners) {
-    return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
-  });
+  const bool exact = options.algorithm == Algorithm::kExact;
+  const double voxels = exact && options.cover == Cover::kSeparating
+                            ? SumOver(mesh, TwiceAreaOf) / (size * size)
+                            : SumOver(mesh, [&](const Corners& corners) {
+                                return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
+                              });
+  if (!exact) return voxels;
+  const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  return options.shard ? delivered / options.shard->count : delivered;
 }
 
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels) {

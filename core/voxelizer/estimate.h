@@ -11,8 +11,9 @@ namespace latvox {
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as
 // often. A surface of area A has between A / h^2 and 2 A / h^2 voxels, h the voxel size, for all the common lattices
 // and every k; this is the upper one, within the region's volume, of a shard its part. The thesis's algorithms have
-// some along the edges of triangles without area, too, whatever the region. One pass over the triangles. Precondition:
-// Validate(mesh) is OK.
+// some along the edges of triangles without area, too, whatever the region. A supercover has some for every triangle,
+// however small; within the region, and of a shard its part. One pass over the triangles. Precondition: Validate(mesh)
+// is OK.
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
 
 // Estimates how many lattice points a job looks at, as often as it does: brute force all those in the boxes around
