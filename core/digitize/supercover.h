@@ -51,7 +51,7 @@ class Supercover {
   class Polytope;
 
   IntegerCell cell_;
-  std::vector<Facet> facets_;  // both of each pair
+  std::vector<Facet> facets_;  // one of each pair
   Vec3i half_extent_lat_{};    // rounded down
 };
 

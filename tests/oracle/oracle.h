@@ -105,8 +105,8 @@ size_t Tunnels(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 // How many voxels could leave, each alone, without a tunnel. A voxel without a crossed edge is one of them.
 size_t Redundant(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 
-// Tells which voxels' closed Voronoi cells meet a mesh. Method: each triangle is clipped at the bisectors between a voxel
-// and its neighbours; the two meet iff anything is left.
+// Tells which voxels' closed Voronoi cells meet a mesh. Method: each triangle is clipped at the bisectors between a
+// voxel and its neighbours; the two meet iff anything is left.
 class CellClipper {
  public:
   explicit CellClipper(const Gram<3>& gram);

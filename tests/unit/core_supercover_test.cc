@@ -217,7 +217,7 @@ TEST_P(SupercoverOnExactLattice, PipelineEqualsExactClippingOnAdversarialMeshes)
   const CoveredLattice& l = GetParam();
   size_t meshes = 0;
   for (const auto& mesh : oracle::AdversarialMeshes(5, Directions(l.lattice.frames(0)))) {
-    if (mesh.box || mesh.triangles.size() > 12) continue;
+    if (mesh.box || mesh.triangles.size() > 8) continue;
     ++meshes;
     const auto expected = Clipper().Supercover(mesh.triangles);
     for (const Vec3i& shift : {Vec3i{0, 0, 0}, Vec3i{59, 61, 63}}) {
