@@ -23,6 +23,9 @@ enum class NamedLattice { kCartesian, kBcc, kFcc, kHexagonal };
 // How to find the voxels. All but kExact are there to compare with.
 enum class Algorithm { kExact, kBruteForce, kIncremental, kOptimizedIncremental };
 
+// Which voxels to find: a set that separates, or every one whose closed Voronoi cell meets the mesh (conservative).
+enum class Cover { kSeparating, kSupercover };
+
 // The world vectors of one step in i, j and k.
 struct Basis {
   Vec3d a{1, 0, 0}, b{0, 1, 0}, c{0, 0, 1};
@@ -52,11 +55,12 @@ struct VoxelizeRequest {
   std::optional<uint32_t> resolution;  // voxels along the longest side of the mesh's bounding box
   std::optional<Vec3d> origin;         // world position of lattice point 0; default: the mesh's low corner
   uint32_t separability = 0;           // k: 0, 1 or 2
-  bool minimal = true;                 // applies to kExact only
+  bool minimal = true;                 // applies to kExact with kSeparating only
   std::optional<IndexBox> region;      // only these voxels, as they are in the whole
   std::optional<Shard> shard;          // only this part of the tiles, as they are in the whole
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
   Algorithm algorithm = Algorithm::kExact;
+  Cover cover = Cover::kSeparating;  // kSupercover: with kExact only; the same voxels for every separability
   BrickEncoding encoding = BrickEncoding::kPacked;
 };
 
@@ -119,6 +123,7 @@ struct Certificate {
   double snap_error_max = 0;
   uint32_t quantization_bits = 0;
   std::string algorithm, version;
+  std::string cover;           // "separating" or "supercover"
   std::string digest;          // 32 hexadecimal digits
   std::optional<Shard> shard;  // the part that this is, if one was asked for
 };

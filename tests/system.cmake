@@ -36,6 +36,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(e2e.openvdb "${latvox_python};e2e/openvdb_test.py")
   latvox_add_system_test(e2e.pixelize "${latvox_python};e2e/pixelize_test.py")
   latvox_add_system_test(e2e.sdk "${latvox_python};e2e/sdk_test.py")
+  latvox_add_system_test(e2e.supercover "${latvox_python};e2e/supercover_test.py")
   latvox_add_system_test(e2e.surface "${latvox_python};e2e/surface_test.py")
   latvox_add_system_test(e2e.tls "${latvox_python};e2e/tls_test.py")
   # They want both cores for themselves: their figures are of a machine that does nothing else.

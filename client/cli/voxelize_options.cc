@@ -26,6 +26,12 @@ const Names<Algorithm>& AlgorithmNames() {
   return *kNames;
 }
 
+const Names<Cover>& CoverNames() {
+  static const auto* const kNames =
+      new Names<Cover>{{"separating", Cover::kSeparating}, {"supercover", Cover::kSupercover}};
+  return *kNames;
+}
+
 const Names<BrickEncoding>& EncodingNames() {
   static const auto* const kNames = new Names<BrickEncoding>{{"packed", BrickEncoding::kPacked},
                                                              {"packed-zstd", BrickEncoding::kPackedZstd},
@@ -95,11 +101,13 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
       ->type_name("K")
       ->check(CLI::IsMember({0, 1, 2, 26, 18, 6}));
-  command.add_flag("--minimal,!--no-minimal", options.request.minimal, "remove every voxel that can go (default)");
+  command.add_flag("--minimal,!--no-minimal", words.minimal, "remove every voxel that can go (default)");
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));
   command.add_option("--fill", words.fill)->check(CLI::IsMember({"surface"}));
-  command.add_option("--cover", words.cover)->check(CLI::IsMember({"separating"}));
+  command
+      .add_option("--cover", words.cover, "separating (default), or supercover: all voxels whose cell meets the mesh")
+      ->check(OneOf(CoverNames()));
   command
       .add_option("--quantization", words.quantization,
                   "position bits of the upload, 0 (exact) to 30; auto: fine enough for the resolution")
@@ -132,6 +140,14 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   VoxelizeRequest& request = options.request;
   request.lattice = InterpretLattice(words);
   request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
+  request.cover = ValueNamed(CoverNames(), words.cover);
+  request.minimal = words.minimal.value_or(request.cover == Cover::kSeparating);
+  if (request.cover == Cover::kSupercover && request.minimal) {
+    Refuse("--minimal excludes --cover supercover, which is not thinned");
+  }
+  if (request.cover == Cover::kSupercover && request.algorithm != Algorithm::kExact) {
+    Refuse("--cover supercover excludes --algorithm ", words.algorithm);
+  }
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
   request.separability = InterpretSeparability(words.separability, request.lattice);
   if (!words.voxel_size.empty()) ParseNumber(words.voxel_size, request.voxel_size.emplace());

@@ -28,6 +28,7 @@ struct VoxelizeWords {
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
   int separability = 0;
   std::string algorithm, encoding, fill, cover;
+  std::optional<bool> minimal;
 };
 
 // Adds the outputs and what is asked for, without mesh and server. Parsing checks each option by itself.

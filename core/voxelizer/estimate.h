@@ -17,7 +17,8 @@ namespace latvox {
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
 
 // Estimates how many lattice points a job looks at, as often as it does: brute force all those in the boxes around
-// triangles, which takes one pass, as above; the others about those that they find.
+// triangles, which takes one pass, as above; a supercover those that it finds, and for each triangle as many as take
+// the time to set up its separating axes; the others about those that they find.
 //   voxels   what EstimateVoxels has told
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels);
 

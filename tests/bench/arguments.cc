@@ -17,7 +17,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 
 // Options that are not of the type that they end as.
 struct Words {
-  std::string algorithm = "exact", simd = "best", peer;
+  std::string algorithm = "exact", cover, simd = "best", peer;
   std::vector<int32_t> region;
   std::vector<uint32_t> shard;
 };
@@ -44,6 +44,8 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
+  app.add_option("--cover", words.cover)
+      ->check(CLI::IsMember({std::string(NameOf(Cover::kSeparating)), std::string(NameOf(Cover::kSupercover))}));
   app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
   app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));
@@ -76,6 +78,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   }
   if (arguments.resolution == 0) return absl::InvalidArgumentError("MESH and RESOLUTION are required; see --help");
   arguments.options.algorithm = *AlgorithmNamed(named.algorithm);
+  if (named.cover == NameOf(Cover::kSupercover)) arguments.options.cover = Cover::kSupercover;
   arguments.simd = *SimdNamed(named.simd);
   arguments.openvdb = !named.peer.empty();
   if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};

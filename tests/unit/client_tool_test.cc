@@ -98,6 +98,14 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png"));
 }
 
+TEST(Options, ASupercoverIsNotMinimal) {
+  const VoxelizeRequest request = Parse({"--resolution", "9", "--cover", "supercover"}).request;
+  EXPECT_EQ(request.cover, Cover::kSupercover);
+  EXPECT_FALSE(request.minimal);
+  EXPECT_FALSE(Parse({"--resolution", "9", "--cover", "supercover", "--no-minimal"}).request.minimal);
+  EXPECT_EQ(Parse({"--resolution", "9"}).request.cover, Cover::kSeparating);
+}
+
 TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
   ServerChoice choice;
   EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 0);
@@ -144,7 +152,10 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
   refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
   refuses({"--resolution", "9", "--fill", "solid"}, {"--fill", "solid", "surface"});
-  refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
+  refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
+  refuses({"--resolution", "9", "--cover", "supercover", "--minimal"}, {"--minimal", "--cover supercover"});
+  refuses({"--resolution", "9", "--cover", "supercover", "--algorithm", "incremental"},
+          {"--cover supercover", "--algorithm incremental"});
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
@@ -179,10 +190,10 @@ TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
   report.summary.certificate.lattice = "bcc";
   const std::string plain = ToJson(report);
   for (const char* key :
-       {"voxels", "bricks",      "lattice", "basis",     "origin",         "voxel_size", "separability",
-        "digest", "certificate", "minimal", "closed",    "snap_error_max", "verified",   "timings_ms",
-        "encode", "upload",      "decode",  "voxelize",  "stream",         "total",      "bytes",
-        "sent",   "received",    "mesh",    "triangles", "vertices"}) {
+       {"voxels",     "bricks",      "lattice",  "basis",  "origin",    "voxel_size",     "separability",
+        "digest",     "certificate", "minimal",  "cover",  "closed",    "snap_error_max", "verified",
+        "timings_ms", "encode",      "upload",   "decode", "voxelize",  "stream",         "total",
+        "bytes",      "sent",        "received", "mesh",   "triangles", "vertices"}) {
     EXPECT_THAT(plain, HasSubstr("\"" + std::string(key) + "\":"));
   }
   EXPECT_THAT(plain, HasSubstr("\"tunnels\": null"));
