@@ -131,6 +131,12 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
   command.add_option("mesh", options.mesh, "mesh file: .drc .obj .ply .stl .glb .gltf")->type_name("MESH")->required();
   AddRequestOptions(command, words);
+  CLI::Option* align =
+      command.add_option("--align", options.align, "on the lattice and origin of this .vdb file's grid")
+          ->type_name("FILE.vdb");
+  for (const char* other : {"--lattice", "--basis", "--voxel-size", "--resolution", "--origin"}) {
+    align->excludes(command.get_option(other));
+  }
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
 }
@@ -160,7 +166,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   }
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
-  if (words.basis.empty() && !request.voxel_size && !request.resolution) {
+  if (words.basis.empty() && options.align.empty() && !request.voxel_size && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");
   }
   return options;

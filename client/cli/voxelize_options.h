@@ -18,6 +18,7 @@ struct VoxelizeOptions {
   std::vector<std::string> outputs;
   VoxelizeRequest request;
   std::optional<int> quantization_bits;  // absent: auto
+  std::string align;                     // a .vdb file whose grid is the request's; empty: none
   bool json = false;
   ServerChoice server;
 };
