@@ -101,7 +101,9 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
       ->type_name("K")
       ->check(CLI::IsMember({0, 1, 2, 26, 18, 6}));
-  command.add_flag("--minimal,!--no-minimal", words.minimal, "remove every voxel that can go (default)");
+  command.add_flag_function(
+      "--minimal,!--no-minimal", [&words](int64_t times) { words.minimal = times > 0; },
+      "remove every voxel that can go (default)");
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));
   command.add_option("--fill", words.fill)->check(CLI::IsMember({"surface"}));
