@@ -35,6 +35,12 @@ enum class Algorithm {
   kOptimizedIncremental,  // the same by one addition a voxel
 };
 
+// Which voxels to find: a set that separates, or every one whose closed Voronoi cell meets the mesh (conservative).
+enum class Cover {
+  kSeparating,  // few, and none along a path through the mesh is missing
+  kSupercover,  // all
+};
+
 // The world vectors of one step in i, j and k.
 struct Basis {
   Vec3d a{1, 0, 0};  // of i
@@ -87,13 +93,14 @@ struct VoxelizeRequest {
   std::optional<uint32_t> resolution;  // voxels along the longest side of the mesh's bounding box
   std::optional<Vec3d> origin;         // world position of lattice point 0; default: the mesh's low corner
   uint32_t separability = 0;           // k: 0, 1 or 2
-  bool minimal = true;                 // applies to kExact only
+  bool minimal = true;                 // applies to kExact with kSeparating only
   std::optional<IndexBox> region;      // only these voxels, as they are in the whole
   std::optional<Shard> shard;          // only this part of the tiles, as they are in the whole
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
   Algorithm algorithm = Algorithm::kExact;          // how to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // how they travel
   std::optional<Solid> solid;                       // absent: the surface alone; not with verify, and kExact only
+  Cover cover = Cover::kSeparating;  // kSupercover: with kExact only; the same voxels for every separability
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
@@ -171,6 +178,7 @@ struct Certificate {
   std::string digest;               // identifies the voxel set: 32 hexadecimal digits
   std::optional<Shard> shard;       // the part that this is, if one was asked for
   std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
+  std::string cover;                // "separating" or "supercover"
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.

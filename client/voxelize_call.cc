@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/voxelize_stream.h"
 #include "client/wire.h"
 
@@ -29,6 +30,10 @@ absl::StatusOr<Summary> VoxelizeCall::Run() {
     if (absl::Status status = tries_.Again(end); !status.ok()) return status;
   }
   absl::StatusOr<Summary> summary = check_.End();
+  if (summary.ok() && request_.cover == Cover::kSupercover && summary->certificate.cover != "supercover") {
+    return absl::UnimplementedError(absl::StrCat("cover: the server, version ", summary->certificate.version,
+                                                 ", does not know supercovers and sent a separating set"));
+  }
   if (summary.ok()) {
     summary->resumed = resumed_;
     summary->bytes_sent = bytes_sent_;

@@ -53,6 +53,16 @@ v1::Algorithm ToProto(Algorithm algorithm) {
   return v1::ALGORITHM_UNSPECIFIED;
 }
 
+v1::Cover ToProto(Cover cover) {
+  switch (cover) {
+    case Cover::kSeparating:
+      return v1::COVER_SEPARATING;
+    case Cover::kSupercover:
+      return v1::COVER_SUPERCOVER;
+  }
+  return v1::COVER_UNSPECIFIED;
+}
+
 v1::BrickEncoding ToProto(BrickEncoding encoding) {
   switch (encoding) {
     case BrickEncoding::kMasks:
@@ -114,6 +124,7 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .quantization_bits = certificate.quantization_bits(),
           .algorithm = certificate.algorithm(),
           .version = certificate.version(),
+          .cover = certificate.cover(),
           .digest = certificate.digest(),
           .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
           .solid = SolidFactsOf(certificate)};
@@ -134,7 +145,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   if (request.resolution) spec.set_resolution(*request.resolution);
   if (request.origin) *spec.mutable_origin() = ToProto(*request.origin);
   spec.set_separability(request.separability);
-  spec.set_minimal(request.minimal);
+  if (request.cover == Cover::kSeparating) spec.set_minimal(request.minimal);
   if (request.region) {
     *spec.mutable_region()->mutable_min() = ToProto(request.region->min);
     *spec.mutable_region()->mutable_max() = ToProto(request.region->max);
@@ -149,6 +160,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
   if (request.solid) *spec.mutable_fill() = ToProto(*request.solid);
   spec.set_algorithm(ToProto(request.algorithm));
+  spec.set_cover(ToProto(request.cover));
   spec.set_encoding(ToProto(request.encoding));
   return spec;
 }

@@ -130,6 +130,26 @@ absl::StatusOr<Algorithm> AlgorithmFromProto(v1::Algorithm algorithm) {
   }
 }
 
+absl::StatusOr<Cover> CoverFromProto(const v1::VoxelizeSpec& spec, Algorithm algorithm) {
+  switch (spec.cover()) {
+    case v1::COVER_UNSPECIFIED:
+    case v1::COVER_SEPARATING:
+      return Cover::kSeparating;
+    case v1::COVER_SUPERCOVER:
+      if (algorithm != Algorithm::kExact) {
+        return BadSpec(absl::StrCat("cover: supercover not together with algorithm ", std::string{NameOf(algorithm)}),
+                       "cover", "supercover");
+      }
+      if (spec.has_minimal() && spec.minimal()) {
+        return BadSpec("minimal: not together with cover supercover, which is not thinned", "minimal", "true");
+      }
+      return Cover::kSupercover;
+    default:
+      return BadSpec(absl::StrCat("cover ", static_cast<int>(spec.cover()), " is not a cover"), "cover",
+                     absl::StrCat(static_cast<int>(spec.cover())), "0 to 2");
+  }
+}
+
 absl::StatusOr<BrickEncoding> EncodingFromProto(v1::BrickEncoding encoding) {
   switch (encoding) {
     case v1::BRICK_ENCODING_UNSPECIFIED:
@@ -156,6 +176,10 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
   const absl::StatusOr<Algorithm> algorithm = AlgorithmFromProto(spec.algorithm());
   if (!algorithm.ok()) return algorithm.status();
   options.algorithm = *algorithm;
+  const absl::StatusOr<Cover> cover = CoverFromProto(spec, options.algorithm);
+  if (!cover.ok()) return cover.status();
+  options.cover = *cover;
+  if (options.cover == Cover::kSupercover) options.minimal = false;
   if (spec.has_region()) {
     options.region = IndexBox{FromProto(spec.region().min()), FromProto(spec.region().max())};
     if (absl::Status status = CheckRegion(*options.region); !status.ok()) return status;
@@ -270,6 +294,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   certificate.set_snap_error_max(facts.snap_error_max);
   certificate.set_quantization_bits(source.quantization_bits);
   certificate.set_algorithm(std::string{NameOf(spec.options.algorithm)});
+  certificate.set_cover(std::string{NameOf(spec.options.cover)});
   certificate.set_version(LATVOX_VERSION);
   certificate.set_digest(digest.ToHex());
   if (const auto& shard = spec.options.shard) {

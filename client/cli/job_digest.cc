@@ -57,6 +57,7 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"minimal", request.minimal},
                {"verify", request.verify},
                {"algorithm", static_cast<int>(request.algorithm)}};
+  if (request.cover == Cover::kSupercover) json["cover"] = "supercover";
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto& solid = request.solid) {

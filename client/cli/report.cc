@@ -28,6 +28,7 @@ Json CertificateJson(const Certificate& certificate) {
                {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
                {"tunnel_free", certificate.tunnel_free},
                {"minimal", certificate.minimal},
+               {"cover", certificate.cover},
                {"closed", certificate.closed},
                {"snap_error_max", certificate.snap_error_max},
                {"quantization_bits", certificate.quantization_bits},
@@ -67,6 +68,7 @@ std::string SeparationText(const Certificate& certificate) {
   const std::string k = absl::StrCat(certificate.separability);
   if (certificate.solid && !certificate.solid->surface) return "interior";
   if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
+  if (certificate.cover == "supercover") return "supercover";
   return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");
 }
 

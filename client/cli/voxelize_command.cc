@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client/cli/progress_bar.h"
+#include "client/grid/voxel_grid.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/mesh_input.h"
@@ -82,6 +83,16 @@ absl::Status ForEach(Outputs& outputs, const Step& step) {
   return absl::OkStatus();
 }
 
+// Takes lattice and origin from the file that is to be aligned with, if there is one.
+absl::Status Align(VoxelizeOptions& options) {
+  if (options.align.empty()) return absl::OkStatus();
+  const auto info = ReadGridFileInfo(options.align);
+  if (!info.ok()) return info.status();
+  options.request.lattice = info->transform.basis;
+  options.request.origin = info->transform.origin;
+  return absl::OkStatus();
+}
+
 absl::Status CheckTime(const CallOptions& call) {
   if (call.cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (call.deadline && absl::Now() >= *call.deadline) return absl::DeadlineExceededError("the --timeout passed");
@@ -149,7 +160,9 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   return report;
 }
 
-absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation) {
+absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const Cancellation& cancellation) {
+  VoxelizeOptions options = given;
+  if (absl::Status status = Align(options); !status.ok()) return status;
   const CallOptions call = MakeCallOptions(options.server, cancellation);
   std::optional<Session> session;
   ProgressBar bar;

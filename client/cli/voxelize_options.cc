@@ -35,6 +35,12 @@ const Names<InteriorRule>& RuleNames() {
   return *kNames;
 }
 
+const Names<Cover>& CoverNames() {
+  static const auto* const kNames =
+      new Names<Cover>{{"separating", Cover::kSeparating}, {"supercover", Cover::kSupercover}};
+  return *kNames;
+}
+
 const Names<BrickEncoding>& EncodingNames() {
   static const auto* const kNames = new Names<BrickEncoding>{{"packed", BrickEncoding::kPacked},
                                                              {"packed-zstd", BrickEncoding::kPackedZstd},
@@ -151,11 +157,15 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
       ->type_name("K")
       ->check(CLI::IsMember({0, 1, 2, 26, 18, 6}));
-  command.add_flag("--minimal,!--no-minimal", options.request.minimal, "remove every voxel that can go (default)");
+  command.add_flag_function(
+      "--minimal,!--no-minimal", [&words](int64_t times) { words.minimal = times > 0; },
+      "remove every voxel that can go (default)");
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));
   AddFillOptions(command, words);
-  command.add_option("--cover", words.cover)->check(CLI::IsMember({"separating"}));
+  command
+      .add_option("--cover", words.cover, "separating (default), or supercover: all voxels whose cell meets the mesh")
+      ->check(OneOf(CoverNames()));
   Group(command, "Transfer");
   command
       .add_option("--quantization", words.quantization,
@@ -188,6 +198,13 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("MESH")
       ->required();
   AddRequestOptions(command, words);
+  Group(command, "Lattice");
+  CLI::Option* align =
+      command.add_option("--align", options.align, "on the lattice and origin of this .vdb file's grid")
+          ->type_name("FILE.vdb");
+  for (const char* other : {"--lattice", "--basis", "--voxel-size", "--resolution", "--origin"}) {
+    align->excludes(command.get_option(other));
+  }
   Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
@@ -198,6 +215,14 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   VoxelizeRequest& request = options.request;
   request.lattice = InterpretLattice(words);
   request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
+  request.cover = ValueNamed(CoverNames(), words.cover);
+  request.minimal = words.minimal.value_or(request.cover == Cover::kSeparating);
+  if (request.cover == Cover::kSupercover && request.minimal) {
+    Refuse("--minimal excludes --cover supercover, which is not thinned");
+  }
+  if (request.cover == Cover::kSupercover && request.algorithm != Algorithm::kExact) {
+    Refuse("--cover supercover excludes --algorithm ", words.algorithm);
+  }
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
   request.solid = InterpretSolid(words);
   if (request.solid && request.algorithm != Algorithm::kExact) Refuse("--fill: solid is for --algorithm exact");
@@ -220,7 +245,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (!words.input_format.empty()) options.mesh.format = ValueNamed(MeshFormats(), words.input_format);
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
-  if (words.basis.empty() && !request.voxel_size && !request.resolution) {
+  if (words.basis.empty() && options.align.empty() && !request.voxel_size && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");
   }
   return options;

@@ -22,6 +22,7 @@ struct VoxelizeOptions {
   OutputOptions output_options;
   VoxelizeRequest request;
   std::optional<int> quantization_bits;  // absent: auto
+  std::string align;                     // a .vdb file whose grid is the request's; empty: none
   bool json = false;
   ServerChoice server;
 };
@@ -34,6 +35,7 @@ struct VoxelizeWords {
   int separability = 0;
   std::string algorithm, encoding, fill, interior_rule, cover;
   bool without_surface = false, force_open = false;
+  std::optional<bool> minimal;
 };
 
 // Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by

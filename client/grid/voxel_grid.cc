@@ -153,6 +153,7 @@ void VoxelGrid::SetCertificate(const Certificate& certificate) {
   Insert(grid, "latvox_lattice", certificate.lattice);
   Insert(grid, "latvox_digest", certificate.digest);
   Insert(grid, "latvox_algorithm", certificate.algorithm);
+  Insert(grid, "latvox_cover", certificate.cover);
   Insert(grid, "latvox_version", certificate.version);
   grid.insertMeta("latvox_separability", openvdb::Int32Metadata(static_cast<int32_t>(certificate.separability)));
   grid.insertMeta("latvox_tunnel_free", openvdb::BoolMetadata(certificate.tunnel_free));

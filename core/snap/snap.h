@@ -61,7 +61,7 @@ inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes the mesh over, for its
 // memory.
-//   reach   per axis, the largest |q| of the frames in use, for `box`
+//   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,

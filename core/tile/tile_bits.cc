@@ -70,6 +70,18 @@ void NumberList::Enlarge(size_t more) {
   data_ = std::move(larger);
 }
 
+void TileBits::SetRun(uint32_t first, uint32_t count) {
+  const uint32_t last = first + count - 1;
+  const uint32_t from = ~0U << (first & 31), to = ~0U >> (31 - (last & 31));
+  if (first >> 5 == last >> 5) {
+    words_[first >> 5] |= from & to;
+    return;
+  }
+  words_[first >> 5] |= from;
+  for (uint32_t n = (first >> 5) + 1; n < last >> 5; ++n) words_[n] = ~0U;
+  words_[last >> 5] |= to;
+}
+
 void TileBits::Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const {
   positions.Clear();
   positions.Reserve(numbers.size());

@@ -10,14 +10,16 @@ namespace latvox {
 
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as
 // often. A surface of area A has between A / h^2 and 2 A / h^2 voxels, h the voxel size, for all the common lattices
-// and every k; this is the upper one, within the region's volume, of a shard its part. The inside of a solid is taken
-// for as large as it can be: a ball with that surface, or the mesh's bounding box, which is all that bounds that of a
-// mesh that is not closed. The thesis's algorithms have some along the edges of triangles without area, too, whatever
-// the region. One pass over the triangles. Precondition: Validate(mesh) is OK.
+// and every k; this is the upper one, within the region's volume, of a shard its part. A supercover has some for every
+// triangle, too, however small. The inside of a solid is taken for as large as it can be: a ball with that surface, or
+// the mesh's bounding box, which is all that bounds that of a mesh that is not closed. The thesis's algorithms have
+// some along the edges of triangles without area, too, whatever the region. Up to two passes over the triangles.
+// Precondition: Validate(mesh) is OK.
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
 
 // Estimates how many lattice points a job looks at, as often as it does: brute force all those in the boxes around
-// triangles, which takes one pass, as above; the others about those that they find.
+// triangles, which takes one pass, as above; a supercover those that it finds, and for each triangle as many as take
+// the time to set up its separating axes; the others about those that they find.
 //   voxels   what EstimateVoxels has told
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels);
 

@@ -44,6 +44,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   candidates_.Clear();
   crossings_.Clear();
   triangles_ = triangles;
+  if (context.supercover != nullptr) return CoverAll(context);
   if (context.fine) {
     others_.clear();
     FindTinyCrossings(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, crossings_, others_);
@@ -58,6 +59,17 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
     AddRim(context);
   } while (end < triangles_.size() && !context.cancelled);
+}
+
+void TileScan::CoverAll(const TileContext& context) {
+  for (const uint32_t t : triangles_) {
+    if (context.cancelled) return;
+    const auto& [a, b, c] = context.mesh.triangles[t];
+    const auto& v = context.mesh.vertices_lat;
+    context.supercover->ForEachRun({v[a], v[b], v[c]}, box_, [this](const Vec3i& first, int32_t count) {
+      surface_.SetRun(layout_.NumberOf(first), static_cast<uint32_t>(count));
+    });
+  }
 }
 
 // Finds the candidates of the triangles from `begin` on, of all or of enough of them; returns where those end. Many

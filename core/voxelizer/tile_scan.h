@@ -10,6 +10,7 @@
 #include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
 #include "core/digitize/stars.h"
+#include "core/digitize/supercover.h"
 #include "core/digitize/tiny.h"
 #include "core/snap/snap.h"
 #include "core/thin/thin.h"
@@ -26,10 +27,11 @@ inline constexpr int32_t kNearHalo = 2;
 struct TileContext {
   const SnappedMesh& mesh;
   const std::vector<ScanFrame>& frames;
-  Vec3i reach;      // per axis, the largest |q| of the frames
-  bool minimal;     // whether to thin
-  bool fine;        // most triangles are tiny: see FindTinyCrossings
-  IndexBox region;  // local voxels outside are not delivered
+  const Supercover* supercover;  // if that is asked for; else null. It is not thinned
+  Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
+  bool minimal;                  // whether to thin
+  bool fine;                     // most triangles are tiny: see FindTinyCrossings
+  IndexBox region;               // local voxels outside are not delivered
   const std::atomic<bool>& cancelled;
 
   // How far, per axis, triangles may lie outside of a tile and still matter to it, in voxels: at first, and at all.
@@ -56,6 +58,7 @@ class TileScan {
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
+  void CoverAll(const TileContext& context);
   size_t Gather(const TileContext& context, size_t begin);
   template <class F>
   void ForEachPart(const TileContext& context, F&& f);

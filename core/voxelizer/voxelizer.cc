@@ -69,13 +69,22 @@ class ScanPool {
 
 class Job : public VoxelizeJob {
  public:
-  Job(SnappedMesh mesh, std::vector<Frame> frames, const VoxelizeOptions& options, const IndexBox& region,
-      const std::atomic<bool>& cancelled)
+  // supercover: null if it is not asked for.
+  Job(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
+      const VoxelizeOptions& options, const IndexBox& region, const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
-        fineness_(FinenessOf(mesh_, scan_frames_)),
-        context_{mesh_, scan_frames_, ReachOf(frames_), options.minimal, fineness_.most_tiny, region, cancelled_},
+        supercover_(std::move(supercover)),
+        fineness_(supercover_ ? Fineness{} : FinenessOf(mesh_, scan_frames_)),
+        context_{mesh_,
+                 scan_frames_,
+                 supercover_.get(),
+                 supercover_ ? supercover_->Margin() : ReachOf(frames_),
+                 options.minimal && !supercover_,
+                 fineness_.most_tiny,
+                 region,
+                 cancelled_},
         tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
         facts_(FactsOfJob(mesh_, region, cancelled)),
         solid_(options.solid),
@@ -103,6 +112,7 @@ class Job : public VoxelizeJob {
   const SnappedMesh mesh_;
   const std::vector<Frame> frames_;
   const std::vector<ScanFrame> scan_frames_;
+  const std::unique_ptr<const Supercover> supercover_;
   std::atomic<bool> cancelled_ = false;
   const Fineness fineness_;
   const TileContext context_;
@@ -248,6 +258,19 @@ absl::StatusOr<bool> Job::Advance(const Sink& sink) {
   return todo_.empty();
 }
 
+// Null if it is not asked for.
+absl::StatusOr<std::unique_ptr<const Supercover>> SupercoverFor(const Lattice& lattice,
+                                                                const VoxelizeOptions& options) {
+  if (options.cover != Cover::kSupercover) return nullptr;
+  if (options.algorithm != Algorithm::kExact) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("cover: supercover not together with algorithm %s", NameOf(options.algorithm)));
+  }
+  auto cell = IntegerCell::Of(lattice);
+  if (!cell.ok()) return cell.status();
+  return std::make_unique<const Supercover>(*cell);
+}
+
 absl::Status OutOfRange(const char* field, double value, const char* limit) {
   return absl::InvalidArgumentError(absl::StrFormat("%s: %g is not %s", field, value, limit));
 }
@@ -306,7 +329,11 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
   const bool exact = options.algorithm == Algorithm::kExact;
-  const Vec3i reach = exact ? ReachOf(frames) : ThesisReach(grid.lattice, options.separability, options.algorithm);
+  auto supercover = SupercoverFor(grid.lattice, options);
+  if (!supercover.ok()) return supercover.status();
+  const Vec3i reach = *supercover ? (*supercover)->Reach()
+                      : exact     ? ReachOf(frames)
+                                  : ThesisReach(grid.lattice, options.separability, options.algorithm);
   auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
   if (cancelled) return Cancelled();
   if (!snapped.ok()) return snapped.status();
@@ -322,7 +349,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    job = std::make_unique<Job>(*std::move(snapped), frames, options, region, cancelled);
+    job = std::make_unique<Job>(*std::move(snapped), frames, *std::move(supercover), options, region, cancelled);
   } else {
     job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, cancelled);
   }

@@ -41,12 +41,13 @@ inline constexpr uint32_t kMaxShards = 1 << 20;
 
 struct VoxelizeOptions {
   int separability = 0;                           // k: 0, 1 or 2
-  bool minimal = true;                            // thin to k-minimality; only kExact does
+  bool minimal = true;                            // thin to k-minimality; only kExact does, and no supercover is
   std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
   Algorithm algorithm = Algorithm::kExact;
   std::optional<Shard> shard = std::nullopt;         // only this part of them
   std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
   std::optional<Solid> solid = std::nullopt;         // the interior, too; kExact only
+  Cover cover = Cover::kSeparating;                  // of kExact; a supercover is the same for every separability
 };
 
 struct JobFacts {
@@ -77,7 +78,8 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, shard, resume_after, solid.
+  // separability, region, shard, resume_after, solid, cover (both with another algorithm than kExact), basis (of a
+  // supercover; see IntegerCell).
   // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,

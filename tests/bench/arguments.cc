@@ -17,7 +17,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 
 // Options that are not of the type that they end as.
 struct Words {
-  std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity";
+  std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity", cover;
   bool without_surface = false;
   std::vector<int32_t> region;
   std::vector<uint32_t> shard;
@@ -48,6 +48,8 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--fill", words.fill)->check(CLI::IsMember({"surface", "solid"}));
   app.add_option("--interior-rule", words.rule, "of a solid")->check(CLI::IsMember({"parity", "winding"}));
   app.add_flag("--without-surface", words.without_surface, "of a solid");
+  app.add_option("--cover", words.cover)
+      ->check(CLI::IsMember({std::string(NameOf(Cover::kSeparating)), std::string(NameOf(Cover::kSupercover))}));
   app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
   app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));
@@ -84,6 +86,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
     const InteriorRule rule = named.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding;
     arguments.options.solid = Solid{.rule = rule, .surface = !named.without_surface};
   }
+  if (named.cover == NameOf(Cover::kSupercover)) arguments.options.cover = Cover::kSupercover;
   arguments.simd = *SimdNamed(named.simd);
   arguments.openvdb = !named.peer.empty();
   if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};

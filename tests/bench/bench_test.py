@@ -62,6 +62,10 @@ class Bench(unittest.TestCase):
             measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
         )
 
+    def test_a_supercover_has_more_voxels(self):
+        words = ("sphere:2000", "64", "--lattice", "bcc", "--no-minimal")
+        self.assertGreater(measured(*words, "--cover", "supercover")["voxels"], measured(*words)["voxels"])
+
     def test_lines_are_answered_one_by_one(self):
         done = run("-", stdin="box 32 --reps 1\nbox 1\nnone.obj 32\nbox 32 --subdivide 1 --reps 1\n")
         answers = [json.loads(line) for line in done.stdout.splitlines()]

@@ -105,6 +105,33 @@ size_t Tunnels(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 // How many voxels could leave, each alone, without a tunnel. A voxel without a crossed edge is one of them.
 size_t Redundant(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 
+// Tells which voxels' closed Voronoi cells meet a mesh. Method: each triangle is clipped at the bisectors between a
+// voxel and its neighbours; the two meet iff anything is left.
+class CellClipper {
+ public:
+  explicit CellClipper(const Gram<3>& gram);
+
+  // With a box, those of its voxels alone.
+  std::set<Int3> Supercover(const Mesh& mesh, const std::optional<Box>& box = std::nullopt) const;
+
+ private:
+  // normal . x <= limit, x in mesh units relative to a voxel.
+  template <class T>
+  struct HalfSpace {
+    std::array<T, 3> normal;
+    T limit;
+  };
+  template <class T>
+  static std::vector<std::array<T, 3>> Clip(const std::vector<std::array<T, 3>>& polygon, const HalfSpace<T>& at);
+  template <class T>
+  static bool Meets(const Triangle& triangle, const Int3& voxel, const std::vector<HalfSpace<T>>& cell);
+
+  std::vector<HalfSpace<mpq_class>> exact_;
+  // The same cell in doubles, larger and smaller by far more than what these round: where they agree, they save time.
+  std::vector<HalfSpace<double>> loose_, tight_;
+  Int3 margin_;  // per axis, voxels: no cell extends farther
+};
+
 // The plane { x : normal . x = offset }, x in mesh units (1/256 voxel), normal a covector in lattice coordinates: all z
 // in the box with -t < normal . z - offset/256 <= t, t = max |normal . q| / 2, after (normal, offset) is negated, if
 // need be, to make the first nonzero component of the normal positive.

@@ -147,6 +147,20 @@ TEST(Call, DeliversWhatTheServerSends) {
   EXPECT_GT(summary->bytes_received, 3u * 76);
 }
 
+// As of a server that does not know the field.
+TEST(Call, TakesNoSeparatingSetForASupercover) {
+  VoxelizeRequest request;
+  request.cover = Cover::kSupercover;
+  Answers answers(kMesh.size());
+  const Fake old(Send(answers.All()));
+  const absl::Status status = old.client().Voxelize(request, kMesh, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("cover"));
+  answers.summary.mutable_summary()->mutable_certificate()->set_cover("supercover");
+  const Fake known(Send(answers.All()));
+  EXPECT_TRUE(known.client().Voxelize(request, kMesh, {}).ok());
+}
+
 TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   v1::VoxelizeSpec spec;
   std::string mesh;

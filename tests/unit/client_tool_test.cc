@@ -126,6 +126,14 @@ TEST(Options, OfASolidSayWhatIsInside) {
   EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--force-open"}).request.solid, (Solid{.force_open = true}));
 }
 
+TEST(Options, ASupercoverIsNotMinimal) {
+  const VoxelizeRequest request = Parse({"--resolution", "9", "--cover", "supercover"}).request;
+  EXPECT_EQ(request.cover, Cover::kSupercover);
+  EXPECT_FALSE(request.minimal);
+  EXPECT_FALSE(Parse({"--resolution", "9", "--cover", "supercover", "--no-minimal"}).request.minimal);
+  EXPECT_EQ(Parse({"--resolution", "9"}).request.cover, Cover::kSeparating);
+}
+
 TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
   ServerChoice choice;
   EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 0);
@@ -178,13 +186,16 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
   refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
   refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
-  refuses({"--resolution", "9", "--cover", "supercover"}, {"--cover", "supercover", "separating"});
   refuses({"--resolution", "9", "--up", "w"}, {"--up", "w", "x,y"});
   refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
   refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
   refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
   refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
   refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
+  refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
+  refuses({"--resolution", "9", "--cover", "supercover", "--minimal"}, {"--minimal", "--cover supercover"});
+  refuses({"--resolution", "9", "--cover", "supercover", "--algorithm", "incremental"},
+          {"--cover supercover", "--algorithm incremental"});
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
@@ -219,10 +230,10 @@ TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
   report.summary.certificate.lattice = "bcc";
   const std::string plain = ToJson(report);
   for (const char* key :
-       {"voxels", "bricks",      "lattice", "basis",     "origin",         "voxel_size", "separability",
-        "digest", "certificate", "minimal", "closed",    "snap_error_max", "verified",   "timings_ms",
-        "encode", "upload",      "decode",  "voxelize",  "stream",         "total",      "bytes",
-        "sent",   "received",    "mesh",    "triangles", "vertices"}) {
+       {"voxels",     "bricks",      "lattice",  "basis",  "origin",    "voxel_size",     "separability",
+        "digest",     "certificate", "minimal",  "cover",  "closed",    "snap_error_max", "verified",
+        "timings_ms", "encode",      "upload",   "decode", "voxelize",  "stream",         "total",
+        "bytes",      "sent",        "received", "mesh",   "triangles", "vertices"}) {
     EXPECT_THAT(plain, HasSubstr("\"" + std::string(key) + "\":"));
   }
   EXPECT_THAT(plain, HasSubstr("\"tunnels\": null"));

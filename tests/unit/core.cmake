@@ -13,4 +13,5 @@ latvox_add_test(core_thesis_test UNSANITIZED SOURCES unit/core_thesis_test.cc LI
 latvox_add_test(core_thesis_job_test SLOW SOURCES unit/core_thesis_job_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_validate_water_test SOURCES unit/core_validate_water_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_principal_test SOURCES unit/core_principal_test.cc LIBRARIES latvox::core latvox_oracle)
+latvox_add_test(core_supercover_test SOURCES unit/core_supercover_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_kernel_test SOURCES unit/core_kernel_test.cc LIBRARIES latvox::core latvox_oracle)

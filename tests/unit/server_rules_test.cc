@@ -87,6 +87,19 @@ std::vector<BadSpecCase> BadSpecs() {
       {"separability 3", [](Spec& s) { s.set_separability(3); }, "separability 3 exceeds 2", "separability"},
       {"algorithm 5", [](Spec& s) { s.set_algorithm(static_cast<v1::Algorithm>(5)); },
        "algorithm 5 is not an algorithm", "algorithm"},
+      {"cover 3", [](Spec& s) { s.set_cover(static_cast<v1::Cover>(3)); }, "cover 3 is not a cover", "cover"},
+      {"supercover by another algorithm",
+       [](Spec& s) {
+         s.set_cover(v1::COVER_SUPERCOVER);
+         s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE);
+       },
+       "cover: supercover not together with algorithm brute-force", "cover"},
+      {"minimal supercover",
+       [](Spec& s) {
+         s.set_cover(v1::COVER_SUPERCOVER);
+         s.set_minimal(true);
+       },
+       "minimal: not together with cover supercover", "minimal"},
       {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
        "encoding 4 is not an encoding", "encoding"},
       {"origin", [](Spec& s) { s.mutable_origin()->set_y(kInfinity); }, "origin.y inf is not finite", "origin.y"},
@@ -182,6 +195,22 @@ TEST(JobSpecFromProto, TakesEveryField) {
   EXPECT_EQ(spec->options.shard->index, 2U);
   EXPECT_EQ(spec->options.shard->count, 5U);
   EXPECT_EQ(spec->mesh_bytes, 77);
+}
+
+TEST(JobSpecFromProto, ASupercoverIsNotMinimalAndSaysSo) {
+  v1::VoxelizeSpec proto = GoodSpec();
+  JobSpec spec = *JobSpecFromProto(proto, {});
+  EXPECT_EQ(spec.options.cover, Cover::kSeparating);
+  EXPECT_EQ(CertificateToProto(spec, {}, {}, {}, std::nullopt).cover(), "separating");
+  proto.set_cover(v1::COVER_SUPERCOVER);
+  spec = *JobSpecFromProto(proto, {});
+  EXPECT_EQ(spec.options.cover, Cover::kSupercover);
+  const v1::Certificate certificate = CertificateToProto(spec, {}, {}, {}, std::nullopt);
+  EXPECT_EQ(certificate.cover(), "supercover");
+  EXPECT_TRUE(certificate.tunnel_free());
+  EXPECT_FALSE(certificate.minimal());
+  proto.set_minimal(false);
+  EXPECT_TRUE(JobSpecFromProto(proto, {}).ok());
 }
 
 TEST(JobSpecFromProto, LetsABasisStandForItself) {

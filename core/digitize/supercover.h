@@ -1,0 +1,60 @@
+// The supercover of one triangle: all lattice points whose closed Voronoi cell meets it.
+//
+// The cell of c meets the triangle T iff c lies in the Minkowski sum of T and the cell of 0, which is centrally
+// symmetric. The sum is a convex polytope, and each of its facets is the sum of two faces: a facet of the cell and a
+// corner of T; a zone (edge direction) of the cell and an edge of T; or T itself and a face of the cell. So
+//   c is in iff normal . c <= room for each of these normals,
+// which are the separating axes of T and the cell; and along a row of lattice points the answer is one interval.
+// Touching counts: cells and triangles are closed. No shift breaks ties here (core/digitize/crossing.h), for there are
+// none to break; so the result depends on the set of points of the surface alone.
+//
+// In integers (core/lattice/integer_cell.h: lengths p <= 2^b, covectors e with absolute sum <= 2^3; corners v in
+// lattice units from a voxel near T, below 2^D), for c in voxels, U = kLatticeUnit:
+//   facet w           normal G w,                     room floor((max normal . v + U/2 sum p |e . w|) / U)
+//   edge d, zone e    normal G a, a = (G d) x e,      room floor((normal . v(d) + U/2 sum p |e . a|) / U)
+//   T                 normal n = d x d', either sign, room floor((n . v + U max over the cell of n . x) / U)
+// G a = sum p_u e_u (e_u . a), and e_u . a = sum p_s (e_s . d) det(e_u, e_s, e) with determinants 0 or +-1, hence
+//   e . d  D+3 bits     e . a  b+D+6     normal  2b+D+12     normal . v  2b+2D+13     room * U  2b+2D+17
+// n . v  3D+4, and normals times voxels are smaller. They fit int64 for most triangles, and __int128 for all.
+#ifndef LATVOX_CORE_DIGITIZE_SUPERCOVER_H_
+#define LATVOX_CORE_DIGITIZE_SUPERCOVER_H_
+
+#include <array>
+#include <cstdint>
+
+#include "absl/functional/function_ref.h"
+#include "core/digitize/crossing.h"
+#include "core/lattice/integer_cell.h"
+#include "core/tile/brick.h"
+
+namespace latvox {
+
+class Supercover {
+ public:
+  explicit Supercover(const IntegerCell& cell);
+
+  // Per axis, how far a voxel may lie from what its cell meets, in voxels, and twice that; rounded up.
+  Vec3i Margin() const;
+  Vec3i Reach() const;
+
+  // Calls run(first, count) for each row of voxels of the triangle's supercover within `box` (local voxels): first and
+  // the count - 1 voxels after it along k. Each row once, in lexicographic order.
+  using Run = absl::FunctionRef<void(const Vec3i& first, int32_t count)>;
+  void ForEachRun(const Triangle& triangle, const IndexBox& box, Run run) const;
+
+ private:
+  struct Facet {
+    Vec<int64_t, 3> normal;
+    int64_t reach;  // of the cell along it, lattice units
+  };
+  template <class Int>
+  class Polytope;
+
+  IntegerCell cell_;
+  std::vector<Facet> facets_;  // one of each pair
+  Vec3i half_extent_lat_{};    // rounded down
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_DIGITIZE_SUPERCOVER_H_

@@ -1,0 +1,41 @@
+"""--align: a mesh on the lattice and origin of another file's grid."""
+
+import unittest
+
+from harness import BIN, BUNNY, Case, latvox, octahedron, rows, write_obj
+
+
+class Align(Case):
+    def test_a_mesh_has_the_same_voxels_on_the_grid_of_its_own_file(self):
+        for lattice in ("cartesian", "bcc", "hexagonal"):
+            options = ["--lattice", lattice, "--resolution", 60, "--quantization", 16]
+            first = self.voxelize(BUNNY, *options, out="first.vdb")
+            again = self.voxelize(BUNNY, "--align", self.dir / "first.vdb", "--quantization", 16, out="again.vdb")
+            self.assertEqual(again["digest"], first["digest"], lattice)
+            self.assertEqual((again["basis"], again["origin"]), (first["basis"], first["origin"]))
+
+    def test_another_mesh_lies_on_the_points_of_the_first(self):
+        basis = "0.25,0,0,0.125,0.25,0,0,0.0625,0.5"
+        self.voxelize(BUNNY, "--basis", basis, "--origin", "10,-3,0.125", out="first.vdb")
+        mesh = write_obj(self.dir / "octahedron.obj", octahedron(2))
+        summary = self.voxelize(mesh, "--align", self.dir / "first.vdb", out="second.csv")
+        self.assertEqual(summary["basis"], [float(x) for x in basis.split(",")])
+        self.assertEqual(summary["origin"], [10, -3, 0.125])
+        for (i, j, k), world in rows(self.dir / "second.csv").items():
+            self.assertEqual(world, (10 + i / 4 + j / 8, -3 + j / 4 + k / 16, 0.125 + k / 2))
+
+    def test_contradictions_and_files_without_a_grid_are_refused(self):
+        self.voxelize(BUNNY, "--resolution", 9, out="first.vdb")
+        for option in ("--resolution=9", "--voxel-size=1", "--lattice=bcc", "--basis=1,0,0,0,1,0,0,0,1", "--origin=0,0,0"):
+            done = latvox("voxelize", BUNNY, "-o", self.dir / "o.vdb", "--align", self.dir / "first.vdb", option)
+            self.assertEqual(done.returncode, 2, option)
+            self.assertIn("--align", done.stderr)
+            self.assertIn(option.split("=")[0], done.stderr)
+        for name, says in ((self.dir / "none.vdb", "no such file"), (BIN / "latvox", "not a readable .vdb file")):
+            done = latvox("voxelize", BUNNY, "-o", self.dir / "o.vdb", "--align", name)
+            self.assertEqual(done.returncode, 3)
+            self.assertIn(says, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
