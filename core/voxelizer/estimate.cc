@@ -53,6 +53,12 @@ double SumOver(const TriangleMesh& mesh, const F& f) {
       std::plus<>());
 }
 
+// Of all that lies within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World
+// units.
+double VolumeWithin(const Corners& at, double width) {
+  return width * (TwiceAreaOf(at) + M_PI / 2 * width * LengthAround(at) + M_PI * 4 / 3 * width * width);
+}
+
 double VolumeOf(const IndexBox& box) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m)
@@ -65,7 +71,10 @@ double VolumeOf(const IndexBox& box) {
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
   const double size = grid.lattice.voxel_size();
   if (options.algorithm == Algorithm::kExact) {
-    const double voxels = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) / (size * size);
+    // Of a band, what neighbouring triangles do not share.
+    const double thickness = options.band ? WidthOf(*options.band, grid.lattice) / size : 1;
+    const double voxels =
+        SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) * thickness / (size * size);
     const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
     return options.shard ? delivered / options.shard->count : delivered;
   }
@@ -75,6 +84,12 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
 }
 
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels) {
+  if (options.band) {
+    const double size = grid.lattice.voxel_size(), width = WidthOf(*options.band, grid.lattice);
+    const double volume = SumOver(mesh, [&](const Corners& corners) { return VolumeWithin(corners, width); });
+    const double visits = volume / (size * size * size);
+    return options.shard ? visits / options.shard->count : visits;
+  }
   if (options.algorithm != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();
   return SumOver(mesh, [&](const Corners& corners) { return VolumeAround(corners, size); });

@@ -15,8 +15,9 @@ namespace latvox {
 // Validate(mesh) is OK.
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
 
-// Estimates how many lattice points a job looks at, as often as it does: brute force all those in the boxes around
-// triangles, which takes one pass, as above; the others about those that they find.
+// Estimates how many lattice points a job looks at, as often as it does: a band's those within its width of each
+// triangle, of a shard its part, brute force all those in the boxes around triangles, which takes one pass, as above;
+// the others about those that they find.
 //   voxels   what EstimateVoxels has told
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels);
 
