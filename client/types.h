@@ -41,6 +41,13 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
+// The lattice points near the mesh, each with its distance: see Band in the protocol.
+struct Band {
+  double width = 0;        // finite, > 0
+  bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
+  bool is_signed = false;  // distances are negative inside; the mesh must be closed
+};
+
 // How bricks travel; what arrives is the same. kPacked has about a quarter of kMasks' bytes; kPackedZstd a quarter less
 // again, for twice the time on both sides: it pays on networks below about one gigabit a second.
 enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
@@ -58,6 +65,9 @@ struct VoxelizeRequest {
   bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
   Algorithm algorithm = Algorithm::kExact;
   BrickEncoding encoding = BrickEncoding::kPacked;
+  // A band instead of voxels that separate. Not with verify, with a separability other than 0, or with an algorithm
+  // other than kExact; minimal does not apply.
+  std::optional<Band> band = std::nullopt;
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
@@ -105,6 +115,15 @@ struct Brick {
 struct BrickBatch {
   std::span<const Brick> bricks;
   double progress = 0;  // share of the work done, 0 to 1, never decreasing
+  // Of a band: the distance of each voxel, world units; brick after brick, of a brick in lexicographic order of ijk.
+  std::span<const float> values = {};
+};
+
+// What the distances of a band are.
+struct BandCertificate {
+  double width = 0;  // world units
+  bool is_signed = false;
+  std::string digest;  // of voxels and distances, 32 hexadecimal digits
 };
 
 // What was proved or checked of the result.
@@ -119,8 +138,9 @@ struct Certificate {
   double snap_error_max = 0;
   uint32_t quantization_bits = 0;
   std::string algorithm, version;
-  std::string digest;          // 32 hexadecimal digits
-  std::optional<Shard> shard;  // the part that this is, if one was asked for
+  std::string digest;                                  // 32 hexadecimal digits
+  std::optional<Shard> shard;                          // the part that this is, if one was asked for
+  std::optional<BandCertificate> band = std::nullopt;  // if one was asked for
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.

@@ -65,6 +65,15 @@ v1::BrickEncoding ToProto(BrickEncoding encoding) {
   return v1::BRICK_ENCODING_UNSPECIFIED;
 }
 
+v1::Band ToProto(const Band& band) {
+  v1::Band out;
+  band.in_voxels ? out.set_voxels(band.width) : out.set_width(band.width);
+  out.set_signed_(band.is_signed);
+  return out;
+}
+
+BandCertificate FromProto(const v1::BandCertificate& band) { return {band.width(), band.signed_(), band.digest()}; }
+
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
   return {.triangles = mesh.triangles(),
           .vertices = mesh.vertices(),
@@ -90,7 +99,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .algorithm = certificate.algorithm(),
           .version = certificate.version(),
           .digest = certificate.digest(),
-          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt};
+          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
+          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt};
 }
 
 }  // namespace
@@ -123,6 +133,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   if (resume_after) *spec.mutable_resume_after() = ToProto(*resume_after);
   spec.set_algorithm(ToProto(request.algorithm));
   spec.set_encoding(ToProto(request.encoding));
+  if (request.band) *spec.mutable_band() = ToProto(*request.band);
   return spec;
 }
 

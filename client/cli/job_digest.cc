@@ -57,6 +57,7 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"verify", request.verify},
                {"algorithm", static_cast<int>(request.algorithm)}};
   if (request.region) json["region"] = {request.region->min, request.region->max};
+  if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   return json;
 }

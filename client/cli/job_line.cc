@@ -31,6 +31,8 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"algorithm", Kind::kText},
     {"fill", Kind::kText},
     {"cover", Kind::kText},
+    {"band", Kind::kNumberOrText},
+    {"signed", Kind::kFlag},
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},

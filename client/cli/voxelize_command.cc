@@ -48,10 +48,10 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& h
   return Upload{std::move(encoded->drc), mesh->skipped};
 }
 
-absl::StatusOr<Outputs> OpenOutputs(const std::vector<std::string>& paths) {
+absl::StatusOr<Outputs> OpenOutputs(const std::vector<std::string>& paths, const VoxelizeRequest& request) {
   Outputs outputs;
   for (const std::string& path : paths) {
-    auto output = OpenOutput(path);
+    auto output = OpenOutput(path, request);
     if (!output.ok()) return output.status();
     outputs.push_back(*std::move(output));
   }
@@ -113,7 +113,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.mesh_path = options.mesh;
   report.outputs = options.outputs;
   // First of all, so that a place that cannot be written is found before any work.
-  auto outputs = OpenOutputs(options.outputs);
+  auto outputs = OpenOutputs(options.outputs, options.request);
   if (!outputs.ok()) return outputs.status();
   const auto upload = Prepare(options, hooks);
   if (!upload.ok()) return upload.status();

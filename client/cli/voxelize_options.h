@@ -27,7 +27,8 @@ struct VoxelizeWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
   int separability = 0;
-  std::string algorithm, encoding, fill, cover;
+  std::string algorithm, encoding, fill, cover, band;
+  bool is_signed = false;
 };
 
 // Adds the outputs and what is asked for, without mesh and server. Parsing checks each option by itself.

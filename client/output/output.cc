@@ -1,12 +1,15 @@
 #include "client/output/output.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/error.h"
+#include "client/grid/distance_grid.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
 #include "client/output/box_output.h"
@@ -17,13 +20,18 @@
 namespace latvox::client {
 namespace {
 
+// Grid: VoxelGrid, or DistanceGrid.
+template <class Grid>
 class VdbOutput final : public Output {
  public:
-  explicit VdbOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+  using NewGrid = std::function<Grid(const GridTransform&)>;
+
+  VdbOutput(std::unique_ptr<AtomicFile> file, NewGrid new_grid)
+      : file_(std::move(file)), new_grid_(std::move(new_grid)) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
-    grid_.emplace(accepted.grid);
+    grid_.emplace(new_grid_(accepted.grid));
     return absl::OkStatus();
   }
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
@@ -43,21 +51,89 @@ class VdbOutput final : public Output {
   }
 
   std::unique_ptr<AtomicFile> file_;
-  std::optional<VoxelGrid> grid_;
+  const NewGrid new_grid_;
+  std::optional<Grid> grid_;
 };
 
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<VdbOutput>(std::move(file));
+  return std::make_unique<VdbOutput<VoxelGrid>>(std::move(file),
+                                                [](const GridTransform& grid) { return VoxelGrid(grid); });
+}
+
+std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+  const bool whole = !request.region && !request.shard;
+  return std::make_unique<VdbOutput<DistanceGrid>>(
+      std::move(file), [band = *request.band, whole](const GridTransform& grid) {
+        const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
+        return DistanceGrid(grid, width, band.is_signed, whole);
+      });
+}
+
+using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, bool distances);
+
+template <NewTable new_table>
+std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file) {
+  return new_table(std::move(file), /*distances=*/false);
+}
+
+template <NewTable new_table>
+std::unique_ptr<Output> NewDistanceTable(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&) {
+  return new_table(std::move(file), /*distances=*/true);
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
 
 constexpr std::pair<const char*, NewOutput> kFormats[] = {
-    {".vdb", NewVdbOutput},     {".csv", NewCsvOutput}, {".npy", NewNpyOutput},       {".ply", NewPlyOutput},
-    {".png", NewPictureOutput}, {".glb", NewGlbOutput}, {".binvox", NewBinvoxOutput}, {".vox", NewVoxOutput},
+    {".vdb", NewVdbOutput},
+    {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewTableOutput<NewNpyOutput>},
+    {".ply", NewTableOutput<NewPlyOutput>},
+    {".png", NewPictureOutput},
+    {".glb", NewGlbOutput},
+    {".binvox", NewBinvoxOutput},
+    {".vox", NewVoxOutput},
 };
 
+using NewDistanceOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&);
+
+constexpr std::pair<const char*, NewDistanceOutput> kDistanceFormats[] = {
+    {".vdb", NewDistanceVdbOutput},
+    {".csv", NewDistanceTable<NewCsvOutput>},
+    {".npy", NewDistanceTable<NewNpyOutput>},
+    {".ply", NewDistanceTable<NewPlyOutput>},
+};
+
+std::string ExtensionOf(const std::string& path) {
+  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+}
+
+absl::Status WrongExtension(const std::string& path, const std::vector<std::string>& extensions) {
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", absl::StrJoin(extensions, " ")));
+}
+
+absl::StatusOr<std::unique_ptr<Output>> OpenDistanceOutput(const std::string& path, const VoxelizeRequest& request) {
+  for (const auto& [extension, new_output] : kDistanceFormats) {
+    if (ExtensionOf(path) != extension) continue;
+    auto file = AtomicFile::Create(path);
+    if (!file.ok()) return file.status();
+    return new_output(*std::move(file), request);
+  }
+  return WrongExtension(path, DistanceExtensions());
+}
+
 }  // namespace
+
+std::vector<std::string> DistanceExtensions() {
+  std::vector<std::string> extensions;
+  for (const auto& [extension, unused] : kDistanceFormats) extensions.push_back(extension);
+  return extensions;
+}
+
+bool CarriesDistances(const std::string& path) {
+  const std::vector<std::string> extensions = DistanceExtensions();
+  return std::find(extensions.begin(), extensions.end(), ExtensionOf(path)) != extensions.end();
+}
 
 const std::vector<std::string>& OutputExtensions() {
   static const auto* const kExtensions = [] {
@@ -68,16 +144,16 @@ const std::vector<std::string>& OutputExtensions() {
   return *kExtensions;
 }
 
-absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path) {
-  const std::string wanted = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request) {
+  if (request.band) return OpenDistanceOutput(path, request);
+  const std::string wanted = ExtensionOf(path);
   for (const auto& [extension, new_output] : kFormats) {
     if (wanted != extension) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
     return new_output(*std::move(file));
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ": extension \"", wanted, "\" is not one of ", absl::StrJoin(OutputExtensions(), " ")));
+  return WrongExtension(path, OutputExtensions());
 }
 
 }  // namespace latvox::client
