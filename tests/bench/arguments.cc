@@ -20,6 +20,7 @@ struct Words {
   std::string algorithm = "exact", simd = "best", peer;
   std::vector<int32_t> region;
   std::vector<uint32_t> shard;
+  double band = 0;
 };
 
 template <class Names>
@@ -43,6 +44,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_flag("--minimal,!--no-minimal", options.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
+  app.add_option("--band", words.band, "a band of distances, so many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
   app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
@@ -77,6 +79,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   if (arguments.resolution == 0) return absl::InvalidArgumentError("MESH and RESOLUTION are required; see --help");
   arguments.options.algorithm = *AlgorithmNamed(named.algorithm);
   arguments.simd = *SimdNamed(named.simd);
+  if (named.band > 0) arguments.options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
   if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   if (const auto& shard = named.shard; !shard.empty()) arguments.options.shard = {shard[0], shard[1]};

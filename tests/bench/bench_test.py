@@ -53,6 +53,11 @@ class Bench(unittest.TestCase):
             measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
         )
 
+    def test_bands(self):
+        words = ("box", "32", "--band", "2")
+        self.assertGreater(measured(*words)["voxels"], 3 * measured("box", "32")["voxels"])
+        self.assertGreater(measured(*words, "--peer", "openvdb")["voxels"], measured("box", "32")["voxels"])
+
     def test_lines_are_answered_one_by_one(self):
         done = run("-", stdin="box 32 --reps 1\nbox 1\nnone.obj 32\nbox 32 --subdivide 1 --reps 1\n")
         answers = [json.loads(line) for line in done.stdout.splitlines()]
