@@ -153,6 +153,12 @@ class Band(Case):
         points = numpy.frombuffer(body, dtype=[("xyz", "<f8", 3), ("ijk", "<i4", 3), ("distance", "<f4")])
         self.assertTrue((points["distance"] == array["distance"]).all() and (points["ijk"] == array["ijk"]).all())
 
+    def test_merge_takes_no_distances(self):
+        self.voxelize(self.box(), "--resolution", "20", "--band", "2v", out="band.vdb")
+        done = latvox("merge", self.dir / "band.vdb", "-o", self.dir / "merged.vdb")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("float", done.stderr)
+
     def test_refusals_name_what_is_wrong(self):
         mesh = self.box()
         vertices, triangles = box(self.LOW, self.HIGH)

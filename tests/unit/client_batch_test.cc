@@ -244,7 +244,9 @@ TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
         R"("mesh": "m.obj", "resolution": 8, "algorithm": "brute-force")",
         R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,1])",
         R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,2])",
-        R"("mesh": "m.obj", "resolution": 8, "quantization": 12)",
+        R"("mesh": "m.obj", "resolution": 8, "quantization": 12)", R"("mesh": "m.obj", "resolution": 8, "band": 1)",
+        R"("mesh": "m.obj", "resolution": 8, "band": "1v")",
+        R"("mesh": "m.obj", "resolution": 8, "band": 1, "signed": true)",
         R"("mesh": "m.obj", "resolution": 8, "shard": "0/2")", R"("mesh": "m.obj", "resolution": 8, "shard": "1/2")"}) {
     EXPECT_TRUE(digests.insert(digest(out + fields)).second) << fields;
   }

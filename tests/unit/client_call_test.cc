@@ -353,6 +353,45 @@ TEST(BandCall, EveryWrongValueIsDataLossThatNamesIt) {
   breach(certify([](v1::Certificate& c) { c.mutable_band()->set_signed_(false); }), kSignedBand, "not signed");
 }
 
+// The first stream breaks after its first tile; the second brings the rest, and counts and digests of that alone.
+TEST(BandCall, AResumedStreamsDigestIsThatOfAllValues) {
+  const Answers answers = BandAnswers();
+  std::atomic<int> calls = 0;
+  const Fake fake([&](grpc::ServerContext*, Stream* stream) {
+    v1::VoxelizeRequest request;
+    stream->Read(&request);
+    EXPECT_EQ(request.spec().band().width(), 2);
+    EXPECT_TRUE(request.spec().band().signed_());
+    while (stream->Read(&request)) continue;
+    stream->Write(answers.accepted);
+    if (calls++ == 0) {
+      stream->Write(answers.first);
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
+    }
+    const std::vector<float> values{0, 1, 2, -0.5F, 1.5F};
+    Digest digest, of_values;
+    for (const auto& [brick, count] : {std::pair{Brick{{0, 0, 0}, {0xF0}}, 4}, {Brick{{0, 7, 1}, {2}}, 1}}) {
+      digest.Add(brick);
+      of_values.Add(brick, count == 4 ? std::span(values).first(4) : std::span(values).last(1));
+    }
+    v1::VoxelizeResponse end = answers.summary;
+    end.mutable_summary()->set_voxels(5);
+    end.mutable_summary()->set_bricks(2);
+    end.mutable_summary()->set_tiles(1);
+    end.mutable_summary()->mutable_certificate()->set_digest(digest.ToHex());
+    end.mutable_summary()->mutable_certificate()->mutable_band()->set_digest(of_values.ToHex());
+    stream->Write(answers.second);
+    stream->Write(end);
+    return grpc::Status::OK;
+  });
+  VoxelizeRequest request;
+  request.band = kSignedBand;
+  const auto summary = fake.client().Voxelize(request, kMesh, {});
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_EQ(calls, 2);
+  EXPECT_EQ(summary->certificate.band->digest, answers.summary.summary().certificate().band().digest());
+}
+
 TEST(BandCall, ValuesThatNobodyAskedForAreRefused) {
   EXPECT_THAT(std::string(CallWith(BandAnswers().All()).message()),
               HasSubstr("values has 4 bytes for 1 voxels without a band"));

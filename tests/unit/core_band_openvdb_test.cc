@@ -49,18 +49,21 @@ TEST(SignedBand, IsOpenVdbsNarrowBandOnCubes) {
   const auto ours = BandOf(mesh), theirs = LevelSetOf(mesh);
   // What snapping moves, in voxels, and the rounding of floats.
   constexpr double kSlack = kSnapErrorMax * 2 + 1e-3;
+  // Away from the surface OpenVDB looks only at the triangles that a voxel's neighbours found nearest, so that a few of
+  // its distances are too long, or over the width; none is too short. Next to it, it takes a few voxels to be on the
+  // other side.
+  constexpr double kBeside = 0.25;
   ASSERT_GT(ours->activeVoxelCount(), 50000U);
+  size_t theirs_off = 0;
   for (auto value = ours->cbeginValueOn(); value; ++value) {
     const openvdb::Coord ijk = value.getCoord();
-    if (theirs->tree().isValueOn(ijk)) {
-      // Where the mesh may have moved past the voxel, the side is open.
-      const double other = theirs->tree().getValue(ijk);
-      ASSERT_NEAR(std::abs(*value), std::abs(other), kSlack) << ijk;
-      ASSERT_TRUE(*value < 0 == other < 0 || std::abs(other) < kSlack) << ijk;
-    } else {
-      ASSERT_GT(std::abs(*value), kWidth - kSlack) << ijk;
-    }
+    const double distance = std::abs(*value), other = theirs->tree().getValue(ijk);
+    const bool same_side = (*value < 0) == (other < 0);
+    ASSERT_LT(distance, std::abs(other) + kSlack) << ijk;
+    ASSERT_TRUE(same_side || distance < kBeside) << ijk;
+    theirs_off += !same_side || distance < std::abs(other) - kSlack;
   }
+  EXPECT_LT(theirs_off, ours->activeVoxelCount() / 50);
   for (auto value = theirs->cbeginValueOn(); value; ++value) {
     if (!ours->tree().isValueOn(value.getCoord())) {
       ASSERT_GT(std::abs(*value), kWidth - kSlack) << value.getCoord();
