@@ -9,7 +9,7 @@ import unittest
 import containers
 from containers import IMAGE, ROOT, inspect, podman
 
-LARGEST, LARGEST_TO_PULL = 120e6, 40e6  # bytes
+LARGEST, LARGEST_TO_PULL = 70e6, 30e6  # bytes
 
 
 def layers(image):
