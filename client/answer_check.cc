@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -44,6 +45,7 @@ void AnswerCheck::Tally::Add(const Tally& other) {
   bricks += other.bricks;
   tiles += other.tiles;
   digest.Add(other.digest);
+  values.Add(other.values);
 }
 
 void AnswerCheck::BeginStretch() {
@@ -106,8 +108,9 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
   for (size_t n = 0; n < batch_.size(); ++n) {
     if (auto status = CheckBrick(batch_[n], n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
+  if (absl::Status status = TakeValues(message.values()); !status.ok()) return status;
   if (handlers_.on_bricks) {
-    if (absl::Status status = handlers_.on_bricks({batch_, reported_}); !status.ok()) return status;
+    if (absl::Status status = handlers_.on_bricks({batch_, reported_, values_}); !status.ok()) return status;
   }
   if (!batch_.empty()) resume_after_ = TileOf(batch_.back().brick_ijk);
   return absl::OkStatus();
@@ -168,6 +171,57 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
   return absl::OkStatus();
 }
 
+// Of batch_, which has been checked.
+absl::Status AnswerCheck::TakeValues(std::string_view bytes) {
+  size_t voxels = 0;
+  for (const Brick& brick : batch_) voxels += CountVoxels(brick);
+  const size_t expected = band_ ? voxels * sizeof(float) : 0;
+  if (bytes.size() != expected) {
+    return Broken("values has ", bytes.size(), " bytes for ", voxels, " voxels", band_ ? "" : " without a band",
+                  ", not ", expected);
+  }
+  if (!band_) return absl::OkStatus();
+  values_.resize(voxels);
+  if (voxels != 0) std::memcpy(values_.data(), bytes.data(), bytes.size());
+  for (const float value : values_) {
+    if (absl::Status status = CheckValue(value); !status.ok()) return status;
+  }
+  std::span<const float> rest = values_;
+  for (const Brick& brick : batch_) {
+    const size_t count = CountVoxels(brick);
+    stretch_.values.Add(brick, rest.first(count));
+    rest = rest.subspan(count);
+  }
+  return absl::OkStatus();
+}
+
+// Negated comparisons, so that NaN is caught.
+absl::Status AnswerCheck::CheckValue(float value) const {
+  const double width = std::min(BandWidth(), double{std::numeric_limits<float>::max()});
+  if (!(std::abs(value) <= static_cast<float>(width))) {
+    return Broken("a distance of ", value, " in a band of ", width);
+  }
+  if (std::signbit(value) && !(band_->is_signed && value < 0)) {
+    return Broken("a distance of ", value, " in ", band_->is_signed ? "a signed band" : "a band without signs");
+  }
+  return absl::OkStatus();
+}
+
+double AnswerCheck::BandWidth() const {
+  return band_->in_voxels ? band_->width * accepted_->grid.voxel_size : band_->width;
+}
+
+// What the certificate says of the band.
+absl::Status AnswerCheck::CheckBand(const std::optional<BandCertificate>& band) const {
+  if (!band_ && !band) return absl::OkStatus();
+  if (!band_ || !band) return Broken("a certificate ", band ? "of a band" : "without a band");
+  if (band->width != BandWidth() || band->is_signed != band_->is_signed) {
+    return Broken("a band of ", band->width, ", ", band->is_signed ? "" : "not ", "signed, instead of ", BandWidth());
+  }
+  if (band->digest == stretch_.values.ToHex()) return absl::OkStatus();
+  return Broken("band's digest ", band->digest, ", the values' is ", stretch_.values.ToHex());
+}
+
 absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
   Summary summary = FromProto(message);
   const auto check = [](const char* what, uint64_t theirs, uint64_t ours) {
@@ -181,12 +235,14 @@ absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
   if (summary.certificate.digest != stretch_.digest.ToHex()) {
     return Broken("digest ", summary.certificate.digest, ", the bricks' is ", stretch_.digest.ToHex());
   }
+  if (absl::Status band = CheckBand(summary.certificate.band); !band.ok()) return band;
   Tally all = before_;
   all.Add(stretch_);
   summary.voxels = all.voxels;
   summary.bricks = all.bricks;
   summary.tiles = all.tiles;
   summary.certificate.digest = all.digest.ToHex();
+  if (band_) summary.certificate.band->digest = all.values.ToHex();
   summary_ = summary;
   return absl::OkStatus();
 }

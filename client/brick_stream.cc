@@ -29,6 +29,7 @@ class BrickStream::State {
   struct Batch {
     std::vector<Brick> bricks;  // kept from turn to turn, for its memory
     double progress = 0;
+    std::vector<float> values;  // kept likewise
   };
 
   void Run(const Call& call, CallOptions options);
@@ -96,9 +97,10 @@ absl::Status BrickStream::State::Offer(const BrickBatch& batch) {
   }
   // Nobody else looks at this place, or writes offered_.
   Batch& place = ring_[offered_ % ring_.size()];
-  const auto& [bricks, progress] = batch;  // all there is to a batch
+  const auto& [bricks, progress, values] = batch;  // all there is to a batch
   place.bricks.assign(bricks.begin(), bricks.end());
   place.progress = progress;
+  place.values.assign(values.begin(), values.end());
   const std::lock_guard lock(mutex_);
   ++offered_;
   changed_.notify_all();
@@ -124,7 +126,7 @@ absl::StatusOr<std::optional<BrickBatch>> BrickStream::State::Next() {
   const Batch& batch = ring_[taken_ % ring_.size()];
   ++taken_;
   changed_.notify_all();
-  return BrickBatch{batch.bricks, batch.progress};
+  return BrickBatch{batch.bricks, batch.progress, batch.values};
 }
 
 std::optional<Summary> BrickStream::State::summary() const {

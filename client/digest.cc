@@ -12,13 +12,14 @@ namespace latvox::client {
 // Brick's words are copied to and from the wire as they lie in memory.
 static_assert(std::endian::native == std::endian::little, "bricks are little-endian on the wire");
 
-void Digest::Add(const Brick& brick) {
+void Digest::Add(const Brick& brick, std::span<const float> values) {
   constexpr size_t kIjkBytes = sizeof(brick.brick_ijk), kMaskBytes = sizeof(brick.mask);
   static_assert(kIjkBytes + kMaskBytes == 76);
-  char bytes[kIjkBytes + kMaskBytes];
+  char bytes[kIjkBytes + kMaskBytes + 512 * sizeof(float)];
   std::memcpy(bytes, brick.brick_ijk.data(), kIjkBytes);
   std::memcpy(bytes + kIjkBytes, brick.mask.data(), kMaskBytes);
-  const XXH128_hash_t hash = XXH3_128bits(bytes, sizeof(bytes));
+  if (!values.empty()) std::memcpy(bytes + kIjkBytes + kMaskBytes, values.data(), values.size_bytes());
+  const XXH128_hash_t hash = XXH3_128bits(bytes, kIjkBytes + kMaskBytes + values.size_bytes());
   Add(hash.high64, hash.low64);
 }
 

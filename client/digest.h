@@ -3,6 +3,7 @@
 #define LATVOX_CLIENT_DIGEST_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "client/types.h"
@@ -10,10 +11,11 @@
 namespace latvox::client {
 
 // Certificate.digest of the protocol: the sum modulo 2^128, over all bricks, of XXH3-128 (seed 0) of 76 bytes, which
-// are brick_ijk and the mask's words, little-endian. The order of bricks does not matter.
+// are brick_ijk and the mask's words, little-endian; of BandCertificate.digest, with the brick's values behind them.
+// The order of bricks does not matter.
 class Digest {
  public:
-  void Add(const Brick& brick);
+  void Add(const Brick& brick, std::span<const float> values = {});
   void Add(const Digest& other);  // all bricks of the other
   std::string ToHex() const;      // 32 hexadecimal digits
 

@@ -63,6 +63,13 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
+// The lattice points near the mesh, each with its distance: see Band in the protocol.
+struct Band {
+  double width = 0;        // finite, > 0
+  bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
+  bool is_signed = false;  // distances are negative inside; the mesh must be closed
+};
+
 // How bricks travel; what arrives is the same.
 enum class BrickEncoding {
   kMasks,       // 76 bytes a brick
@@ -101,6 +108,9 @@ struct VoxelizeRequest {
   BrickEncoding encoding = BrickEncoding::kPacked;  // how they travel
   std::optional<Solid> solid;                       // absent: the surface alone; not with verify, and kExact only
   Cover cover = Cover::kSeparating;  // kSupercover: with kExact only; the same voxels for every separability
+  // A band instead of voxels that separate. Not with verify, solid, a cover or a separability other than the default,
+  // or with an algorithm other than kExact; minimal does not apply.
+  std::optional<Band> band = std::nullopt;
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
@@ -152,6 +162,8 @@ struct Brick {
 struct BrickBatch {
   std::span<const Brick> bricks;  // whole 64^3 tiles
   double progress = 0;            // share of the work done, 0 to 1, never decreasing
+  // Of a band: the distance of each voxel, world units; brick after brick, of a brick in lexicographic order of ijk.
+  std::span<const float> values = {};
 };
 
 // How a mesh was filled.
@@ -159,6 +171,13 @@ struct SolidFacts {
   std::string rule;               // "parity" or "winding"
   bool surface = true;            // with the surface's voxels, too
   uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
+};
+
+// What the distances of a band are.
+struct BandCertificate {
+  double width = 0;        // world units
+  bool is_signed = false;  // distances inside are negative
+  std::string digest;      // of voxels and distances, 32 hexadecimal digits
 };
 
 // What was proved or checked of the result.
@@ -179,6 +198,7 @@ struct Certificate {
   std::optional<Shard> shard;       // the part that this is, if one was asked for
   std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
   std::string cover;                // "separating" or "supercover"
+  std::optional<BandCertificate> band = std::nullopt;  // what the distances are, if a band was asked for
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.
@@ -206,6 +226,7 @@ struct Summary {
 struct Voxelization {
   Accepted accepted;          // grid and box
   std::vector<Brick> bricks;  // in the order in which they came, which is the same each time
+  std::vector<float> values;  // of a band: their voxels' distances, as BrickBatch has them
   Summary summary;            // counts and certificate
 };
 

@@ -100,6 +100,15 @@ std::optional<SolidFacts> SolidFactsOf(const v1::Certificate& certificate) {
   return SolidFacts{fill.rule(), fill.with_surface(), fill.unbalanced_lines()};
 }
 
+v1::Band ToProto(const Band& band) {
+  v1::Band out;
+  band.in_voxels ? out.set_voxels(band.width) : out.set_width(band.width);
+  out.set_signed_(band.is_signed);
+  return out;
+}
+
+BandCertificate FromProto(const v1::BandCertificate& band) { return {band.width(), band.signed_(), band.digest()}; }
+
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
   return {.triangles = mesh.triangles(),
           .vertices = mesh.vertices(),
@@ -124,10 +133,11 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .quantization_bits = certificate.quantization_bits(),
           .algorithm = certificate.algorithm(),
           .version = certificate.version(),
-          .cover = certificate.cover(),
           .digest = certificate.digest(),
           .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
-          .solid = SolidFactsOf(certificate)};
+          .solid = SolidFactsOf(certificate),
+          .cover = certificate.cover(),
+          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt};
 }
 
 }  // namespace
@@ -162,6 +172,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   spec.set_algorithm(ToProto(request.algorithm));
   spec.set_cover(ToProto(request.cover));
   spec.set_encoding(ToProto(request.encoding));
+  if (request.band) *spec.mutable_band() = ToProto(*request.band);
   return spec;
 }
 

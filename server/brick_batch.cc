@@ -19,12 +19,16 @@ constexpr size_t kMaxTileBricks = 512;
 
 static_assert(kMaskBytes == 64);
 static_assert(BrickBatcher::kFullBytes + std::max(kMaxTileBricks * kBrickBytes, kMaxPackedTileBytes) < 1 << 20);
-static_assert(std::endian::native == std::endian::little, "masks are sent as they lie in memory");
+constexpr size_t kMaxTileValueBytes = kMaxTileBricks * 512 * sizeof(float);
+static_assert(BrickBatcher::kFullBytes + kMaxTileValueBytes < 2 << 20, "the contract's limit of values");
+static_assert(std::endian::native == std::endian::little, "masks and values are sent as they lie in memory");
 
 }  // namespace
 
 void BrickBatcher::Add(const TileBricks& tile) {
   encoding_ == BrickEncoding::kMasks ? AddMasks(tile) : AddPacked(tile);
+  batch_.mutable_values()->append(reinterpret_cast<const char*>(tile.values.data()),
+                                  tile.values.size() * sizeof(float));
   bricks_ += tile.bricks.size();
   progress_ = std::clamp(tile.progress, progress_, 1.0);
 }
@@ -68,7 +72,7 @@ void BrickBatcher::TakePacked() {
 
 bool BrickBatcher::full() const {
   const size_t bytes = encoding_ == BrickEncoding::kMasks ? bricks_ * kBrickBytes : packed_bytes_;
-  return bytes >= full_bytes_ || bricks_ > kMaxBricks - kMaxTileBricks;
+  return bytes + batch_.values().size() >= full_bytes_ || bricks_ > kMaxBricks - kMaxTileBricks;
 }
 
 v1::BrickBatch BrickBatcher::Take() {

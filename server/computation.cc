@@ -278,7 +278,7 @@ absl::Status Computation::DeliverSummary(const Deliver& deliver) {
   summary.set_voxels(totals().voxels);
   summary.set_bricks(totals().bricks);
   summary.set_tiles(totals().tiles);
-  *summary.mutable_certificate() = CertificateToProto(spec_, job_->facts(), source_, totals().digest, verdict);
+  *summary.mutable_certificate() = CertificateToProto(spec_, job_->facts(), source_, totals(), verdict);
   v1::Timings& timings = *summary.mutable_timings();
   timings.set_upload_ms(upload_ms_);
   timings.set_decode_ms(facts_.decode_ms);

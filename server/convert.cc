@@ -165,6 +165,23 @@ absl::StatusOr<BrickEncoding> EncodingFromProto(v1::BrickEncoding encoding) {
   }
 }
 
+absl::StatusOr<Band> BandFromProto(const v1::VoxelizeSpec& spec) {
+  const v1::Band& band = spec.band();
+  if (band.extent_case() == v1::Band::EXTENT_NOT_SET) {
+    return BadSpec("band: neither width nor voxels is set", "band", "");
+  }
+  if (spec.verify()) return BadSpec("verify: not together with band", "verify", "true");
+  if (spec.fill().mode() == v1::FILL_MODE_SOLID) return BadSpec("fill: not together with band", "fill", "solid");
+  if (spec.cover() == v1::COVER_SUPERCOVER) return BadSpec("cover: not together with band", "cover", "supercover");
+  const bool in_voxels = band.extent_case() == v1::Band::kVoxels;
+  const double width = in_voxels ? band.voxels() : band.width();
+  const char* field = in_voxels ? "band.voxels" : "band.width";
+  if (!(std::isfinite(width) && width > 0)) {
+    return BadSpec(absl::StrCat(field, " ", width, " is not a finite number above 0"), field, absl::StrCat(width), "0");
+  }
+  return Band{width, in_voxels, band.signed_()};
+}
+
 absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
   VoxelizeOptions options;
   if (spec.separability() > 2) {
@@ -194,6 +211,11 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
   const absl::StatusOr<std::optional<Solid>> solid = SolidFromProto(spec, options.algorithm);
   if (!solid.ok()) return solid.status();
   options.solid = *solid;
+  if (spec.has_band()) {
+    const absl::StatusOr<Band> band = BandFromProto(spec);
+    if (!band.ok()) return band.status();
+    options.band = *band;
+  }
   return options;
 }
 
@@ -274,12 +296,16 @@ v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, co
 }
 
 v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,
-                                   const Digest& digest, const std::optional<Verdict>& verdict) {
+                                   const JobTotals& totals, const std::optional<Verdict>& verdict) {
   v1::Certificate certificate;
   certificate.set_lattice(std::string{spec.lattice.name()});
   certificate.set_separability(static_cast<uint32_t>(spec.options.separability));
   const Verdict counted = verdict.value_or(Verdict{});
-  if (spec.options.algorithm == Algorithm::kExact) {
+  if (const auto& band = spec.options.band) {
+    certificate.mutable_band()->set_width(facts.band_width);
+    certificate.mutable_band()->set_signed_(band->is_signed);
+    certificate.mutable_band()->set_digest(totals.values.ToHex());
+  } else if (spec.options.algorithm == Algorithm::kExact) {
     const bool surface = !spec.options.solid || spec.options.solid->surface;
     certificate.set_tunnel_free(surface);
     certificate.set_minimal(surface && spec.options.minimal && IsWhole(spec.options, facts));
@@ -296,7 +322,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   certificate.set_algorithm(std::string{NameOf(spec.options.algorithm)});
   certificate.set_cover(std::string{NameOf(spec.options.cover)});
   certificate.set_version(LATVOX_VERSION);
-  certificate.set_digest(digest.ToHex());
+  certificate.set_digest(totals.digest.ToHex());
   if (const auto& shard = spec.options.shard) {
     certificate.mutable_shard()->set_index(shard->index);
     certificate.mutable_shard()->set_count(shard->count);

@@ -42,7 +42,7 @@ v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, co
 
 // `verdict` is set if the result was verified.
 v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,
-                                   const Digest& digest, const std::optional<Verdict>& verdict);
+                                   const JobTotals& totals, const std::optional<Verdict>& verdict);
 
 v1::GetLimitsResponse LimitsToProto(const Limits& limits);
 

@@ -28,13 +28,13 @@ absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
   return Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
-absl::StatusOr<std::string> MeshDigest(const MeshInput& input) {
+absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
   if (!MayReferToFiles(input)) {
     const auto bytes = ReadBytes(input.paths[0]);
     if (!bytes.ok()) return bytes.status();
     return Sha256(*bytes);
   }
-  const auto read = ReadMeshInput(input);
+  const auto read = ReadMeshSource(input);
   if (!read.ok()) return read.status();
   const Mesh& mesh = std::get<Mesh>(*read);
   const auto positions = Sha256Of(mesh.positions), triangles = Sha256Of(mesh.triangles);
@@ -59,6 +59,7 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"algorithm", static_cast<int>(request.algorithm)}};
   if (request.cover == Cover::kSupercover) json["cover"] = "supercover";
   if (request.region) json["region"] = {request.region->min, request.region->max};
+  if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto& solid = request.solid) {
     json["solid"] = {static_cast<int>(solid->rule), solid->surface, solid->force_open};
@@ -75,7 +76,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
                {"quantization_bits", OrNull(job.options.quantization_bits)},
                {"outputs", job.names},
                {"mesh", *mesh}};
-  const MeshInput& input = job.options.mesh;
+  const MeshSource& input = job.options.mesh;
   if (input.up != UpAxis::kZ) json["up"] = static_cast<int>(input.up);
   if (input.scale != 1) json["scale"] = input.scale;
   if (input.format) json["input_format"] = static_cast<int>(*input.format);

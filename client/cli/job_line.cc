@@ -35,6 +35,8 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"without_surface", Kind::kFlag},
     {"force_open", Kind::kFlag},
     {"cover", Kind::kText},
+    {"band", Kind::kNumberOrText},
+    {"signed", Kind::kFlag},
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},

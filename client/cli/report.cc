@@ -44,6 +44,10 @@ Json CertificateJson(const Certificate& certificate) {
   return json;
 }
 
+Json BandJson(const BandCertificate& band) {
+  return {{"width", band.width}, {"signed", band.is_signed}, {"digest", band.digest}};
+}
+
 Json LimitsJson(const Limits& limits) {
   return {{"max_mesh_bytes", limits.max_mesh_bytes},
           {"max_triangles", limits.max_triangles},
@@ -65,6 +69,9 @@ Json LimitsJson(const Limits& limits) {
 
 // What is certain of the set. For another algorithm than the exact one, only what was counted is.
 std::string SeparationText(const Certificate& certificate) {
+  if (const auto& band = certificate.band) {
+    return absl::StrFormat("band of %g, %ssigned", band->width, band->is_signed ? "" : "un");
+  }
   const std::string k = absl::StrCat(certificate.separability);
   if (certificate.solid && !certificate.solid->surface) return "interior";
   if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
@@ -134,6 +141,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"digest", summary.certificate.digest},
                {"certificate", CertificateJson(summary.certificate)}};
   if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
+  if (const auto& band = summary.certificate.band) json["band"] = BandJson(*band);
   json["timings_ms"] = {{"encode", report.encode_ms},          {"upload", summary.timings.upload_ms},
                         {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
                         {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};

@@ -11,7 +11,7 @@
 #include "client/grid/voxel_grid.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
-#include "client/mesh/mesh_input.h"
+#include "client/mesh/mesh_source.h"
 #include "client/mesh/weld_report.h"
 #include "client/output/output.h"
 
@@ -50,7 +50,7 @@ absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const JobHoo
 
 absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& hooks) {
   hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
-  auto read = ReadMeshInput(options.mesh);
+  auto read = ReadMeshSource(options.mesh);
   if (!read.ok()) return read.status();
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
   const Mesh& mesh = std::get<Mesh>(*read);
@@ -67,7 +67,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& h
 absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options) {
   Outputs outputs;
   for (const std::string& path : options.outputs) {
-    auto output = OpenOutput(path, options.output_options);
+    auto output = OpenOutput(path, options.request, options.output_options);
     if (!output.ok()) return output.status();
     outputs.push_back(*std::move(output));
   }

@@ -5,6 +5,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/strip.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
@@ -80,6 +82,19 @@ std::variant<NamedLattice, Basis> InterpretLattice(const VoxelizeWords& words) {
   return ValueNamed(LatticeNames(), words.lattice);
 }
 
+// "W" or "Wv"; nothing if it is neither.
+std::optional<Band> ParseBand(absl::string_view text) {
+  Band band;
+  band.in_voxels = absl::ConsumeSuffix(&text, "v");
+  if (!ParseNumber(text, band.width) || !(band.width > 0)) return std::nullopt;
+  return band;
+}
+
+std::string CheckBand(const std::string& text) {
+  if (ParseBand(text)) return "";
+  return absl::StrCat("\"", text, "\" is not a finite number above 0, or one with v for voxel sizes");
+}
+
 // 26, 18 and 6 count a voxel's neighbours, which is what they do on the Cartesian lattice only.
 uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis>& lattice) {
   if (given <= 2) return static_cast<uint32_t>(given);
@@ -123,6 +138,14 @@ std::optional<Solid> InterpretSolid(const VoxelizeWords& words) {
   if (words.without_surface) Refuse("--without-surface: needs --fill solid");
   if (words.force_open) Refuse("--force-open: needs --fill solid");
   return std::nullopt;
+}
+
+void CheckCarryDistances(const std::vector<std::string>& outputs) {
+  for (const std::string& output : outputs) {
+    if (!CarriesDistances(output)) {
+      Refuse("--band: ", output, " cannot hold distances; ", absl::StrJoin(DistanceExtensions(), " "), " can");
+    }
+  }
 }
 
 }  // namespace
@@ -184,7 +207,15 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("I/N")
       ->check(CheckShard)
       ->excludes(verify);
-  Group(command, "Transfer");
+  CLI::Option* band =
+      command
+          .add_option("--band", words.band, "not a surface: all voxels up to W away, or W voxel sizes, with distances")
+          ->type_name("W|Wv")
+          ->check(CheckBand);
+  for (const char* other : {"--separability", "--algorithm", "--fill", "--cover", "--verify"}) {
+    band->excludes(command.get_option(other));
+  }
+  command.add_flag("--signed", words.is_signed, "distances are negative inside; the mesh must be closed")->needs(band);
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
   AddMeshOptions(command, words);
@@ -244,6 +275,11 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (!words.scale.empty()) ParseNumber(words.scale, options.mesh.scale);
   if (!words.input_format.empty()) options.mesh.format = ValueNamed(MeshFormats(), words.input_format);
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
+  if (!words.band.empty()) {
+    request.band = ParseBand(words.band);
+    request.band->is_signed = words.is_signed;
+    CheckCarryDistances(options.outputs);
+  }
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
   if (words.basis.empty() && options.align.empty() && !request.voxel_size && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");

@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "client/cli/session.h"
-#include "client/mesh/mesh_input.h"
+#include "client/mesh/mesh_source.h"
 #include "client/output/output.h"
 #include "client/types.h"
 
 namespace latvox::client {
 
 struct VoxelizeOptions {
-  MeshInput mesh;
+  MeshSource mesh;
   bool weld_report = false;
   std::vector<std::string> outputs;
   OutputOptions output_options;
@@ -33,8 +33,8 @@ struct VoxelizeWords {
   std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
   std::string scale, up, input_format, npy;
   int separability = 0;
-  std::string algorithm, encoding, fill, interior_rule, cover;
-  bool without_surface = false, force_open = false;
+  std::string algorithm, encoding, fill, interior_rule, cover, band;
+  bool without_surface = false, force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };
 

@@ -12,24 +12,13 @@
 #include "absl/strings/str_join.h"
 #include "client/error.h"
 #include "client/grid/grid_file.h"
+#include "client/grid/grid_metadata.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/tree_nodes.h"
 
 namespace latvox::client {
 namespace {
-
-// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. Transform
-// makes a scale of what is no more, which some programs read faster. The origin comes after that: the scale would be
-// found as a difference of positions, and lose digits where the origin is far away.
-openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform) {
-  const auto& [a, b, c] = transform.basis;
-  const openvdb::Mat4d matrix(a[0], a[1], a[2], 0., b[0], b[1], b[2], 0., c[0], c[1], c[2], 0., 0., 0., 0., 1.);
-  auto made = std::make_shared<openvdb::math::Transform>(std::make_shared<openvdb::math::AffineMap>(matrix));
-  const openvdb::Vec3d origin(transform.origin.data());
-  if (origin != openvdb::Vec3d(0.)) made->postTranslate(origin);
-  return made;
-}
 
 GridTransform FromTransform(const openvdb::math::Transform& transform) {
   const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
@@ -38,10 +27,6 @@ GridTransform FromTransform(const openvdb::math::Transform& transform) {
   out.origin = {m[3][0], m[3][1], m[3][2]};
   out.voxel_size = std::cbrt(std::abs(m.getMat3().det()));
   return out;
-}
-
-void Insert(openvdb::BoolGrid& grid, const char* name, const std::string& value) {
-  grid.insertMeta(name, openvdb::StringMetadata(value));
 }
 
 // What read(file) returns of the file, opened without its voxels.
@@ -124,13 +109,7 @@ VoxelGrid::VoxelGrid(const GridTransform& transform) : content_(std::make_unique
   content_->grid = openvdb::BoolGrid::create(false);
   openvdb::BoolGrid& grid = *content_->grid;
   grid.setName("voxels");
-  grid.setTransform(MakeTransform(transform));
-  grid.insertMeta("latvox_voxel_size", openvdb::DoubleMetadata(transform.voxel_size));
-  const auto& [a, b, c] = transform.basis;
-  const std::vector<double> basis = {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
-  const auto exactly = [](std::string* out, double x) { absl::StrAppendFormat(out, "%.17g", x); };
-  Insert(grid, "latvox_basis", absl::StrJoin(basis, ",", exactly));
-  Insert(grid, "latvox_origin", absl::StrJoin(transform.origin, ",", exactly));
+  Place(transform, grid);
 }
 
 VoxelGrid::VoxelGrid(VoxelGrid&&) noexcept = default;
@@ -148,31 +127,7 @@ absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
 }
 
-void VoxelGrid::SetCertificate(const Certificate& certificate) {
-  openvdb::BoolGrid& grid = *content_->grid;
-  Insert(grid, "latvox_lattice", certificate.lattice);
-  Insert(grid, "latvox_digest", certificate.digest);
-  Insert(grid, "latvox_algorithm", certificate.algorithm);
-  Insert(grid, "latvox_cover", certificate.cover);
-  Insert(grid, "latvox_version", certificate.version);
-  grid.insertMeta("latvox_separability", openvdb::Int32Metadata(static_cast<int32_t>(certificate.separability)));
-  grid.insertMeta("latvox_tunnel_free", openvdb::BoolMetadata(certificate.tunnel_free));
-  grid.insertMeta("latvox_minimal", openvdb::BoolMetadata(certificate.minimal));
-  grid.insertMeta("latvox_verified", openvdb::BoolMetadata(certificate.verified));
-  grid.insertMeta("latvox_closed", openvdb::BoolMetadata(certificate.closed));
-  grid.insertMeta("latvox_snap_error_max", openvdb::DoubleMetadata(certificate.snap_error_max));
-  grid.insertMeta("latvox_quantization_bits",
-                  openvdb::Int32Metadata(static_cast<int32_t>(certificate.quantization_bits)));
-  if (const auto& shard = certificate.shard) {
-    Insert(grid, "latvox_shard", absl::StrCat(shard->index, "/", shard->count));
-  }
-  if (const auto& solid = certificate.solid) {
-    Insert(grid, "latvox_fill", "solid");
-    Insert(grid, "latvox_interior_rule", solid->rule);
-    grid.insertMeta("latvox_with_surface", openvdb::BoolMetadata(solid->surface));
-    grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
-  }
-}
+void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 

@@ -49,7 +49,7 @@ class DenseNpyOutput final : public Output {
   }
 
   absl::Status Finish(const Summary&) override {
-    if (auto status = file_->Append(NpyHeader("|u1", shape_)); !status.ok()) return status;
+    if (auto status = file_->Append(NpyHeader("'|u1'", shape_)); !status.ok()) return status;
     std::sort(voxels_.begin(), voxels_.end());
     std::string chunk;
     auto next = voxels_.begin();

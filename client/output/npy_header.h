@@ -12,14 +12,14 @@
 namespace latvox::client {
 
 // numpy.lib.format version 1.0: magic, header length, a Python dictionary padded with spaces; 128 bytes for every shape
-// of at most three sides. `type` is numpy's: "<i4".
+// of at most three sides. `type` is numpy's, as Python writes it: "'<i4'".
 inline std::string NpyHeader(const char* type, std::span<const uint64_t> shape) {
   constexpr size_t kBytes = 128;
   std::string header("\x93NUMPY\x01\x00", 8);
   header.push_back(static_cast<char>(kBytes - 10));
   header.push_back(0);
-  absl::StrAppend(&header, "{'descr': '", type, "', 'fortran_order': False, 'shape': (", absl::StrJoin(shape, ", "),
-                  "), }");
+  absl::StrAppend(&header, "{'descr': ", type, ", 'fortran_order': False, 'shape': (", absl::StrJoin(shape, ", "),
+                  shape.size() == 1 ? "," : "", "), }");
   header.resize(kBytes - 1, ' ');
   return header + "\n";
 }

@@ -32,6 +32,10 @@ struct OutputOptions {
 // Extensions that OpenOutput knows, with the dot.
 const std::vector<std::string>& OutputExtensions();
 
+// Those of them, and whether the path's is one, that hold a band's distances.
+std::vector<std::string> DistanceExtensions();
+bool CarriesDistances(const std::string& path);
+
 // Opens the output for the path's extension:
 //   .vdb   OpenVDB, see client/grid/voxel_grid.h
 //   .nvdb  NanoVDB, the same grid without its metadata
@@ -41,10 +45,16 @@ const std::vector<std::string>& OutputExtensions();
 //   .png   picture
 //   .glb   surface, see client/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/output/box_output.h
+// Of a request for a band, one of DistanceExtensions is needed:
+//   .vdb   a grid of distances, see client/grid/distance_grid.h
+//   .csv   a column more, distance, with 9 significant digits
+//   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
+//   .ply   a property more, float distance
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, .vdb, .nvdb, dense .npy, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension);
 // FAILED_PRECONDITION (the file cannot be created).
-absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const OutputOptions& options = {});
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
+                                                   const OutputOptions& options = {});
 
 }  // namespace latvox::client
 

@@ -16,7 +16,7 @@ namespace {
 // length for every number, so that it can be written again when the number is known.
 class TableOutput : public Output {
  public:
-  explicit TableOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+  TableOutput(std::unique_ptr<AtomicFile> file, bool distances) : distances_(distances), file_(std::move(file)) {}
 
   absl::Status Begin(const Accepted& accepted) final {
     grid_ = accepted.grid;
@@ -24,10 +24,11 @@ class TableOutput : public Output {
   }
 
   absl::Status Add(const BrickBatch& batch) final {
+    const float* distance = batch.values.data();
     for (const Brick& brick : batch.bricks) {
       rows_.clear();
-      ForEachVoxel(brick, [this](const Vec3i& ijk) {
-        AppendRow(ijk, grid_.ToWorld(ijk), rows_);
+      ForEachVoxel(brick, [this, &distance](const Vec3i& ijk) {
+        AppendRow(ijk, grid_.ToWorld(ijk), distances_ ? distance++ : nullptr, rows_);
         ++voxels_;
       });
       if (auto status = file_->Append(rows_); !status.ok()) return status;
@@ -42,9 +43,13 @@ class TableOutput : public Output {
 
   absl::Status Commit() final { return file_->Commit(); }
 
+ protected:
+  const bool distances_;
+
  private:
   virtual std::string Header(uint64_t rows) const = 0;
-  virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, std::string& rows) const = 0;
+  // `distance`: null unless there are distances.
+  virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, std::string& rows) const = 0;
 
   std::unique_ptr<AtomicFile> file_;
   GridTransform grid_;
@@ -62,10 +67,10 @@ class CsvOutput final : public TableOutput {
   using TableOutput::TableOutput;
 
  private:
-  std::string Header(uint64_t) const override { return "i,j,k,x,y,z\n"; }
+  std::string Header(uint64_t) const override { return distances_ ? "i,j,k,x,y,z,distance\n" : "i,j,k,x,y,z\n"; }
 
-  void AppendRow(const Vec3i& ijk, const Vec3d& world, std::string& rows) const override {
-    char text[160];
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, std::string& rows) const override {
+    char text[192];
     char* end = text;
     for (const int32_t index : ijk) {
       end = std::to_chars(end, text + sizeof(text), index).ptr;
@@ -74,7 +79,11 @@ class CsvOutput final : public TableOutput {
     for (size_t m = 0; m < 3; ++m) {
       // As printf's %.17g in the C locale, whatever the locale.
       end = std::to_chars(end, text + sizeof(text), world[m], std::chars_format::general, 17).ptr;
-      *end++ = m == 2 ? '\n' : ',';
+      *end++ = m == 2 && distance == nullptr ? '\n' : ',';
+    }
+    if (distance != nullptr) {
+      end = std::to_chars(end, text + sizeof(text), *distance, std::chars_format::general, 9).ptr;
+      *end++ = '\n';
     }
     rows.append(text, end);
   }
@@ -85,9 +94,15 @@ class NpyOutput final : public TableOutput {
   using TableOutput::TableOutput;
 
  private:
-  std::string Header(uint64_t rows) const override { return NpyHeader("<i4", std::array<uint64_t, 2>{rows, 3}); }
+  std::string Header(uint64_t rows) const override {
+    if (distances_) return NpyHeader("[('ijk', '<i4', (3,)), ('distance', '<f4')]", std::array<uint64_t, 1>{rows});
+    return NpyHeader("'<i4'", std::array<uint64_t, 2>{rows, 3});
+  }
 
-  void AppendRow(const Vec3i& ijk, const Vec3d&, std::string& rows) const override { AppendBinary(ijk, rows); }
+  void AppendRow(const Vec3i& ijk, const Vec3d&, const float* distance, std::string& rows) const override {
+    AppendBinary(ijk, rows);
+    if (distance != nullptr) AppendBinary(*distance, rows);
+  }
 };
 
 class PlyOutput final : public TableOutput {
@@ -101,25 +116,27 @@ class PlyOutput final : public TableOutput {
     return absl::StrCat("ply\nformat binary_little_endian 1.0\ncomment latvox voxel centres",
                         std::string(20 - count.size(), ' '), "\nelement vertex ", count,
                         "\nproperty double x\nproperty double y\nproperty double z\n"
-                        "property int i\nproperty int j\nproperty int k\nend_header\n");
+                        "property int i\nproperty int j\nproperty int k\n",
+                        distances_ ? "property float distance\n" : "", "end_header\n");
   }
 
-  void AppendRow(const Vec3i& ijk, const Vec3d& world, std::string& rows) const override {
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, std::string& rows) const override {
     AppendBinary(world, rows);
     AppendBinary(ijk, rows);
+    if (distance != nullptr) AppendBinary(*distance, rows);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<CsvOutput>(std::move(file));
+std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, bool distances) {
+  return std::make_unique<CsvOutput>(std::move(file), distances);
 }
-std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<NpyOutput>(std::move(file));
+std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, bool distances) {
+  return std::make_unique<NpyOutput>(std::move(file), distances);
 }
-std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<PlyOutput>(std::move(file));
+std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, bool distances) {
+  return std::make_unique<PlyOutput>(std::move(file), distances);
 }
 
 }  // namespace latvox::client

@@ -9,9 +9,10 @@
 
 namespace latvox::client {
 
-std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file);
-std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file);
-std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file);
+// `distances`: of a band, whose batches have values.
+std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, bool distances);
+std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, bool distances);
+std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, bool distances);
 
 }  // namespace latvox::client
 

@@ -3,6 +3,7 @@
 #define LATVOX_CORE_VOXELIZER_DIGEST_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "core/tile/brick.h"
@@ -13,7 +14,8 @@ namespace latvox {
 // integers, then the mask's eight words, little-endian. Digests of sets without a common brick add up to their union's.
 class Digest {
  public:
-  void Add(const Brick& brick);
+  // `values`, if it has any, are hashed after the 76 bytes, as little-endian floats.
+  void Add(const Brick& brick, std::span<const float> values = {});
   void Add(const Digest& other);
   std::string ToHex() const;  // 32 hexadecimal digits
   bool operator==(const Digest&) const = default;

@@ -54,6 +54,12 @@ double SumOver(const TriangleMesh& mesh, const F& f) {
       std::plus<>());
 }
 
+// Of all that lies within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World
+// units.
+double VolumeWithin(const Corners& at, double width) {
+  return width * (TwiceAreaOf(at) + M_PI / 2 * width * LengthAround(at) + M_PI * 4 / 3 * width * width);
+}
+
 double VolumeOf(const IndexBox& box) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m)
@@ -80,6 +86,7 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   if (options.algorithm != Algorithm::kExact) return SumOver(mesh, grown);
   const double twice_area = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); });
   double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, grown) : twice_area / (size * size);
+  if (options.band) voxels *= WidthOf(*options.band, grid.lattice) / size;  // without what neighbouring triangles share
   if (options.solid) voxels += EstimateInterior(mesh, twice_area, size, !options.solid->force_open);
   const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
   return options.shard ? delivered / options.shard->count : delivered;
@@ -95,6 +102,12 @@ double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   constexpr double kVisitsPerTriangle = 40;  // of 15 ns, which a voxel takes otherwise
   if (options.cover == Cover::kSupercover) {
     return voxels + kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
+  }
+  if (options.band) {
+    const double size = grid.lattice.voxel_size(), width = WidthOf(*options.band, grid.lattice);
+    const double volume = SumOver(mesh, [&](const Corners& corners) { return VolumeWithin(corners, width); });
+    const double visits = volume / (size * size * size);
+    return options.shard ? visits / options.shard->count : visits;
   }
   if (options.algorithm != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();

@@ -17,9 +17,10 @@ namespace latvox {
 // Precondition: Validate(mesh) is OK.
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options);
 
-// Estimates how many lattice points a job looks at, as often as it does: brute force all those in the boxes around
-// triangles, which takes one pass, as above; a supercover those that it finds, and for each triangle as many as take
-// the time to set up its separating axes; the others about those that they find.
+// Estimates how many lattice points a job looks at, as often as it does: a band's those within its width of each
+// triangle, of a shard its part, brute force all those in the boxes around triangles, which takes one pass, as above; a
+// supercover those that it finds, and for each triangle as many as take the time to set up its separating axes; the
+// others about those that they find.
 //   voxels   what EstimateVoxels has told
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels);
 

@@ -9,10 +9,11 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <mutex>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/band/band_scan.h"
 #include "core/digitize/fineness.h"
 #include "core/digitize/touching.h"
 #include "core/snap/snap.h"
@@ -20,6 +21,7 @@
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/job_facts.h"
+#include "core/voxelizer/scan_pool.h"
 #include "core/voxelizer/shard.h"
 #include "core/voxelizer/thesis_job.h"
 #include "core/voxelizer/tile_job.h"
@@ -47,31 +49,12 @@ absl::Status Cancelled() { return absl::CancelledError("voxelization cancelled")
 
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
 
-// What was allocated for one block serves the next: as many scans as there are threads at work.
-class ScanPool {
- public:
-  std::unique_ptr<BlockScan> Take() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return std::make_unique<BlockScan>();
-    std::unique_ptr<BlockScan> scan = std::move(idle_.back());
-    idle_.pop_back();
-    return scan;
-  }
-  void Give(std::unique_ptr<BlockScan> scan) {
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(scan));
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<BlockScan>> idle_;
-};
-
 class Job : public VoxelizeJob {
  public:
   // supercover: null if it is not asked for.
   Job(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
-      const VoxelizeOptions& options, const IndexBox& region, const std::atomic<bool>& cancelled)
+      const std::optional<BandPlan>& band, const VoxelizeOptions& options, const IndexBox& region,
+      const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -85,11 +68,15 @@ class Job : public VoxelizeJob {
                  fineness_.most_tiny,
                  region,
                  cancelled_},
-        tree_(mesh_, 0, context_.NearMargin(), context_.FarMargin(), region, cancelled_),
+        tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
+              cancelled_),
         facts_(FactsOfJob(mesh_, region, cancelled)),
         solid_(options.solid),
+        band_(MakeBandContext(band, region, cancelled)),
         shard_(options.shard.value_or(Shard{})),
-        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {}
+        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {
+    if (band) facts_.band_width = band->width;
+  }
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -101,12 +88,15 @@ class Job : public VoxelizeJob {
   }
 
  private:
+  std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
+                                             const std::atomic<bool>& cancelled) const;
   bool IsUnit(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
+  void ScanLeaf(const TileNode& node, Unit& out) const;
   void Deliver(TileBricks tile, const Sink& sink, bool& paused);
 
   const SnappedMesh mesh_;
@@ -117,11 +107,13 @@ class Job : public VoxelizeJob {
   const Fineness fineness_;
   const TileContext context_;
   TileTree tree_;
-  mutable ScanPool scans_;
+  mutable ScanPool<BlockScan> scans_;
+  mutable ScanPool<BandScan> band_scans_;
   JobFacts facts_;
   const std::optional<Solid> solid_;
   std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
   const bool has_axes_ = HasAxes(frames_);
+  const std::optional<BandContext> band_;
   const Vec3i tile_base_ = Shifted(mesh_.base_ijk, kTileBits);
   const Shard shard_;
   const TileSpan span_;  // of what is delivered
@@ -138,7 +130,17 @@ int BlockLevel(int tree_level) {
   return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
 }
 
+std::optional<BandContext> Job::MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
+                                                const std::atomic<bool>& cancelled) const {
+  if (!plan) return std::nullopt;
+  std::optional<CornerLines> lines;
+  if (plan->is_signed && facts_.closed) lines.emplace(mesh_, cancelled);
+  return BandContext{mesh_, *plan, region, std::move(lines), cancelled_};
+}
+
+// A band's tile has up to a megabyte of values.
 bool Job::IsUnit(const TileNode& node) const {
+  if (band_) return tree_.IsLeaf(node);
   const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
   return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
 }
@@ -165,11 +167,11 @@ bool Job::IsLeftOut(const TileNode& node) const {
 // split by many threads, and many nodes at a time.
 std::optional<TileNode> Job::NextUnit() {
   if (!std::exchange(started_, true)) {
-    tree_.SetLeafLevel(BlockLevel(tree_.level()));
+    if (!band_) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
     oneapi::tbb::this_task_arena::isolate([&] {
-      todo_ = fineness_.few_touch && (!interior_ || has_axes_) ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_))
-                                                               : tree_.Top();
+      const bool touching = fineness_.few_touch && !band_ && (!interior_ || has_axes_);
+      todo_ = touching ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top();
     });
     std::reverse(todo_.begin(), todo_.end());
   }
@@ -216,9 +218,21 @@ void Job::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
+  ScanLeaf(node, out);
+  std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
+}
+
+void Job::ScanLeaf(const TileNode& node, Unit& out) const {
+  if (band_) {
+    std::unique_ptr<BandScan> scan = band_scans_.Take();
+    TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
+    band_scans_.Give(std::move(scan));
+    tile.progress = std::min(1.0, node.progress + node.share);
+    if (!tile.bricks.empty()) out.push_back(std::move(tile));
+    return;
+  }
   std::unique_ptr<BlockScan> scan = scans_.Take();
   DigitizeBlock(context_, node, interior_.get(), !solid_ || solid_->surface, *scan, out);
-  std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
   scans_.Give(std::move(scan));
 }
 
@@ -275,6 +289,24 @@ absl::Status OutOfRange(const char* field, double value, const char* limit) {
   return absl::InvalidArgumentError(absl::StrFormat("%s: %g is not %s", field, value, limit));
 }
 
+// Nullopt: no band is asked for.
+absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelizeOptions& options, const Lattice& lattice) {
+  if (!options.band) return std::nullopt;
+  if (options.algorithm != Algorithm::kExact) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("band: not together with the algorithm %s", NameOf(options.algorithm)));
+  }
+  if (options.solid) return absl::InvalidArgumentError("band: not together with solid");
+  if (options.cover != Cover::kSeparating) {
+    return absl::InvalidArgumentError(absl::StrFormat("band: not together with cover %s", NameOf(options.cover)));
+  }
+  if (options.separability != 0) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("band: not together with a separability, here %d", options.separability));
+  }
+  return MakeBandPlan(*options.band, lattice);
+}
+
 }  // namespace
 
 void JobTotals::Add(const TileBricks& tile) {
@@ -282,6 +314,13 @@ void JobTotals::Add(const TileBricks& tile) {
   bricks += tile.bricks.size();
   ++tiles;
   for (const Brick& brick : tile.bricks) digest.Add(brick);
+  if (tile.values.empty()) return;
+  std::span<const float> rest = tile.values;
+  for (const Brick& brick : tile.bricks) {
+    const size_t count = CountVoxels(brick.mask);
+    values.Add(brick, rest.first(count));
+    rest = rest.subspan(count);
+  }
 }
 
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
@@ -326,14 +365,17 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
     return absl::InvalidArgumentError(
         absl::StrFormat("solid: not with the algorithm %s, but with exact", NameOf(options.algorithm)));
   }
+  const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(options, grid.lattice);
+  if (!band.ok()) return band.status();
   if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
   const bool exact = options.algorithm == Algorithm::kExact;
   auto supercover = SupercoverFor(grid.lattice, options);
   if (!supercover.ok()) return supercover.status();
-  const Vec3i reach = *supercover ? (*supercover)->Reach()
-                      : exact     ? ReachOf(frames)
-                                  : ThesisReach(grid.lattice, options.separability, options.algorithm);
+  const Vec3i reach = *band         ? (*band)->reach * 2  // the box is for half of a neighbour's step
+                      : *supercover ? (*supercover)->Reach()
+                      : exact       ? ReachOf(frames)
+                                    : ThesisReach(grid.lattice, options.separability, options.algorithm);
   auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
   if (cancelled) return Cancelled();
   if (!snapped.ok()) return snapped.status();
@@ -349,11 +391,14 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    job = std::make_unique<Job>(*std::move(snapped), frames, *std::move(supercover), options, region, cancelled);
+    job = std::make_unique<Job>(*std::move(snapped), frames, *std::move(supercover), *band, options, region, cancelled);
   } else {
     job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, cancelled);
   }
   if (cancelled) return Cancelled();
+  if (options.band && options.band->is_signed && !job->facts().closed) {
+    return absl::InvalidArgumentError("band: signed distances need a mesh that is closed, and this one is not");
+  }
   return job;
 }
 

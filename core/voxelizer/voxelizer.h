@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
+#include "core/band/band.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
 #include "core/solid/solid.h"
@@ -48,6 +49,8 @@ struct VoxelizeOptions {
   std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
   std::optional<Solid> solid = std::nullopt;         // the interior, too; kExact only
   Cover cover = Cover::kSeparating;                  // of kExact; a supercover is the same for every separability
+  // Lattice points near the surface, with distances, instead of voxels that separate. Needs separability 0 and kExact.
+  std::optional<Band> band = std::nullopt;
 };
 
 struct JobFacts {
@@ -58,6 +61,7 @@ struct JobFacts {
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/tile/tile_order.h)
   uint64_t unbalanced_lines = 0;                     // of a solid, once prepared: see CountUnbalancedLines
+  double band_width = 0;                             // world units; 0: there is no band
 
   // Whether the tile meets index_box.
   bool HasTile(const Vec3i& tile_ijk) const;
@@ -66,6 +70,7 @@ struct JobFacts {
 struct JobTotals {
   uint64_t voxels = 0, bricks = 0, tiles = 0;
   Digest digest;
+  Digest values;  // of a band: of voxels and values
   void Add(const TileBricks& tile);
 };
 
@@ -78,9 +83,8 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, shard, resume_after, solid, cover (both with another algorithm than kExact), basis (of a
-  // supercover; see IntegerCell).
-  // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
+  // separability, region, shard, resume_after, solid, band, cover (each with another algorithm than kExact), basis (of
+  // a supercover; see IntegerCell). Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);
@@ -104,7 +108,7 @@ class VoxelizeJob {
   virtual const JobTotals& totals() const = 0;
 
   // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
-  // Precondition: neither options.region nor options.shard was set. Errors: CANCELLED.
+  // Precondition: none of options.region, shard and band was set. Errors: CANCELLED.
   virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
 
   // Makes Advance and Verify return CANCELLED soon. Any thread, any time.

@@ -21,6 +21,7 @@ struct Words {
   bool without_surface = false;
   std::vector<int32_t> region;
   std::vector<uint32_t> shard;
+  double band = 0;
 };
 
 template <class Names>
@@ -44,6 +45,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_flag("--minimal,!--no-minimal", options.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
+  app.add_option("--band", words.band, "a band of distances, so many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
   app.add_option("--fill", words.fill)->check(CLI::IsMember({"surface", "solid"}));
   app.add_option("--interior-rule", words.rule, "of a solid")->check(CLI::IsMember({"parity", "winding"}));
@@ -88,6 +90,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   }
   if (named.cover == NameOf(Cover::kSupercover)) arguments.options.cover = Cover::kSupercover;
   arguments.simd = *SimdNamed(named.simd);
+  if (named.band > 0) arguments.options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
   if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   if (const auto& shard = named.shard; !shard.empty()) arguments.options.shard = {shard[0], shard[1]};

@@ -66,6 +66,11 @@ class Bench(unittest.TestCase):
         words = ("sphere:2000", "64", "--lattice", "bcc", "--no-minimal")
         self.assertGreater(measured(*words, "--cover", "supercover")["voxels"], measured(*words)["voxels"])
 
+    def test_bands(self):
+        words = ("box", "32", "--band", "2")
+        self.assertGreater(measured(*words)["voxels"], 3 * measured("box", "32")["voxels"])
+        self.assertGreater(measured(*words, "--peer", "openvdb")["voxels"], measured("box", "32")["voxels"])
+
     def test_lines_are_answered_one_by_one(self):
         done = run("-", stdin="box 32 --reps 1\nbox 1\nnone.obj 32\nbox 32 --subdivide 1 --reps 1\n")
         answers = [json.loads(line) for line in done.stdout.splitlines()]

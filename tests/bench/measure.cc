@@ -114,7 +114,7 @@ Measurement MeasureOpenVdb(const Arguments& arguments, const Grid& grid, const T
   const PeakMemory memory;
   for (int n = 0; n < arguments.warmups + arguments.reps; ++n) {
     const auto start = Clock::now();
-    out.voxels = peer.Run();
+    out.voxels = peer.Run(arguments.options.band ? static_cast<float>(arguments.options.band->width) : 0.5F);
     if (n >= arguments.warmups) out.milliseconds.push_back(Milliseconds(Clock::now() - start));
   }
   out.peak_rss_bytes = memory.Bytes();

@@ -26,11 +26,11 @@ OpenVdbPeer::OpenVdbPeer(const TriangleMesh& mesh, const Bounds& bounds, double 
 
 OpenVdbPeer::~OpenVdbPeer() { delete data_; }
 
-uint64_t OpenVdbPeer::Run() const {
+uint64_t OpenVdbPeer::Run(float band) const {
   using Mesh = openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I>;
   const Mesh mesh(data_->points.data(), data_->points.size(), data_->triangles.data(), data_->triangles.size());
   const openvdb::math::Transform transform;
-  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, transform, 0.5F, 0.5F,
+  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, transform, band, band,
                                                                      openvdb::tools::UNSIGNED_DISTANCE_FIELD);
   return grid->activeVoxelCount();
 }

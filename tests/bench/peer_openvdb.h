@@ -17,8 +17,8 @@ class OpenVdbPeer {
   OpenVdbPeer(const OpenVdbPeer&) = delete;
   OpenVdbPeer& operator=(const OpenVdbPeer&) = delete;
 
-  // An unsigned distance field with a band of half a voxel on both sides; returns its active voxels.
-  uint64_t Run() const;
+  // An unsigned distance field with a band of so many voxels on both sides; returns its active voxels.
+  uint64_t Run(float band) const;
 
  private:
   struct Data;

@@ -1,15 +1,18 @@
-// A foreign server's answers, as the SDK takes them.
+// A foreign server's answers, as the SDK takes them: of a surface, and of a band.
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
 #include "client/answer_check.h"
 
-// Input: answers, each behind its length in two bytes. The length 0xFFFF has no answer: the stream broke, and another
+namespace {
+
+// Answers, each behind its length in two bytes. The length 0xFFFF has no answer: the stream broke, and another
 // one goes on.
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+void Take(const uint8_t* data, size_t size, const std::optional<latvox::client::Band>& band) {
   latvox::client::VoxelizeHandlers handlers;
   handlers.on_bricks = [](const latvox::client::BrickBatch&) { return absl::OkStatus(); };
-  latvox::client::AnswerCheck check(handlers, 1);
+  latvox::client::AnswerCheck check(handlers, 1, band);
   while (size >= 2) {
     uint16_t length;
     std::memcpy(&length, data, 2);
@@ -21,10 +24,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     if (length > size) length = static_cast<uint16_t>(size);
     latvox::v1::VoxelizeResponse answer;
-    if (!answer.ParseFromArray(data, length) || !check.Take(answer).ok()) return 0;
+    if (!answer.ParseFromArray(data, length) || !check.Take(answer).ok()) return;
     data += length;
     size -= length;
   }
   (void)check.End();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  Take(data, size, std::nullopt);
+  Take(data, size, latvox::client::Band{.width = 1, .is_signed = true});
   return 0;
 }

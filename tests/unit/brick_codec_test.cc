@@ -432,6 +432,29 @@ TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
   }
 }
 
+// Tiles of a megabyte of values each.
+TEST(Batches, HoldTheValuesOfTheirBricksAndEndBeforeTheirLimit) {
+  BrickMask full;
+  full.fill(~uint64_t{0});
+  for (const BrickEncoding encoding : {BrickEncoding::kMasks, BrickEncoding::kPackedZstd}) {
+    BrickBatcher batcher(encoding);
+    for (int n = 0; n < 5; ++n) {
+      TileBricks tile = TileWith({n, 0, 0}, full, full);
+      tile.values.resize(size_t{512} * 512, static_cast<float>(n));
+      batcher.Add(tile);
+      ASSERT_TRUE(batcher.full());
+      const std::string values = batcher.Take().values();
+      EXPECT_EQ(values, std::string(reinterpret_cast<const char*>(tile.values.data()), size_t{1} << 20));
+    }
+    TileBricks one = TileWith({9, 0, 0}, With(0, 0, 0), With(0, 0, 0));
+    one.values = {0.5F};
+    batcher.Add(one);
+    EXPECT_FALSE(batcher.full());
+    EXPECT_EQ(batcher.Take().values().size(), sizeof(float));
+    EXPECT_EQ(batcher.Take().values(), "");
+  }
+}
+
 TEST(PackedBatches, NeverHoldMoreBricksThanTheContractAllows) {
   BrickBatcher batcher(BrickEncoding::kPacked);
   BrickMask full;

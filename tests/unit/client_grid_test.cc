@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/error.h"
+#include "client/grid/distance_grid.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
@@ -99,6 +100,37 @@ TEST_F(Grid, FilesKeepVoxelsTransformAndCertificate) {
   const auto digest = ReadGridFileDigest(Path("g.vdb"));
   ASSERT_TRUE(digest.ok()) << digest.status();
   EXPECT_EQ(*digest, certificate.digest);
+}
+
+// A shell of six voxels around one that is not in the band.
+TEST_F(Grid, DistancesAreALevelSetWhereTheyHaveTwoSides) {
+  Brick brick{{0, 0, -1}, {}};
+  std::vector<float> values;
+  for (const auto& [x, y, z] : std::vector<Vec3i>{{2, 3, 4}, {3, 2, 4}, {3, 3, 3}, {3, 3, 5}, {3, 4, 4}, {4, 3, 4}}) {
+    brick.mask[static_cast<size_t>(x)] |= uint64_t{1} << (y << 3 | z);
+    values.push_back(-0.125F - 0.015625F * static_cast<float>(values.size()));
+  }
+  Certificate certificate;
+  certificate.band = BandCertificate{0.25, true, "0123"};
+  for (const auto& [width, whole] : {std::pair{0.25, true}, {0.25, false}, {0.2, true}}) {
+    DistanceGrid grid(kCubes, width, /*is_signed=*/true, whole);
+    ASSERT_TRUE(grid.Add({{&brick, 1}, 1, values}).ok());
+    grid.SetCertificate(certificate);
+    ASSERT_TRUE(grid.Write(Path("d.vdb")).ok());
+    openvdb::io::File file(Path("d.vdb"));
+    file.open();
+    const auto read = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("distance"));
+    const bool level_set = whole && width == 0.25;
+    EXPECT_EQ(read->getGridClass(), level_set ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
+    EXPECT_EQ(read->background(), static_cast<float>(width));
+    EXPECT_EQ(read->activeVoxelCount(), 6u);
+    EXPECT_EQ(read->tree().getValue({2, 3, -4}), -0.125F);
+    EXPECT_EQ(read->tree().getValue({4, 3, -4}), -0.203125F);
+    EXPECT_EQ(read->tree().getValue({3, 3, -4}), static_cast<float>(level_set ? -width : width));
+    EXPECT_EQ(read->getMetadata<openvdb::DoubleMetadata>("latvox_band_width")->value(), 0.25);
+    EXPECT_EQ(read->getMetadata<openvdb::StringMetadata>("latvox_band_digest")->value(), "0123");
+    EXPECT_TRUE(read->transform().indexToWorld(openvdb::Vec3d(4, 0, 4)).eq(openvdb::Vec3d(0, 0, 2)));
+  }
 }
 
 TEST_F(Grid, AGridWithoutACertificateHasNoDigest) {

@@ -68,6 +68,15 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
       Parse(R"({"mesh": "m", "resolution": 9, "verify": true, "quantization": "auto"})")->options.request.verify);
 }
 
+TEST(JobLine, ABandIsANumberOrAText) {
+  const auto world = Parse(R"({"mesh": "m", "resolution": 9, "band": 0.5, "signed": true})");
+  ASSERT_TRUE(world.ok()) << world.status();
+  EXPECT_TRUE(world->options.request.band->width == 0.5 && world->options.request.band->is_signed);
+  const auto voxels = Parse(R"({"mesh": "m", "resolution": 9, "band": "3v"})");
+  ASSERT_TRUE(voxels.ok()) << voxels.status();
+  EXPECT_TRUE(voxels->options.request.band->in_voxels && !voxels->options.request.band->is_signed);
+}
+
 TEST(JobLine, EveryOptionOfARequestHasItsField) {
   CLI::App app;
   VoxelizeWords words;

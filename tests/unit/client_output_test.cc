@@ -90,6 +90,37 @@ TEST_F(OutputFile, PlyHoldsAsManyPointsAsItDeclares) {
   EXPECT_THAT(ijk, ElementsAre(0, 0, 0));
 }
 
+TEST_F(OutputFile, TablesOfABandHoldDistances) {
+  VoxelizeRequest request;
+  request.band = Band{.width = 2};
+  const std::vector<Brick> bricks = MakeBricks();
+  const std::vector<float> values{0.1F, 2, -1.5F};
+  for (const char* name : {"o.csv", "o.npy", "o.ply"}) {
+    auto output = OpenOutput(Path(name), request);
+    ASSERT_TRUE(output.ok()) << output.status();
+    ASSERT_TRUE((*output)->Begin(MakeAccepted()).ok());
+    ASSERT_TRUE((*output)->Add({bricks, 1, values}).ok());
+    ASSERT_TRUE((*output)->Finish({}).ok());
+    ASSERT_TRUE((*output)->Commit().ok());
+  }
+  EXPECT_THAT(Read("o.csv"), StartsWith("i,j,k,x,y,z,distance\n-8,2,3,"));
+  EXPECT_THAT(Read("o.csv"), HasSubstr(",0.100000001\n0,0,0,1,2,3,2\n7,7,7,"));
+  const std::string npy = Read("o.npy"), ply = Read("o.ply");
+  EXPECT_THAT(npy, HasSubstr("{'descr': [('ijk', '<i4', (3,)), ('distance', '<f4')], 'fortran_order': False, "
+                             "'shape': (3,), }"));
+  ASSERT_EQ(npy.size(), 128u + 3 * 16);
+  EXPECT_THAT(ply, HasSubstr("property int k\nproperty float distance\nend_header\n"));
+  for (size_t n = 0; n < 3; ++n) {
+    float in_npy, in_ply;
+    std::memcpy(&in_npy, &npy[npy.size() - 16 * (3 - n) + 12], 4);
+    std::memcpy(&in_ply, &ply[ply.size() - 40 * (3 - n) + 36], 4);
+    EXPECT_EQ(in_npy, values[n]);
+    EXPECT_EQ(in_ply, values[n]);
+  }
+  EXPECT_THAT(std::string(OpenOutput(Path("o.png"), request).status().message()),
+              HasSubstr("\".png\" is not one of .vdb .csv .npy .ply"));
+}
+
 TEST_F(OutputFile, PngIsAPicture) {
   ASSERT_TRUE(Fill("o.png")->Commit().ok());
   EXPECT_THAT(Read("o.png"), StartsWith("\x89PNG\r\n"));

@@ -205,6 +205,29 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
 }
 
+TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
+  const auto world = Parse({"--resolution", "9", "--band", "0.25"}).request.band;
+  EXPECT_TRUE(world && world->width == 0.25 && !world->in_voxels && !world->is_signed);
+  const auto voxels = Parse({"--resolution", "9", "--band", "3v", "--signed"}).request.band;
+  EXPECT_TRUE(voxels && voxels->width == 3 && voxels->in_voxels && voxels->is_signed);
+  EXPECT_FALSE(Parse({"--resolution", "9"}).request.band);
+  for (const char* width : {"0", "-1", "v", "3V", "1e999", "nan"}) {
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", width}), HasSubstr("is not a finite number above 0"));
+  }
+  EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--band")));
+  for (const auto& [other, value] :
+       {std::pair{"--separability", "1"}, {"--algorithm", "exact"}, {"--fill", "surface"}, {"--cover", "separating"}}) {
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", other, value}),
+                AllOf(HasSubstr("--band"), HasSubstr(other)));
+  }
+  EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "--verify"}),
+              AllOf(HasSubstr("--band"), HasSubstr("--verify")));
+  for (const char* output : {"a.png", "a.glb", "a.binvox", "a.vox"}) {
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
+                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .ply can"));
+  }
+}
+
 TEST(Exit, EveryStatusCodeHasItsNumber) {
   using absl::StatusCode;
   const std::map<StatusCode, int> numbers = {
@@ -242,6 +265,15 @@ TEST(Report, JsonHasEveryKeyThatScriptsRelyOn) {
   EXPECT_THAT(ToJson(report), HasSubstr("\"tunnels\": 0"));
   report.outputs = {"not utf-8 \xFF.vdb"};
   EXPECT_THAT(ToJson(report), HasSubstr("not utf-8"));
+}
+
+TEST(Report, TellsOfABand) {
+  VoxelizeReport report;
+  EXPECT_THAT(ToJson(report), Not(HasSubstr("\"band\"")));
+  report.summary.certificate.band = BandCertificate{0.5, true, "0123"};
+  EXPECT_THAT(ToJson(report),
+              AllOf(HasSubstr("\"width\": 0.5"), HasSubstr("\"signed\": true"), HasSubstr("\"digest\": \"0123\"")));
+  EXPECT_THAT(ToText(report), HasSubstr("band of 0.5, signed"));
 }
 
 TEST(Report, TextClaimsNoSeparationThatIsNotCertain) {

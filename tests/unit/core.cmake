@@ -12,6 +12,11 @@ latvox_add_test(core_plane_pixelize_test SOURCES unit/core_plane_pixelize_test.c
 latvox_add_test(core_thesis_test UNSANITIZED SOURCES unit/core_thesis_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_thesis_job_test SLOW SOURCES unit/core_thesis_job_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_validate_water_test SOURCES unit/core_validate_water_test.cc LIBRARIES latvox::core latvox_oracle)
+latvox_add_test(core_band_test SOURCES unit/core_band_test.cc LIBRARIES latvox::core latvox_oracle GTest::gmock)
+list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
+find_package(OpenVDB REQUIRED)
+latvox_add_test(core_band_openvdb_test SOURCES unit/core_band_openvdb_test.cc
+                LIBRARIES latvox::core latvox_oracle OpenVDB::openvdb)
 latvox_add_test(core_principal_test SOURCES unit/core_principal_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_supercover_test SOURCES unit/core_supercover_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_kernel_test SOURCES unit/core_kernel_test.cc LIBRARIES latvox::core latvox_oracle)

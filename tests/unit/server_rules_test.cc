@@ -117,6 +117,17 @@ std::vector<BadSpecCase> BadSpecs() {
          s.mutable_shard()->set_count(3);
        },
        "shard.index 3 is not below shard.count 3", "shard.index"},
+      {"empty band", [](Spec& s) { s.mutable_band(); }, "band: neither width nor voxels is set", "band"},
+      {"band 0", [](Spec& s) { s.mutable_band()->set_width(0); }, "band.width 0 is not a finite number above 0",
+       "band.width"},
+      {"band nan", [](Spec& s) { s.mutable_band()->set_voxels(std::nan("")); }, "band.voxels nan is not",
+       "band.voxels"},
+      {"verify and band",
+       [](Spec& s) {
+         s.mutable_band()->set_width(1);
+         s.set_verify(true);
+       },
+       "verify: not together with band", "verify"},
       {"verify and shard",
        [](Spec& s) {
          s.mutable_shard()->set_count(2);
@@ -255,6 +266,19 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   spec.options.shard.reset();
   spec.options.minimal = false;
   EXPECT_FALSE(minimal());
+}
+
+TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {
+  v1::VoxelizeSpec asked = GoodSpec();
+  asked.mutable_band()->set_voxels(2);
+  asked.mutable_band()->set_signed_(true);
+  JobFacts facts;
+  facts.band_width = 0.5;
+  const v1::Certificate certificate = CertificateToProto(*JobSpecFromProto(asked, {}), facts, {}, {}, std::nullopt);
+  EXPECT_FALSE(certificate.tunnel_free() || certificate.minimal());
+  EXPECT_EQ(certificate.band().width(), 0.5);
+  EXPECT_TRUE(certificate.band().signed_());
+  EXPECT_EQ(certificate.band().digest(), JobTotals().values.ToHex());
 }
 
 TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {

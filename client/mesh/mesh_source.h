@@ -1,6 +1,6 @@
 // Meshes as the tool is told to take them.
-#ifndef LATVOX_CLIENT_MESH_MESH_INPUT_H_
-#define LATVOX_CLIENT_MESH_MESH_INPUT_H_
+#ifndef LATVOX_CLIENT_MESH_MESH_SOURCE_H_
+#define LATVOX_CLIENT_MESH_MESH_SOURCE_H_
 
 #include <optional>
 #include <string>
@@ -19,7 +19,7 @@ enum class UpAxis { kX, kY, kZ };
 
 // Several meshes are one: what they enclose together is not known, their triangles are. Positions are turned, then
 // multiplied by `scale` in double and rounded to float32 once.
-struct MeshInput {
+struct MeshSource {
   std::vector<std::string> paths;    // at least one; "-", once at most, is standard input
   std::optional<MeshFormat> format;  // of all of them; absent: by extension, of standard input by how it begins
   UpAxis up = UpAxis::kZ;
@@ -27,18 +27,18 @@ struct MeshInput {
 };
 
 // The paths for people.
-std::string NameOf(const MeshInput& input);
+std::string NameOf(const MeshSource& input);
 
 // Whether the mesh is more than the bytes of one file: its files may refer to others.
-bool MayReferToFiles(const MeshInput& input);
+bool MayReferToFiles(const MeshSource& input);
 
 // One mesh, or the bytes of one Draco stream of which nothing is asked that would change them.
 using MeshOrDraco = std::variant<Mesh, std::string>;
 
 // Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input is of no format that is known, a vertex is
 // not finite once it is scaled.
-absl::StatusOr<MeshOrDraco> ReadMeshInput(const MeshInput& input);
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_MESH_MESH_INPUT_H_
+#endif  // LATVOX_CLIENT_MESH_MESH_SOURCE_H_

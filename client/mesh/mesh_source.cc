@@ -1,4 +1,4 @@
-#include "client/mesh/mesh_input.h"
+#include "client/mesh/mesh_source.h"
 
 #include <algorithm>
 #include <utility>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kStandardInputName[] = "standard input";
 
-Affine ToWorld(const MeshInput& input) {
+Affine ToWorld(const MeshSource& input) {
   constexpr Affine kFromX = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};
   constexpr Affine kFromY = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
   const Affine& turn = input.up == UpAxis::kX ? kFromX : input.up == UpAxis::kY ? kFromY : kIdentity;
@@ -23,14 +23,14 @@ Affine ToWorld(const MeshInput& input) {
 
 std::string NameOf(const std::string& path) { return path == kStandardInput ? kStandardInputName : path; }
 
-absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshInput& input, absl::string_view bytes) {
+absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshSource& input, absl::string_view bytes) {
   if (input.format) return *input.format;
   if (const auto format = FormatOfBytes(bytes)) return *format;
   return absl::InvalidArgumentError(
       absl::StrCat(NameOf(path), ": begins like none of the mesh formats; --input-format says which one it is"));
 }
 
-absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshInput& input, bool keep_draco) {
+absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco) {
   const bool standard_input = path == kStandardInput;
   const auto by_name = FormatOfPath(path);
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
@@ -46,19 +46,19 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshInput& in
 
 }  // namespace
 
-std::string NameOf(const MeshInput& input) {
+std::string NameOf(const MeshSource& input) {
   const auto name = [](std::string* out, const std::string& path) { *out += NameOf(path); };
   return absl::StrJoin(input.paths, " + ", name);
 }
 
-bool MayReferToFiles(const MeshInput& input) {
+bool MayReferToFiles(const MeshSource& input) {
   return std::any_of(input.paths.begin(), input.paths.end(), [&](const std::string& path) {
     const auto format = input.format ? input.format : FormatOfPath(path);
     return format == MeshFormat::kGlb || format == MeshFormat::kGltf;
   });
 }
 
-absl::StatusOr<MeshOrDraco> ReadMeshInput(const MeshInput& input) {
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   const Affine to_world = ToWorld(input);
   const bool keep_draco = input.paths.size() == 1 && to_world == kIdentity;
   Mesh joined;

@@ -1,0 +1,74 @@
+#include "client/grid/distance_grid.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/SignedFloodFill.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <exception>
+#include <new>
+
+#include "absl/strings/str_cat.h"
+#include "client/grid/grid_file.h"
+#include "client/grid/grid_metadata.h"
+
+namespace latvox::client {
+namespace {
+
+// Where a step along an axis crosses the surface, both its ends are no farther from it than the step is long: so a band
+// that is wider has a sign on each side of every voxel beyond it.
+bool SeparatesSides(const Basis& basis, double width) {
+  const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };
+  return width >= std::max({length(basis.a), length(basis.b), length(basis.c)});
+}
+
+}  // namespace
+
+struct DistanceGrid::Content {
+  openvdb::FloatGrid::Ptr grid;
+  bool is_level_set;
+};
+
+DistanceGrid::DistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole)
+    : content_(std::make_unique<Content>()) {
+  openvdb::initialize();
+  content_->grid = openvdb::FloatGrid::create(static_cast<float>(width));
+  content_->grid->setName("distance");
+  Place(transform, *content_->grid);
+  content_->is_level_set = is_signed && whole && SeparatesSides(transform.basis, width);
+  if (content_->is_level_set) content_->grid->setGridClass(openvdb::GRID_LEVEL_SET);
+}
+
+DistanceGrid::DistanceGrid(DistanceGrid&&) noexcept = default;
+DistanceGrid& DistanceGrid::operator=(DistanceGrid&&) noexcept = default;
+DistanceGrid::~DistanceGrid() = default;
+
+// A leaf's voxels have the order of a brick's bits.
+absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
+  openvdb::tree::ValueAccessor<openvdb::FloatTree> tree(content_->grid->tree());
+  const float* value = batch.values.data();
+  for (const Brick& brick : batch.bricks) {
+    openvdb::FloatTree::LeafNodeType& leaf =
+        *tree.touchLeaf({brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8});
+    for (openvdb::Index word = 0; word < 8; ++word) {
+      for (uint64_t bits = brick.mask[word]; bits != 0; bits &= bits - 1) {
+        leaf.setValueOn(word * 64 + static_cast<openvdb::Index>(std::countr_zero(bits)), *value++);
+      }
+    }
+  }
+  return absl::OkStatus();
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
+}
+
+void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
+
+absl::Status DistanceGrid::Write(const std::string& path) try {
+  if (content_->is_level_set) openvdb::tools::signedFloodFill(content_->grid->tree());
+  return WriteGridFile(content_->grid, path);
+} catch (const std::exception& error) {
+  return absl::UnknownError(absl::StrCat(path, ": the inside cannot be filled (", error.what(), ")"));
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,72 @@
+#include "client/grid/grid_metadata.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+namespace {
+
+void Insert(openvdb::GridBase& grid, const char* name, const std::string& value) {
+  grid.insertMeta(name, openvdb::StringMetadata(value));
+}
+
+}  // namespace
+
+// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. Transform
+// makes a scale of what is no more, which some programs read faster. The origin comes after that: the scale would be
+// found as a difference of positions, and lose digits where the origin is far away.
+openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform) {
+  const auto& [a, b, c] = transform.basis;
+  const openvdb::Mat4d matrix(a[0], a[1], a[2], 0., b[0], b[1], b[2], 0., c[0], c[1], c[2], 0., 0., 0., 0., 1.);
+  auto made = std::make_shared<openvdb::math::Transform>(std::make_shared<openvdb::math::AffineMap>(matrix));
+  const openvdb::Vec3d origin(transform.origin.data());
+  if (origin != openvdb::Vec3d(0.)) made->postTranslate(origin);
+  return made;
+}
+
+void Place(const GridTransform& transform, openvdb::GridBase& grid) {
+  grid.setTransform(MakeTransform(transform));
+  grid.insertMeta("latvox_voxel_size", openvdb::DoubleMetadata(transform.voxel_size));
+  const auto& [a, b, c] = transform.basis;
+  const std::vector<double> basis = {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
+  const auto exactly = [](std::string* out, double x) { absl::StrAppendFormat(out, "%.17g", x); };
+  Insert(grid, "latvox_basis", absl::StrJoin(basis, ",", exactly));
+  Insert(grid, "latvox_origin", absl::StrJoin(transform.origin, ",", exactly));
+}
+
+void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
+  Insert(grid, "latvox_lattice", certificate.lattice);
+  Insert(grid, "latvox_digest", certificate.digest);
+  Insert(grid, "latvox_algorithm", certificate.algorithm);
+  if (!certificate.band) Insert(grid, "latvox_cover", certificate.cover);
+  Insert(grid, "latvox_version", certificate.version);
+  grid.insertMeta("latvox_separability", openvdb::Int32Metadata(static_cast<int32_t>(certificate.separability)));
+  grid.insertMeta("latvox_tunnel_free", openvdb::BoolMetadata(certificate.tunnel_free));
+  grid.insertMeta("latvox_minimal", openvdb::BoolMetadata(certificate.minimal));
+  grid.insertMeta("latvox_verified", openvdb::BoolMetadata(certificate.verified));
+  grid.insertMeta("latvox_closed", openvdb::BoolMetadata(certificate.closed));
+  grid.insertMeta("latvox_snap_error_max", openvdb::DoubleMetadata(certificate.snap_error_max));
+  grid.insertMeta("latvox_quantization_bits",
+                  openvdb::Int32Metadata(static_cast<int32_t>(certificate.quantization_bits)));
+  if (const auto& shard = certificate.shard) {
+    Insert(grid, "latvox_shard", absl::StrCat(shard->index, "/", shard->count));
+  }
+  if (const auto& solid = certificate.solid) {
+    Insert(grid, "latvox_fill", "solid");
+    Insert(grid, "latvox_interior_rule", solid->rule);
+    grid.insertMeta("latvox_with_surface", openvdb::BoolMetadata(solid->surface));
+    grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
+  }
+  if (const auto& band = certificate.band) {
+    grid.insertMeta("latvox_band_width", openvdb::DoubleMetadata(band->width));
+    grid.insertMeta("latvox_band_signed", openvdb::BoolMetadata(band->is_signed));
+    Insert(grid, "latvox_band_digest", band->digest);
+  }
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,29 @@
+// What a narrow band is: the lattice points near a surface, each with its distance.
+#ifndef LATVOX_CORE_BAND_BAND_H_
+#define LATVOX_CORE_BAND_BAND_H_
+
+#include <cstdint>
+
+#include "core/lattice/lattice.h"
+
+namespace latvox {
+
+// The lattice points whose distance to the snapped surface is at most a width (a closed ball).
+struct Band {
+  double width = 0;        // finite, > 0
+  bool in_voxels = false;  // width counts voxel sizes; otherwise world units
+  bool is_signed = false;  // distances are negative inside, that is where lines to the outside cross an odd number of
+                           // times; the mesh must be closed
+};
+
+// A band reaches over so many voxels at most, along each lattice axis.
+inline constexpr int32_t kMaxBandReach = 256;
+
+// In world units.
+inline double WidthOf(const Band& band, const Lattice& lattice) {
+  return band.in_voxels ? band.width * lattice.voxel_size() : band.width;
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BAND_BAND_H_

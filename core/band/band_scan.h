@@ -1,0 +1,56 @@
+// The band's voxels of a tile, with their distances, from the triangles around it.
+#ifndef LATVOX_CORE_BAND_BAND_SCAN_H_
+#define LATVOX_CORE_BAND_BAND_SCAN_H_
+
+#include <atomic>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/band/inside.h"
+#include "core/band/plan.h"
+#include "core/band/triangle_distance.h"
+#include "core/snap/snap.h"
+#include "core/tile/brick.h"
+
+namespace latvox {
+
+// What all tiles of a band have in common.
+struct BandContext {
+  const SnappedMesh& mesh;
+  BandPlan plan;
+  IndexBox region;                          // local voxels outside are not delivered
+  const std::optional<CornerLines> inside;  // of a signed band
+  const std::atomic<bool>& cancelled;
+};
+
+// A thread's own, from tile to tile: 2 MiB.
+class BandScan {
+ public:
+  BandScan();
+
+  // The tile's bricks in lexicographic order, in global coordinates, with values. None if the tile has no voxels, or
+  // once the job is cancelled.
+  //   tile_ijk    local
+  //   triangles   all that come within the reach of the tile; more do no harm. Any order: the least of distances that
+  //               are functions of one triangle each does not depend on it
+  TileBricks Scan(const BandContext& context, const Vec3i& tile_ijk, std::span<const uint32_t> triangles);
+
+ private:
+  struct Rows;
+  void Add(const BandContext& context, const TriangleDistance& triangle, const IndexBox& box);
+  void ScanRow(const BandContext& context, const TriangleDistance& triangle, const Rows& rows, const Vec3i& ijk,
+               int32_t end);
+  void Offer(const BandContext& context, const TriangleDistance& triangle, const Vec3i& ijk, double& best) const;
+  Brick CutOut(const Vec3i& corner, const BandContext& context, bool is_signed, std::vector<float>& values) const;
+  size_t NumberOf(const Vec3i& ijk) const;
+
+  Vec3i tile_min_{};           // local
+  double low_ = 0, high_ = 0;  // squares up to low_ are within the limit for sure, those from high_ on are not
+  std::vector<double> best_;   // of each voxel the least square so far, units; high_: none is within the limit
+  TileMask inside_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BAND_BAND_SCAN_H_

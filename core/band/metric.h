@@ -1,0 +1,64 @@
+// Lengths of lattice vectors, exactly.
+//
+// Frames and units: vectors have integer lattice coordinates in units of 1/kLatticeUnit voxel. A square of a length is
+// v^T g v; one voxel size is kLatticeUnit units of length, and its square 2^(2 * kSubvoxelBits + kMetricBits).
+#ifndef LATVOX_CORE_BAND_METRIC_H_
+#define LATVOX_CORE_BAND_METRIC_H_
+
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "core/band/band.h"
+#include "core/base/vec.h"
+#include "core/lattice/lattice.h"
+#include "core/snap/snap.h"
+
+namespace latvox {
+
+// Fractional bits of g: the products of basis vectors, in squares of a voxel size, are rounded once to multiples of
+// 2^-kMetricBits. On the Cartesian lattice g is the unit matrix, exactly.
+inline constexpr int kMetricBits = 40;
+
+// Bit widths of absolute values. Entries of g:
+inline constexpr int kMetricEntryBits = 60;
+// Differences between points of a mesh or its band, per axis:
+inline constexpr int kPointBits = kEdgeBits + 1;
+static_assert((kMaxBandReach + 2 * kTileSide) * kLatticeUnit < 1 << kEdgeBits);
+// Inner products: nine terms.
+inline constexpr int kInnerBits = kMetricEntryBits + 2 * kPointBits + 4;
+static_assert(kInnerBits < 127, "inner products must fit a signed integer of 128 bits");
+
+struct Metric {
+  Mat<int64_t, 3> g;  // symmetric, positive definite
+
+  // An upper triangular matrix with root^T root = g / 2^kMetricBits: a lattice vector v is root * v in some Cartesian
+  // coordinates. (root * u) x (root * v) = cofactor * (u x v).
+  Mat3d root, cofactor;
+  double determinant;  // of root
+};
+
+// Errors: INVALID_ARGUMENT if an entry of g needs more bits, or if det g is less than 2^-10 of the product of its
+// diagonal, which is to say that the basis is too skew for distances; one that is reduced is not.
+//
+// With that, root and cofactor, and squares of lengths that are computed by them in doubles from exact integers, have
+// relative errors below 2^-36: 2^-53, times some 2^4 operations, times the condition of g with a diagonal scaled to 1,
+// which is at most 3 / (2^-10 * 4 / 9) < 2^13.
+absl::StatusOr<Metric> MakeMetric(const Lattice& lattice);
+
+template <class T>
+constexpr Vec3d ToDouble(const Vec<T, 3>& v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+// u^T g v, exactly. Precondition: coordinates within kPointBits.
+constexpr __int128 Inner(const Metric& metric, const Vec3i& u, const Vec3i& v) {
+  __int128 sum = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    for (size_t r = 0; r < 3; ++r) sum += static_cast<__int128>(metric.g[c][r]) * u[r] * v[c];
+  }
+  return sum;
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BAND_METRIC_H_

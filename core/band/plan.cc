@@ -1,0 +1,53 @@
+#include "core/band/plan.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+
+namespace latvox {
+namespace {
+
+// A vector no longer than the width has an m-th coordinate of at most the width times the length of row m of V^-1.
+absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
+  constexpr double kSlack = 1 + 0x1p-20;  // for rounding, that of the metric included
+  Vec3i margin;
+  for (size_t m = 0; m < 3; ++m) {
+    double square = 0;
+    for (size_t c = 0; c < 3; ++c) square += lattice.inverse()[c][m] * lattice.inverse()[c][m];
+    const double voxels = width * std::sqrt(square);
+    if (!(voxels <= kMaxBandReach)) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("band: a width of %g reaches over %g voxels on lattice axis %c, the limit is %d", width,
+                          voxels, "ijk"[m], kMaxBandReach));
+    }
+    margin[m] = static_cast<int32_t>(std::ceil(voxels * kLatticeUnit * kSlack));
+  }
+  return margin;
+}
+
+__int128 LimitOf(double width, const Lattice& lattice) {
+  const double sizes = width / lattice.voxel_size();
+  return static_cast<__int128>(std::nearbyint(std::ldexp(sizes * sizes, kMetricBits))) << (2 * kSubvoxelBits);
+}
+
+}  // namespace
+
+absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) {
+  const double width = WidthOf(band, lattice);
+  using Float = std::numeric_limits<float>;
+  if (!(width >= double{Float::min()} && width <= double{Float::max()})) {
+    return absl::InvalidArgumentError(absl::StrFormat("band: a width of %g is not within %g and %g", width,
+                                                      double{Float::min()}, double{Float::max()}));
+  }
+  const absl::StatusOr<Vec3i> margin = MarginOf(width, lattice);
+  if (!margin.ok()) return margin.status();
+  const absl::StatusOr<Metric> metric = MakeMetric(lattice);
+  if (!metric.ok()) return metric.status();
+  const double unit = lattice.voxel_size() / kLatticeUnit;
+  const Vec3i reach = Shifted(*margin + Vec3i{1, 1, 1} * (kLatticeUnit - 1), kSubvoxelBits);
+  return BandPlan{*metric, width, unit, LimitOf(width, lattice), *margin, reach, band.is_signed};
+}
+
+}  // namespace latvox

@@ -1,0 +1,32 @@
+// What a band is on a lattice.
+#ifndef LATVOX_CORE_BAND_PLAN_H_
+#define LATVOX_CORE_BAND_PLAN_H_
+
+#include "absl/status/statusor.h"
+#include "core/band/band.h"
+#include "core/band/metric.h"
+#include "core/base/vec.h"
+#include "core/lattice/lattice.h"
+
+namespace latvox {
+
+struct BandPlan {
+  Metric metric;
+  double width;  // world units
+  double unit;   // world length of a unit of the metric
+  // The square of the width, as of Inner: that of its number of voxel sizes, rounded once to a multiple of
+  // 2^-kMetricBits.
+  __int128 limit;
+  // How far along each lattice axis the lattice points of the band may lie from the surface: in units, and in voxels,
+  // rounded up.
+  Vec3i margin, reach;
+  bool is_signed;
+};
+
+// Errors: INVALID_ARGUMENT if the width is not above 0 and normal in single precision, or reaches over
+// kMaxBandReach; and as MakeMetric.
+absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BAND_PLAN_H_

@@ -1,0 +1,133 @@
+// Squares of distances without cancellation. With e an edge, d the point relative to its corner, n the normal:
+//   to a corner      |d|^2
+//   to an edge       |e x d|^2 / |e|^2
+//   to the plane     (n . d)^2 det^2 / |n|^2        (n is a covector; det the volume of a voxel)
+// where d, e, e x d, n and n . d are exact integers, so that each is a quotient of squares of lengths.
+//
+// Which of them it is follows from signs of inner products. Those that tell a corner from an edge may be wrong in
+// doubles where |e . d| is below 2^-36 |e||d|; then the two squares agree to 2^-72. Those that tell an edge from the
+// plane are angles at corners, which slivers make as small as 2^-50: where doubles cannot tell, integers do.
+#include "core/band/triangle_distance.h"
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+
+namespace latvox {
+namespace {
+
+using Int256 = boost::multiprecision::int256_t;
+using Int512 = boost::multiprecision::int512_t;
+static_assert(2 * kInnerBits + 1 <= 256 && 3 * kInnerBits + 2 <= 512, "they hold products of two and three");
+static_assert(2 * kPointBits + 1 <= 53, "cross products of differences are exact in doubles");
+static_assert(2 * kPointBits + 1 <= 63, "and in int64");
+
+Vec<int64_t, 3> ToWide(const Vec3i& v) { return {v[0], v[1], v[2]}; }
+
+double Square(const Vec3d& v) { return Dot(v, v); }
+
+// n . d, rounded once.
+double ExactDot(const Vec<int64_t, 3>& n, const Vec3i& d) {
+  constexpr int64_t kNarrow = int64_t{1} << (60 - kPointBits);
+  if (std::abs(n[0]) < kNarrow && std::abs(n[1]) < kNarrow && std::abs(n[2]) < kNarrow) {
+    return static_cast<double>(Dot(n, d));
+  }
+  return static_cast<double>(static_cast<__int128>(n[0]) * d[0] + static_cast<__int128>(n[1]) * d[1] +
+                             static_cast<__int128>(n[2]) * d[2]);
+}
+
+}  // namespace
+
+TriangleDistance::TriangleDistance(const Metric& metric, const Triangle& triangle)
+    : metric_(metric), corners_(triangle) {
+  for (size_t n = 0; n < 3; ++n) {
+    edges_[n] = corners_[(n + 1) % 3] - corners_[n];
+    edges_world_[n] = Apply(metric.root, ToDouble(edges_[n]));
+    edge_squares_[n] = Square(edges_world_[n]);
+  }
+  normal_ = Cross(ToWide(edges_[2]), ToWide(edges_[0]));
+  normal_world_ = Apply(metric.cofactor, ToDouble(normal_));
+  normal_square_ = Square(normal_world_);
+  unit_normal_ = normal_square_ > 0 ? normal_world_ * (1 / std::sqrt(normal_square_)) : Vec3d{};
+  centre_ = (edges_world_[0] - edges_world_[2]) * (1.0 / 3);
+  radius_ =
+      std::sqrt(std::max({Square(centre_), Square(edges_world_[0] - centre_), Square(edges_world_[2] + centre_)}));
+}
+
+double TriangleDistance::SquareTo(const Vec3i& point) const {
+  std::array<Vec3i, 3> d;
+  std::array<Vec3d, 3> d_world, turns;  // root * d, (root * e) x (root * d)
+  for (size_t n = 0; n < 3; ++n) {
+    d[n] = point - corners_[n];
+    d_world[n] = Apply(metric_.root, ToDouble(d[n]));
+    turns[n] = Apply(metric_.cofactor, Cross(ToDouble(edges_[n]), ToDouble(d[n])));
+  }
+  if (ProjectsInside(d, turns)) {
+    const double volume = metric_.determinant * ExactDot(normal_, d[0]);
+    return volume * volume / normal_square_;
+  }
+  double least = Square(d_world[0]);
+  for (size_t n = 0; n < 3; ++n) {
+    const size_t next = (n + 1) % 3;
+    if (Dot(edges_world_[n], d_world[n]) > 0 && Dot(edges_world_[n], d_world[next]) < 0) {
+      least = std::min(least, Square(turns[n]) / edge_squares_[n]);
+    } else {
+      least = std::min(least, Square(d_world[next]));
+    }
+  }
+  return least;
+}
+
+// Whether the nearest point of the plane is in the triangle; edges count.
+bool TriangleDistance::ProjectsInside(const std::array<Vec3i, 3>& d, const std::array<Vec3d, 3>& turns) const {
+  if (normal_square_ == 0) return false;
+  constexpr double kSure = 0x1p-30;
+  for (size_t n = 0; n < 3; ++n) {
+    const double turn = Dot(normal_world_, turns[n]);
+    if (turn * turn > kSure * kSure * normal_square_ * Square(turns[n])) {
+      if (turn < 0) return false;
+    } else if (!TurnsInward(n, d[n])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Whether the point's projection to the plane lies on the triangle's side of the edge, or on the edge's line: the sign
+// of (e x f) . (e x d) = (e.e)(f.d) - (e.d)(e.f), f being the edge back from the same corner.
+bool TriangleDistance::TurnsInward(size_t edge, const Vec3i& d) const {
+  const Vec3i &e = edges_[edge], f = -edges_[(edge + 2) % 3];
+  return Int256(Inner(metric_, e, e)) * Inner(metric_, f, d) >= Int256(Inner(metric_, e, d)) * Inner(metric_, e, f);
+}
+
+bool TriangleDistance::IsWithin(const Vec3i& point, __int128 limit) const {
+  std::array<Vec3i, 3> d;
+  for (size_t n = 0; n < 3; ++n) {
+    d[n] = point - corners_[n];
+    if (Inner(metric_, d[n], d[n]) <= limit || EdgeIsWithin(n, d[n], limit)) return true;
+  }
+  return FaceIsWithin(d, limit);
+}
+
+// Between the ends of the edge: |d|^2 - (e.d)^2 / |e|^2 <= limit.
+bool TriangleDistance::EdgeIsWithin(size_t edge, const Vec3i& d, __int128 limit) const {
+  const Vec3i& e = edges_[edge];
+  const __int128 along = Inner(metric_, e, d), length = Inner(metric_, e, e);
+  if (along <= 0 || along >= length) return false;
+  return Int256(Inner(metric_, d, d) - limit) * length <= Int256(along) * along;
+}
+
+// Over the triangle: |d|^2 - (G (e.d)^2 - 2 F (e.d)(f.d) + E (f.d)^2) / (E G - F^2) <= limit.
+bool TriangleDistance::FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limit) const {
+  if (normal_square_ == 0) return false;
+  for (size_t n = 0; n < 3; ++n) {
+    if (!TurnsInward(n, d[n])) return false;
+  }
+  const Vec3i &e = edges_[0], f = -edges_[2];
+  const Int512 ee = Inner(metric_, e, e), ef = Inner(metric_, e, f), ff = Inner(metric_, f, f);
+  const Int512 ed = Inner(metric_, e, d[0]), fd = Inner(metric_, f, d[0]);
+  const Int512 projected = ff * ed * ed - 2 * ef * ed * fd + ee * fd * fd;
+  return (Inner(metric_, d[0], d[0]) - limit) * (ee * ff - ef * ef) <= projected;
+}
+
+}  // namespace latvox

@@ -1,0 +1,56 @@
+// The distance from a lattice point to a triangle: the square in doubles, as good as exact, and whether it is within a
+// limit, exactly.
+#ifndef LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
+#define LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
+
+#include "core/band/metric.h"
+#include "core/base/vec.h"
+#include "core/digitize/crossing.h"
+
+namespace latvox {
+
+// A triangle of any shape, without area too. Points and corners are in units of 1/kLatticeUnit voxel, and no two of
+// them farther apart than kPointBits allow.
+class TriangleDistance {
+ public:
+  // The metric must outlive it.
+  TriangleDistance(const Metric& metric, const Triangle& triangle);
+
+  // The square of the distance from `point`, in units: a function of both alone, with a relative error below
+  // kSquareError. It is 0 for a point of the triangle, and for no other.
+  double SquareTo(const Vec3i& point) const;
+
+  // Whether the square of the distance from `point` is at most `limit`, a square as of Inner.
+  bool IsWithin(const Vec3i& point, __int128 limit) const;
+
+  const Vec3i& corner() const { return corners_[0]; }
+  // A circle in the triangle's plane that holds it, in the metric's Cartesian coordinates relative to corner(); units.
+  const Vec3d& centre() const { return centre_; }
+  double radius() const { return radius_; }
+  // Of the plane, of length 1; 0 for a triangle without area.
+  const Vec3d& unit_normal() const { return unit_normal_; }
+
+ private:
+  bool ProjectsInside(const std::array<Vec3i, 3>& d, const std::array<Vec3d, 3>& turns) const;
+  bool TurnsInward(size_t edge, const Vec3i& d) const;
+  bool EdgeIsWithin(size_t edge, const Vec3i& d, __int128 limit) const;
+  bool FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limit) const;
+
+  const Metric& metric_;
+  Triangle corners_;
+  std::array<Vec3i, 3> edges_;        // from each corner to the next
+  std::array<Vec3d, 3> edges_world_;  // root * edge
+  std::array<double, 3> edge_squares_;
+  Vec<int64_t, 3> normal_;  // edges_[0] x (corners_[2] - corners_[0])
+  Vec3d normal_world_;      // cofactor * normal
+  double normal_square_;
+  Vec3d centre_, unit_normal_;
+  double radius_;
+};
+
+// Three roundings of vectors' squares and one quotient of them: see MakeMetric.
+inline constexpr double kSquareError = 0x1p-33;
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
