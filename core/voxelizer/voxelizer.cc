@@ -1,41 +1,23 @@
 #include "core/voxelizer/voxelizer.h"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_pipeline.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <span>
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "core/band/band_scan.h"
-#include "core/digitize/fineness.h"
-#include "core/digitize/touching.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
-#include "core/tile/tile_tree.h"
+#include "core/voxelizer/exact_job.h"
 #include "core/voxelizer/job_facts.h"
-#include "core/voxelizer/scan_pool.h"
 #include "core/voxelizer/shard.h"
 #include "core/voxelizer/thesis_job.h"
 #include "core/voxelizer/tile_job.h"
 
 namespace latvox {
 namespace {
-
-// A subtree becomes one unit of parallel work when it is this small: enough to keep the serial part of the pipeline
-// small, little enough to keep threads busy and memory bounded.
-constexpr int kMaxUnitLevel = 2;  // 4^3 tiles
-constexpr size_t kMaxUnitTriangles = 4096;
-constexpr int kMaxSolidUnitLevel = 1;  // tiles may be full, of 512 bricks each
-
-using Unit = std::vector<TileBricks>;
 
 IndexBox Intersection(IndexBox a, const IndexBox& b) {
   for (size_t m = 0; m < 3; ++m) {
@@ -48,229 +30,6 @@ IndexBox Intersection(IndexBox a, const IndexBox& b) {
 absl::Status Cancelled() { return absl::CancelledError("voxelization cancelled"); }
 
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
-
-class Job : public VoxelizeJob {
- public:
-  // supercover: null if it is not asked for.
-  Job(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
-      const std::optional<BandPlan>& band, const VoxelizeOptions& options, const IndexBox& region,
-      const std::atomic<bool>& cancelled)
-      : mesh_(std::move(mesh)),
-        frames_(std::move(frames)),
-        scan_frames_(MakeScanFrames(frames_)),
-        supercover_(std::move(supercover)),
-        fineness_(supercover_ ? Fineness{} : FinenessOf(mesh_, scan_frames_)),
-        context_{mesh_,
-                 scan_frames_,
-                 supercover_.get(),
-                 supercover_ ? supercover_->Margin() : ReachOf(frames_),
-                 options.minimal && !supercover_,
-                 fineness_.most_tiny,
-                 region,
-                 cancelled_},
-        tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
-              cancelled_),
-        facts_(FactsOfJob(mesh_, region, cancelled)),
-        solid_(options.solid),
-        band_(MakeBandContext(band, region, cancelled)),
-        shard_(options.shard.value_or(Shard{})),
-        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {
-    if (band) facts_.band_width = band->width;
-  }
-
-  const JobFacts& facts() const override { return facts_; }
-  const JobTotals& totals() const override { return totals_; }
-  void Cancel() override { cancelled_ = true; }
-  absl::Status Prepare() override;
-  absl::StatusOr<bool> Advance(const Sink& sink) override;
-  absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
-    return Validate(mesh_, frames_, voxels, cancelled_);
-  }
-
- private:
-  std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
-                                             const std::atomic<bool>& cancelled) const;
-  bool IsUnit(const TileNode& node) const;
-  uint64_t NumberOf(const Vec3i& tile_ijk) const;
-  bool IsLeftOut(const TileNode& node) const;
-  std::optional<TileNode> NextUnit();
-  void SplitNext();
-  void Process(const TileNode& node, Unit& out) const;
-  void ScanLeaf(const TileNode& node, Unit& out) const;
-  void Deliver(TileBricks tile, const Sink& sink, bool& paused);
-
-  const SnappedMesh mesh_;
-  const std::vector<Frame> frames_;
-  const std::vector<ScanFrame> scan_frames_;
-  const std::unique_ptr<const Supercover> supercover_;
-  std::atomic<bool> cancelled_ = false;
-  const Fineness fineness_;
-  const TileContext context_;
-  TileTree tree_;
-  mutable ScanPool<BlockScan> scans_;
-  mutable ScanPool<BandScan> band_scans_;
-  JobFacts facts_;
-  const std::optional<Solid> solid_;
-  std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
-  const bool has_axes_ = HasAxes(frames_);
-  const std::optional<BandContext> band_;
-  const Vec3i tile_base_ = Shifted(mesh_.base_ijk, kTileBits);
-  const Shard shard_;
-  const TileSpan span_;  // of what is delivered
-  bool started_ = false;
-  std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
-  JobTotals totals_;
-};
-
-// Tiles are digitized by blocks of 2^3, which share what lies between them (larger blocks' bits would not fit a core's
-// cache), unless that leaves too few blocks for the threads at hand: a surface meets some 2 * 4^n of 8^n blocks.
-int BlockLevel(int tree_level) {
-  constexpr int kBlocksPerThread = 16;
-  const int threads = oneapi::tbb::this_task_arena::max_concurrency();
-  return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
-}
-
-std::optional<BandContext> Job::MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
-                                                const std::atomic<bool>& cancelled) const {
-  if (!plan) return std::nullopt;
-  std::optional<CornerLines> lines;
-  if (plan->is_signed && facts_.closed) lines.emplace(mesh_, cancelled);
-  return BandContext{mesh_, *plan, region, std::move(lines), cancelled_};
-}
-
-// A band's tile has up to a megabyte of values.
-bool Job::IsUnit(const TileNode& node) const {
-  if (band_) return tree_.IsLeaf(node);
-  const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
-  return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
-}
-
-absl::Status Job::Prepare() {
-  if (!solid_ || interior_) return absl::OkStatus();
-  auto interior = MakeInterior(mesh_, *solid_, facts_.closed, cancelled_, facts_.unbalanced_lines);
-  if (!interior.ok()) return interior.status();
-  interior_ = *std::move(interior);
-  tree_.KeepEmpty();
-  return absl::OkStatus();
-}
-
-// A tile's place in the canonical order.
-uint64_t Job::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(tile_ijk - facts_.first_tile_ijk); }
-
-// Whether none of a node's tiles is delivered.
-bool Job::IsLeftOut(const TileNode& node) const {
-  if (node.triangles.empty() && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) return true;
-  return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
-}
-
-// Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
-// split by many threads, and many nodes at a time.
-std::optional<TileNode> Job::NextUnit() {
-  if (!std::exchange(started_, true)) {
-    if (!band_) tree_.SetLeafLevel(BlockLevel(tree_.level()));
-    // Isolated, lest the thread that waits here take up a unit meanwhile.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      const bool touching = fineness_.few_touch && !band_ && (!interior_ || has_axes_);
-      todo_ = touching ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top();
-    });
-    std::reverse(todo_.begin(), todo_.end());
-  }
-  while (!todo_.empty() && !cancelled_) {
-    if (IsLeftOut(todo_.back())) {
-      todo_.pop_back();
-      continue;
-    }
-    if (IsUnit(todo_.back())) {
-      TileNode node = std::move(todo_.back());
-      todo_.pop_back();
-      return node;
-    }
-    SplitNext();
-  }
-  return std::nullopt;
-}
-
-// Puts the children of the next nodes, as many as there are threads, in their place, where nodes are no units.
-void Job::SplitNext() {
-  const size_t count = std::min(todo_.size(), static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
-  const size_t kept = todo_.size() - count;
-  std::vector<std::vector<TileNode>> parts(count);
-  oneapi::tbb::this_task_arena::isolate([&] {  // as in NextUnit
-    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
-      for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
-        TileNode& node = todo_[kept + n];
-        if (IsLeftOut(node)) continue;
-        if (IsUnit(node)) {
-          parts[n].push_back(std::move(node));
-        } else {
-          parts[n] = tree_.Children(node);
-        }
-      }
-    });
-  });
-  todo_.resize(kept);
-  for (std::vector<TileNode>& part : parts) std::move(part.rbegin(), part.rend(), std::back_inserter(todo_));
-}
-
-void Job::Process(const TileNode& node, Unit& out) const {
-  if (cancelled_ || IsLeftOut(node)) return;
-  if (!tree_.IsLeaf(node)) {
-    for (const TileNode& child : tree_.Children(node)) Process(child, out);
-    return;
-  }
-  ScanLeaf(node, out);
-  std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
-}
-
-void Job::ScanLeaf(const TileNode& node, Unit& out) const {
-  if (band_) {
-    std::unique_ptr<BandScan> scan = band_scans_.Take();
-    TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
-    band_scans_.Give(std::move(scan));
-    tile.progress = std::min(1.0, node.progress + node.share);
-    if (!tile.bricks.empty()) out.push_back(std::move(tile));
-    return;
-  }
-  std::unique_ptr<BlockScan> scan = scans_.Take();
-  DigitizeBlock(context_, node, interior_.get(), !solid_ || solid_->surface, *scan, out);
-  scans_.Give(std::move(scan));
-}
-
-// Progress is counted over the whole: of a shard it is estimated to begin and to end where equal parts do.
-void Job::Deliver(TileBricks tile, const Sink& sink, bool& paused) {
-  tile.progress = std::clamp(tile.progress * shard_.count - shard_.index, 0.0, 1.0);
-  totals_.Add(tile);
-  if (!sink(std::move(tile))) paused = true;
-}
-
-// Units enter and leave the pipeline in order, which makes the stream a function of the request; its tokens bound the
-// tiles in flight.
-absl::StatusOr<bool> Job::Advance(const Sink& sink) {
-  using oneapi::tbb::filter_mode;
-  using oneapi::tbb::flow_control;
-  if (absl::Status status = Prepare(); !status.ok()) return status;
-  const auto tokens = 2 * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
-  std::atomic<bool> stop = false;
-  oneapi::tbb::parallel_pipeline(
-      tokens, oneapi::tbb::make_filter<void, TileNode>(filter_mode::serial_in_order, [&](flow_control& flow) {
-                auto unit = stop ? std::nullopt : NextUnit();
-                if (unit) return *std::move(unit);
-                flow.stop();
-                return TileNode{};
-              }) & oneapi::tbb::make_filter<TileNode, Unit>(filter_mode::parallel, [&](const TileNode& node) {
-                Unit unit;
-                Process(node, unit);
-                return unit;
-              }) & oneapi::tbb::make_filter<Unit, void>(filter_mode::serial_in_order, [&](Unit unit) {
-                bool paused = false;
-                for (TileBricks& tile : unit) {
-                  if (!cancelled_) Deliver(std::move(tile), sink, paused);
-                }
-                if (paused) stop = true;
-              }));
-  if (cancelled_) return Cancelled();
-  return todo_.empty();
-}
 
 // Null if it is not asked for.
 absl::StatusOr<std::unique_ptr<const Supercover>> SupercoverFor(const Lattice& lattice,
@@ -391,7 +150,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    job = std::make_unique<Job>(*std::move(snapped), frames, *std::move(supercover), *band, options, region, cancelled);
+    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, options, region, cancelled);
   } else {
     job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, cancelled);
   }

@@ -315,6 +315,19 @@ TEST(Solids, OfARegionAreTheWholesVoxelsInIt) {
   }
 }
 
+TEST(Solids, MayHaveASupercoverForSurface) {
+  for (const Part& part : kParts) {
+    const Grid grid = Unscaled(Lattice::Named(part.lattice));
+    Solid interior = part.solid;
+    interior.surface = false;
+    auto both = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.solid = interior}));
+    const auto cover = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.cover = Cover::kSupercover}));
+    if (part.solid.surface) both.insert(cover.begin(), cover.end());
+    EXPECT_EQ(VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.solid = part.solid, .cover = Cover::kSupercover})), both)
+        << part.name;
+  }
+}
+
 TEST(Solids, AreTheSameForAllKernels) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kFcc));
   std::set<std::string> digests;
