@@ -25,9 +25,9 @@ class DistanceGrid {
   //   whole   nothing of the mesh is left out by a region or a shard
   // Precondition: CheckGridTransform(transform) is OK.
   DistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole);
-  DistanceGrid(DistanceGrid&&) noexcept;
-  DistanceGrid& operator=(DistanceGrid&&) noexcept;
-  ~DistanceGrid();
+  DistanceGrid(DistanceGrid&&) noexcept;             // the other one may then be destroyed or assigned to, no more
+  DistanceGrid& operator=(DistanceGrid&&) noexcept;  // as if the one before were destroyed
+  ~DistanceGrid();                                   // frees the grid
 
   // Adds the batch's voxels. Precondition: it has a value for each. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);

@@ -75,8 +75,8 @@ absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
 // A .vdb file's voxels: the grid "voxels", or else the first grid. Bricks are in lexicographic order of brick_ijk.
 struct GridFile {
-  GridFileInfo info;
-  std::vector<Brick> bricks;
+  GridFileInfo info;          // facts and metadata
+  std::vector<Brick> bricks;  // none is empty
 };
 
 // Memory: 230 bytes for each brick while it reads, 80 then. Errors: as above; a grid that is not boolean, or has active
