@@ -9,7 +9,9 @@ latvox_add_test(client_grid_test SOURCES unit/client_grid_test.cc LIBRARIES latv
 foreach(name client_merge_test client_merge_errors_test)
   latvox_add_test(${name} SOURCES unit/${name}.cc LIBRARIES latvox::grid GTest::gmock)
 endforeach()
-latvox_add_test(client_call_test SOURCES unit/client_call_test.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
+foreach(name client_call_test client_band_call_test client_call_end_test)
+  latvox_add_test(${name} SOURCES unit/${name}.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
+endforeach()
 add_library(latvox_model_server STATIC unit/client_model_server.cc unit/client_relay.cc)
 target_link_libraries(latvox_model_server PUBLIC latvox::proto PRIVATE latvox_build latvox::client)
 latvox_add_test(client_resume_test SOURCES unit/client_resume_test.cc
