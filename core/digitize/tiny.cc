@@ -1,4 +1,5 @@
-// Triangles in the lanes, direction after direction.
+// Triangles in the lanes. They are sifted first, all directions of a triangle together: few lines lie between corners,
+// and most of these miss the triangle. Then those that a line may meet are crossed with it, direction after direction.
 //
 // Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). Let a be the one integer between
 // the values of the first form at the corners, b that of the second: relative to it, the corners are (x, y) with
@@ -96,137 +97,189 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-void FindInLanes(const Scene&, std::span<const uint32_t> triangles, Crossings&, std::vector<uint32_t>& others) {
+void FindInLanes(const Scene&, std::span<const uint32_t> triangles, std::vector<NumberList>&, Crossings&,
+                 std::vector<uint32_t>& others) {
   others.insert(others.end(), triangles.begin(), triangles.end());
 }
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A form's values at the corners, relative to the last integer that is not above all of them.
-struct FormValues {
-  Ints3 relative;
-  Ints first, last;  // floors of the least and the largest value
-};
+using FloatLanes = hn::RebindToFloat<Lanes>;
+using Floats = hn::Vec<FloatLanes>;
+using Floats3 = std::array<Floats, 3>;
+using FloatMask = hn::Mask<FloatLanes>;
 
-// The triangles' values of each form; returns a bit for each form between whose values an integer lies. Leaves those
-// tiny that have no more than one integer between values.
-HWY_INLINE Ints Evaluate(const LineForms& all, const std::array<Ints3, 3>& v, FormValues* values,
-                         hn::Mask<Lanes>& tiny) {
-  Ints between = hn::Zero(Lanes());
-  for (size_t n = 0; n < all.forms.size(); ++n) {
-    const Ints3 form = Fill3(all.forms[n]);
-    const Ints3 value{DotOf(form, v[0]), DotOf(form, v[1]), DotOf(form, v[2])};
-    FormValues& out = values[n];
-    out.first = hn::ShiftRight<kSubvoxelBits>(Least(value[0], value[1], value[2]));
-    out.last = hn::ShiftRight<kSubvoxelBits>(Most(value[0], value[1], value[2]));
-    const Ints from = hn::ShiftLeft<kSubvoxelBits>(out.last);
-    for (size_t c = 0; c < 3; ++c) out.relative[c] = hn::Sub(value[c], from);
-    const Ints integers = hn::Sub(out.last, out.first);
-    tiny = hn::And(tiny, hn::Lt(integers, Fill(2)));
-    if (n < all.between) between = hn::Or(between, hn::ShiftLeftSame(integers, static_cast<int>(n)));
+// A form's values at three corners. Most coefficients are 0 or 1.
+template <class D, class V = hn::Vec<D> >
+HWY_INLINE std::array<V, 3> ValuesOf(D d, const Vec3i& form, const std::array<std::array<V, 3>, 3>& v) {
+  std::array<V, 3> value{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (size_t m = 0; m < 3; ++m) {
+    if (form[m] == 0) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      value[c] = form[m] == 1 ? hn::Add(value[c], v[c][m])
+                 : form[m] == -1
+                     ? hn::Sub(value[c], v[c][m])
+                     : hn::Add(value[c], hn::Mul(hn::Set(d, static_cast<hn::TFromD<D> >(form[m])), v[c][m]));
+    }
   }
-  return between;
+  return value;
 }
 
-// Up to kTriangleLanes triangles. The lists have room.
-HWY_INLINE void CrossSome(const Scene& scene, std::span<const uint32_t> triangles, uint32_t*& nearer,
-                          uint32_t*& farther, uint32_t*& others) {
+// Floats hold what Sift computes exactly: of voxels in the box, values of forms; of tiny triangles, e in units of
+// 1/kLatticeUnit^2 and half of that.
+constexpr int kFloatBits = 24, kSiftedBoxBits = 13;
+static_assert(kSiftedBoxBits + kSubvoxelBits + 2 < kFloatBits && kMaxFrameRow <= 4);
+static_assert(2 * kSubvoxelBits + 2 + 1 < kFloatBits);
+
+// Appends each of up to kTriangleLanes triangles to the lists of those directions along which a line may meet it, if it
+// is tiny, else to `others`, which has room.
+HWY_INLINE void Sift(const Scene& scene, std::span<const uint32_t> triangles, std::vector<NumberList>& met,
+                     uint32_t*& others) {
   const Lanes d;
-  const Ints zero = hn::Zero(d);
+  const FloatLanes df;
+  const hn::RebindToUnsigned<Lanes> du;
   const std::array<Ints3, 3> v = LoadCorners(scene.mesh, scene.vertices, triangles, scene.origin);
   const auto given = hn::FirstN(d, triangles.size());
-  auto tiny = given;
+  auto inside = given;
   for (size_t m = 0; m < 3; ++m) {
     const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
     const int32_t half_step = scene.reach[m] * kLatticeUnit / 2;
-    tiny = hn::And(tiny, hn::Gt(low, Fill(half_step - kLatticeUnit)));
-    tiny = hn::And(tiny, hn::Lt(high, Fill(scene.size[m] * kLatticeUnit - half_step)));
+    inside = hn::And(inside, hn::Gt(low, Fill(half_step - kLatticeUnit)));
+    inside = hn::And(inside, hn::Lt(high, Fill(scene.size[m] * kLatticeUnit - half_step)));
   }
-  FormValues values[kMaxForms];
-  const Ints between = Evaluate(scene.all, v, values, tiny);
-  if (hn::CountTrue(d, tiny) < kTriangleLanes / 4) tiny = hn::FirstN(d, 0);  // not worth going through all directions
-  const auto upward = hn::Gt(FirstNonzero(CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]))), zero);
-
-  for (const Direction& direction : scene.directions) {
-    const auto& [a, b, c] = direction.form;
-    const Ints both = Fill(1 << a | 1 << b);
-    const auto candidate = hn::And(tiny, hn::Eq(hn::And(between, both), both));
-    if (hn::AllFalse(d, candidate)) continue;
-    const Ints3 &x = values[a].relative, &y = values[b].relative;
-    const Ints3 e{Minor(x[0], x[1], y[0], y[1]), Minor(x[1], x[2], y[1], y[2]), Minor(x[2], x[0], y[2], y[0])};
-    Ints least = Least(e[0], e[1], e[2]), most = Most(e[0], e[1], e[2]);
-    auto crossed = hn::AndNot(hn::And(hn::Lt(least, zero), hn::Gt(most, zero)), candidate);
-    if (hn::AllFalse(d, crossed)) continue;
-    if (!hn::AllFalse(d, hn::And(crossed, hn::Or(hn::Eq(least, zero), hn::Eq(most, zero))))) {
-      const Ints tie_x = Fill(direction.tie_x), tie_y = Fill(direction.tie_y);
-      const auto moved = [&](size_t n) HWY_ATTR { return hn::Sub(hn::Mul(tie_x, y[n]), hn::Mul(tie_y, x[n])); };
-      const Ints3 by{moved(0), moved(1), moved(2)};
-      Ints3 side;
-      for (size_t n = 0; n < 3; ++n)
-        side[n] = hn::IfThenElse(hn::Eq(e[n], zero), hn::Sub(by[(n + 1) % 3], by[n]), e[n]);
-      least = Least(side[0], side[1], side[2]);
-      most = Most(side[0], side[1], side[2]);
-      crossed = hn::And(candidate, hn::Or(hn::Gt(least, zero), hn::Lt(most, zero)));
-      if (hn::AllFalse(d, crossed)) continue;
-    }
-    const auto negative = hn::Lt(most, zero);
-
-    // From here on in units of the voxel, `whole`, along the direction: depth * D, D = area.
-    const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
-    const Ints area = hn::Add(hn::Add(weight[0], weight[1]), weight[2]);
-    const Ints whole = hn::ShiftLeft<kSubvoxelBits>(area), half = hn::ShiftRight<1>(whole);
-    Ints3 z = values[c].relative;
-    Ints from;
-    if (direction.z_is_negated) {
-      from = hn::Not(values[c].last);  // -last - 1
-      for (Ints& depth : z) depth = hn::Sub(Fill(kLatticeUnit), depth);
-    } else {
-      from = values[c].first;
-      const Ints less = hn::ShiftLeft<kSubvoxelBits>(hn::Sub(values[c].last, from));
-      for (Ints& depth : z) depth = hn::Add(depth, less);
-    }
-    // The shift moves the plane down along the direction iff its normal, upward along the direction, has a first
-    // nonzero entry below 0.
-    const auto backward = direction.turned ? hn::Not(negative) : negative;
-    const Ints down = hn::IfThenElseZero(hn::Not(hn::Xor(upward, backward)), Fill(1));
-    Ints rest = hn::Sub(hn::Add(DotOf(weight, z), half), down);
-    for (int n = 0; n < 2; ++n) {
-      const auto more = hn::Not(hn::Lt(rest, whole));
-      rest = hn::Sub(rest, hn::IfThenElseZero(more, whole));
-      from = hn::Add(from, hn::IfThenElseZero(more, Fill(1)));
-    }
-    const Ints step = Fill(direction.step);
-    Ints number = hn::Add(Fill(scene.number), hn::Mul(from, step));
-    number = hn::Add(number, hn::Mul(values[a].last, Fill(direction.step_a)));
-    number = hn::Add(number, hn::Mul(values[b].last, Fill(direction.step_b)));
-    const Ints to_farther = hn::IfThenElse(hn::Lt(rest, half), hn::Neg(step), step);
-    const SelectedLanes<Lanes> selected(d, crossed);
-    selected.Store(number, nearer);
-    selected.Store(hn::Add(number, to_farther), farther);
-    nearer += selected.count();
-    farther += selected.count();
+  std::array<Floats3, 3> corner;  // voxels
+  for (size_t c = 0; c < 3; ++c) {
+    for (size_t m = 0; m < 3; ++m) corner[c][m] = hn::Mul(hn::ConvertTo(df, v[c][m]), hn::Set(df, 1.0F / kLatticeUnit));
   }
-  const hn::RebindToUnsigned<Lanes> du;
-  alignas(64) uint32_t numbers[kTriangleLanes] = {};
-  std::copy(triangles.begin(), triangles.end(), numbers);
-  others += AppendLanes(du, hn::Load(du, numbers), hn::RebindMask(du, hn::AndNot(tiny, given)), others);
+  auto tiny = hn::RebindMask(df, inside);
+  Floats3 values[kMaxForms];  // relative to the last integer that is not above all of a form's
+  FloatMask between[kMaxForms];
+  for (size_t n = 0; n < scene.all.forms.size(); ++n) {
+    const Floats3 value = ValuesOf(df, scene.all.forms[n], corner);
+    const Floats first = hn::Floor(hn::Min(value[0], hn::Min(value[1], value[2])));
+    const Floats last = hn::Floor(hn::Max(value[0], hn::Max(value[1], value[2])));
+    for (size_t c = 0; c < 3; ++c) values[n][c] = hn::Sub(value[c], last);
+    const Floats integers = hn::Sub(last, first);
+    tiny = hn::And(tiny, hn::Lt(integers, hn::Set(df, 2.0F)));
+    between[n] = hn::Gt(integers, hn::Zero(df));
+  }
+  if (hn::CountTrue(df, tiny) < kTriangleLanes / 4) tiny = hn::FirstN(df, 0);  // not worth going through all directions
+
+  alignas(64) uint32_t lanes[kTriangleLanes] = {};
+  std::copy(triangles.begin(), triangles.end(), lanes);
+  const auto numbers = hn::Load(du, lanes);
+  for (size_t n = 0; n < scene.directions.size(); ++n) {
+    const size_t a = scene.directions[n].form[0], b = scene.directions[n].form[1];
+    const Floats3 &x = values[a], &y = values[b];
+    const auto edge = [&](size_t from, size_t to)
+                          HWY_ATTR { return hn::NegMulAdd(x[to], y[from], hn::Mul(x[from], y[to])); };
+    const Floats3 e{edge(0, 1), edge(1, 2), edge(2, 0)};
+    // Half a unit turns what is 0 to the side of the sum: the lines that it lets pass are looked at closely below.
+    const Floats sum = hn::Add(hn::Add(e[0], e[1]), e[2]);
+    const Floats bias = hn::CopySignToAbs(hn::Set(df, 0.5F / (kLatticeUnit * kLatticeUnit)), sum);
+    const auto side = [&](size_t m) HWY_ATTR { return hn::Add(e[m], bias); };
+    const Floats differs = hn::Or(hn::Xor(side(0), side(1)), hn::Xor(side(0), side(2)));
+    const auto two_sides = hn::RebindMask(df, hn::Lt(hn::BitCast(d, differs), hn::Zero(d)));
+    const auto may_meet = hn::AndNot(two_sides, hn::And(tiny, hn::And(between[a], between[b])));
+    met[n].Grow(AppendLanes(du, numbers, hn::RebindMask(du, may_meet), met[n].end()));
+  }
+  others += AppendLanes(du, numbers, hn::RebindMask(du, hn::AndNot(hn::RebindMask(d, tiny), given)), others);
 }
 
-void FindInLanes(const Scene& scene, std::span<const uint32_t> triangles, Crossings& out,
+// A form's values at the corners of a tiny triangle.
+struct FormValues {
+  Ints3 relative;    // to the last integer that is not above all
+  Ints first, last;  // floors of the least and the largest
+
+  HWY_INLINE FormValues(const Vec3i& form, const std::array<Ints3, 3>& v) : relative(ValuesOf(Lanes(), form, v)) {
+    first = hn::ShiftRight<kSubvoxelBits>(Least(relative[0], relative[1], relative[2]));
+    last = hn::ShiftRight<kSubvoxelBits>(Most(relative[0], relative[1], relative[2]));
+    for (Ints& value : relative) value = hn::Sub(value, hn::ShiftLeft<kSubvoxelBits>(last));
+  }
+};
+
+// Up to kTriangleLanes tiny triangles, between whose corners a line along the direction lies. The lists have room.
+HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<const uint32_t> triangles,
+                      uint32_t*& nearer, uint32_t*& farther) {
+  const Lanes d;
+  const Ints zero = hn::Zero(d);
+  const std::array<Ints3, 3> v = LoadCorners(scene.mesh, scene.vertices, triangles, scene.origin);
+  const auto& [a, b, c] = direction.form;
+  const FormValues first(scene.all.forms[a], v), second(scene.all.forms[b], v), third(scene.all.forms[c], v);
+  const Ints3 &x = first.relative, &y = second.relative;
+  const Ints3 e{Minor(x[0], x[1], y[0], y[1]), Minor(x[1], x[2], y[1], y[2]), Minor(x[2], x[0], y[2], y[0])};
+  const Ints tie_x = Fill(direction.tie_x), tie_y = Fill(direction.tie_y);
+  const auto moved = [&](size_t n) HWY_ATTR { return hn::Sub(hn::Mul(tie_x, y[n]), hn::Mul(tie_y, x[n])); };
+  const Ints3 by{moved(0), moved(1), moved(2)};
+  Ints3 side;
+  for (size_t n = 0; n < 3; ++n) side[n] = hn::IfThenElse(hn::Eq(e[n], zero), hn::Sub(by[(n + 1) % 3], by[n]), e[n]);
+  const Ints least = Least(side[0], side[1], side[2]), most = Most(side[0], side[1], side[2]);
+  const auto negative = hn::Lt(most, zero);
+  const auto crossed = hn::And(hn::FirstN(d, triangles.size()), hn::Or(hn::Gt(least, zero), negative));
+
+  // From here on in units of the voxel, `whole`, along the direction: depth * D, D = area.
+  const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
+  const Ints area = hn::Add(hn::Add(weight[0], weight[1]), weight[2]);
+  const Ints whole = hn::ShiftLeft<kSubvoxelBits>(area), half = hn::ShiftRight<1>(whole);
+  Ints3 z = third.relative;
+  Ints from;
+  if (direction.z_is_negated) {
+    from = hn::Not(third.last);  // -last - 1
+    for (Ints& depth : z) depth = hn::Sub(Fill(kLatticeUnit), depth);
+  } else {
+    from = third.first;
+    const Ints less = hn::ShiftLeft<kSubvoxelBits>(hn::Sub(third.last, from));
+    for (Ints& depth : z) depth = hn::Add(depth, less);
+  }
+  // The shift moves the plane down along the direction iff its normal, upward along the direction, has a first nonzero
+  // entry below 0.
+  const auto upward = hn::Gt(FirstNonzero(CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]))), zero);
+  const auto backward = direction.turned ? hn::Not(negative) : negative;
+  const Ints down = hn::IfThenElseZero(hn::Not(hn::Xor(upward, backward)), Fill(1));
+  Ints rest = hn::Sub(hn::Add(DotOf(weight, z), half), down);
+  for (int n = 0; n < 2; ++n) {
+    const auto more = hn::Not(hn::Lt(rest, whole));
+    rest = hn::Sub(rest, hn::IfThenElseZero(more, whole));
+    from = hn::Add(from, hn::IfThenElseZero(more, Fill(1)));
+  }
+  const Ints step = Fill(direction.step);
+  Ints number = hn::Add(Fill(scene.number), hn::Mul(from, step));
+  number = hn::Add(number, hn::Mul(first.last, Fill(direction.step_a)));
+  number = hn::Add(number, hn::Mul(second.last, Fill(direction.step_b)));
+  const Ints to_farther = hn::IfThenElse(hn::Lt(rest, half), hn::Neg(step), step);
+  const SelectedLanes<Lanes> selected(d, crossed);
+  selected.Store(number, nearer);
+  selected.Store(hn::Add(number, to_farther), farther);
+  nearer += selected.count();
+  farther += selected.count();
+}
+
+void FindInLanes(const Scene& scene, std::span<const uint32_t> triangles, std::vector<NumberList>& met, Crossings& out,
                  std::vector<uint32_t>& others) {
-  const size_t before = others.size(), most = triangles.size() * scene.directions.size();
+  const size_t before = others.size();
   others.resize(before + triangles.size() + kTriangleLanes);
-  out.nearer.Reserve(most);
-  out.farther.Reserve(most);
-  uint32_t *nearer = out.nearer.end(), *farther = out.farther.end(), *other = others.data() + before;
+  uint32_t* other = others.data() + before;
+  for (NumberList& list : met) {
+    list.Clear();
+    list.Reserve(triangles.size());
+  }
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     PrefetchCorners(scene.mesh, triangles.subspan(n));
-    CrossSome(scene, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), nearer, farther, other);
+    Sift(scene, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), met, other);
   }
-  out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));
-  out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
   others.resize(static_cast<size_t>(other - others.data()));
+  for (size_t n = 0; n < met.size(); ++n) {
+    const std::span<const uint32_t> list = met[n].view();
+    out.nearer.Reserve(list.size());
+    out.farther.Reserve(list.size());
+    uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
+    for (size_t m = 0; m < list.size(); m += kTriangleLanes) {
+      Cross(scene, scene.directions[n], list.subspan(m, std::min(kTriangleLanes, list.size() - m)), nearer, farther);
+    }
+    out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));
+    out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
+  }
 }
 
 #endif
@@ -255,9 +308,10 @@ void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triang
   }
   constexpr size_t kSome = 1024;
   const Scene scene(mesh, frames, box, layout);
+  std::vector<NumberList> met(frames.size());  // by direction, triangles that a line may meet
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kSome) {
     HWY_DYNAMIC_DISPATCH(FindInLanes)
-    (scene, triangles.subspan(n, std::min(kSome, triangles.size() - n)), crossings, others);
+    (scene, triangles.subspan(n, std::min(kSome, triangles.size() - n)), met, crossings, others);
   }
 }
 
