@@ -1,5 +1,4 @@
-// Triangles in the lanes. They are sifted first, all directions of a triangle together: few lines lie between corners,
-// and most of these miss the triangle. Then those that a line may meet are crossed with it, direction after direction.
+// Triangles in the lanes, direction by direction.
 //
 // Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). Let a be the one integer between
 // the values of the first form at the corners, b that of the second: relative to it, the corners are (x, y) with
@@ -39,10 +38,12 @@ static_assert(kMaxFrameRow * 2 * 2 * kLatticeUnit < kOutweighs);
 // What a direction makes of forms.
 struct Direction {
   std::array<size_t, 3> form;
-  bool z_is_negated;             // row 2 is the negative of its form
-  bool turned;                   // (first form, second form) turn the other way round than rows 0 and 1
-  int32_t tie_x, tie_y;          // by which the shift moves x and y, in proportion
-  int32_t step_a, step_b, step;  // from a voxel to its neighbours along a form, and along the direction, as numbers
+  bool z_is_negated;       // row 2 is the negative of its form
+  bool turned;             // (first form, second form) turn the other way round than rows 0 and 1
+  int32_t tie_x, tie_y;    // by which the shift moves x and y, in proportion
+  std::array<Vec3i, 2> u;  // columns of U for values of the forms: line (a, b) is a*u[0] + b*u[1] + c*q
+  Vec3i q;
+  int32_t step;  // from a voxel to its neighbour along q, as numbers
 };
 
 Direction DirectionOf(const Frame& frame, const LineForms& all, size_t n, const BitsLayout& layout) {
@@ -56,8 +57,8 @@ Direction DirectionOf(const Frame& frame, const LineForms& all, size_t n, const 
           sign[0] * sign[1] < 0,
           f[first] * kOutweighs + f[second],
           g[first] * kOutweighs + g[second],
-          layout.StepOf(frame.u[0]) * sign[0],
-          layout.StepOf(frame.u[1]) * sign[1],
+          {frame.u[0] * sign[0], frame.u[1] * sign[1]},
+          frame.q,
           layout.StepOf(frame.q)};
 }
 
@@ -68,22 +69,19 @@ struct Scene {
   LineForms all;
   std::vector<Direction> directions;
   Vec3i size;      // of the box, voxels
-  Vec3i reach;     // per axis, the largest |q|
   Vec3i origin;    // of the box, lattice units
   int32_t number;  // of its low corner
+  Vec3i stride;    // of numbers
 
   Scene(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout)
       : mesh(mesh),
         vertices(mesh),
         all(frames),
         size(box.max - box.min),
-        reach{},
         origin(box.min * kLatticeUnit),
-        number(static_cast<int32_t>(layout.NumberOf(box.min))) {
-    for (size_t n = 0; n < frames.size(); ++n) {
-      directions.push_back(DirectionOf(frames[n].frame, all, n, layout));
-      for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(frames[n].frame.q[m]));
-    }
+        number(static_cast<int32_t>(layout.NumberOf(box.min))),
+        stride(layout.stride) {
+    for (size_t n = 0; n < frames.size(); ++n) directions.push_back(DirectionOf(frames[n].frame, all, n, layout));
   }
 };
 
@@ -96,96 +94,12 @@ namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
 
-#if HWY_TARGET == HWY_SCALAR
-void FindInLanes(const Scene&, std::span<const uint32_t> triangles, std::vector<NumberList>&, Crossings&,
-                 std::vector<uint32_t>& others) {
-  others.insert(others.end(), triangles.begin(), triangles.end());
-}
+#if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
+void FindInLanes(const Scene&, std::span<const uint32_t>, std::span<const MetLines>, std::vector<NumberList>&,
+                 Crossings&) {}
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-using FloatLanes = hn::RebindToFloat<Lanes>;
-using Floats = hn::Vec<FloatLanes>;
-using Floats3 = std::array<Floats, 3>;
-using FloatMask = hn::Mask<FloatLanes>;
-
-// A form's values at three corners. Most coefficients are 0 or 1.
-template <class D, class V = hn::Vec<D> >
-HWY_INLINE std::array<V, 3> ValuesOf(D d, const Vec3i& form, const std::array<std::array<V, 3>, 3>& v) {
-  std::array<V, 3> value{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  for (size_t m = 0; m < 3; ++m) {
-    if (form[m] == 0) continue;
-    for (size_t c = 0; c < 3; ++c) {
-      value[c] = form[m] == 1 ? hn::Add(value[c], v[c][m])
-                 : form[m] == -1
-                     ? hn::Sub(value[c], v[c][m])
-                     : hn::Add(value[c], hn::Mul(hn::Set(d, static_cast<hn::TFromD<D> >(form[m])), v[c][m]));
-    }
-  }
-  return value;
-}
-
-// Floats hold what Sift computes exactly: of voxels in the box, values of forms; of tiny triangles, e in units of
-// 1/kLatticeUnit^2 and half of that.
-constexpr int kFloatBits = 24, kSiftedBoxBits = 13;
-static_assert(kSiftedBoxBits + kSubvoxelBits + 2 < kFloatBits && kMaxFrameRow <= 4);
-static_assert(2 * kSubvoxelBits + 2 + 1 < kFloatBits);
-
-// Appends each of up to kTriangleLanes triangles to the lists of those directions along which a line may meet it, if it
-// is tiny, else to `others`, which has room.
-HWY_INLINE void Sift(const Scene& scene, std::span<const uint32_t> triangles, std::vector<NumberList>& met,
-                     uint32_t*& others) {
-  const Lanes d;
-  const FloatLanes df;
-  const hn::RebindToUnsigned<Lanes> du;
-  const std::array<Ints3, 3> v = LoadCorners(scene.mesh, scene.vertices, triangles, scene.origin);
-  const auto given = hn::FirstN(d, triangles.size());
-  auto inside = given;
-  for (size_t m = 0; m < 3; ++m) {
-    const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-    const int32_t half_step = scene.reach[m] * kLatticeUnit / 2;
-    inside = hn::And(inside, hn::Gt(low, Fill(half_step - kLatticeUnit)));
-    inside = hn::And(inside, hn::Lt(high, Fill(scene.size[m] * kLatticeUnit - half_step)));
-  }
-  std::array<Floats3, 3> corner;  // voxels
-  for (size_t c = 0; c < 3; ++c) {
-    for (size_t m = 0; m < 3; ++m) corner[c][m] = hn::Mul(hn::ConvertTo(df, v[c][m]), hn::Set(df, 1.0F / kLatticeUnit));
-  }
-  auto tiny = hn::RebindMask(df, inside);
-  Floats3 values[kMaxForms];  // relative to the last integer that is not above all of a form's
-  FloatMask between[kMaxForms];
-  for (size_t n = 0; n < scene.all.forms.size(); ++n) {
-    const Floats3 value = ValuesOf(df, scene.all.forms[n], corner);
-    const Floats first = hn::Floor(hn::Min(value[0], hn::Min(value[1], value[2])));
-    const Floats last = hn::Floor(hn::Max(value[0], hn::Max(value[1], value[2])));
-    for (size_t c = 0; c < 3; ++c) values[n][c] = hn::Sub(value[c], last);
-    const Floats integers = hn::Sub(last, first);
-    tiny = hn::And(tiny, hn::Lt(integers, hn::Set(df, 2.0F)));
-    between[n] = hn::Gt(integers, hn::Zero(df));
-  }
-  if (hn::CountTrue(df, tiny) < kTriangleLanes / 4) tiny = hn::FirstN(df, 0);  // not worth going through all directions
-
-  alignas(64) uint32_t lanes[kTriangleLanes] = {};
-  std::copy(triangles.begin(), triangles.end(), lanes);
-  const auto numbers = hn::Load(du, lanes);
-  for (size_t n = 0; n < scene.directions.size(); ++n) {
-    const size_t a = scene.directions[n].form[0], b = scene.directions[n].form[1];
-    const Floats3 &x = values[a], &y = values[b];
-    const auto edge = [&](size_t from, size_t to)
-                          HWY_ATTR { return hn::NegMulAdd(x[to], y[from], hn::Mul(x[from], y[to])); };
-    const Floats3 e{edge(0, 1), edge(1, 2), edge(2, 0)};
-    // Half a unit turns what is 0 to the side of the sum: the lines that it lets pass are looked at closely below.
-    const Floats sum = hn::Add(hn::Add(e[0], e[1]), e[2]);
-    const Floats bias = hn::CopySignToAbs(hn::Set(df, 0.5F / (kLatticeUnit * kLatticeUnit)), sum);
-    const auto side = [&](size_t m) HWY_ATTR { return hn::Add(e[m], bias); };
-    const Floats differs = hn::Or(hn::Xor(side(0), side(1)), hn::Xor(side(0), side(2)));
-    const auto two_sides = hn::RebindMask(df, hn::Lt(hn::BitCast(d, differs), hn::Zero(d)));
-    const auto may_meet = hn::AndNot(two_sides, hn::And(tiny, hn::And(between[a], between[b])));
-    met[n].Grow(AppendLanes(du, numbers, hn::RebindMask(du, may_meet), met[n].end()));
-  }
-  others += AppendLanes(du, numbers, hn::RebindMask(du, hn::AndNot(hn::RebindMask(d, tiny), given)), others);
-}
 
 // A form's values at the corners of a tiny triangle.
 struct FormValues {
@@ -216,7 +130,7 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
   for (size_t n = 0; n < 3; ++n) side[n] = hn::IfThenElse(hn::Eq(e[n], zero), hn::Sub(by[(n + 1) % 3], by[n]), e[n]);
   const Ints least = Least(side[0], side[1], side[2]), most = Most(side[0], side[1], side[2]);
   const auto negative = hn::Lt(most, zero);
-  const auto crossed = hn::And(hn::FirstN(d, triangles.size()), hn::Or(hn::Gt(least, zero), negative));
+  auto crossed = hn::And(hn::FirstN(d, triangles.size()), hn::Or(hn::Gt(least, zero), negative));
 
   // From here on in units of the voxel, `whole`, along the direction: depth * D, D = area.
   const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
@@ -243,10 +157,15 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
     rest = hn::Sub(rest, hn::IfThenElseZero(more, whole));
     from = hn::Add(from, hn::IfThenElseZero(more, Fill(1)));
   }
+  Ints number = Fill(scene.number);
+  for (size_t m = 0; m < 3; ++m) {
+    const Ints at =
+        hn::Add(hn::Mul(from, Fill(direction.q[m])),
+                hn::Add(hn::Mul(first.last, Fill(direction.u[0][m])), hn::Mul(second.last, Fill(direction.u[1][m]))));
+    crossed = hn::And(crossed, hn::And(hn::Gt(at, Fill(-1)), hn::Lt(at, Fill(scene.size[m]))));
+    number = hn::Add(number, hn::Mul(at, Fill(scene.stride[m])));
+  }
   const Ints step = Fill(direction.step);
-  Ints number = hn::Add(Fill(scene.number), hn::Mul(from, step));
-  number = hn::Add(number, hn::Mul(first.last, Fill(direction.step_a)));
-  number = hn::Add(number, hn::Mul(second.last, Fill(direction.step_b)));
   const Ints to_farther = hn::IfThenElse(hn::Lt(rest, half), hn::Neg(step), step);
   const SelectedLanes<Lanes> selected(d, crossed);
   selected.Store(number, nearer);
@@ -255,27 +174,35 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
   farther += selected.count();
 }
 
-void FindInLanes(const Scene& scene, std::span<const uint32_t> triangles, std::vector<NumberList>& met, Crossings& out,
-                 std::vector<uint32_t>& others) {
-  const size_t before = others.size();
-  others.resize(before + triangles.size() + kTriangleLanes);
-  uint32_t* other = others.data() + before;
-  for (NumberList& list : met) {
+void FindInLanes(const Scene& scene, std::span<const uint32_t> triangles, std::span<const MetLines> met,
+                 std::vector<NumberList>& lists, Crossings& out) {
+  const Lanes d;
+  const hn::RebindToUnsigned<Lanes> du;
+  for (NumberList& list : lists) {
     list.Clear();
     list.Reserve(triangles.size());
   }
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     PrefetchCorners(scene.mesh, triangles.subspan(n));
-    Sift(scene, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), met, other);
+    alignas(64) uint32_t numbers[kTriangleLanes] = {}, lines[kTriangleLanes] = {};
+    for (size_t m = 0; m < std::min(kTriangleLanes, triangles.size() - n); ++m) {
+      numbers[m] = triangles[n + m];
+      lines[m] = met[numbers[m]];
+    }
+    const auto number = hn::Load(du, numbers), lines_of = hn::Load(du, lines);
+    for (size_t direction = 0; direction < lists.size(); ++direction) {
+      const auto may_meet = hn::TestBit(lines_of, hn::Set(du, 1U << direction));
+      lists[direction].Grow(AppendLanes(du, number, may_meet, lists[direction].end()));
+    }
   }
-  others.resize(static_cast<size_t>(other - others.data()));
-  for (size_t n = 0; n < met.size(); ++n) {
-    const std::span<const uint32_t> list = met[n].view();
+  for (size_t direction = 0; direction < lists.size(); ++direction) {
+    const std::span<const uint32_t> list = lists[direction].view();
     out.nearer.Reserve(list.size());
     out.farther.Reserve(list.size());
     uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
-    for (size_t m = 0; m < list.size(); m += kTriangleLanes) {
-      Cross(scene, scene.directions[n], list.subspan(m, std::min(kTriangleLanes, list.size() - m)), nearer, farther);
+    for (size_t n = 0; n < list.size(); n += kTriangleLanes) {
+      Cross(scene, scene.directions[direction], list.subspan(n, std::min(kTriangleLanes, list.size() - n)), nearer,
+            farther);
     }
     out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));
     out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
@@ -299,19 +226,19 @@ HWY_EXPORT(FindInLanes);
 
 }  // namespace
 
-void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::span<const MetLines> met,
                        const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
                        const std::atomic<bool>& cancelled, Crossings& crossings, std::vector<uint32_t>& others) {
-  if (SimdIsScalar()) {
-    others.insert(others.end(), triangles.begin(), triangles.end());
-    return;
-  }
   constexpr size_t kSome = 1024;
   const Scene scene(mesh, frames, box, layout);
-  std::vector<NumberList> met(frames.size());  // by direction, triangles that a line may meet
+  std::vector<NumberList> lists(frames.size());  // by direction, tiny triangles that a line may meet
+  std::vector<uint32_t> tiny;
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kSome) {
-    HWY_DYNAMIC_DISPATCH(FindInLanes)
-    (scene, triangles.subspan(n, std::min(kSome, triangles.size() - n)), met, crossings, others);
+    tiny.clear();
+    for (const uint32_t t : triangles.subspan(n, std::min(kSome, triangles.size() - n))) {
+      (met[t] == kNotTiny ? others : tiny).push_back(t);
+    }
+    HWY_DYNAMIC_DISPATCH(FindInLanes)(scene, tiny, met, lists, crossings);
   }
 }
 

@@ -96,13 +96,6 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
-#include <array>
-#include <numeric>
-
 #include "core/base/simd.h"
 
 namespace latvox {
@@ -110,41 +103,13 @@ namespace {
 
 HWY_EXPORT(FindInLanes);
 
-void Find(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
-          std::vector<uint32_t>& touching) {
-  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
-                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
-}
-
 }  // namespace
 
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   std::vector<uint32_t>& touching) {
-  Find(mesh, triangles, LineForms(frames), touching);
-}
-
-std::vector<uint32_t> AllTouching(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
-                                  const std::atomic<bool>& cancelled) {
-  constexpr size_t kChunk = 1 << 14;
   const LineForms forms(frames);
-  const size_t count = mesh.triangles.size();
-  std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
-    std::vector<uint32_t> chunk(kChunk), touching;
-    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
-      chunk.resize(std::min(kChunk, count - n * kChunk));
-      std::iota(chunk.begin(), chunk.end(), static_cast<uint32_t>(n * kChunk));
-      touching.clear();
-      Find(mesh, chunk, forms, touching);
-      parts[n].assign(touching.begin(), touching.end());
-    }
-  });
-  size_t size = 0;
-  for (const auto& part : parts) size += part.size();
-  std::vector<uint32_t> all;
-  all.reserve(size);
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
+                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
 }
 
 }  // namespace latvox
