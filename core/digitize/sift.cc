@@ -105,19 +105,16 @@ void SiftInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     const auto some = triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n));
     PrefetchCorners(mesh, triangles.subspan(n));
+    const LaneNumbers numbers(some);
     Ints lines;
     const auto given = hn::FirstN(d, some.size());
-    const auto tiny = hn::And(given, LinesOf(forms, LoadCorners(mesh, vertices, some, {}), lines));
+    const auto tiny = hn::And(given, LinesOf(forms, LoadCorners(mesh, vertices, numbers, {}), lines));
     if (hn::CountTrue(d, tiny) < kTriangleLanes / 4) lines = Fill(kNotTiny);  // not worth going through all directions
     alignas(64) int32_t lines_of[kTriangleLanes];
     hn::Store(lines, d, lines_of);
-    alignas(64) uint32_t numbers[kTriangleLanes] = {};
-    for (size_t m = 0; m < some.size(); ++m) {
-      numbers[m] = some[m];
-      met[some[m]] = static_cast<MetLines>(lines_of[m]);
-    }
+    for (size_t m = 0; m < some.size(); ++m) met[some[m]] = static_cast<MetLines>(lines_of[m]);
     const auto keep = hn::And(given, hn::Ne(lines, hn::Zero(d)));
-    end += AppendLanes(du, hn::Load(du, numbers), hn::RebindMask(du, keep), end);
+    end += AppendLanes(du, numbers.Load(), hn::RebindMask(du, keep), end);
   }
   kept.resize(static_cast<size_t>(end - kept.data()));
 }

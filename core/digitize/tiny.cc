@@ -85,6 +85,13 @@ struct Scene {
   }
 };
 
+// Some tiny triangles, with the lines that they may meet.
+constexpr size_t kSome = 1024, kMostLanes = 64;
+struct TinyTriangles {
+  size_t size = 0;
+  uint32_t numbers[kSome + kMostLanes], lines[kSome + kMostLanes];  // whole vectors can be read
+};
+
 }  // namespace
 #endif
 }  // namespace latvox
@@ -95,8 +102,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
-void FindInLanes(const Scene&, std::span<const uint32_t>, std::span<const MetLines>, std::vector<NumberList>&,
-                 Crossings&) {}
+void FindInLanes(const Scene&, const TinyTriangles&, std::vector<NumberList>&, Crossings&) {}
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -118,7 +124,7 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
                       uint32_t*& nearer, uint32_t*& farther) {
   const Lanes d;
   const Ints zero = hn::Zero(d);
-  const std::array<Ints3, 3> v = LoadCorners(scene.mesh, scene.vertices, triangles, scene.origin);
+  const std::array<Ints3, 3> v = LoadCorners(scene.mesh, scene.vertices, LaneNumbers(triangles), scene.origin);
   const auto& [a, b, c] = direction.form;
   const FormValues first(scene.all.forms[a], v), second(scene.all.forms[b], v), third(scene.all.forms[c], v);
   const Ints3 &x = first.relative, &y = second.relative;
@@ -174,25 +180,22 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
   farther += selected.count();
 }
 
-void FindInLanes(const Scene& scene, std::span<const uint32_t> triangles, std::span<const MetLines> met,
-                 std::vector<NumberList>& lists, Crossings& out) {
+void FindInLanes(const Scene& scene, const TinyTriangles& tiny, std::vector<NumberList>& lists, Crossings& out) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
+  const std::span<const uint32_t> triangles(tiny.numbers, tiny.size);
   for (NumberList& list : lists) {
     list.Clear();
     list.Reserve(triangles.size());
   }
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     PrefetchCorners(scene.mesh, triangles.subspan(n));
-    alignas(64) uint32_t numbers[kTriangleLanes] = {}, lines[kTriangleLanes] = {};
-    for (size_t m = 0; m < std::min(kTriangleLanes, triangles.size() - n); ++m) {
-      numbers[m] = triangles[n + m];
-      lines[m] = met[numbers[m]];
-    }
-    const auto number = hn::Load(du, numbers), lines_of = hn::Load(du, lines);
+    const auto given = hn::FirstN(du, triangles.size() - n);
+    const auto numbers = hn::LoadU(du, tiny.numbers + n);
+    const auto lines = hn::IfThenElseZero(given, hn::LoadU(du, tiny.lines + n));
     for (size_t direction = 0; direction < lists.size(); ++direction) {
-      const auto may_meet = hn::TestBit(lines_of, hn::Set(du, 1U << direction));
-      lists[direction].Grow(AppendLanes(du, number, may_meet, lists[direction].end()));
+      const auto may_meet = hn::TestBit(lines, hn::Set(du, 1U << direction));
+      lists[direction].Grow(AppendLanes(du, numbers, may_meet, lists[direction].end()));
     }
   }
   for (size_t direction = 0; direction < lists.size(); ++direction) {
@@ -229,16 +232,23 @@ HWY_EXPORT(FindInLanes);
 void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::span<const MetLines> met,
                        const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
                        const std::atomic<bool>& cancelled, Crossings& crossings, std::vector<uint32_t>& others) {
-  constexpr size_t kSome = 1024;
   const Scene scene(mesh, frames, box, layout);
   std::vector<NumberList> lists(frames.size());  // by direction, tiny triangles that a line may meet
-  std::vector<uint32_t> tiny;
+  TinyTriangles tiny;
   for (size_t n = 0; n < triangles.size() && !cancelled; n += kSome) {
-    tiny.clear();
-    for (const uint32_t t : triangles.subspan(n, std::min(kSome, triangles.size() - n))) {
-      (met[t] == kNotTiny ? others : tiny).push_back(t);
+    const auto some = triangles.subspan(n, std::min(kSome, triangles.size() - n));
+    others.resize(others.size() + some.size());
+    uint32_t* other = others.data() + others.size() - some.size();
+    tiny.size = 0;
+    for (const uint32_t t : some) {  // which of the two is hard to predict
+      const bool is_tiny = met[t] != kNotTiny;
+      tiny.numbers[tiny.size] = *other = t;
+      tiny.lines[tiny.size] = met[t];
+      tiny.size += is_tiny ? 1 : 0;
+      other += is_tiny ? 0 : 1;
     }
-    HWY_DYNAMIC_DISPATCH(FindInLanes)(scene, tiny, met, lists, crossings);
+    others.resize(static_cast<size_t>(other - others.data()));
+    HWY_DYNAMIC_DISPATCH(FindInLanes)(scene, tiny, lists, crossings);
   }
 }
 

@@ -65,13 +65,13 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
   for (size_t first = 0; first < triangles.size(); first += kTriangleLanes) {
     const auto some = triangles.subspan(first, std::min(kTriangleLanes, triangles.size() - first));
     PrefetchCorners(mesh, triangles.subspan(first));
-    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, some, {});
+    const LaneNumbers numbers(some);
+    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, numbers, {});
     // A bit for each form between whose floors at the corners there is a difference.
     Ints between = hn::Zero(d);
     for (size_t n = 0; n < forms.between; ++n) {
-      const Ints3 form = Fill3(forms.forms[n]);
-      const Ints a = DotOf(form, v[0]);
-      const Ints differs = hn::Or(hn::Xor(a, DotOf(form, v[1])), hn::Xor(a, DotOf(form, v[2])));
+      const Ints3 value = ValuesOf(d, forms.forms[n], v);
+      const Ints differs = hn::Or(hn::Xor(value[0], value[1]), hn::Xor(value[0], value[2]));
       const auto same_floor = hn::Eq(hn::ShiftRight<kSubvoxelBits>(differs), hn::Zero(d));
       between = hn::Or(between, hn::IfThenZeroElse(same_floor, Fill(1 << n)));
     }
@@ -81,9 +81,7 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
       touches = hn::Or(touches, hn::Eq(hn::And(between, both), both));
     }
     touches = hn::And(touches, hn::FirstN(d, some.size()));
-    alignas(64) uint32_t numbers[kTriangleLanes] = {};
-    std::copy(some.begin(), some.end(), numbers);
-    end += AppendLanes(du, hn::Load(du, numbers), hn::RebindMask(du, touches), end);
+    end += AppendLanes(du, numbers.Load(), hn::RebindMask(du, touches), end);
   }
   touching.resize(static_cast<size_t>(end - touching.data()));
 }

@@ -27,11 +27,6 @@ using Lanes = hn::ScalableTag<int32_t>;
 using Ints = hn::Vec<Lanes>;
 inline constexpr size_t kTriangleLanes = HWY_LANES(int32_t);
 
-// Four integers for each lane.
-struct alignas(64) LaneVectors {
-  int32_t of[kTriangleLanes][4];
-};
-
 using Ints3 = std::array<Ints, 3>;
 
 HWY_INLINE Ints Fill(int64_t x) { return hn::Set(Lanes(), static_cast<int32_t>(x)); }
@@ -88,11 +83,13 @@ class LaneNumbers {
   uint32_t padded_[kTriangleLanes];
 };
 
+#if HWY_TARGET != HWY_SCALAR  // which has no vectors of four
+
 // Vectors of four side by side, at row(0), row(1), ... By way of memory they would have to be written before they could
 // be read: a load waits for several stores that it spans.
 template <size_t kFirst = 0, class D, class Row>
 HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
-  constexpr size_t kRows = HWY_MAX_LANES_D(D) / 4;
+  constexpr size_t kRows = hn::MaxLanes(D()) / 4;
   if constexpr (kRows == 1) {
     return hn::LoadU(d, row(kFirst));
   } else {
@@ -124,6 +121,8 @@ HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const Padde
   }
   return v;
 }
+
+#endif
 
 // Asks memory for the corners of triangles that will be loaded some steps from here: neighbours in the list may be far
 // apart in the mesh, and so are their vertices.
