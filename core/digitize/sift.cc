@@ -6,7 +6,8 @@
 // values of either form, let the corners be (x, y) relative to that line: it meets the triangle iff the origin lies
 // inside, which is to say that
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
-// all have one sign, 0 counting as either: ties are left to core/digitize/tiny.h.
+// all have one sign. That need not be decided where e is close to 0: whatever is let pass, FindTinyCrossings decides
+// (core/digitize/tiny.h). So 16 bits do, and the few units that products are rounded by.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/sift.cc"
 #include "core/digitize/sift.h"
@@ -35,86 +36,104 @@ void SiftInLanes(const SnappedMesh&, std::span<const uint32_t> triangles, const 
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using FloatLanes = hn::RebindToFloat<Lanes>;
-using Floats = hn::Vec<FloatLanes>;
-using Floats3 = std::array<Floats, 3>;
-using FloatMask = hn::Mask<FloatLanes>;
+using ShortLanes = hn::ScalableTag<int16_t>;
+using Shorts = hn::Vec<ShortLanes>;
+using Shorts3 = std::array<Shorts, 3>;
+using ShortMask = hn::Mask<ShortLanes>;
+constexpr size_t kSiftLanes = 2 * kTriangleLanes;
 
-// Floats are exact here: positions have up to kNearBits before the point, from a voxel close to the triangle, and forms
-// two more; then e is a multiple of 1/kLatticeUnit^2, |e| <= 2, to which half a multiple is added.
-constexpr int kFloatBits = 24, kNearBits = 10;
-static_assert(kMaxFrameRow <= 4 && kNearBits + 2 + kSubvoxelBits <= kFloatBits);
-static_assert(2 + 2 * kSubvoxelBits + 1 <= kFloatBits);
-constexpr float kHalfOfMultiple = 0.5F / (kLatticeUnit * kLatticeUnit);
+// Positions are within kNearest of a voxel close to the triangle, else it is not taken for tiny; values of forms are
+// sums of kMaxFrameRow of these at most.
+constexpr int16_t kNearest = 16 * kLatticeUnit;
+static_assert(kMaxFrameRow * kNearest < 1 << 15);
 
-// What Sift says of up to kTriangleLanes triangles, in `lines`; returns which of them are tiny.
-HWY_INLINE hn::Mask<Lanes> LinesOf(const LineForms& forms, const std::array<Ints3, 3>& v, Ints& lines) {
-  const Lanes d;
-  const FloatLanes df;
-  std::array<Floats3, 3> corner;  // voxels, from one close to the first corner
-  Ints farthest = hn::Zero(d);
-  for (size_t m = 0; m < 3; ++m) {
-    const Ints from = hn::AndNot(Fill(kLatticeUnit - 1), v[0][m]);
-    for (size_t c = 0; c < 3; ++c) {
-      const Ints at = hn::Sub(v[c][m], from);
-      farthest = hn::Max(farthest, hn::Abs(at));
-      corner[c][m] = hn::Mul(hn::ConvertTo(df, at), hn::Set(df, 1.0F / kLatticeUnit));
-    }
+// |x|, |y| <= kLatticeUnit are given kScaleBits more, and their products lose 15 of twice that: e is then in units of
+// 2^(15 - 2 * kScaleBits), off by kSlack at most.
+constexpr int kScaleBits = 6;
+constexpr int16_t kSlack = 1;
+static_assert(kSubvoxelBits + kScaleBits < 15);
+
+// What Sift says of some triangles by their corners, in `lines`; returns which of them are tiny.
+HWY_INLINE ShortMask LinesOf(const LineForms& forms, const std::array<Shorts3, 3>& v, Shorts& lines) {
+  const ShortLanes d;
+  Shorts farthest = hn::Zero(d);
+  for (const Shorts3& corner : v) {
+    for (const Shorts x : corner) farthest = hn::Max(farthest, hn::Max(x, hn::Not(x)));  // -x - 1, which always fits
   }
-  auto tiny = hn::RebindMask(df, hn::Lt(farthest, Fill(1 << (kNearBits + kSubvoxelBits))));
-  Floats3 values[kMaxForms];  // relative to the last integer that is not above all of a form's
-  FloatMask between[kMaxForms];
+  ShortMask tiny = hn::Lt(farthest, hn::Set(d, kNearest)), between[kMaxForms];
+  Shorts3 values[kMaxForms];  // relative to the last integer that is not above all of a form's
   for (size_t n = 0; n < forms.forms.size(); ++n) {
-    const Floats3 value = ValuesOf(df, forms.forms[n], corner);
-    const Floats first = hn::Floor(hn::Min(value[0], hn::Min(value[1], value[2])));
-    const Floats last = hn::Floor(hn::Max(value[0], hn::Max(value[1], value[2])));
-    for (size_t c = 0; c < 3; ++c) values[n][c] = hn::Sub(value[c], last);
-    const Floats integers = hn::Sub(last, first);
-    tiny = hn::And(tiny, hn::Lt(integers, hn::Set(df, 2.0F)));
-    between[n] = hn::Gt(integers, hn::Zero(df));
+    const Shorts3 value = ValuesOf(d, forms.forms[n], v);
+    const Shorts first = hn::ShiftRight<kSubvoxelBits>(hn::Min(value[0], hn::Min(value[1], value[2])));
+    const Shorts last = hn::ShiftRight<kSubvoxelBits>(hn::Max(value[0], hn::Max(value[1], value[2])));
+    const Shorts from = hn::ShiftLeft<kSubvoxelBits>(last);
+    for (size_t c = 0; c < 3; ++c) values[n][c] = hn::ShiftLeft<kScaleBits>(hn::Sub(value[c], from));
+    const Shorts integers = hn::Sub(last, first);
+    tiny = hn::And(tiny, hn::Lt(integers, hn::Set(d, 2)));
+    between[n] = hn::Gt(integers, hn::Zero(d));
   }
   lines = hn::Zero(d);
   for (size_t n = 0; n < forms.of_frame.size(); ++n) {
     const size_t a = forms.of_frame[n].form[0], b = forms.of_frame[n].form[1];
-    const Floats3 &x = values[a], &y = values[b];
-    const auto edge = [&](size_t from, size_t to)
-                          HWY_ATTR { return hn::NegMulAdd(x[to], y[from], hn::Mul(x[from], y[to])); };
-    const Floats3 e{edge(0, 1), edge(1, 2), edge(2, 0)};
-    // Half a unit turns what is 0 to the side of the sum: the lines that it lets pass FindTinyCrossings looks at
-    // closely.
-    const Floats sum = hn::Add(hn::Add(e[0], e[1]), e[2]);
-    const Floats bias = hn::CopySignToAbs(hn::Set(df, 0.5F / (kLatticeUnit * kLatticeUnit)), sum);
-    const auto side = [&](size_t m) HWY_ATTR { return hn::Add(e[m], bias); };
-    const Floats differs = hn::Or(hn::Xor(side(0), side(1)), hn::Xor(side(0), side(2)));
-    const auto two_sides = hn::RebindMask(df, hn::Lt(hn::BitCast(d, differs), hn::Zero(d)));
-    const auto may_meet = hn::AndNot(two_sides, hn::And(tiny, hn::And(between[a], between[b])));
-    lines = hn::Or(lines, hn::IfThenElseZero(hn::RebindMask(d, may_meet), Fill(1 << n)));
+    const Shorts3 &x = values[a], &y = values[b];
+    const auto edge = [&](size_t from, size_t to) HWY_ATTR {
+      return hn::Sub(hn::MulFixedPoint15(x[from], y[to]), hn::MulFixedPoint15(x[to], y[from]));
+    };
+    const Shorts3 e{edge(0, 1), edge(1, 2), edge(2, 0)};
+    const Shorts least = hn::Min(e[0], hn::Min(e[1], e[2])), most = hn::Max(e[0], hn::Max(e[1], e[2]));
+    const auto inside = hn::Or(hn::Gt(least, hn::Set(d, -kSlack - 1)), hn::Lt(most, hn::Set(d, kSlack + 1)));
+    const auto may_meet = hn::And(inside, hn::And(between[a], between[b]));
+    lines = hn::Or(lines, hn::IfThenElseZero(may_meet, hn::Set(d, static_cast<int16_t>(1 << n))));
   }
-  lines = hn::IfThenElse(hn::RebindMask(d, tiny), lines, Fill(kNotTiny));
-  return hn::RebindMask(d, tiny);
+  lines = hn::IfThenElse(tiny, lines, hn::Set(d, static_cast<int16_t>(kNotTiny)));
+  return tiny;
+}
+
+// The corners of up to kSiftLanes triangles, by axis, relative to a voxel close to the first one; what does not fit is
+// as far away as can be.
+HWY_INLINE std::array<Shorts3, 3> LoadNear(const SnappedMesh& mesh, const PaddedVertices& vertices,
+                                           const LaneNumbers& low, const LaneNumbers& high) {
+  const ShortLanes d;
+  const hn::Half<ShortLanes> half;
+  const std::array<Ints3, 3> u = LoadCorners(mesh, vertices, low, {}), v = LoadCorners(mesh, vertices, high, {});
+  std::array<Shorts3, 3> near;
+  for (size_t m = 0; m < 3; ++m) {
+    const Ints fraction = Fill(kLatticeUnit - 1), from_u = hn::AndNot(fraction, u[0][m]);
+    const Ints from_v = hn::AndNot(fraction, v[0][m]);
+    for (size_t c = 0; c < 3; ++c) {
+      near[c][m] =
+          hn::Combine(d, hn::DemoteTo(half, hn::Sub(v[c][m], from_v)), hn::DemoteTo(half, hn::Sub(u[c][m], from_u)));
+    }
+  }
+  return near;
 }
 
 void SiftInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms, MetLines* met,
                  std::vector<uint32_t>& kept) {
-  const Lanes d;
+  const ShortLanes d;
   const hn::RebindToUnsigned<Lanes> du;
+  const hn::Half<ShortLanes> half;
   const PaddedVertices vertices(mesh);
   const size_t before = kept.size();
-  kept.resize(before + triangles.size() + kTriangleLanes);
+  kept.resize(before + triangles.size() + kSiftLanes);
   uint32_t* end = kept.data() + before;
-  for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
-    const auto some = triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n));
+  for (size_t n = 0; n < triangles.size(); n += kSiftLanes) {
+    const auto some = triangles.subspan(n, std::min(kSiftLanes, triangles.size() - n));
     PrefetchCorners(mesh, triangles.subspan(n));
-    const LaneNumbers numbers(some);
-    Ints lines;
-    const auto given = hn::FirstN(d, some.size());
-    const auto tiny = hn::And(given, LinesOf(forms, LoadCorners(mesh, vertices, numbers, {}), lines));
-    if (hn::CountTrue(d, tiny) < kTriangleLanes / 4) lines = Fill(kNotTiny);  // not worth going through all directions
-    alignas(64) int32_t lines_of[kTriangleLanes];
+    PrefetchCorners(mesh, triangles.subspan(std::min(n + kTriangleLanes, triangles.size())));
+    const LaneNumbers low(some), high(some.subspan(std::min(kTriangleLanes, some.size() - 1)));
+    Shorts lines;
+    const ShortMask tiny = LinesOf(forms, LoadNear(mesh, vertices, low, high), lines);
+    if (hn::CountTrue(d, tiny) < kSiftLanes / 4) lines = hn::Set(d, static_cast<int16_t>(kNotTiny));  // not worth it
+    lines = hn::IfThenElseZero(hn::FirstN(d, some.size()), lines);
+    alignas(64) int16_t lines_of[kSiftLanes];
     hn::Store(lines, d, lines_of);
     for (size_t m = 0; m < some.size(); ++m) met[some[m]] = static_cast<MetLines>(lines_of[m]);
-    const auto keep = hn::And(given, hn::Ne(lines, hn::Zero(d)));
-    end += AppendLanes(du, numbers.Load(), hn::RebindMask(du, keep), end);
+    const auto keep = [&](hn::Vec<hn::Half<ShortLanes>> of) HWY_ATTR {
+      return hn::RebindMask(du, hn::Ne(hn::PromoteTo(Lanes(), of), hn::Zero(Lanes())));
+    };
+    end += AppendLanes(du, low.Load(), keep(hn::LowerHalf(half, lines)), end);
+    end += AppendLanes(du, high.Load(), keep(hn::UpperHalf(half, lines)), end);
   }
   kept.resize(static_cast<size_t>(end - kept.data()));
 }
