@@ -16,7 +16,7 @@ namespace {
 
 // What a job takes, bytes, twice as much as measured. Of points and polylines, the request, what it becomes, and the
 // segments, snapped twice; of crossings, the lists while they grow, and then the incidences.
-constexpr uint64_t kBytesPerPoint = 128, kBytesPerPolyline = 256, kBytesPerCrossing = 96;
+constexpr uint64_t kBytesPerPoint = 128, kBytesPerPolyline = 256, kBytesPerCrossing = 64;
 
 absl::Status CheckCancelled(const std::atomic<bool>& cancelled) {
   return cancelled ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
@@ -51,7 +51,7 @@ absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limi
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   if (absl::Status status = Admit(spec, *grid, limits, memory); !status.ok()) return status;
   if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
-  const auto result = Pixelize(spec.polylines, *grid, spec.options);
+  const auto result = Pixelize(spec.polylines, *grid, spec.options, cancelled);
   if (!result.ok()) return WithCauseOfCore(result.status());
   facts.pixels = result->pixels.size();
   if (facts.pixels > limits.max_pixels()) return LimitExceeded("pixels", facts.pixels, limits.max_pixels());

@@ -21,8 +21,7 @@ struct PixelizationFacts {
   double pixelize_ms = 0;
 };
 
-// Answers the request, with what memory it takes reserved before. Once *cancelled is true it ends at the next step:
-// digitizing itself goes on to its end.
+// Answers the request, with what memory it takes reserved before. Ends soon once cancelled.
 // Errors: as the contract; CANCELLED; INTERNAL; RESOURCE_EXHAUSTED also if memory runs out, or the budget's. `facts`
 // are kept either way.
 absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
