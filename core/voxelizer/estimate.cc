@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "core/voxelizer/world_box.h"
+
 namespace latvox {
 namespace {
 
@@ -88,7 +90,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, grown) : twice_area / (size * size);
   if (options.band) voxels *= WidthOf(*options.band, grid.lattice) / size;  // without what neighbouring triangles share
   if (options.solid) voxels += EstimateInterior(mesh, twice_area, size, !options.solid->force_open);
-  const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  if (options.bounds) delivered = std::min(delivered, MostPointsIn(grid, *options.bounds));
   return options.shard ? delivered / options.shard->count : delivered;
 }
 
