@@ -161,6 +161,10 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
     *spec.mutable_region()->mutable_min() = ToProto(request.region->min);
     *spec.mutable_region()->mutable_max() = ToProto(request.region->max);
   }
+  if (request.bounds) {
+    *spec.mutable_bounds()->mutable_min() = ToProto(request.bounds->min);
+    *spec.mutable_bounds()->mutable_max() = ToProto(request.bounds->max);
+  }
   spec.set_verify(request.verify);
   spec.set_mesh_bytes(mesh.bytes);
   spec.set_mesh_sha256(mesh.sha256.data(), mesh.sha256.size());
