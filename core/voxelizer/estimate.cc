@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "core/voxelizer/world_box.h"
+
 namespace latvox {
 namespace {
 
@@ -90,7 +92,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   if (options.solid) {
     voxels += EstimateInterior(BoundsOf(mesh, cancelled), twice_area, size, !options.solid->force_open);
   }
-  const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  if (options.bounds) delivered = std::min(delivered, MostPointsIn(grid, *options.bounds));
   return options.shard ? delivered / options.shard->count : delivered;
 }
 

@@ -13,11 +13,11 @@ namespace latvox {
 
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as
 // often. A surface of area A has between A / h^2 and 2 A / h^2 voxels, h the voxel size, for all the common lattices
-// and every k; this is the upper one, within the region's volume, of a shard its part. A supercover has some for every
-// triangle, too, however small. The inside of a solid is taken for as large as it can be: a ball with that surface, or
-// the mesh's bounding box, which is all that bounds that of a mesh that is not closed. The thesis's algorithms have
-// some along the edges of triangles without area, too, whatever the region. Up to two passes over the triangles.
-// Precondition: Validate(mesh) is OK.
+// and every k; this is the upper one, within the region's volume and the bounds', of a shard its part. A supercover has
+// some for every triangle, too, however small. The inside of a solid is taken for as large as it can be: a ball with
+// that surface, or the mesh's bounding box, which is all that bounds that of a mesh that is not closed. The thesis's
+// algorithms have some along the edges of triangles without area, too, whatever the region. Up to two passes over the
+// triangles. Precondition: Validate(mesh) is OK.
 double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options,
                       const std::atomic<bool>& cancelled = kNeverCancelled);
 

@@ -11,7 +11,7 @@
 
 #include "core/band/band_scan.h"
 #include "core/digitize/fineness.h"
-#include "core/digitize/touching.h"
+#include "core/digitize/sift.h"
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/job_facts.h"
@@ -34,7 +34,7 @@ class ExactJob final : public VoxelizeJob {
  public:
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
            const std::optional<BandPlan>& band, const VoxelizeOptions& options, const IndexBox& region,
-           const std::atomic<bool>& cancelled)
+           const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -45,16 +45,17 @@ class ExactJob final : public VoxelizeJob {
                  supercover_.get(),
                  supercover_ ? supercover_->Margin() : ReachOf(frames_),
                  options.minimal && !supercover_,
-                 fineness_.most_tiny,
+                 met_,
                  region,
                  cancelled_},
         tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
               cancelled_),
-        facts_(FactsOfJob(mesh_, region, cancelled)),
+        bounds_(bounds),
+        facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
         solid_(options.solid),
         band_(MakeBandContext(band, region, cancelled)),
         shard_(options.shard.value_or(Shard{})),
-        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {
+        span_(SpanOf(options, mesh_, frames_, region, bounds, cancelled)) {
     if (band) facts_.band_width = band->width;
   }
 
@@ -73,6 +74,8 @@ class ExactJob final : public VoxelizeJob {
   bool IsUnit(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
+  std::vector<TileNode> Top();
+  void ClipFrom(size_t first, Unit& out) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
@@ -85,10 +88,12 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<const Supercover> supercover_;
   std::atomic<bool> cancelled_ = false;
   const Fineness fineness_;
+  UninitializedVector<MetLines> met_;
   const TileContext context_;
   TileTree tree_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
+  const std::optional<WorldBox> bounds_;
   JobFacts facts_;
   const std::optional<Solid> solid_;
   std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
@@ -140,7 +145,19 @@ uint64_t ExactJob::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(til
 // Whether none of a node's tiles is delivered.
 bool ExactJob::IsLeftOut(const TileNode& node) const {
   if (node.triangles.empty() && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) return true;
+  if (bounds_) {
+    const Vec3i low = (node.tile_ijk + tile_base_) * kTileSide;
+    const int32_t side = kTileSide << node.level;
+    if (bounds_->Misses({low, low + Vec3i{side, side, side}})) return true;
+  }
   return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
+}
+
+// The top of the tree, of triangles that can have voxels. The interior asks lines along an axis.
+std::vector<TileNode> ExactJob::Top() {
+  if (band_ || !(fineness_.few_touch || fineness_.most_tiny)) return tree_.Top();
+  std::vector<uint32_t> triangles = SiftAll(mesh_, scan_frames_, fineness_, cancelled_, met_);
+  return interior_ && !has_axes_ ? tree_.Top() : tree_.Top(std::move(triangles));
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
@@ -149,10 +166,7 @@ std::optional<TileNode> ExactJob::NextUnit() {
   if (!std::exchange(started_, true)) {
     if (!band_) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      const bool touching = fineness_.few_touch && !band_ && (!interior_ || has_axes_);
-      todo_ = touching ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top();
-    });
+    oneapi::tbb::this_task_arena::isolate([&] { todo_ = Top(); });
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {
@@ -198,8 +212,17 @@ void ExactJob::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
+  const size_t first = out.size();
   ScanLeaf(node, out);
+  ClipFrom(first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
+}
+
+// Leaves out what is not within the bounds.
+void ExactJob::ClipFrom(size_t first, Unit& out) const {
+  if (!bounds_) return;
+  for (size_t n = first; n < out.size(); ++n) bounds_->Clip(out[n]);
+  std::erase_if(out, [](const TileBricks& tile) { return tile.bricks.empty(); });
 }
 
 void ExactJob::ScanLeaf(const TileNode& node, Unit& out) const {
@@ -257,8 +280,10 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
 std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Frame>& frames,
                                           std::unique_ptr<const Supercover> supercover,
                                           const std::optional<BandPlan>& band, const VoxelizeOptions& options,
-                                          const IndexBox& region, const std::atomic<bool>& cancelled) {
-  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, options, region, cancelled);
+                                          const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                          const std::atomic<bool>& cancelled) {
+  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, options, region, bounds,
+                                    cancelled);
 }
 
 }  // namespace latvox

@@ -42,9 +42,10 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   crossings_.Clear();
   triangles_ = triangles;
   if (context.supercover != nullptr) return CoverAll(context);
-  if (context.fine) {
+  if (!context.met.empty()) {
     others_.clear();
-    FindTinyCrossings(context.mesh, triangles, context.frames, box_, layout_, context.cancelled, crossings_, others_);
+    FindTinyCrossings(context.mesh, triangles, context.met, context.frames, box_, layout_, context.cancelled,
+                      crossings_, others_);
     triangles_ = others_;
   }
   if (context.cancelled) return;

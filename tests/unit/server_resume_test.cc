@@ -223,6 +223,10 @@ TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {
   part.mutable_region()->mutable_max()->set_j(20);
   part.mutable_region()->mutable_max()->set_k(20);
   EXPECT_TRUE(Voxelize(*stub_, part, SphereBytes()).status.ok()) << "a small part of it";
+  part.clear_region();
+  part.mutable_bounds()->mutable_min();
+  part.mutable_bounds()->mutable_max()->set_x(0.01);
+  EXPECT_TRUE(Voxelize(*stub_, part, SphereBytes()).status.ok()) << "another one";
 }
 
 }  // namespace
