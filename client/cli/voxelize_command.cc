@@ -9,6 +9,7 @@
 #include "absl/time/clock.h"
 #include "client/cli/progress_bar.h"
 #include "client/grid/voxel_grid.h"
+#include "client/error.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/mesh_source.h"
@@ -99,6 +100,15 @@ absl::Status CheckTime(const CallOptions& call) {
   return absl::OkStatus();
 }
 
+// The status, with the mesh's file in it if that is what is wrong.
+absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
+  const ErrorDetails details = GetErrorDetails(status);
+  if (details.reason != "BAD_MESH") return status;
+  absl::Status named(status.code(), absl::StrCat(NameOf(mesh), ": ", status.message()));
+  SetErrorDetails(details, named);
+  return named;
+}
+
 std::string ResumptionLine(const Resumption& resumption) {
   const std::string where = resumption.after_tile
                                 ? absl::StrCat("resumed after tile ", absl::StrJoin(*resumption.after_tile, ","))
@@ -129,7 +139,7 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
     return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
   };
   auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
-  if (!summary.ok()) return summary.status();
+  if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
   return absl::OkStatus();
 }
