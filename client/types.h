@@ -209,6 +209,7 @@ struct Certificate {
   std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
   std::string cover;                // "separating" or "supercover"
   std::optional<BandCertificate> band = std::nullopt;  // what the distances are, if a band was asked for
+  bool whole_minimal = false;                          // minimal is true of the whole that this is a part of
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.

@@ -137,7 +137,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
           .solid = SolidFactsOf(certificate),
           .cover = certificate.cover(),
-          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt};
+          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt,
+          .whole_minimal = certificate.whole_minimal()};
 }
 
 }  // namespace

@@ -331,10 +331,12 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   } else if (spec.options.algorithm == Algorithm::kExact) {
     const bool surface = !spec.options.solid || spec.options.solid->surface;
     certificate.set_tunnel_free(surface);
-    certificate.set_minimal(surface && spec.options.minimal && IsWhole(spec.options, facts));
+    certificate.set_whole_minimal(surface && spec.options.minimal);
+    certificate.set_minimal(certificate.whole_minimal() && IsWhole(spec.options, facts));
   } else {
     certificate.set_tunnel_free(verdict && counted.tunnels == 0);
     certificate.set_minimal(verdict && counted.tunnels == 0 && counted.redundant == 0);
+    certificate.set_whole_minimal(certificate.minimal());
   }
   certificate.set_verified(verdict.has_value());
   certificate.set_tunnels(counted.tunnels);

@@ -11,7 +11,7 @@
 
 #include "core/band/band_scan.h"
 #include "core/digitize/fineness.h"
-#include "core/digitize/touching.h"
+#include "core/digitize/sift.h"
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/job_facts.h"
@@ -45,7 +45,7 @@ class ExactJob final : public VoxelizeJob {
                  supercover_.get(),
                  supercover_ ? supercover_->Margin() : ReachOf(frames_),
                  options.minimal && !supercover_,
-                 fineness_.most_tiny,
+                 met_,
                  region,
                  cancelled_},
         tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
@@ -74,6 +74,7 @@ class ExactJob final : public VoxelizeJob {
   bool IsUnit(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
+  std::vector<TileNode> Top();
   void ClipFrom(size_t first, Unit& out) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
@@ -87,6 +88,7 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<const Supercover> supercover_;
   std::atomic<bool> cancelled_ = false;
   const Fineness fineness_;
+  UninitializedVector<MetLines> met_;
   const TileContext context_;
   TileTree tree_;
   mutable ScanPool<BlockScan> scans_;
@@ -151,16 +153,20 @@ bool ExactJob::IsLeftOut(const TileNode& node) const {
   return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
 }
 
+// The top of the tree, of triangles that can have voxels. The interior asks lines along an axis.
+std::vector<TileNode> ExactJob::Top() {
+  if (band_ || !(fineness_.few_touch || fineness_.most_tiny)) return tree_.Top();
+  std::vector<uint32_t> triangles = SiftAll(mesh_, scan_frames_, fineness_, cancelled_, met_);
+  return interior_ && !has_axes_ ? tree_.Top() : tree_.Top(std::move(triangles));
+}
+
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
 // split by many threads, and many nodes at a time.
 std::optional<TileNode> ExactJob::NextUnit() {
   if (!std::exchange(started_, true)) {
     if (!band_) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      const bool touching = fineness_.few_touch && !band_ && (!interior_ || has_axes_);
-      todo_ = touching ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top();
-    });
+    oneapi::tbb::this_task_arena::isolate([&] { todo_ = Top(); });
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {

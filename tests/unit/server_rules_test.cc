@@ -288,11 +288,13 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   for (const uint32_t count : {1U, 2U}) {
     spec.options.shard = Shard{0, count};
     EXPECT_EQ(minimal(), count == 1);
+    EXPECT_TRUE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
     EXPECT_EQ(CertificateToProto(spec, facts, {}, {}, std::nullopt).shard().count(), count);
   }
   spec.options.shard.reset();
   spec.options.minimal = false;
   EXPECT_FALSE(minimal());
+  EXPECT_FALSE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
 }
 
 TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {
