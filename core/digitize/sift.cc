@@ -19,7 +19,7 @@
 
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
-#include "core/digitize/triangle_lanes-inl.h"
+#include "core/snap/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
