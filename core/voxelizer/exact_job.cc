@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <utility>
 
+#include "core/attributes/attribute_scan.h"
 #include "core/band/band_scan.h"
 #include "core/digitize/fineness.h"
 #include "core/digitize/touching.h"
@@ -33,8 +35,8 @@ using Unit = std::vector<TileBricks>;
 class ExactJob final : public VoxelizeJob {
  public:
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
-           const std::optional<BandPlan>& band, const VoxelizeOptions& options, const IndexBox& region,
-           const std::atomic<bool>& cancelled)
+           const std::optional<BandPlan>& band, std::optional<CarriedAttributes> attributes,
+           const VoxelizeOptions& options, const IndexBox& region, const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -48,8 +50,9 @@ class ExactJob final : public VoxelizeJob {
                  fineness_.most_tiny,
                  region,
                  cancelled_},
-        tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
-              cancelled_),
+        attributes_(MakeAttributeContext(std::move(attributes))),
+        tree_(mesh_, 0, AtLeastReach(band ? band->reach : context_.NearMargin()),
+              AtLeastReach(band ? band->reach : context_.FarMargin()), region, cancelled_),
         facts_(FactsOfJob(mesh_, region, cancelled)),
         solid_(options.solid),
         band_(MakeBandContext(band, region, cancelled)),
@@ -70,6 +73,8 @@ class ExactJob final : public VoxelizeJob {
  private:
   std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
                                              const std::atomic<bool>& cancelled) const;
+  std::optional<AttributeContext> MakeAttributeContext(std::optional<CarriedAttributes> attributes) const;
+  Vec3i AtLeastReach(Vec3i margin) const;
   bool IsUnit(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
@@ -77,6 +82,7 @@ class ExactJob final : public VoxelizeJob {
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
   void ScanLeaf(const TileNode& node, Unit& out) const;
+  void AddAttributes(const TileNode& node, std::span<TileBricks> tiles) const;
   void Deliver(TileBricks tile, const Sink& sink, bool& paused);
 
   const SnappedMesh mesh_;
@@ -86,9 +92,11 @@ class ExactJob final : public VoxelizeJob {
   std::atomic<bool> cancelled_ = false;
   const Fineness fineness_;
   const TileContext context_;
+  const std::optional<AttributeContext> attributes_;
   TileTree tree_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
+  mutable ScanPool<AttributeScan> attribute_scans_;
   JobFacts facts_;
   const std::optional<Solid> solid_;
   std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
@@ -118,9 +126,21 @@ std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPla
   return BandContext{mesh_, *plan, region, std::move(lines), cancelled_};
 }
 
-// A band's tile has up to a megabyte of values.
+std::optional<AttributeContext> ExactJob::MakeAttributeContext(std::optional<CarriedAttributes> attributes) const {
+  if (!attributes) return std::nullopt;
+  return AttributeContext{mesh_, *std::move(attributes), cancelled_};
+}
+
+// A margin that is wide enough for attributes, too.
+Vec3i ExactJob::AtLeastReach(Vec3i margin) const {
+  if (!attributes_) return margin;
+  for (size_t m = 0; m < 3; ++m) margin[m] = std::max(margin[m], attributes_->carried.plan.reach[m]);
+  return margin;
+}
+
+// A band's tile has up to a megabyte of values, and one with attributes up to three.
 bool ExactJob::IsUnit(const TileNode& node) const {
-  if (band_) return tree_.IsLeaf(node);
+  if (band_ || attributes_) return tree_.IsLeaf(node);
   const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
   return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
 }
@@ -150,7 +170,8 @@ std::optional<TileNode> ExactJob::NextUnit() {
     if (!band_) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
     oneapi::tbb::this_task_arena::isolate([&] {
-      const bool touching = fineness_.few_touch && !band_ && (!interior_ || has_axes_);
+      // What touches no lattice line may still be the nearest to a voxel.
+      const bool touching = fineness_.few_touch && !band_ && !attributes_ && (!interior_ || has_axes_);
       todo_ = touching ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top();
     });
     std::reverse(todo_.begin(), todo_.end());
@@ -211,9 +232,20 @@ void ExactJob::ScanLeaf(const TileNode& node, Unit& out) const {
     if (!tile.bricks.empty()) out.push_back(std::move(tile));
     return;
   }
+  const size_t first = out.size();
   std::unique_ptr<BlockScan> scan = scans_.Take();
   DigitizeBlock(context_, node, interior_.get(), !solid_ || solid_->surface, *scan, out);
   scans_.Give(std::move(scan));
+  if (attributes_) AddAttributes(node, std::span(out).subspan(first));
+}
+
+// `tiles`: of the node.
+void ExactJob::AddAttributes(const TileNode& node, std::span<TileBricks> tiles) const {
+  std::unique_ptr<AttributeScan> scan = attribute_scans_.Take();
+  for (TileBricks& tile : tiles) {
+    if (span_.Contains(NumberOf(tile.tile_ijk))) scan->Find(*attributes_, node.triangles, tile);
+  }
+  attribute_scans_.Give(std::move(scan));
 }
 
 // Progress is counted over the whole: of a shard it is estimated to begin and to end where equal parts do.
@@ -256,9 +288,11 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
 
 std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Frame>& frames,
                                           std::unique_ptr<const Supercover> supercover,
-                                          const std::optional<BandPlan>& band, const VoxelizeOptions& options,
+                                          const std::optional<BandPlan>& band,
+                                          std::optional<CarriedAttributes> attributes, const VoxelizeOptions& options,
                                           const IndexBox& region, const std::atomic<bool>& cancelled) {
-  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, options, region, cancelled);
+  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, std::move(attributes),
+                                    options, region, cancelled);
 }
 
 }  // namespace latvox
