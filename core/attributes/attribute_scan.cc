@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,7 +11,8 @@ namespace latvox {
 namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-constexpr auto kFarthest = static_cast<__int128>(~static_cast<unsigned __int128>(0) >> 1);
+// Squares that differ by more, relatively, are of other distances for sure.
+constexpr double kDoubt = 4 * kSquareError;
 
 Triangle CornersOf(const SnappedMesh& mesh, uint32_t number) {
   const auto& [a, b, c] = mesh.triangles[number];
@@ -33,12 +35,11 @@ bool MayComeWithin(const TriangleDistance& triangle, const Vec3d& x, double squa
 
 void AttributeScan::Find(const AttributeContext& context, std::span<const uint32_t> triangles, TileBricks& tile) {
   Number(tile, context.mesh.base_ijk, context.carried.plan.most);
-  values_.assign(nearest_.size() * context.carried.count, 0);
   for (const uint32_t number : triangles) {
     if (context.cancelled) return;
     Add(context, number);
   }
-  CutOut(context.carried.count, tile);
+  CutOut(context, tile);
 }
 
 // Voxels have numbers along the rows.
@@ -59,7 +60,15 @@ void AttributeScan::Number(const TileBricks& tile, const Vec3i& base_ijk, double
     first_[row] = count;
     count += static_cast<uint32_t>(std::popcount(rows_[row]));
   }
-  nearest_.assign(count, Nearest{most, 0, kNone});
+  least_.assign(count, most);
+  last_.assign(count, kNone);
+  offers_.clear();
+}
+
+// `at`: of a voxel, within the tile.
+size_t AttributeScan::NumberOf(const Vec3i& at) const {
+  const auto row = static_cast<size_t>(at[0] << kTileBits | at[1]);
+  return first_[row] + static_cast<size_t>(std::popcount(rows_[row] & ((uint64_t{1} << at[2]) - 1)));
 }
 
 void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
@@ -86,62 +95,93 @@ void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
         slack = 0x1p-30 * far * far;
       }
       for (; bits != 0; bits &= bits - 1) {
-        const int k = std::countr_zero(bits);
-        const size_t voxel = first_[row] + static_cast<size_t>(std::popcount(rows_[row] & ((uint64_t{1} << k) - 1)));
-        const Vec3i point = (tile_min_ + Vec3i{i, j, k}) * kLatticeUnit;
+        const Vec3i at{i, j, std::countr_zero(bits)};
+        const size_t voxel = NumberOf(at);
+        const Vec3i point = (tile_min_ + at) * kLatticeUnit;
         const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->centre();
-        if (!MayComeWithin(*triangle, x, nearest_[voxel].square + slack)) continue;
-        Offer(context, number, *triangle, point, voxel);
+        if (!MayComeWithin(*triangle, x, least_[voxel] + slack)) continue;
+        Compare(*triangle, number, point, voxel);
       }
     }
   }
 }
 
-// Doubles decide, but where two squares are about the same.
-void AttributeScan::Offer(const AttributeContext& context, uint32_t number, const TriangleDistance& triangle,
-                          const Vec3i& point, size_t voxel) {
-  constexpr double kSure = 4 * kSquareError;
-  Nearest& nearest = nearest_[voxel];
+void AttributeScan::Compare(const TriangleDistance& triangle, uint32_t number, const Vec3i& point, size_t voxel) {
   const double square = triangle.SquareTo(point);
-  if (square > nearest.square * (1 + kSure)) return;
-  int order = -1;
-  if (nearest.triangle != kNone && square >= nearest.square * (1 - kSure)) {
-    const TriangleDistance other(context.carried.plan.metric, CornersOf(context.mesh, nearest.triangle));
-    order = square == 0 ? 0 : TriangleDistance::Compare(triangle, other, point);
-  }
-  if (order > 0) return;
-  if (order < 0) nearest = {square, kFarthest, number};
-  OfferCorners(context, number, point, voxel);
+  double& least = least_[voxel];
+  if (square > least * (1 + kDoubt)) return;
+  least = std::min(least, square);
+  offers_.push_back({square, number, last_[voxel]});
+  last_[voxel] = static_cast<uint32_t>(offers_.size() - 1);
 }
 
-void AttributeScan::OfferCorners(const AttributeContext& context, uint32_t number, const Vec3i& point, size_t voxel) {
-  __int128& least = nearest_[voxel].corner_square;
-  uint32_t* const values = &values_[voxel * context.carried.count];
+// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbours, with a
+// corner or an edge in common.
+const AttributeScan::Corner& AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) {
+  candidates_.clear();
+  for (uint32_t n = last_[voxel]; n != kNone; n = offers_[n].before) {
+    if (offers_[n].square > least_[voxel] * (1 + kDoubt)) continue;
+    candidates_.push_back({offers_[n].triangle, NearestCorner(context, offers_[n].triangle, point)});
+  }
+  assert(!candidates_.empty());  // no voxel is farther from the mesh than the plan says
+  const auto agrees = [this](const Candidate& other) { return other.corner.values == candidates_[0].corner.values; };
+  if (!std::all_of(candidates_.begin(), candidates_.end(), agrees)) {
+    candidates_[0] = Nearest(context, candidates_, point);
+  }
+  return candidates_[0].corner;
+}
+
+AttributeScan::Corner AttributeScan::NearestCorner(const AttributeContext& context, uint32_t number,
+                                                   const Vec3i& point) {
+  Corner nearest{-1, {}};
   for (const uint32_t vertex : context.mesh.triangles[number]) {
     const Vec3i d = point - context.mesh.vertices_lat[vertex];
     const __int128 square = Inner(context.carried.plan.metric, d, d);
-    if (square > least) continue;
+    if (nearest.square >= 0 && square > nearest.square) continue;
     const uint32_t* const offered = &context.carried.of_vertices[size_t{vertex} * context.carried.count];
+    const bool first = nearest.square < 0 || square < nearest.square;
     for (uint32_t n = 0; n < context.carried.count; ++n) {
-      values[n] = square < least ? offered[n] : std::min(values[n], offered[n]);
+      nearest.values[n] = first ? offered[n] : std::min(nearest.values[n], offered[n]);
     }
-    least = square;
+    nearest.square = square;
   }
+  return nearest;
 }
 
-// From the order of rows to that of bricks.
-void AttributeScan::CutOut(uint32_t count, TileBricks& tile) const {
+// Exactly, with the nearest corner of all that are as near.
+AttributeScan::Candidate AttributeScan::Nearest(const AttributeContext& context, std::span<const Candidate> candidates,
+                                                const Vec3i& point) {
+  const auto distance = [&](const Candidate& candidate) {
+    return TriangleDistance(context.carried.plan.metric, CornersOf(context.mesh, candidate.triangle));
+  };
+  Candidate nearest = candidates[0];
+  for (const Candidate& other : candidates.subspan(1)) {
+    const int order = TriangleDistance::Compare(distance(other), distance(nearest), point);
+    if (order < 0 || (order == 0 && other.corner.square < nearest.corner.square)) {
+      nearest = other;
+    } else if (order == 0 && other.corner.square == nearest.corner.square) {
+      for (size_t n = 0; n < kMaxAttributes; ++n) {
+        nearest.corner.values[n] = std::min(nearest.corner.values[n], other.corner.values[n]);
+      }
+    }
+  }
+  return nearest;
+}
+
+// In the order of bricks.
+void AttributeScan::CutOut(const AttributeContext& context, TileBricks& tile) {
   tile.attributes.clear();
-  tile.attributes.reserve(values_.size());
+  tile.attributes.reserve(least_.size() * context.carried.count);
   for (const Brick& brick : tile.bricks) {
-    const Vec3i at = brick.brick_ijk * kBrickSide - tile.tile_ijk * kTileSide;
+    const Vec3i corner = (brick.brick_ijk - tile.tile_ijk * kBrickSide) * kBrickSide;
     for (int32_t x = 0; x < kBrickSide; ++x) {
-      for (int32_t y = 0; y < kBrickSide; ++y) {
-        const uint64_t bits = brick.mask[static_cast<size_t>(x)] >> (y << kBrickBits) & 0xFF;
-        const auto row = static_cast<size_t>((at[0] + x) << kTileBits | (at[1] + y));
-        const auto before = static_cast<size_t>(std::popcount(rows_[row] & ((uint64_t{1} << at[2]) - 1)));
-        const auto first = values_.begin() + static_cast<std::ptrdiff_t>((first_[row] + before) * count);
-        tile.attributes.insert(tile.attributes.end(), first, first + std::popcount(bits) * std::ptrdiff_t{count});
+      if (context.cancelled) return;
+      for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
+        const int yz = std::countr_zero(bits);
+        const Vec3i at = corner + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)};
+        const Corner& found = Decide(context, (tile_min_ + at) * kLatticeUnit, NumberOf(at));
+        const auto end = found.values.begin() + context.carried.count;
+        tile.attributes.insert(tile.attributes.end(), found.values.begin(), end);
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/attributes/attributes.h"
 #include "core/attributes/plan.h"
 #include "core/band/triangle_distance.h"
 #include "core/snap/snap.h"
@@ -22,7 +23,7 @@ struct AttributeContext {
   const std::atomic<bool>& cancelled;
 };
 
-// A thread's own, from tile to tile: 48 KiB, and 48 bytes for each voxel of a tile.
+// A thread's own, from tile to tile: 48 KiB, and some 60 bytes for each voxel of a tile.
 class AttributeScan {
  public:
   // Finds tile.attributes, as core/attributes/attributes.h has them; some are missing once the job is cancelled.
@@ -33,25 +34,40 @@ class AttributeScan {
  private:
   static constexpr size_t kRows = size_t{kTileSide} * kTileSide;
 
-  // What is known of a voxel.
-  struct Nearest {
-    double square;           // of the distance to the nearest triangles so far, units, as TriangleDistance::SquareTo
-    __int128 corner_square;  // of that to the nearest of their corners, as of Inner
-    uint32_t triangle;       // one of these triangles, or kNone
+  // A triangle that may be the nearest to a voxel. Offers of one voxel are a list, the last one first.
+  struct Offer {
+    double square;  // of the distance, units, as TriangleDistance::SquareTo
+    uint32_t triangle;
+    uint32_t before;  // in offers_, or kNone
+  };
+
+  // Of those of a triangle's corners that are nearest to a point, the least values.
+  struct Corner {
+    __int128 square;  // of the distance, as of Inner
+    std::array<uint32_t, kMaxAttributes> values;
+  };
+
+  struct Candidate {
+    uint32_t triangle;
+    Corner corner;
   };
 
   void Number(const TileBricks& tile, const Vec3i& base_ijk, double most);
+  size_t NumberOf(const Vec3i& at) const;
   void Add(const AttributeContext& context, uint32_t number);
-  void Offer(const AttributeContext& context, uint32_t number, const TriangleDistance& triangle, const Vec3i& point,
-             size_t voxel);
-  void OfferCorners(const AttributeContext& context, uint32_t number, const Vec3i& point, size_t voxel);
-  void CutOut(uint32_t count, TileBricks& tile) const;
+  void Compare(const TriangleDistance& triangle, uint32_t number, const Vec3i& point, size_t voxel);
+  const Corner& Decide(const AttributeContext& context, const Vec3i& point, size_t voxel);
+  static Corner NearestCorner(const AttributeContext& context, uint32_t number, const Vec3i& point);
+  static Candidate Nearest(const AttributeContext& context, std::span<const Candidate> candidates, const Vec3i& point);
+  void CutOut(const AttributeContext& context, TileBricks& tile);
 
   Vec3i tile_min_{};                     // local
   std::array<uint64_t, kRows> rows_{};   // the tile's voxels: bit k of rows_[i << 6 | j]
   std::array<uint32_t, kRows> first_{};  // the number of a row's first voxel
-  std::vector<Nearest> nearest_;         // by the voxels' numbers
-  std::vector<uint32_t> values_;         // likewise, as many for each as there are attributes
+  std::vector<double> least_;            // by the voxels' numbers: the least square so far
+  std::vector<uint32_t> last_;           // likewise: the last offer, or kNone
+  std::vector<Offer> offers_;
+  std::vector<Candidate> candidates_;  // of one voxel
 };
 
 }  // namespace latvox
