@@ -70,7 +70,7 @@ std::string Encode(bool edgebreaker, const DracoValues<T>&... attributes) {
 }
 
 constexpr auto kGeneric = draco::GeometryAttribute::GENERIC, kColorType = draco::GeometryAttribute::COLOR;
-const DracoValues<int32_t> kParts{kGeneric, 1, draco::DT_INT32, {7, 8, 9, 2147483647}, "part"};
+const DracoValues<int32_t> kParts{kGeneric, 1, draco::DT_INT32, {7, 8, 9, 1000000}, "part"};
 const DracoValues<uint8_t> kMaterials{kGeneric, 1, draco::DT_UINT8, {4, 5, 6, 255}, "material"};
 const DracoValues<uint8_t> kColors{
     kColorType, 4, draco::DT_UINT8, {1, 2, 3, 9, 4, 5, 6, 9, 0, 0, 0, 9, 255, 255, 255, 9}, ""};
@@ -100,7 +100,7 @@ TEST(MeshAttributes, ComeInTheOrderInWhichTheyAreWanted) {
     const auto numbers = NumbersOf(decoded->mesh, 3);
     EXPECT_EQ(numbers.at({0, 0, 0}), (std::vector<uint32_t>{0x010203, 7, 4}));
     EXPECT_EQ(numbers.at({8, 0, 0}), (std::vector<uint32_t>{0x040506, 8, 5}));
-    EXPECT_EQ(numbers.at({0, 0, 8}), (std::vector<uint32_t>{0xFFFFFF, 2147483647, 255}));
+    EXPECT_EQ(numbers.at({0, 0, 8}), (std::vector<uint32_t>{0xFFFFFF, 1000000, 255}));
     EXPECT_TRUE(DecodeDraco(Encode(edgebreaker, kParts), {})->mesh.attributes.empty());
   }
 }
