@@ -167,7 +167,7 @@ static_assert(kTriangleLanes <= Candidates::kMaxRun);
 void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out) {
   const Lanes d;
   const Target& target = scan.target;
-  const std::array<Ints3, 3> v = LoadCorners(scan.mesh, scan.vertices, triangles, scan.origin);
+  const std::array<Ints3, 3> v = LoadCorners(scan.mesh, scan.vertices, LaneNumbers(triangles), scan.origin);
   auto near = hn::FirstN(d, triangles.size()), small = near;
   Ints3 lowest, highest;
   for (size_t m = 0; m < 3; ++m) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/digitize/principal_scan.h"
+#include "core/digitize/sift.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_bits.h"
 
@@ -23,12 +24,12 @@ struct Crossings {
   }
 };
 
-// Appends all edges, in all directions, that the tiny ones of the triangles cross: those between whose corners lies no
-// more than one lattice line, whatever the direction, and which can only contribute voxels in `box`. The triangles that
-// are left go to `others`, in their order.
+// Appends all edges, in all directions, that the tiny ones of the triangles cross, with nearer ends in `box`. The
+// triangles that are left go to `others`, in their order.
+//   met  of all triangles of the mesh, as Sift sets it (core/digitize/sift.h)
 //
 // No candidates, no stars: where triangles are smaller than voxels, few lines lie between their corners at all.
-void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::span<const MetLines> met,
                        const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
                        const std::atomic<bool>& cancelled, Crossings& crossings, std::vector<uint32_t>& others);
 

@@ -65,13 +65,13 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
   for (size_t first = 0; first < triangles.size(); first += kTriangleLanes) {
     const auto some = triangles.subspan(first, std::min(kTriangleLanes, triangles.size() - first));
     PrefetchCorners(mesh, triangles.subspan(first));
-    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, some, {});
+    const LaneNumbers numbers(some);
+    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, numbers, {});
     // A bit for each form between whose floors at the corners there is a difference.
     Ints between = hn::Zero(d);
     for (size_t n = 0; n < forms.between; ++n) {
-      const Ints3 form = Fill3(forms.forms[n]);
-      const Ints a = DotOf(form, v[0]);
-      const Ints differs = hn::Or(hn::Xor(a, DotOf(form, v[1])), hn::Xor(a, DotOf(form, v[2])));
+      const Ints3 value = ValuesOf(d, forms.forms[n], v);
+      const Ints differs = hn::Or(hn::Xor(value[0], value[1]), hn::Xor(value[0], value[2]));
       const auto same_floor = hn::Eq(hn::ShiftRight<kSubvoxelBits>(differs), hn::Zero(d));
       between = hn::Or(between, hn::IfThenZeroElse(same_floor, Fill(1 << n)));
     }
@@ -81,9 +81,7 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
       touches = hn::Or(touches, hn::Eq(hn::And(between, both), both));
     }
     touches = hn::And(touches, hn::FirstN(d, some.size()));
-    alignas(64) uint32_t numbers[kTriangleLanes] = {};
-    std::copy(some.begin(), some.end(), numbers);
-    end += AppendLanes(du, hn::Load(du, numbers), hn::RebindMask(du, touches), end);
+    end += AppendLanes(du, numbers.Load(), hn::RebindMask(du, touches), end);
   }
   touching.resize(static_cast<size_t>(end - touching.data()));
 }
@@ -96,13 +94,6 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
-#include <array>
-#include <numeric>
-
 #include "core/base/simd.h"
 
 namespace latvox {
@@ -110,41 +101,13 @@ namespace {
 
 HWY_EXPORT(FindInLanes);
 
-void Find(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
-          std::vector<uint32_t>& touching) {
-  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
-                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
-}
-
 }  // namespace
 
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   std::vector<uint32_t>& touching) {
-  Find(mesh, triangles, LineForms(frames), touching);
-}
-
-std::vector<uint32_t> AllTouching(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
-                                  const std::atomic<bool>& cancelled) {
-  constexpr size_t kChunk = 1 << 14;
   const LineForms forms(frames);
-  const size_t count = mesh.triangles.size();
-  std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
-    std::vector<uint32_t> chunk(kChunk), touching;
-    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
-      chunk.resize(std::min(kChunk, count - n * kChunk));
-      std::iota(chunk.begin(), chunk.end(), static_cast<uint32_t>(n * kChunk));
-      touching.clear();
-      Find(mesh, chunk, forms, touching);
-      parts[n].assign(touching.begin(), touching.end());
-    }
-  });
-  size_t size = 0;
-  for (const auto& part : parts) size += part.size();
-  std::vector<uint32_t> all;
-  all.reserve(size);
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
+                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
 }
 
 }  // namespace latvox

@@ -2,7 +2,6 @@
 #ifndef LATVOX_CORE_DIGITIZE_TOUCHING_H_
 #define LATVOX_CORE_DIGITIZE_TOUCHING_H_
 
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,10 +20,6 @@ namespace latvox {
 // core/digitize/crossing.h, too, which moves a form with a first nonzero entry above 0 up; forms are turned so.
 void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   std::vector<uint32_t>& touching);
-
-// The same for all triangles of the mesh, by all threads of the arena. Some are missing once the job is cancelled.
-std::vector<uint32_t> AllTouching(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
-                                  const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

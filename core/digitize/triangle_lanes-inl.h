@@ -27,11 +27,6 @@ using Lanes = hn::ScalableTag<int32_t>;
 using Ints = hn::Vec<Lanes>;
 inline constexpr size_t kTriangleLanes = HWY_LANES(int32_t);
 
-// Four integers for each lane.
-struct alignas(64) LaneVectors {
-  int32_t of[kTriangleLanes][4];
-};
-
 using Ints3 = std::array<Ints, 3>;
 
 HWY_INLINE Ints Fill(int64_t x) { return hn::Set(Lanes(), static_cast<int32_t>(x)); }
@@ -53,24 +48,81 @@ HWY_INLINE Ints FirstNonzero(const Ints3& v) {
 HWY_INLINE Ints Least(Ints a, Ints b, Ints c) { return hn::Min(a, hn::Min(b, c)); }
 HWY_INLINE Ints Most(Ints a, Ints b, Ints c) { return hn::Max(a, hn::Max(b, c)); }
 
-// The corners, by axis, of up to kTriangleLanes triangles, in lattice units from `origin`; the last triangle's in the
-// lanes that are left.
-HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
-                                            std::span<const uint32_t> triangles, const Vec3i& origin) {
-  const hn::CappedTag<int32_t, 4> d4;
-  LaneVectors corner[3];
-  for (size_t t = 0; t < kTriangleLanes; ++t) {
-    const auto& indices = mesh.triangles[triangles[std::min(t, triangles.size() - 1)]];
-    for (size_t n = 0; n < 3; ++n) hn::Store(hn::LoadU(d4, vertices[indices[n]]), d4, corner[n].of[t]);
+// A form's values at three corners. Most coefficients are 0 or 1.
+template <class D, class V = hn::Vec<D> >
+HWY_INLINE std::array<V, 3> ValuesOf(D d, const Vec3i& form, const std::array<std::array<V, 3>, 3>& v) {
+  std::array<V, 3> value{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (size_t m = 0; m < 3; ++m) {
+    if (form[m] == 0) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      value[c] = form[m] == 1 ? hn::Add(value[c], v[c][m])
+                 : form[m] == -1
+                     ? hn::Sub(value[c], v[c][m])
+                     : hn::Add(value[c], hn::Mul(hn::Set(d, static_cast<hn::TFromD<D> >(form[m])), v[c][m]));
+    }
   }
+  return value;
+}
+
+// The numbers of up to kTriangleLanes triangles, padded with the last one's.
+class LaneNumbers {
+ public:
+  HWY_INLINE explicit LaneNumbers(std::span<const uint32_t> triangles) : numbers_(triangles.data()) {
+    if (triangles.size() >= kTriangleLanes) return;
+    std::fill(std::copy(triangles.begin(), triangles.end(), padded_), padded_ + kTriangleLanes, triangles.back());
+    numbers_ = padded_;
+  }
+  LaneNumbers(const LaneNumbers&) = delete;
+  LaneNumbers& operator=(const LaneNumbers&) = delete;
+
+  HWY_INLINE uint32_t operator[](size_t lane) const { return numbers_[lane]; }
+  HWY_INLINE auto Load() const { return hn::LoadU(hn::RebindToUnsigned<Lanes>(), numbers_); }
+
+ private:
+  const uint32_t* numbers_;
+  uint32_t padded_[kTriangleLanes];
+};
+
+#if HWY_TARGET != HWY_SCALAR  // which has no vectors of four
+
+// Vectors of four side by side, at row(0), row(1), ... By way of memory they would have to be written before they could
+// be read: a load waits for several stores that it spans.
+template <size_t kFirst = 0, class D, class Row>
+HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
+  constexpr size_t kRows = hn::MaxLanes(D()) / 4;
+  if constexpr (kRows == 1) {
+    return hn::LoadU(d, row(kFirst));
+  } else {
+    const hn::Half<D> half;
+    return hn::Combine(d, LoadRows<kFirst + kRows / 2>(half, row), LoadRows<kFirst>(half, row));
+  }
+}
+
+// The corners, by axis, of the triangles, in lattice units from `origin`.
+HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
+                                            const LaneNumbers& triangles, const Vec3i& origin) {
+  const Lanes d;
+  const hn::Repartition<int64_t, Lanes> pairs;
   std::array<Ints3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
-    Ints unused;
-    hn::LoadInterleaved4(Lanes(), corner[n].of[0], v[n][0], v[n][1], v[n][2], unused);
-    v[n] = Minus(v[n], Fill3(origin));
+    // Every fourth triangle's corner, from the first to the fourth on; then, in each four lanes, rows become columns.
+    const auto rows = [&](size_t first) HWY_ATTR {
+      return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[mesh.triangles[triangles[4 * m + first]][n]]; });
+    };
+    const Ints r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
+    const auto x_y_01 = hn::BitCast(pairs, hn::InterleaveLower(d, r0, r1));
+    const auto x_y_23 = hn::BitCast(pairs, hn::InterleaveLower(d, r2, r3));
+    const auto z_01 = hn::BitCast(pairs, hn::InterleaveUpper(d, r0, r1));
+    const auto z_23 = hn::BitCast(pairs, hn::InterleaveUpper(d, r2, r3));
+    v[n] = Minus({hn::BitCast(d, hn::InterleaveLower(pairs, x_y_01, x_y_23)),
+                  hn::BitCast(d, hn::InterleaveUpper(pairs, x_y_01, x_y_23)),
+                  hn::BitCast(d, hn::InterleaveLower(pairs, z_01, z_23))},
+                 Fill3(origin));
   }
   return v;
 }
+
+#endif
 
 // Asks memory for the corners of triangles that will be loaded some steps from here: neighbours in the list may be far
 // apart in the mesh, and so are their vertices.

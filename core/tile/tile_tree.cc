@@ -162,7 +162,9 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
       lists[2 * numbers[n] + 1] = children[n].fringe.data();
     }
   });
-  ForEachOf(count, [&](size_t n) { Fill(lists.data(), chunks[n]); });
+  ForEachOf(count, [&](size_t n) {
+    if (!cancelled_) Fill(lists.data(), chunks[n]);
+  });
   return children;
 }
 
@@ -220,7 +222,7 @@ void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std
     *next++ = hit;
   };
   std::array<CellGrid::Code, kBlock> codes;
-  for (size_t block = 0; block < chunk.size; block += kBlock) {
+  for (size_t block = 0; block < chunk.size && !cancelled_; block += kBlock) {
     const size_t size = std::min(kBlock, chunk.size - block);
     if (chunk.ids == nullptr) {
       grid.Encode(vertices_, mesh_.triangles.data() + chunk.first + block, nullptr, size, codes.data());
@@ -231,6 +233,7 @@ void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std
       if (!make_room(CellGrid::kMaxFewHits)) return;
       const CellHit* first = next;
       if (!CellGrid::ForEachOfFewHits(codes[n], add)) {
+        if (cancelled_) return;
         const auto [a, b, c] = mesh_.triangles[chunk.Triangle(block + n)];
         const std::vector<CellHit> many =
             grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});

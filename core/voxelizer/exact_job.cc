@@ -10,12 +10,12 @@
 #include <span>
 #include <utility>
 
-#include "core/attributes/attribute_scan.h"
 #include "core/band/band_scan.h"
 #include "core/digitize/fineness.h"
-#include "core/digitize/touching.h"
+#include "core/digitize/sift.h"
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
+#include "core/voxelizer/attribute_tiles.h"
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/scan_pool.h"
 #include "core/voxelizer/shard.h"
@@ -36,7 +36,8 @@ class ExactJob final : public VoxelizeJob {
  public:
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
            const std::optional<BandPlan>& band, std::optional<CarriedAttributes> attributes,
-           const VoxelizeOptions& options, const IndexBox& region, const std::atomic<bool>& cancelled)
+           const VoxelizeOptions& options, const IndexBox& region, const std::optional<WorldBox>& bounds,
+           const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -47,17 +48,18 @@ class ExactJob final : public VoxelizeJob {
                  supercover_.get(),
                  supercover_ ? supercover_->Margin() : ReachOf(frames_),
                  options.minimal && !supercover_,
-                 fineness_.most_tiny,
+                 met_,
                  region,
                  cancelled_},
-        attributes_(MakeAttributeContext(std::move(attributes))),
-        tree_(mesh_, 0, AtLeastReach(band ? band->reach : context_.NearMargin()),
-              AtLeastReach(band ? band->reach : context_.FarMargin()), region, cancelled_),
-        facts_(FactsOfJob(mesh_, region, cancelled)),
+        attributes_(mesh_, std::move(attributes), cancelled_),
+        tree_(mesh_, 0, attributes_.AtLeastReach(band ? band->reach : context_.NearMargin()),
+              attributes_.AtLeastReach(band ? band->reach : context_.FarMargin()), region, cancelled_),
+        bounds_(bounds),
+        facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
         solid_(options.solid),
         band_(MakeBandContext(band, region, cancelled)),
         shard_(options.shard.value_or(Shard{})),
-        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {
+        span_(SpanOf(options, mesh_, frames_, region, bounds, cancelled)) {
     if (band) facts_.band_width = band->width;
   }
 
@@ -73,16 +75,15 @@ class ExactJob final : public VoxelizeJob {
  private:
   std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
                                              const std::atomic<bool>& cancelled) const;
-  std::optional<AttributeContext> MakeAttributeContext(std::optional<CarriedAttributes> attributes) const;
-  Vec3i AtLeastReach(Vec3i margin) const;
   bool IsUnit(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
+  std::vector<TileNode> Top();
+  void ClipFrom(size_t first, Unit& out) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
   void ScanLeaf(const TileNode& node, Unit& out) const;
-  void AddAttributes(const TileNode& node, std::span<TileBricks> tiles) const;
   void Deliver(TileBricks tile, const Sink& sink, bool& paused);
 
   const SnappedMesh mesh_;
@@ -91,12 +92,13 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<const Supercover> supercover_;
   std::atomic<bool> cancelled_ = false;
   const Fineness fineness_;
+  UninitializedVector<MetLines> met_;
   const TileContext context_;
-  const std::optional<AttributeContext> attributes_;
+  const AttributeTiles attributes_;
   TileTree tree_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
-  mutable ScanPool<AttributeScan> attribute_scans_;
+  const std::optional<WorldBox> bounds_;
   JobFacts facts_;
   const std::optional<Solid> solid_;
   std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
@@ -126,21 +128,9 @@ std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPla
   return BandContext{mesh_, *plan, region, std::move(lines), cancelled_};
 }
 
-std::optional<AttributeContext> ExactJob::MakeAttributeContext(std::optional<CarriedAttributes> attributes) const {
-  if (!attributes) return std::nullopt;
-  return AttributeContext{mesh_, *std::move(attributes), cancelled_};
-}
-
-// A margin that is wide enough for attributes, too.
-Vec3i ExactJob::AtLeastReach(Vec3i margin) const {
-  if (!attributes_) return margin;
-  for (size_t m = 0; m < 3; ++m) margin[m] = std::max(margin[m], attributes_->carried.plan.reach[m]);
-  return margin;
-}
-
 // A band's tile has up to a megabyte of values, and one with attributes up to three.
 bool ExactJob::IsUnit(const TileNode& node) const {
-  if (band_ || attributes_) return tree_.IsLeaf(node);
+  if (band_ || attributes_.wanted()) return tree_.IsLeaf(node);
   const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
   return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
 }
@@ -160,7 +150,20 @@ uint64_t ExactJob::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(til
 // Whether none of a node's tiles is delivered.
 bool ExactJob::IsLeftOut(const TileNode& node) const {
   if (node.triangles.empty() && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) return true;
+  if (bounds_) {
+    const Vec3i low = (node.tile_ijk + tile_base_) * kTileSide;
+    const int32_t side = kTileSide << node.level;
+    if (bounds_->Misses({low, low + Vec3i{side, side, side}})) return true;
+  }
   return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
+}
+
+// The top of the tree, of triangles that can have voxels. The interior asks lines along an axis; and what meets no line
+// may still be the nearest to a voxel, whose attributes it then has.
+std::vector<TileNode> ExactJob::Top() {
+  if (band_ || !(fineness_.few_touch || fineness_.most_tiny)) return tree_.Top();
+  std::vector<uint32_t> triangles = SiftAll(mesh_, scan_frames_, fineness_, cancelled_, met_);
+  return (interior_ && !has_axes_) || attributes_.wanted() ? tree_.Top() : tree_.Top(std::move(triangles));
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
@@ -169,11 +172,7 @@ std::optional<TileNode> ExactJob::NextUnit() {
   if (!std::exchange(started_, true)) {
     if (!band_) tree_.SetLeafLevel(BlockLevel(tree_.level()));
     // Isolated, lest the thread that waits here take up a unit meanwhile.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      // What touches no lattice line may still be the nearest to a voxel.
-      const bool touching = fineness_.few_touch && !band_ && !attributes_ && (!interior_ || has_axes_);
-      todo_ = touching ? tree_.Top(AllTouching(mesh_, scan_frames_, cancelled_)) : tree_.Top();
-    });
+    oneapi::tbb::this_task_arena::isolate([&] { todo_ = Top(); });
     std::reverse(todo_.begin(), todo_.end());
   }
   while (!todo_.empty() && !cancelled_) {
@@ -219,8 +218,18 @@ void ExactJob::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
+  const size_t first = out.size();
   ScanLeaf(node, out);
+  ClipFrom(first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
+  attributes_.Add(node.triangles, std::span(out).subspan(first));
+}
+
+// Leaves out what is not within the bounds.
+void ExactJob::ClipFrom(size_t first, Unit& out) const {
+  if (!bounds_) return;
+  for (size_t n = first; n < out.size(); ++n) bounds_->Clip(out[n]);
+  std::erase_if(out, [](const TileBricks& tile) { return tile.bricks.empty(); });
 }
 
 void ExactJob::ScanLeaf(const TileNode& node, Unit& out) const {
@@ -232,20 +241,9 @@ void ExactJob::ScanLeaf(const TileNode& node, Unit& out) const {
     if (!tile.bricks.empty()) out.push_back(std::move(tile));
     return;
   }
-  const size_t first = out.size();
   std::unique_ptr<BlockScan> scan = scans_.Take();
   DigitizeBlock(context_, node, interior_.get(), !solid_ || solid_->surface, *scan, out);
   scans_.Give(std::move(scan));
-  if (attributes_) AddAttributes(node, std::span(out).subspan(first));
-}
-
-// `tiles`: of the node.
-void ExactJob::AddAttributes(const TileNode& node, std::span<TileBricks> tiles) const {
-  std::unique_ptr<AttributeScan> scan = attribute_scans_.Take();
-  for (TileBricks& tile : tiles) {
-    if (span_.Contains(NumberOf(tile.tile_ijk))) scan->Find(*attributes_, node.triangles, tile);
-  }
-  attribute_scans_.Give(std::move(scan));
 }
 
 // Progress is counted over the whole: of a shard it is estimated to begin and to end where equal parts do.
@@ -290,9 +288,10 @@ std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Fr
                                           std::unique_ptr<const Supercover> supercover,
                                           const std::optional<BandPlan>& band,
                                           std::optional<CarriedAttributes> attributes, const VoxelizeOptions& options,
-                                          const IndexBox& region, const std::atomic<bool>& cancelled) {
+                                          const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                          const std::atomic<bool>& cancelled) {
   return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, std::move(attributes),
-                                    options, region, cancelled);
+                                    options, region, bounds, cancelled);
 }
 
 }  // namespace latvox

@@ -9,6 +9,7 @@
 
 #include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
+#include "core/digitize/sift.h"
 #include "core/digitize/stars.h"
 #include "core/digitize/supercover.h"
 #include "core/digitize/tiny.h"
@@ -30,8 +31,9 @@ struct TileContext {
   const Supercover* supercover;  // if that is asked for; else null. It is not thinned
   Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
   bool minimal;                  // whether to thin
-  bool fine;                     // most triangles are tiny: see FindTinyCrossings
-  IndexBox region;               // local voxels outside are not delivered
+  // If most triangles are tiny, what FindTinyCrossings goes by, else empty; set before the first tile.
+  const UninitializedVector<MetLines>& met;
+  IndexBox region;  // local voxels outside are not delivered
   const std::atomic<bool>& cancelled;
 
   // How far, per axis, triangles may lie outside of a tile and still matter to it, in voxels: at first, and at all.
@@ -71,7 +73,7 @@ class TileScan {
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
   void AskRestOfPart(const TileContext& context);
-  void CompactEdges();
+  void CompactEdges(const TileContext& context);
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo

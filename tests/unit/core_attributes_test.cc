@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 #include <string>
@@ -51,13 +53,21 @@ class Oracle {
       : g_(MakeMetric(lattice).value().g),
         mesh_(Snap(mesh, lattice, {0, 0, 0}, {2, 2, 2}).value()),
         attributes_(mesh.attributes),
-        count_(count) {}
+        count_(count) {
+    for (const auto& [a, b, c] : mesh_.triangles) {
+      longest_.push_back(std::max(Distance(At(a), At(b)), Distance(At(a), At(c))));
+    }
+  }
 
   Answer At(const Vec3i& ijk) const {
     const Vec3i point = (ijk - mesh_.base_ijk) * kLatticeUnit;
     Rational nearest = -1, nearest_corner = -1;
     Answer answer;
-    for (const auto& vertices : mesh_.triangles) {
+    double least = std::numeric_limits<double>::infinity();  // of distances to first corners
+    for (const auto& vertices : mesh_.triangles) least = std::min(least, Distance(point, At(vertices[0])));
+    for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const auto& vertices = mesh_.triangles[t];
+      if (Distance(point, At(vertices[0])) - longest_[t] > 1.001 * least) continue;  // saves time alone
       const Triangle triangle{At(vertices[0]), At(vertices[1]), At(vertices[2])};
       const Rational square = SquareTo(g_, point, triangle);
       if (nearest >= 0 && square > nearest) continue;
@@ -83,11 +93,20 @@ class Oracle {
 
  private:
   const Vec3i& At(uint32_t vertex) const { return mesh_.vertices_lat[vertex]; }
+  double Distance(const Vec3i& a, const Vec3i& b) const {
+    const Vec3d d = ToDouble(b - a);
+    double square = 0;
+    for (size_t r = 0; r < 3; ++r) {
+      for (size_t c = 0; c < 3; ++c) square += d[r] * static_cast<double>(g_[c][r]) * d[c];
+    }
+    return std::sqrt(square);
+  }
 
   const Mat<int64_t, 3> g_;
   const SnappedMesh mesh_;
   const std::vector<uint32_t> attributes_;
   const uint32_t count_;
+  std::vector<double> longest_;  // of each triangle: the farther corner from the first
 };
 
 void SetRandomAttributes(uint32_t count, uint32_t below, std::mt19937& random, TriangleMesh& mesh) {
@@ -134,7 +153,7 @@ TEST(Attributes, AreThoseOfTheNearestCornerOfTheNearestTriangle) {
       options.minimal = n % 2 == 0;
       if (n % 4 == 3) options.cover = Cover::kSupercover;
       SCOPED_TRACE(testing::Message() << lattice.name() << " step " << step << " job " << n++);
-      TriangleMesh mesh = Soup(12, step, lattice, random);
+      TriangleMesh mesh = Soup(10, step, lattice, random);
       SetRandomAttributes(options.attributes, 50, random, mesh);
       tied += ExpectExact(mesh, lattice, options);
     }
@@ -168,13 +187,11 @@ TEST(Attributes, OfTiesAreTheLeast) {
   }
 }
 
-// Most of these touch no lattice line, and each has a value of its own.
+// So many that those which meet no lattice line would be left out, were they nothing to attributes.
 TEST(Attributes, OfTrianglesFarSmallerThanVoxels) {
-  TriangleMesh mesh = Sphere(8, 1.6F);
+  TriangleMesh mesh = Sphere(64, 2.3F);
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) mesh.attributes.push_back(v / 4);
-  for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kFcc}) {
-    ExpectExact(mesh, Lattice::Named(name), {.attributes = 1});
-  }
+  ExpectExact(mesh, Lattice::Named(NamedLattice::kFcc), {.attributes = 1});
 }
 
 TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
@@ -201,6 +218,16 @@ TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
   std::copy_if(carried.begin(), carried.end(), std::inserter(in_region, in_region.end()),
                [&](const auto& voxel) { return region.Contains(voxel.first); });
   EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.region = region, .attributes = 2}), 2), in_region);
+
+  const Bounds bounds{{-20, -30, -10}, {50, 41, 22}};
+  Carried in_bounds;
+  std::copy_if(carried.begin(), carried.end(), std::inserter(in_bounds, in_bounds.end()), [&](const auto& voxel) {
+    const Vec3d centre = Apply(grid.lattice.basis(), ToDouble(voxel.first));
+    bool inside = true;
+    for (size_t m = 0; m < 3; ++m) inside &= bounds.min[m] <= centre[m] && centre[m] <= bounds.max[m];
+    return inside;
+  });
+  EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.bounds = bounds, .attributes = 2}), 2), in_bounds);
 
   const size_t half = whole.tiles.size() / 2;
   const Result rest = Voxelize(mesh, grid, {.resume_after = whole.tiles[half].tile_ijk, .attributes = 2});
