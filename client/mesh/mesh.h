@@ -26,9 +26,9 @@ struct Mesh {
   std::vector<Vec3f> positions;                    // world, finite
   std::vector<std::array<uint32_t, 3>> triangles;  // each index < positions.size()
   uint64_t skipped = 0;                            // points and lines of the file; they have no surface
-  std::vector<Stretch> stretches;  // in order, parts ascending; none: all are part 0, without a material
-  uint32_t materials = 0;          // that stretches name
-  std::vector<Color> colors;       // of each position; of fewer: some have none
+  std::vector<Stretch> stretches = {};  // in order, parts ascending; none: all are part 0, without a material
+  uint32_t materials = 0;               // that stretches name
+  std::vector<Color> colors = {};       // of each position; of fewer: some have none
 };
 
 }  // namespace latvox::client
