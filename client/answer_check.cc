@@ -38,6 +38,22 @@ Vec3i TileOf(const Vec3i& brick_ijk) {
   return {brick_ijk[0] >> kTileBitsInBricks, brick_ijk[1] >> kTileBitsInBricks, brick_ijk[2] >> kTileBitsInBricks};
 }
 
+size_t CountVoxels(const std::vector<Brick>& bricks) {
+  size_t voxels = 0;
+  for (const Brick& brick : bricks) voxels += CountVoxels(brick);
+  return voxels;
+}
+
+// Adds each brick with its part of the values, of which there are `each` for a voxel.
+template <class T>
+void AddValues(const std::vector<Brick>& bricks, std::span<const T> values, size_t each, Digest& digest) {
+  for (const Brick& brick : bricks) {
+    const size_t count = CountVoxels(brick) * each;
+    digest.Add(brick, values.first(count));
+    values = values.subspan(count);
+  }
+}
+
 }  // namespace
 
 void AnswerCheck::Tally::Add(const Tally& other) {
@@ -46,6 +62,7 @@ void AnswerCheck::Tally::Add(const Tally& other) {
   tiles += other.tiles;
   digest.Add(other.digest);
   values.Add(other.values);
+  attributes.Add(other.attributes);
 }
 
 void AnswerCheck::BeginStretch() {
@@ -109,8 +126,9 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
     if (auto status = CheckBrick(batch_[n], n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
   if (absl::Status status = TakeValues(message.values()); !status.ok()) return status;
+  if (absl::Status status = TakeAttributes(message.attributes()); !status.ok()) return status;
   if (handlers_.on_bricks) {
-    if (absl::Status status = handlers_.on_bricks({batch_, reported_, values_}); !status.ok()) return status;
+    if (auto status = handlers_.on_bricks({batch_, reported_, values_, attributes_}); !status.ok()) return status;
   }
   if (!batch_.empty()) resume_after_ = TileOf(batch_.back().brick_ijk);
   return absl::OkStatus();
@@ -173,8 +191,7 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
 
 // Of batch_, which has been checked.
 absl::Status AnswerCheck::TakeValues(std::string_view bytes) {
-  size_t voxels = 0;
-  for (const Brick& brick : batch_) voxels += CountVoxels(brick);
+  const size_t voxels = CountVoxels(batch_);
   const size_t expected = band_ ? voxels * sizeof(float) : 0;
   if (bytes.size() != expected) {
     return Broken("values has ", bytes.size(), " bytes for ", voxels, " voxels", band_ ? "" : " without a band",
@@ -186,12 +203,24 @@ absl::Status AnswerCheck::TakeValues(std::string_view bytes) {
   for (const float value : values_) {
     if (absl::Status status = CheckValue(value); !status.ok()) return status;
   }
-  std::span<const float> rest = values_;
-  for (const Brick& brick : batch_) {
-    const size_t count = CountVoxels(brick);
-    stretch_.values.Add(brick, rest.first(count));
-    rest = rest.subspan(count);
+  AddValues<float>(batch_, values_, 1, stretch_.values);
+  return absl::OkStatus();
+}
+
+absl::Status AnswerCheck::TakeAttributes(std::string_view bytes) {
+  const size_t voxels = CountVoxels(batch_), numbers = voxels * asked_.size();
+  if (bytes.size() != numbers * sizeof(uint32_t)) {
+    return Broken("attributes has ", bytes.size(), " bytes for ", asked_.size(), " each of ", voxels, " voxels, not ",
+                  numbers * sizeof(uint32_t));
   }
+  attributes_.resize(numbers);
+  if (numbers == 0) return absl::OkStatus();
+  std::memcpy(attributes_.data(), bytes.data(), bytes.size());
+  for (size_t n = 0; n < numbers; ++n) {
+    const uint32_t largest = asked_[n % asked_.size()] == Attribute::kColor ? 0xFFFFFF : 0x7FFFFFFF;
+    if (attributes_[n] > largest) return Broken("an attribute of ", attributes_[n], ", more than ", largest);
+  }
+  AddValues<uint32_t>(batch_, attributes_, asked_.size(), stretch_.attributes);
   return absl::OkStatus();
 }
 
@@ -222,6 +251,14 @@ absl::Status AnswerCheck::CheckBand(const std::optional<BandCertificate>& band) 
   return Broken("band's digest ", band->digest, ", the values' is ", stretch_.values.ToHex());
 }
 
+absl::Status AnswerCheck::CheckAttributes(const std::optional<AttributeCertificate>& certificate) const {
+  if (asked_ != (certificate ? certificate->attributes : std::vector<Attribute>())) {
+    return Broken("a certificate of other attributes than were asked for");
+  }
+  if (!certificate || certificate->digest == stretch_.attributes.ToHex()) return absl::OkStatus();
+  return Broken("attributes' digest ", certificate->digest, ", theirs is ", stretch_.attributes.ToHex());
+}
+
 absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
   Summary summary = FromProto(message);
   const auto check = [](const char* what, uint64_t theirs, uint64_t ours) {
@@ -235,7 +272,9 @@ absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
   if (summary.certificate.digest != stretch_.digest.ToHex()) {
     return Broken("digest ", summary.certificate.digest, ", the bricks' is ", stretch_.digest.ToHex());
   }
-  if (absl::Status band = CheckBand(summary.certificate.band); !band.ok()) return band;
+  status = CheckBand(summary.certificate.band);
+  status.Update(CheckAttributes(summary.certificate.attributes));
+  if (!status.ok()) return status;
   Tally all = before_;
   all.Add(stretch_);
   summary.voxels = all.voxels;
@@ -243,6 +282,7 @@ absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
   summary.tiles = all.tiles;
   summary.certificate.digest = all.digest.ToHex();
   if (band_) summary.certificate.band->digest = all.values.ToHex();
+  if (summary.certificate.attributes) summary.certificate.attributes->digest = all.attributes.ToHex();
   summary_ = summary;
   return absl::OkStatus();
 }

@@ -20,9 +20,10 @@ namespace latvox::client {
 // to go on after resume_after(). Memory: one batch and 12 bytes for each tile seen.
 class AnswerCheck {
  public:
-  // `mesh_bytes` is the length of the mesh; 0: not known. `band` is what was asked for.
-  AnswerCheck(const VoxelizeHandlers& handlers, uint64_t mesh_bytes, const std::optional<Band>& band = std::nullopt)
-      : handlers_(handlers), mesh_bytes_(mesh_bytes), band_(band) {}
+  // `mesh_bytes` is the length of the mesh; 0: not known. `band` and `attributes` are what was asked for.
+  AnswerCheck(const VoxelizeHandlers& handlers, uint64_t mesh_bytes, const std::optional<Band>& band = std::nullopt,
+              const std::vector<Attribute>& attributes = {})
+      : handlers_(handlers), mesh_bytes_(mesh_bytes), band_(band), asked_(attributes) {}
 
   // The next answers are of a new stream. Not needed before the first one.
   void BeginStretch();
@@ -45,25 +46,29 @@ class AnswerCheck {
   absl::Status TakeMasks(const v1::BrickBatch& message);
   absl::Status TakePacked(const v1::BrickBatch& message);
   absl::Status TakeValues(std::string_view bytes);
+  absl::Status TakeAttributes(std::string_view bytes);
   absl::Status CheckValue(float value) const;
   absl::Status TakeSummary(const v1::Summary& message);
   absl::Status CheckBand(const std::optional<BandCertificate>& band) const;
+  absl::Status CheckAttributes(const std::optional<AttributeCertificate>& certificate) const;
   double BandWidth() const;
   absl::Status CheckBrick(const Brick& brick, const Brick* previous);
 
   const VoxelizeHandlers& handlers_;
   const uint64_t mesh_bytes_;
   const std::optional<Band> band_;
+  const std::vector<Attribute> asked_;
   std::optional<Accepted> accepted_;
   std::optional<Summary> summary_;
   std::optional<Vec3i> resume_after_;
   std::vector<Brick> batch_;
   std::vector<float> values_;         // of batch_
+  std::vector<uint32_t> attributes_;  // likewise
   std::string packed_;                // of the last batch that was a zstd frame
   absl::flat_hash_set<Vec3i> tiles_;  // all that earlier bricks lie in
   struct Tally {
     uint64_t voxels = 0, bricks = 0, tiles = 0;
-    Digest digest, values;
+    Digest digest, values, attributes;
     void Add(const Tally& other);
   };
   Tally before_, stretch_;              // of the streams before this one, and of this one

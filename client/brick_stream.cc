@@ -29,7 +29,8 @@ class BrickStream::State {
   struct Batch {
     std::vector<Brick> bricks;  // kept from turn to turn, for its memory
     double progress = 0;
-    std::vector<float> values;  // kept likewise
+    std::vector<float> values;         // kept likewise
+    std::vector<uint32_t> attributes;  // and these
   };
 
   void Run(const Call& call, CallOptions options);
@@ -97,10 +98,11 @@ absl::Status BrickStream::State::Offer(const BrickBatch& batch) {
   }
   // Nobody else looks at this place, or writes offered_.
   Batch& place = ring_[offered_ % ring_.size()];
-  const auto& [bricks, progress, values] = batch;  // all there is to a batch
+  const auto& [bricks, progress, values, attributes] = batch;  // all there is to a batch
   place.bricks.assign(bricks.begin(), bricks.end());
   place.progress = progress;
   place.values.assign(values.begin(), values.end());
+  place.attributes.assign(attributes.begin(), attributes.end());
   const std::lock_guard lock(mutex_);
   ++offered_;
   changed_.notify_all();
@@ -126,7 +128,7 @@ absl::StatusOr<std::optional<BrickBatch>> BrickStream::State::Next() {
   const Batch& batch = ring_[taken_ % ring_.size()];
   ++taken_;
   changed_.notify_all();
-  return BrickBatch{batch.bricks, batch.progress, batch.values};
+  return BrickBatch{batch.bricks, batch.progress, batch.values, batch.attributes};
 }
 
 std::optional<Summary> BrickStream::State::summary() const {

@@ -16,9 +16,10 @@ absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest&
   Voxelization all;
   const auto accept = [&all](const Accepted& accepted) { return all.accepted = accepted, absl::OkStatus(); };
   const auto take = [&all](const BrickBatch& batch) {
-    const auto& [bricks, progress, values] = batch;  // all there is to a batch
+    const auto& [bricks, progress, values, attributes] = batch;  // all there is to a batch
     all.bricks.insert(all.bricks.end(), bricks.begin(), bricks.end());
     all.values.insert(all.values.end(), values.begin(), values.end());
+    all.attributes.insert(all.attributes.end(), attributes.begin(), attributes.end());
     return absl::OkStatus();
   };
   absl::StatusOr<Summary> summary = client.Voxelize(request, mesh, {.on_accepted = accept, .on_bricks = take}, options);

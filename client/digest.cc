@@ -12,14 +12,20 @@ namespace latvox::client {
 // Brick's words are copied to and from the wire as they lie in memory.
 static_assert(std::endian::native == std::endian::little, "bricks are little-endian on the wire");
 
-void Digest::Add(const Brick& brick, std::span<const float> values) {
+void Digest::Add(const Brick& brick, std::span<const float> values) { Add(brick, values.data(), values.size_bytes()); }
+
+void Digest::Add(const Brick& brick, std::span<const uint32_t> attributes) {
+  Add(brick, attributes.data(), attributes.size_bytes());
+}
+
+void Digest::Add(const Brick& brick, const void* values, size_t bytes) {
   constexpr size_t kIjkBytes = sizeof(brick.brick_ijk), kMaskBytes = sizeof(brick.mask);
   static_assert(kIjkBytes + kMaskBytes == 76);
-  char bytes[kIjkBytes + kMaskBytes + 512 * sizeof(float)];
-  std::memcpy(bytes, brick.brick_ijk.data(), kIjkBytes);
-  std::memcpy(bytes + kIjkBytes, brick.mask.data(), kMaskBytes);
-  if (!values.empty()) std::memcpy(bytes + kIjkBytes + kMaskBytes, values.data(), values.size_bytes());
-  const XXH128_hash_t hash = XXH3_128bits(bytes, kIjkBytes + kMaskBytes + values.size_bytes());
+  char hashed[kIjkBytes + kMaskBytes + 3 * 512 * sizeof(uint32_t)];
+  std::memcpy(hashed, brick.brick_ijk.data(), kIjkBytes);
+  std::memcpy(hashed + kIjkBytes, brick.mask.data(), kMaskBytes);
+  if (bytes != 0) std::memcpy(hashed + kIjkBytes + kMaskBytes, values, bytes);
+  const XXH128_hash_t hash = XXH3_128bits(hashed, kIjkBytes + kMaskBytes + bytes);
   Add(hash.high64, hash.low64);
 }
 

@@ -77,6 +77,20 @@ struct Band {
   bool is_signed = false;  // distances are negative inside; the mesh must be closed
 };
 
+// What voxels may carry of the mesh: the number of the nearest corner of the nearest triangle. See Attribute in the
+// protocol, which also says how a Draco mesh has them.
+enum class Attribute {
+  kPart,      // which part of the mesh
+  kMaterial,  // which material
+  kColor,     // red, green and blue of 0 to 255: red << 16 | green << 8 | blue
+};
+
+// "part", "material" or "color".
+constexpr const char* NameOf(Attribute attribute) {
+  constexpr const char* kNames[] = {"part", "material", "color"};
+  return kNames[static_cast<size_t>(attribute)];
+}
+
 // How bricks travel; what arrives is the same.
 enum class BrickEncoding {
   kMasks,       // 76 bytes a brick
@@ -118,6 +132,9 @@ struct VoxelizeRequest {
   // A band instead of voxels that separate. Not with verify, solid, a cover or a separability other than the default,
   // or with an algorithm other than kExact; minimal does not apply.
   std::optional<Band> band = std::nullopt;
+  // What the voxels are to carry, each attribute once; the mesh must have it. Not with solid, band, or an algorithm
+  // other than kExact.
+  std::vector<Attribute> attributes = {};
   // Only voxels whose centres lie in this box, exactly, as they are in the whole; the lattice does not move.
   // Not with verify.
   std::optional<WorldBox> bounds = std::nullopt;
@@ -174,6 +191,8 @@ struct BrickBatch {
   double progress = 0;            // share of the work done, 0 to 1, never decreasing
   // Of a band: the distance of each voxel, world units; brick after brick, of a brick in lexicographic order of ijk.
   std::span<const float> values = {};
+  // With VoxelizeRequest.attributes: as many numbers for each voxel, in their order; voxels are in that of `values`.
+  std::span<const uint32_t> attributes = {};
 };
 
 // How a mesh was filled.
@@ -188,6 +207,12 @@ struct BandCertificate {
   double width = 0;        // world units
   bool is_signed = false;  // distances inside are negative
   std::string digest;      // of voxels and distances, 32 hexadecimal digits
+};
+
+// What the voxels carry.
+struct AttributeCertificate {
+  std::vector<Attribute> attributes;  // as VoxelizeRequest has them
+  std::string digest;                 // of voxels and what they carry, 32 hexadecimal digits
 };
 
 // What was proved or checked of the result.
@@ -208,8 +233,9 @@ struct Certificate {
   std::optional<Shard> shard;       // the part that this is, if one was asked for
   std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
   std::string cover;                // "separating" or "supercover"
-  std::optional<BandCertificate> band = std::nullopt;  // what the distances are, if a band was asked for
-  bool whole_minimal = false;                          // minimal is true of the whole that this is a part of
+  std::optional<BandCertificate> band = std::nullopt;             // what the distances are, if a band was asked for
+  std::optional<AttributeCertificate> attributes = std::nullopt;  // what the voxels carry, if anything
+  bool whole_minimal = false;                                     // minimal is true of the whole that this is a part of
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.
@@ -235,10 +261,11 @@ struct Summary {
 
 // A whole voxelization in memory.
 struct Voxelization {
-  Accepted accepted;          // grid and box
-  std::vector<Brick> bricks;  // in the order in which they came, which is the same each time
-  std::vector<float> values;  // of a band: their voxels' distances, as BrickBatch has them
-  Summary summary;            // counts and certificate
+  Accepted accepted;                      // grid and box
+  std::vector<Brick> bricks;              // in the order in which they came, which is the same each time
+  std::vector<float> values;              // of a band: their voxels' distances, as BrickBatch has them
+  Summary summary;                        // counts and certificate
+  std::vector<uint32_t> attributes = {};  // what their voxels carry, as BrickBatch has it
 };
 
 // The limits that requests are held against.

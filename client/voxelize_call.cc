@@ -17,7 +17,7 @@ VoxelizeCall::VoxelizeCall(Connection& connection, const VoxelizeRequest& reques
       drc_(drc),
       handlers_(handlers),
       options_(options),
-      check_(handlers, mesh.bytes, request.band),
+      check_(handlers, mesh.bytes, request.band, request.attributes),
       tries_(connection, options, drc ? nullptr : &mesh) {}
 
 absl::StatusOr<Summary> VoxelizeCall::Run() {

@@ -109,6 +109,29 @@ v1::Band ToProto(const Band& band) {
 
 BandCertificate FromProto(const v1::BandCertificate& band) { return {band.width(), band.signed_(), band.digest()}; }
 
+v1::Attribute ToProto(Attribute attribute) {
+  switch (attribute) {
+    case Attribute::kPart:
+      return v1::ATTRIBUTE_PART;
+    case Attribute::kMaterial:
+      return v1::ATTRIBUTE_MATERIAL;
+    case Attribute::kColor:
+      return v1::ATTRIBUTE_COLOR;
+  }
+  return v1::ATTRIBUTE_UNSPECIFIED;
+}
+
+// What is unknown is left out.
+AttributeCertificate FromProto(const v1::AttributeCertificate& certificate) {
+  AttributeCertificate out{{}, certificate.digest()};
+  for (const int number : certificate.attributes()) {
+    for (const Attribute attribute : {Attribute::kPart, Attribute::kMaterial, Attribute::kColor}) {
+      if (number == ToProto(attribute)) out.attributes.push_back(attribute);
+    }
+  }
+  return out;
+}
+
 MeshFacts FromProto(const v1::MeshFacts& mesh) {
   return {.triangles = mesh.triangles(),
           .vertices = mesh.vertices(),
@@ -121,24 +144,26 @@ MeshFacts FromProto(const v1::MeshFacts& mesh) {
 }
 
 Certificate FromProto(const v1::Certificate& certificate) {
-  return {.lattice = certificate.lattice(),
-          .separability = certificate.separability(),
-          .tunnel_free = certificate.tunnel_free(),
-          .minimal = certificate.minimal(),
-          .verified = certificate.verified(),
-          .tunnels = certificate.tunnels(),
-          .redundant = certificate.redundant(),
-          .closed = certificate.closed(),
-          .snap_error_max = certificate.snap_error_max(),
-          .quantization_bits = certificate.quantization_bits(),
-          .algorithm = certificate.algorithm(),
-          .version = certificate.version(),
-          .digest = certificate.digest(),
-          .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
-          .solid = SolidFactsOf(certificate),
-          .cover = certificate.cover(),
-          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt,
-          .whole_minimal = certificate.whole_minimal()};
+  return {
+      .lattice = certificate.lattice(),
+      .separability = certificate.separability(),
+      .tunnel_free = certificate.tunnel_free(),
+      .minimal = certificate.minimal(),
+      .verified = certificate.verified(),
+      .tunnels = certificate.tunnels(),
+      .redundant = certificate.redundant(),
+      .closed = certificate.closed(),
+      .snap_error_max = certificate.snap_error_max(),
+      .quantization_bits = certificate.quantization_bits(),
+      .algorithm = certificate.algorithm(),
+      .version = certificate.version(),
+      .digest = certificate.digest(),
+      .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
+      .solid = SolidFactsOf(certificate),
+      .cover = certificate.cover(),
+      .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt,
+      .attributes = certificate.has_attributes() ? std::optional(FromProto(certificate.attributes())) : std::nullopt,
+      .whole_minimal = certificate.whole_minimal()};
 }
 
 }  // namespace
@@ -178,6 +203,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   spec.set_cover(ToProto(request.cover));
   spec.set_encoding(ToProto(request.encoding));
   if (request.band) *spec.mutable_band() = ToProto(*request.band);
+  for (const Attribute attribute : request.attributes) spec.add_attributes(ToProto(attribute));
   return spec;
 }
 

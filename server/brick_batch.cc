@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/attributes/attributes.h"
 #include "server/brick_codec.h"
 
 namespace latvox {
@@ -21,6 +22,8 @@ static_assert(kMaskBytes == 64);
 static_assert(BrickBatcher::kFullBytes + std::max(kMaxTileBricks * kBrickBytes, kMaxPackedTileBytes) < 1 << 20);
 constexpr size_t kMaxTileValueBytes = kMaxTileBricks * 512 * sizeof(float);
 static_assert(BrickBatcher::kFullBytes + kMaxTileValueBytes < 2 << 20, "the contract's limit of values");
+constexpr size_t kMaxTileAttributeBytes = kMaxTileBricks * 512 * kMaxAttributes * sizeof(uint32_t);
+static_assert(BrickBatcher::kFullBytes + kMaxTileAttributeBytes <= 3670016, "the contract's limit of attributes");
 static_assert(std::endian::native == std::endian::little, "masks and values are sent as they lie in memory");
 
 }  // namespace
@@ -29,6 +32,8 @@ void BrickBatcher::Add(const TileBricks& tile) {
   encoding_ == BrickEncoding::kMasks ? AddMasks(tile) : AddPacked(tile);
   batch_.mutable_values()->append(reinterpret_cast<const char*>(tile.values.data()),
                                   tile.values.size() * sizeof(float));
+  batch_.mutable_attributes()->append(reinterpret_cast<const char*>(tile.attributes.data()),
+                                      tile.attributes.size() * sizeof(uint32_t));
   bricks_ += tile.bricks.size();
   progress_ = std::clamp(tile.progress, progress_, 1.0);
 }
@@ -72,7 +77,8 @@ void BrickBatcher::TakePacked() {
 
 bool BrickBatcher::full() const {
   const size_t bytes = encoding_ == BrickEncoding::kMasks ? bricks_ * kBrickBytes : packed_bytes_;
-  return bytes + batch_.values().size() >= full_bytes_ || bricks_ > kMaxBricks - kMaxTileBricks;
+  return bytes + batch_.values().size() + batch_.attributes().size() >= full_bytes_ ||
+         bricks_ > kMaxBricks - kMaxTileBricks;
 }
 
 v1::BrickBatch BrickBatcher::Take() {

@@ -19,7 +19,8 @@ class BrickBatcher {
  public:
   // A batch is full at this size, before zstd, but the first ones of a stream at an eighth, a quarter and a half of it,
   // so that the client has something to do early. One more tile is at most 512 * 76 bytes: messages stay below 1 MiB.
-  // With values, of which a tile has up to 1 MiB, they stay below 3 MiB.
+  // With values, of which a tile has up to 1 MiB, they stay below 3 MiB; with attributes, of which it has
+  // up to 3 MiB, below 4.
   static constexpr size_t kFullBytes = size_t{512} << 10;
   static constexpr size_t kFirstFullBytes = kFullBytes / 8;
   // The contract's limit, which what is packed well comes to first.

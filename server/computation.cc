@@ -29,6 +29,8 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 // the threads, what they scan with; of the mesh, its arrays and the job's, as measured, and half as much again.
 constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
+constexpr uint64_t kAttributeThreadBytes = uint64_t{16} << 20;
+constexpr uint64_t kBytesPerAttribute = 6;  // of a vertex
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 // Of sets that are kept: a brick, in a vector and an index that double as they grow; and where bricks are not counted
 // beforehand, a voxel, of which a surface has at least ten in a brick.
@@ -114,7 +116,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
-      std::exchange(mesh_, {}), environment_.limits,
+      std::exchange(mesh_, {}), environment_.limits, spec_.attributes,
       [this](uint64_t triangles, uint64_t vertices) {
         return memory_.Grow(mesh_bytes_ + BytesOf(triangles, vertices));
       },
@@ -128,7 +130,9 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
 // Of a job with such a mesh.
 uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
-  return kStreamBytes + threads * kThreadBytes + triangles * kBytesPerTriangle + vertices * kBytesPerVertex;
+  const uint64_t attributes = spec_.attributes.count;
+  return kStreamBytes + threads * (kThreadBytes + (attributes != 0 ? kAttributeThreadBytes : 0)) +
+         triangles * kBytesPerTriangle + vertices * (kBytesPerVertex + attributes * kBytesPerAttribute);
 }
 
 // What a job takes more if it fills.

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
+#include "server/attribute_convert.h"
 #include "server/errors.h"
 #include "server/fill_convert.h"
 
@@ -301,6 +302,10 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
     if (!digest.ok()) return digest.status();
     job.mesh_digest = *digest;
   }
+  const absl::StatusOr<MeshAttributes> attributes = AttributesFromProto(spec, job.options);
+  if (!attributes.ok()) return attributes.status();
+  job.attributes = *attributes;
+  job.options.attributes = attributes->count;
   return job;
 }
 
@@ -355,6 +360,7 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   if (const auto& solid = spec.options.solid) {
     *certificate.mutable_fill() = FillFactsToProto(*solid, facts);
   }
+  if (spec.attributes.count != 0) *certificate.mutable_attributes() = AttributesToProto(spec.attributes, totals);
   return certificate;
 }
 

@@ -11,6 +11,7 @@
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/brick_batch.h"
 #include "server/limits.h"
+#include "server/mesh_attributes.h"
 #include "server/mesh_store.h"
 
 namespace latvox {
@@ -25,6 +26,7 @@ struct JobSpec {
   BrickEncoding encoding = BrickEncoding::kMasks;
   uint64_t mesh_bytes = 0;  // declared length of the encoded mesh; 0: unknown
   std::optional<MeshDigest> mesh_digest = std::nullopt;
+  MeshAttributes attributes = {};  // that the mesh must have; options.attributes of them
 };
 
 // Checks everything that can be checked without the mesh. Errors: INVALID_ARGUMENT, and RESOURCE_EXHAUSTED for

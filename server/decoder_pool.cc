@@ -72,9 +72,10 @@ DecoderPool::~DecoderPool() {
   close(wake_);
 }
 
-std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(absl::Cord bytes, const Limits& limits, Reserve reserve,
-                                                          Done done) {
-  auto job = std::make_shared<DecodeJob>(DecodeJob{std::move(bytes), limits, std::move(reserve), std::move(done)});
+std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(absl::Cord bytes, const Limits& limits,
+                                                          const MeshAttributes& wanted, Reserve reserve, Done done) {
+  auto job =
+      std::make_shared<DecodeJob>(DecodeJob{std::move(bytes), limits, wanted, std::move(reserve), std::move(done)});
   auto decode = std::make_shared<PooledDecode>(*this, job);
   {
     const std::lock_guard lock(mu_);

@@ -78,9 +78,12 @@ MeshReceiver::Progress MeshReceiver::Take(FrameKind kind, absl::string_view fram
       return TakeVertices(frame);
     case FrameKind::kTriangles:
       return TakeTriangles(frame);
+    case FrameKind::kAttributes:
+      return TakeAttributes(frame);
     case FrameKind::kDone: {
       const bool complete = head_ && frame.empty() && mesh_.mesh.vertices.size() == head_->vertices &&
-                            mesh_.mesh.triangles.size() == head_->triangles;
+                            mesh_.mesh.triangles.size() == head_->triangles &&
+                            mesh_.mesh.attributes.size() == attributes();
       return complete ? Progress::kDone : Progress::kBroken;
     }
     case FrameKind::kError:
@@ -105,6 +108,7 @@ MeshReceiver::Progress MeshReceiver::TakeHead(absl::string_view frame) {
   // Takes addresses now, and memory as the elements come.
   mesh_.mesh.vertices.reserve(head->vertices);
   mesh_.mesh.triangles.reserve(head->triangles);
+  mesh_.mesh.attributes.reserve(attributes());
   return Progress::kMore;
 }
 
@@ -128,6 +132,15 @@ MeshReceiver::Progress MeshReceiver::TakeTriangles(absl::string_view frame) {
     for (const uint32_t v : triangles[t]) last = std::max(last, v);
   }
   return before == triangles.size() || last < head_->vertices ? Progress::kMore : Progress::kBroken;
+}
+
+MeshReceiver::Progress MeshReceiver::TakeAttributes(absl::string_view frame) {
+  std::vector<uint32_t>& numbers = mesh_.mesh.attributes;
+  const size_t before = numbers.size();
+  if (!head_ || !Append(frame, attributes(), numbers)) return Progress::kBroken;
+  bool valid = true;
+  for (size_t n = before; n < numbers.size(); ++n) valid &= numbers[n] <= LargestOf(wanted_.kinds[n % wanted_.count]);
+  return valid ? Progress::kMore : Progress::kBroken;
 }
 
 absl::StatusOr<DecodedMesh> MeshReceiver::result() && {

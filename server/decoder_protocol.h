@@ -3,7 +3,8 @@
 //
 //   server -> process, for each mesh:  DecodeRequest, then the encoded bytes
 //   process -> server, once:           kReady, or kError
-//   process -> server, for each mesh:  kMesh, kVertices, ..., kTriangles, ..., kDone; or kError at any point
+//   process -> server, for each mesh:  kMesh, kVertices, ..., kAttributes, ..., kTriangles, ..., kDone; or kError at
+//   any point
 //
 // A socket, not shared memory: what has been received can not change any more, a process can hold back no more than a
 // socket's buffer, and one that dies leaves no mapping behind to fault on. It is the fastest, too: 16 MB take 2.6 ms
@@ -23,6 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "server/draco_decoder.h"
 #include "server/limits.h"
+#include "server/mesh_attributes.h"
 #include "server/mesh_decoder.h"
 
 namespace latvox {
@@ -30,6 +32,7 @@ namespace latvox {
 struct DecodeRequest {
   uint64_t bytes;  // that follow
   uint64_t max_triangles, max_vertices;
+  MeshAttributes attributes;  // that are wanted
 };
 
 enum class FrameKind : uint32_t {
@@ -38,7 +41,8 @@ enum class FrameKind : uint32_t {
   kVertices,   // three floats each
   kTriangles,  // three 32-bit indices each
   kDone,       // nothing
-  kError       // EncodeError
+  kError,      // EncodeError
+  kAttributes  // 32-bit numbers
 };
 
 struct FrameHeader {
@@ -65,8 +69,9 @@ absl::Status DecodeError(absl::string_view frame);
 // Puts a mesh together from a process that may have been taken over by a hostile file: it may send anything.
 class MeshReceiver {
  public:
-  explicit MeshReceiver(const Limits& limits, MeshDecoder::Reserve reserve = {})
-      : limits_(limits), reserve_(std::move(reserve)) {}
+  //   wanted   what each vertex is to have, and nothing else
+  explicit MeshReceiver(const Limits& limits, MeshDecoder::Reserve reserve = {}, const MeshAttributes& wanted = {})
+      : limits_(limits), reserve_(std::move(reserve)), wanted_(wanted) {}
 
   enum class Progress {
     kMore,     // so far, so good
@@ -85,9 +90,12 @@ class MeshReceiver {
   Progress TakeHead(absl::string_view frame);
   Progress TakeVertices(absl::string_view frame);
   Progress TakeTriangles(absl::string_view frame);
+  Progress TakeAttributes(absl::string_view frame);
+  size_t attributes() const { return size_t{head_->vertices} * wanted_.count; }
 
   const Limits limits_;
   const MeshDecoder::Reserve reserve_;
+  const MeshAttributes wanted_;
   std::optional<MeshFrame> head_;
   DecodedMesh mesh_;
   absl::Status error_;

@@ -82,10 +82,11 @@ void DecoderSlot::Fail(std::string why) {
 
 void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
   job_ = std::move(job);
-  const DecodeRequest request{job_->bytes.size(), job_->limits.max_triangles, job_->limits.max_vertices};
+  const DecodeRequest request{job_->bytes.size(), job_->limits.max_triangles, job_->limits.max_vertices,
+                              job_->attributes};
   unsent_ = absl::Cord(absl::string_view(reinterpret_cast<const char*>(&request), sizeof(request)));
   unsent_.Append(job_->bytes);
-  receiver_.emplace(job_->limits, job_->reserve);
+  receiver_.emplace(job_->limits, job_->reserve, job_->attributes);
   memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
   if (options_.memory != kNoMemoryLimit && !kAddressSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_at_begin_ = process_->CpuTime();

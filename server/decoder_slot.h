@@ -24,6 +24,7 @@ namespace latvox {
 struct DecodeJob {
   absl::Cord bytes;
   Limits limits;
+  MeshAttributes attributes;
   MeshDecoder::Reserve reserve;
   MeshDecoder::Done done;
   // Processes that ended while they had this job: by someone, and by themselves.

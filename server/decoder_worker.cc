@@ -72,6 +72,9 @@ class SendingSink final : public MeshSink {
   void Vertices(absl::Span<const Vec3f> vertices) override {
     Send(FrameKind::kVertices, vertices.data(), vertices.size() * sizeof(Vec3f));
   }
+  void Attributes(absl::Span<const uint32_t> attributes) override {
+    Send(FrameKind::kAttributes, attributes.data(), attributes.size() * sizeof(uint32_t));
+  }
   void Triangles(absl::Span<const std::array<uint32_t, 3>> triangles) override {
     Send(FrameKind::kTriangles, triangles.data(), triangles.size() * sizeof(triangles[0]));
   }
@@ -88,7 +91,8 @@ void DecodeOne(const DecodeRequest& request) {
   Limits limits;
   limits.max_triangles = request.max_triangles;
   limits.max_vertices = request.max_vertices;
-  const absl::Status status = DecodeDraco(absl::string_view(bytes.get(), request.bytes), limits, sink);
+  const absl::string_view view(bytes.get(), request.bytes);
+  const absl::Status status = DecodeDraco(view, limits, request.attributes, sink);
   if (status.ok()) return Send(FrameKind::kDone, nullptr, 0);
   SendError(status);
   if (IsOutOfMemory(status)) GiveUp();  // Draco does not promise to have given back what it had

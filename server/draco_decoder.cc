@@ -12,15 +12,12 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/draco_attributes.h"
 #include "server/draco_header.h"
 #include "server/errors.h"
 
 namespace latvox {
 namespace {
-
-absl::Status Corrupt(absl::string_view detail) {
-  return BadMesh(absl::StrCat("truncated or corrupt Draco data (", detail, ")"));
-}
 
 // Decodes but for the dequantization of POSITION: with it done, the number of bits would be lost.
 absl::StatusOr<std::unique_ptr<draco::Mesh>> RunDraco(absl::string_view bytes) {
@@ -29,16 +26,8 @@ absl::StatusOr<std::unique_ptr<draco::Mesh>> RunDraco(absl::string_view bytes) {
   draco::Decoder decoder;
   decoder.SetSkipAttributeTransform(draco::GeometryAttribute::POSITION);
   auto mesh = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!mesh.ok()) return Corrupt(mesh.status().error_msg_string());
+  if (!mesh.ok()) return CorruptDraco(mesh.status().error_msg_string());
   return std::move(mesh).value();
-}
-
-// Whether all values that the attribute claims to have lie in its buffer.
-bool IsBacked(const draco::PointAttribute& attribute) {
-  if (attribute.size() == 0 || attribute.buffer() == nullptr) return false;
-  const uint64_t end = static_cast<uint64_t>(attribute.byte_offset()) +
-                       static_cast<uint64_t>(attribute.byte_stride()) * attribute.size();
-  return end <= attribute.buffer()->data_size();
 }
 
 // Sends `count` elements to `send` in pieces; `make(n, element)` fills in the nth. Stops at its first error.
@@ -56,17 +45,11 @@ absl::Status SendPieces(uint32_t count, const Make& make, const Send& send) {
   return absl::OkStatus();
 }
 
-absl::Status CheckValues(const draco::PointAttribute& positions, uint32_t points) {
-  if (!IsBacked(positions)) return Corrupt("POSITION has no values");
-  if (!positions.is_mapping_identity() && positions.indices_map_size() < points) return Corrupt("point map");
-  return absl::OkStatus();
-}
-
 // Sends one position for each point, of whatever number type the attribute has.
 absl::Status SendVertices(const draco::PointAttribute& positions, uint32_t points, MeshSink& sink) {
   const auto read = [&](uint32_t p, Vec3f& out) {
     const draco::AttributeValueIndex value = positions.mapped_index(draco::PointIndex(p));
-    if (value.value() >= positions.size()) return Corrupt(absl::StrCat("vertex ", p, " has no position"));
+    if (value.value() >= positions.size()) return CorruptDraco(absl::StrCat("vertex ", p, " has no position"));
     const bool converted = positions.ConvertValue<float>(value, 3, out.data());
     if (!converted || !std::isfinite(out[0]) || !std::isfinite(out[1]) || !std::isfinite(out[2])) {
       return BadMesh(absl::StrCat("vertex ", p, " is not finite"));
@@ -79,9 +62,9 @@ absl::Status SendVertices(const draco::PointAttribute& positions, uint32_t point
 // The step that Draco's decoder was told to skip, by its own code: the same floats. Returns the bits.
 absl::StatusOr<uint32_t> Dequantize(const draco::PointAttribute& positions, draco::PointAttribute& out) {
   draco::AttributeQuantizationTransform quantization;
-  if (!IsBacked(positions) || !quantization.InitFromAttribute(positions)) return Corrupt("quantization");
+  if (!IsBacked(positions) || !quantization.InitFromAttribute(positions)) return CorruptDraco("quantization");
   out.Init(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, false, positions.size());
-  if (!quantization.InverseTransformAttribute(positions, &out)) return Corrupt("quantization");
+  if (!quantization.InverseTransformAttribute(positions, &out)) return CorruptDraco("quantization");
   if (!positions.is_mapping_identity()) {
     out.SetExplicitMapping(positions.indices_map_size());
     for (uint32_t p = 0; p < positions.indices_map_size(); ++p) {
@@ -125,23 +108,30 @@ absl::Status SendTriangles(const draco::Mesh& mesh, MeshSink& sink) {
   return SendPieces<Triangle>(mesh.num_faces(), read, [&](absl::Span<const Triangle> piece) { sink.Triangles(piece); });
 }
 
+absl::Status SendAttributes(const DracoAttributes& attributes, uint32_t points, MeshSink& sink) {
+  const uint32_t count = attributes.count();
+  const auto read = [&](uint32_t n, uint32_t& out) { return attributes.Read(n / count, n % count, out); };
+  return SendPieces<uint32_t>(points * count, read, [&](absl::Span<const uint32_t> piece) { sink.Attributes(piece); });
+}
+
 // Decoders split points, so that the header's counts are not the last word.
-absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits) {
+absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits, const MeshAttributes& wanted) {
   if (mesh.num_faces() == 0) return BadMesh("no triangles");
   if (mesh.num_faces() > limits.max_triangles) {
     return LimitExceeded("mesh.triangles", mesh.num_faces(), limits.max_triangles);
   }
-  if (mesh.num_points() > limits.max_vertices) {
-    return LimitExceeded("mesh.vertices", mesh.num_points(), limits.max_vertices);
-  }
+  // All numbers of all vertices can be counted.
+  const uint64_t most = std::min<uint64_t>(limits.max_vertices, UINT32_MAX / std::max(wanted.count, 1U));
+  if (mesh.num_points() > most) return LimitExceeded("mesh.vertices", mesh.num_points(), most);
   return absl::OkStatus();
 }
 
-absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, MeshSink& sink) {
+absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted,
+                           MeshSink& sink) {
   if (absl::Status status = CheckDracoHeader(bytes, limits); !status.ok()) return status;
   const absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
   if (!mesh.ok()) return mesh.status();
-  if (absl::Status status = CheckCounts(**mesh, limits); !status.ok()) return status;
+  if (absl::Status status = CheckCounts(**mesh, limits, wanted); !status.ok()) return status;
   const absl::StatusOr<draco::PointAttribute*> encoded = PositionsOf(**mesh);
   if (!encoded.ok()) return encoded.status();
   const draco::PointAttribute* positions = *encoded;
@@ -153,9 +143,12 @@ absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, MeshSi
     size.quantization_bits = *bits;
     positions = &dequantized;
   }
-  if (absl::Status status = CheckValues(*positions, size.vertices); !status.ok()) return status;
+  if (absl::Status status = CheckValues(*positions, size.vertices, "POSITION"); !status.ok()) return status;
+  const absl::StatusOr<DracoAttributes> attributes = DracoAttributes::Find(**mesh, wanted);
+  if (!attributes.ok()) return attributes.status();
   sink.Begin(size);
   if (absl::Status status = SendVertices(*positions, size.vertices, sink); !status.ok()) return status;
+  if (absl::Status status = SendAttributes(*attributes, size.vertices, sink); !status.ok()) return status;
   return SendTriangles(**mesh, sink);
 }
 
@@ -169,6 +162,9 @@ class CollectingSink final : public MeshSink {
   }
   void Vertices(absl::Span<const Vec3f> piece) override {
     out_.mesh.vertices.insert(out_.mesh.vertices.end(), piece.begin(), piece.end());
+  }
+  void Attributes(absl::Span<const uint32_t> piece) override {
+    out_.mesh.attributes.insert(out_.mesh.attributes.end(), piece.begin(), piece.end());
   }
   void Triangles(absl::Span<const std::array<uint32_t, 3>> piece) override {
     out_.mesh.triangles.insert(out_.mesh.triangles.end(), piece.begin(), piece.end());
@@ -189,20 +185,20 @@ bool IsOutOfMemory(const absl::Status& status) {
   return CauseOf(status).value_or(ErrorCause{}).reason == "OUT_OF_MEMORY";
 }
 
-absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, MeshSink& sink) {
+absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted, MeshSink& sink) {
   try {
-    return DecodeChecked(bytes, limits, sink);
+    return DecodeChecked(bytes, limits, wanted, sink);
   } catch (const std::bad_alloc&) {
     return NoMemoryToDecode();
   } catch (const std::exception& error) {
-    return Corrupt(error.what());
+    return CorruptDraco(error.what());
   }
 }
 
-absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits) {
+absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted) {
   DecodedMesh mesh;
   CollectingSink sink(mesh);
-  if (absl::Status status = DecodeDraco(bytes, limits, sink); !status.ok()) return status;
+  if (absl::Status status = DecodeDraco(bytes, limits, wanted, sink); !status.ok()) return status;
   return mesh;
 }
 

@@ -11,6 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/types/span.h"
 #include "server/limits.h"
+#include "server/mesh_attributes.h"
 #include "server/mesh_decoder.h"
 
 namespace latvox {
@@ -19,7 +20,7 @@ struct MeshSize {
   uint32_t vertices, triangles, quantization_bits;
 };
 
-// Takes a mesh piece by piece: Begin, all vertices, all triangles. Pieces are not empty.
+// Takes a mesh piece by piece: Begin, all vertices, all attributes, all triangles. Pieces are not empty.
 class MeshSink {
  public:
   static constexpr size_t kMaxPiece = 5460;  // elements; 64 KB
@@ -27,16 +28,18 @@ class MeshSink {
   virtual ~MeshSink() = default;
   virtual void Begin(const MeshSize& size) = 0;
   virtual void Vertices(absl::Span<const Vec3f> piece) = 0;
+  virtual void Attributes(absl::Span<const uint32_t> piece) = 0;  // as TriangleMesh::attributes
   virtual void Triangles(absl::Span<const std::array<uint32_t, 3>> piece) = 0;
 };
 
 // Decodes one mesh into `sink`; if an error comes of it, what the sink has got is to be forgotten. Positions are the
 // very floats that Draco's own decoder gives out. Takes the time and the memory that the bytes make it take.
 // Errors: as MeshDecoder::Done.
-absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, MeshSink& sink);
+absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted, MeshSink& sink);
 
 // The same, all at once.
-absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits);
+absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits,
+                                        const MeshAttributes& wanted = {});
 
 // RESOURCE_EXHAUSTED with the reason OUT_OF_MEMORY.
 absl::Status NoMemoryToDecode();

@@ -10,11 +10,12 @@
 #include "absl/strings/cord.h"
 #include "core/mesh/mesh.h"
 #include "server/limits.h"
+#include "server/mesh_attributes.h"
 
 namespace latvox {
 
 struct DecodedMesh {
-  TriangleMesh mesh;               // Validate(mesh) is OK
+  TriangleMesh mesh;               // Validate(mesh) is OK; with the attributes that were wanted
   uint32_t quantization_bits = 0;  // of POSITION; 0: not quantized
 };
 
@@ -26,8 +27,8 @@ struct DecodedMesh {
 class MeshDecoder {
  public:
   // Takes the end of a decode. Runs on the decoder's thread, which serves all decodes: it must return soon.
-  // Errors: INVALID_ARGUMENT for bytes that are not one good mesh; RESOURCE_EXHAUSTED for a mesh over the limits, or
-  // over the memory or the time that a decode may take; CANCELLED after Cancel.
+  // Errors: INVALID_ARGUMENT for bytes that are not one good mesh, or one without an attribute; RESOURCE_EXHAUSTED for
+  // a mesh over the limits, or over the memory or the time that a decode may take; CANCELLED after Cancel.
   using Done = std::function<void(absl::StatusOr<DecodedMesh>)>;
 
   // Asked before the decoded mesh takes memory; what is not OK ends the decode with it. Runs as Done does; may be asked
@@ -46,7 +47,9 @@ class MeshDecoder {
 
   // Returns at once, whatever the size: `bytes` are shared, not copied. `done` is called exactly once: not within Start
   // or Cancel, so that both may be called under a lock that `done` takes, but maybe before Start has returned.
-  virtual std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, Reserve reserve, Done done) = 0;
+  //   wanted   attributes that the mesh must have
+  virtual std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted,
+                                          Reserve reserve, Done done) = 0;
 };
 
 }  // namespace latvox

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "absl/strings/escaping.h"
+#include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh_id.h"
 
@@ -28,6 +29,18 @@ absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
   return Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
+// What the corners of triangles carry.
+std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+  std::vector<uint32_t> numbers;
+  AttributeNumbers of_mesh(mesh);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const uint32_t vertex : mesh.triangles[t]) {
+      for (const Attribute attribute : attributes) numbers.push_back(of_mesh.At(t, vertex, attribute));
+    }
+  }
+  return numbers;
+}
+
 absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
   if (!MayReferToFiles(input)) {
     const auto bytes = ReadBytes(input.paths[0]);
@@ -40,7 +53,10 @@ absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
   const auto positions = Sha256Of(mesh.positions), triangles = Sha256Of(mesh.triangles);
   if (!positions.ok()) return positions.status();
   if (!triangles.ok()) return triangles.status();
-  return *positions + *triangles;
+  if (input.attributes.empty()) return *positions + *triangles;
+  const auto numbers = Sha256Of(NumbersOf(mesh, input.attributes));
+  if (!numbers.ok()) return numbers.status();
+  return *positions + *triangles + *numbers;
 }
 
 Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
@@ -61,6 +77,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};
   if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};
+  for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto& solid = request.solid) {
     json["solid"] = {static_cast<int>(solid->rule), solid->surface, solid->force_open};

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag };
+enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts };
 
 constexpr std::pair<const char*, Kind> kFields[] = {
     {"lattice", Kind::kText},
@@ -38,6 +38,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"cover", Kind::kText},
     {"band", Kind::kNumberOrText},
     {"signed", Kind::kFlag},
+    {"attributes", Kind::kTexts},
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},
@@ -51,9 +52,9 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"npy", Kind::kText},
 };
 
-constexpr const char* kTypes[] = {"a text that is not empty", "a number",
-                                  "a number or a text",       "a number or an array of numbers",
-                                  "an array of numbers",      "true or false"};
+constexpr const char* kTypes[] = {
+    "a text that is not empty", "a number",      "a number or a text",         "a number or an array of numbers",
+    "an array of numbers",      "true or false", "a text or an array of texts"};
 
 template <class... Parts>
 absl::Status Wrong(const Parts&... parts) {
@@ -88,6 +89,8 @@ bool Is(const Json& value, Kind kind) {
       return value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), is_number);
     case Kind::kFlag:
       return value.is_boolean();
+    case Kind::kTexts:
+      return IsText(value) || (value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), IsText));
   }
   return false;
 }
@@ -96,7 +99,7 @@ bool Is(const Json& value, Kind kind) {
 std::string WordOf(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
-  return absl::StrJoin(value, ",", [](std::string* out, const Json& element) { *out += element.dump(); });
+  return absl::StrJoin(value, ",", [](std::string* out, const Json& element) { *out += WordOf(element); });
 }
 
 // An error in JSON without the library's number of the line, which is always 1.

@@ -61,7 +61,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& h
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
-  auto encoded = EncodeMesh(mesh, bits);
+  auto encoded = EncodeMesh(mesh, bits, options.request.attributes);
   if (!encoded.ok()) return encoded.status();
   Upload upload{.drc = std::move(encoded->drc), .skipped = mesh.skipped};
   if (options.weld_report) upload.weld = Weld(mesh);

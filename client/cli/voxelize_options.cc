@@ -5,8 +5,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
+#include "client/cli/attributes_option.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
@@ -176,14 +176,6 @@ std::optional<Solid> InterpretSolid(const VoxelizeWords& words) {
   return std::nullopt;
 }
 
-void CheckCarryDistances(const std::vector<std::string>& outputs) {
-  for (const std::string& output : outputs) {
-    if (!CarriesDistances(output)) {
-      Refuse("--band: ", output, " cannot hold distances; ", absl::StrJoin(DistanceExtensions(), " "), " can");
-    }
-  }
-}
-
 }  // namespace
 
 void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
@@ -264,6 +256,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
     band->excludes(command.get_option(other));
   }
   command.add_flag("--signed", words.is_signed, "distances are negative inside; the mesh must be closed")->needs(band);
+  AddAttributesOption(command, words);
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
   AddMeshOptions(command, words);
@@ -324,8 +317,9 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (!words.band.empty()) {
     request.band = ParseBand(words.band);
     request.band->is_signed = words.is_signed;
-    CheckCarryDistances(options.outputs);
+    CheckCarry("--band", "distances", DistanceExtensions(), options.outputs);
   }
+  InterpretAttributes(words, options);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");

@@ -33,7 +33,7 @@ struct VoxelizeWords {
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string scale, up, input_format, npy;
   int separability = 0;
-  std::string algorithm, encoding, fill, interior_rule, cover, band;
+  std::string algorithm, encoding, fill, interior_rule, cover, band, attributes;
   bool without_surface = false, force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };

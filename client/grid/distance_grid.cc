@@ -66,7 +66,7 @@ void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(cer
 
 absl::Status DistanceGrid::Write(const std::string& path) try {
   if (content_->is_level_set) openvdb::tools::signedFloodFill(content_->grid->tree());
-  return WriteGridFile(content_->grid, path);
+  return WriteGridFile({content_->grid}, path);
 } catch (const std::exception& error) {
   return absl::UnknownError(absl::StrCat(path, ": the inside cannot be filled (", error.what(), ")"));
 }

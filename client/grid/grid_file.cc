@@ -16,14 +16,12 @@ constexpr size_t kBufferBytes = size_t{1} << 20;
 
 // io::File does not look whether its stream took everything: on a full disk it leaves half a file, and says nothing.
 struct Writer : openvdb::io::Archive {
-  void Write(const openvdb::GridBase::ConstPtr& grid, std::ostream& out) const {
-    write(out, {grid}, /*seekable=*/true);
-  }
+  void Write(const openvdb::GridCPtrVec& grids, std::ostream& out) const { write(out, grids, /*seekable=*/true); }
 };
 
 }  // namespace
 
-absl::Status WriteGridFile(const openvdb::GridBase::ConstPtr& grid, const std::string& path) {
+absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path) {
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
@@ -34,7 +32,7 @@ absl::Status WriteGridFile(const openvdb::GridBase::ConstPtr& grid, const std::s
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);
     file.exceptions(std::ios::failbit | std::ios::badbit);
-    Writer().Write(grid, file);
+    Writer().Write(grids, file);
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {

@@ -10,9 +10,9 @@
 
 namespace latvox::client {
 
-// Writes a .vdb file to `path`, over what is there; not atomic. The grid's tree writes itself, node by node, so that
-// memory is the tree's matter. Errors: UNKNOWN, with the path and what OpenVDB or the system says.
-absl::Status WriteGridFile(const openvdb::GridBase::ConstPtr& grid, const std::string& path);
+// Writes a .vdb file to `path`, over what is there; not atomic. The grids' trees write themselves, node by node, so
+// that memory is the trees' matter. Errors: UNKNOWN, with the path and what OpenVDB or the system says.
+absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path);
 
 }  // namespace latvox::client
 

@@ -68,6 +68,11 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
     grid.insertMeta("latvox_band_signed", openvdb::BoolMetadata(band->is_signed));
     Insert(grid, "latvox_band_digest", band->digest);
   }
+  if (const auto& carried = certificate.attributes) {
+    const auto name = [](std::string* out, Attribute attribute) { *out += NameOf(attribute); };
+    Insert(grid, "latvox_attributes", absl::StrJoin(carried->attributes, ",", name));
+    Insert(grid, "latvox_attributes_digest", carried->digest);
+  }
 }
 
 }  // namespace latvox::client

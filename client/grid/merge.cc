@@ -54,7 +54,7 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, con
   if (!bricks.status().ok()) return bricks.status();
   const auto grid = MakeGrid(first, common->metadata, survey.digest);
   grid->setTree(std::make_shared<StreamedTree>(survey, bricks));
-  const absl::Status written = WriteGridFile(grid, path);
+  const absl::Status written = WriteGridFile({grid}, path);
   if (!bricks.status().ok()) return bricks.status();
   if (!written.ok()) return written;
   return MergedGrid{survey.voxels, survey.leaves, leaves - survey.leaves, survey.digest.ToHex()};

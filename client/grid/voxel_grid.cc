@@ -131,7 +131,7 @@ void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certif
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 
-absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridFile(content_->grid, path); }
+absl::Status VoxelGrid::Write(const std::string& path) const { return WriteGridFile({content_->grid}, path); }
 
 absl::Status VoxelGrid::WriteNano(const std::string& path) const { return WriteNanoFile(*content_->grid, path); }
 
@@ -139,10 +139,14 @@ absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
   return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFileInfo> {
     const openvdb::GridPtrVecPtr grids = file.getGrids();
     if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
-    if (!grids->front()->transform().isLinear()) {
+    // Others may stand before it, by their names.
+    const auto is_set = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "voxels"; };
+    const auto set = std::find_if(grids->begin(), grids->end(), is_set);
+    const openvdb::GridBase& grid = set == grids->end() ? *grids->front() : **set;
+    if (!grid.transform().isLinear()) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine"));
     }
-    return Describe(*grids->front());
+    return Describe(grid);
   });
 }
 

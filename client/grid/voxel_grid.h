@@ -59,7 +59,7 @@ class VoxelGrid {
   std::unique_ptr<Content> content_;
 };
 
-// What a .vdb file holds, of its first grid.
+// What a .vdb file holds, of the grid "voxels", or else of its first.
 struct GridFileInfo {
   std::string name;                                           // of the grid
   std::string value_type;                                     // OpenVDB's: "bool", "float", ...

@@ -6,15 +6,16 @@
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <new>
+#include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh/mesh_attributes.h"
 
 namespace latvox::client {
 namespace {
@@ -24,54 +25,130 @@ constexpr int kSequentialSpeed = 10;
 // To compress attributes, Draco counts symbols in tables of 4 * 2^bits bytes: 16 MiB here, and 4 GiB at 30 bits.
 constexpr int kMaxCompressedBits = 22;
 
-using Bits3 = std::array<uint32_t, 3>;  // a position, bit by bit: float32 or quantized
+// A corner: its position, bit by bit (float32 or quantized), and the numbers of its attributes, if there are any, as
+// many words each.
+constexpr size_t kPlain = 3, kCarrying = 6;
+template <size_t kWords>
+using Corner = std::array<uint32_t, kWords>;
 
-// The mesh in Draco's form, of the positions that triangles use, each once.
-std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh) {
-  absl::flat_hash_map<Bits3, uint32_t> point_of;
-  std::vector<Vec3f> points;
+// The mesh in Draco's form, of the corners that triangles have, each once; without attributes.
+template <size_t kWords>
+std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribute>& attributes,
+                                     std::vector<Corner<kWords>>& points) {
+  absl::flat_hash_map<Corner<kWords>, uint32_t> point_of;
+  AttributeNumbers numbers(mesh);
   auto out = std::make_unique<draco::Mesh>();
   out->SetNumFaces(mesh.triangles.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     draco::Mesh::Face face;
     for (size_t n = 0; n < 3; ++n) {
-      const Vec3f& position = mesh.positions[mesh.triangles[t][n]];
-      const auto [found, fresh] =
-          point_of.try_emplace(std::bit_cast<Bits3>(position), static_cast<uint32_t>(points.size()));
-      if (fresh) points.push_back(position);
+      const uint32_t vertex = mesh.triangles[t][n];
+      Corner<kWords> corner{};
+      std::memcpy(corner.data(), mesh.positions[vertex].data(), sizeof(Vec3f));
+      if constexpr (kWords > kPlain) {
+        for (size_t a = 0; a < attributes.size(); ++a) corner[kPlain + a] = numbers.At(t, vertex, attributes[a]);
+      }
+      const auto [found, fresh] = point_of.try_emplace(corner, static_cast<uint32_t>(points.size()));
+      if (fresh) points.push_back(corner);
       face[n] = draco::PointIndex(found->second);
     }
     out->SetFace(draco::FaceIndex(static_cast<uint32_t>(t)), face);
   }
   out->set_num_points(static_cast<uint32_t>(points.size()));
-  draco::GeometryAttribute attribute;
-  attribute.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, sizeof(Vec3f), 0);
-  const int id = out->AddAttribute(attribute, /*identity_mapping=*/true, static_cast<uint32_t>(points.size()));
-  out->attribute(id)->buffer()->Write(0, points.data(), points.size() * sizeof(Vec3f));
   return out;
 }
 
-Bits3 PositionBits(const draco::PointAttribute& positions, draco::PointIndex point) {
-  Bits3 bits;
-  positions.GetMappedValue(point, bits.data());
-  return bits;
+// Adds an attribute with one value for each point.
+draco::PointAttribute& Add(draco::GeometryAttribute::Type type, int8_t components, draco::DataType number,
+                           bool normalized, draco::Mesh& mesh) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(type, nullptr, components, number, normalized, components * draco::DataTypeLength(number), 0);
+  return *mesh.attribute(mesh.AddAttribute(attribute, /*identity_mapping=*/true, mesh.num_points()));
+}
+
+template <size_t kWords>
+void AddPositions(const std::vector<Corner<kWords>>& points, draco::Mesh& mesh) {
+  draco::PointAttribute& positions =
+      Add(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, /*normalized=*/false, mesh);
+  for (uint32_t p = 0; p < points.size(); ++p) {
+    positions.SetAttributeValue(draco::AttributeValueIndex(p), points[p].data());
+  }
+}
+
+void AddAttribute(Attribute attribute, size_t word, const std::vector<Corner<kCarrying>>& points, draco::Mesh& mesh) {
+  const bool is_color = attribute == Attribute::kColor;
+  draco::PointAttribute& values =
+      is_color ? Add(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8, /*normalized=*/true, mesh)
+               : Add(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT32, /*normalized=*/false, mesh);
+  if (!is_color) {
+    auto metadata = std::make_unique<draco::AttributeMetadata>();
+    metadata->AddEntryString("name", NameOf(attribute));
+    mesh.AddAttributeMetadata(mesh.num_attributes() - 1, std::move(metadata));
+  }
+  for (uint32_t p = 0; p < points.size(); ++p) {
+    const uint32_t number = points[p][word];
+    const Color color{static_cast<uint8_t>(number >> 16), static_cast<uint8_t>(number >> 8),
+                      static_cast<uint8_t>(number)};
+    values.SetAttributeValue(draco::AttributeValueIndex(p),
+                             is_color ? static_cast<const void*>(color.data()) : static_cast<const void*>(&number));
+  }
+}
+
+std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+  if (attributes.empty()) {
+    std::vector<Corner<kPlain>> points;
+    auto out = ToDraco<kPlain>(mesh, attributes, points);
+    AddPositions(points, *out);
+    return out;
+  }
+  std::vector<Corner<kCarrying>> points;
+  auto out = ToDraco<kCarrying>(mesh, attributes, points);
+  AddPositions(points, *out);
+  for (size_t a = 0; a < attributes.size(); ++a) AddAttribute(attributes[a], kPlain + a, points, *out);
+  return out;
+}
+
+// Those of a mesh in the order of `attributes`, after its positions; fewer if some are missing or other than ours.
+std::vector<const draco::PointAttribute*> ValuesOf(const draco::Mesh& mesh, const std::vector<Attribute>& attributes) {
+  std::vector<const draco::PointAttribute*> values;
+  for (const Attribute attribute : attributes) {
+    const bool is_color = attribute == Attribute::kColor;
+    const int id = is_color ? mesh.GetNamedAttributeId(draco::GeometryAttribute::COLOR)
+                            : mesh.GetAttributeIdByMetadataEntry("name", NameOf(attribute));
+    if (id < 0) continue;
+    const draco::PointAttribute* found = mesh.attribute(id);
+    const bool same = found->data_type() == (is_color ? draco::DT_UINT8 : draco::DT_UINT32) &&
+                      found->num_components() == (is_color ? 3 : 1);
+    if (same) values.push_back(found);
+  }
+  return values;
+}
+
+template <size_t kWords>
+Corner<kWords> CornerAt(const std::vector<const draco::PointAttribute*>& values, draco::PointIndex point) {
+  Corner<kWords> corner{};
+  values[0]->GetMappedValue(point, corner.data());
+  for (size_t n = 1; n < values.size(); ++n) values[n]->GetMappedValue(point, &corner[kPlain + n - 1]);
+  return corner;
 }
 
 // A sum over all triangles of a hash of their corners, read from the smallest on: the same for two meshes, but for
 // chance, exactly if they hold the same triangles, each as often and turning the same way, in whatever order.
-uint64_t Fingerprint(const draco::Mesh& mesh, const draco::PointAttribute& positions) {
+//   values   positions, and what else corners have
+template <size_t kWords>
+uint64_t Fingerprint(const draco::Mesh& mesh, const std::vector<const draco::PointAttribute*>& values) {
   uint64_t sum = 0;
   for (uint32_t f = 0; f < mesh.num_faces(); ++f) {
-    std::array<Bits3, 3> corners;
-    for (size_t n = 0; n < 3; ++n) corners[n] = PositionBits(positions, mesh.face(draco::FaceIndex(f))[n]);
+    std::array<Corner<kWords>, 3> corners;
+    for (size_t n = 0; n < 3; ++n) corners[n] = CornerAt<kWords>(values, mesh.face(draco::FaceIndex(f))[n]);
     // Of all three rotations the least, which is unique even if corners coincide.
-    std::array<Bits3, 3> least = corners;
+    std::array<Corner<kWords>, 3> least = corners;
     for (int turn = 0; turn < 2; ++turn) {
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
       least = std::min(least, corners);
     }
     uint64_t hash = 0x9E3779B97F4A7C15;
-    for (const Bits3& corner : least) {
+    for (const Corner<kWords>& corner : least) {
       for (const uint32_t bits : corner) {
         hash = (hash ^ bits) * 0xFF51AFD7ED558CCD;
         hash ^= hash >> 32;
@@ -83,8 +160,9 @@ uint64_t Fingerprint(const draco::Mesh& mesh, const draco::PointAttribute& posit
 }
 
 // Whether the stream, decoded, holds the triangles of `mesh`: with the positions' bits if they were not quantized, else
-// with the same quantized positions, computed here from the box and the bits that the stream declares.
-bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh) {
+// with the same quantized positions, computed here from the box and the bits that the stream declares. And their
+// attributes.
+bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh, const std::vector<Attribute>& attributes) {
   draco::DecoderBuffer buffer;
   buffer.Init(stream.data(), stream.size());
   draco::Decoder decoder;
@@ -103,10 +181,17 @@ bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh) {
     if (!transform.TransformAttribute(*ours, {}, &quantized)) return false;
     ours = &quantized;
   }
-  return Fingerprint(*decoded.value(), *theirs) == Fingerprint(mesh, *ours);
+  std::vector<const draco::PointAttribute*> of_theirs = ValuesOf(*decoded.value(), attributes);
+  std::vector<const draco::PointAttribute*> of_ours = ValuesOf(mesh, attributes);
+  if (of_theirs.size() != attributes.size()) return false;
+  of_theirs.insert(of_theirs.begin(), theirs);
+  of_ours.insert(of_ours.begin(), ours);
+  const auto fingerprint = attributes.empty() ? Fingerprint<kPlain> : Fingerprint<kCarrying>;
+  return fingerprint(*decoded.value(), of_theirs) == fingerprint(mesh, of_ours);
 }
 
-absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bits, bool edgebreaker) {
+absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bits,
+                                   const std::vector<Attribute>& attributes, bool edgebreaker) {
   draco::ExpertEncoder encoder(mesh);
   const int speed = edgebreaker ? kEdgebreakerSpeed : kSequentialSpeed;
   encoder.SetSpeedOptions(speed, speed);
@@ -119,7 +204,8 @@ absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bit
   if (const auto status = encoder.EncodeToBuffer(&stream); !status.ok()) {
     return absl::InternalError(absl::StrCat("Draco cannot encode the mesh: ", status.error_msg_string()));
   }
-  if (!Holds(stream, mesh)) return absl::InternalError("Draco's encoding does not hold every triangle of the mesh");
+  if (!Holds(stream, mesh, attributes))
+    return absl::InternalError("Draco's encoding does not hold every triangle of the mesh");
   return EncodedMesh{std::string(stream.data(), stream.size()), quantization_bits, edgebreaker};
 }
 
@@ -127,15 +213,16 @@ absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bit
 
 // Edgebreaker streams are two to five times smaller, but leave out triangles with a vertex twice, and split what is not
 // manifold. Whatever does not come back whole goes sequentially, which keeps everything.
-absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits) try {
+absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
+                                       const std::vector<Attribute>& attributes) try {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles");
   if (!(LongestSide(mesh) <= std::numeric_limits<float>::max())) {
     return absl::InvalidArgumentError(absl::StrCat("the mesh's bounding box has a side of ", LongestSide(mesh),
                                                    ", which exceeds ", std::numeric_limits<float>::max()));
   }
-  const std::unique_ptr<draco::Mesh> draco_mesh = ToDraco(mesh);
-  if (auto small = Encode(*draco_mesh, quantization_bits, /*edgebreaker=*/true); small.ok()) return small;
-  return Encode(*draco_mesh, quantization_bits, /*edgebreaker=*/false);
+  const std::unique_ptr<draco::Mesh> draco_mesh = ToDraco(mesh, attributes);
+  if (auto small = Encode(*draco_mesh, quantization_bits, attributes, /*edgebreaker=*/true); small.ok()) return small;
+  return Encode(*draco_mesh, quantization_bits, attributes, /*edgebreaker=*/false);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory to encode the mesh");
 } catch (const std::exception& error) {

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/mesh/mesh_attributes.h"
 
 namespace latvox::client {
 
@@ -24,6 +26,27 @@ absl::Status Transform(const Affine& to_world, Mesh& mesh) {
   return absl::OkStatus();
 }
 
+namespace {
+
+// Parts and materials are numbered on. Before the triangles are appended.
+void AppendStretches(const Mesh& part, Mesh& mesh) {
+  if (part.triangles.empty()) return;
+  const uint32_t parts = NextPart(mesh), materials = mesh.materials;
+  const size_t triangles = mesh.triangles.size();
+  if (mesh.stretches.empty() && triangles > 0) mesh.stretches.emplace_back();
+  std::vector<Stretch> more = part.stretches;
+  if (more.empty()) more.emplace_back();
+  for (Stretch& stretch : more) {
+    stretch.first += triangles;
+    stretch.part += parts;
+    if (stretch.material) *stretch.material += materials;
+    mesh.stretches.push_back(stretch);
+  }
+  mesh.materials += part.materials;
+}
+
+}  // namespace
+
 absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
   if (auto status = Transform(to_world, part); !status.ok()) return status;
   if (mesh.triangles.empty() && mesh.positions.empty()) {
@@ -35,6 +58,10 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
   if (base + part.positions.size() > UINT32_MAX) {
     return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
   }
+  if (mesh.colors.size() == base && part.colors.size() == part.positions.size()) {
+    mesh.colors.insert(mesh.colors.end(), part.colors.begin(), part.colors.end());
+  }
+  AppendStretches(part, mesh);
   mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
   for (auto triangle : part.triangles) {
     for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/mesh/affine.h"
+#include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/mesh_join.h"
 
@@ -13,6 +14,7 @@ namespace latvox::client {
 namespace {
 
 constexpr char kStandardInputName[] = "standard input";
+constexpr char kOwnAttributes[] = "; those of a .drc count where it is sent as it is: alone, without --up and --scale";
 
 Affine ToWorld(const MeshSource& input) {
   constexpr Affine kFromX = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};
@@ -65,7 +67,12 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   for (const std::string& path : input.paths) {
     auto read = ReadOne(path, input, keep_draco);
     if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
-    if (auto status = Append(std::get<Mesh>(*std::move(read)), to_world, joined); !status.ok()) {
+    absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
+    if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
+      status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));
+    }
+    if (status.ok()) status = Append(std::get<Mesh>(*std::move(read)), to_world, joined);
+    if (!status.ok()) {
       return absl::Status(status.code(), absl::StrCat(NameOf(path), ": ", status.message()));
     }
   }

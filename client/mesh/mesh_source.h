@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
 #include "client/mesh/mesh_format.h"
+#include "client/types.h"
 
 namespace latvox::client {
 
@@ -18,12 +19,14 @@ namespace latvox::client {
 enum class UpAxis { kX, kY, kZ };
 
 // Several meshes are one: what they enclose together is not known, their triangles are. Positions are turned, then
-// multiplied by `scale` in double and rounded to float32 once.
+// multiplied by `scale` in double and rounded to float32 once. Their parts and materials are numbered in the order of
+// the paths.
 struct MeshSource {
   std::vector<std::string> paths;    // at least one; "-", once at most, is standard input
   std::optional<MeshFormat> format;  // of all of them; absent: by extension, of standard input by how it begins
   UpAxis up = UpAxis::kZ;
   double scale = 1;
+  std::vector<Attribute> attributes = {};  // that each path's mesh must have, one Draco stream aside
 };
 
 // The paths for people.
@@ -36,7 +39,7 @@ bool MayReferToFiles(const MeshSource& input);
 using MeshOrDraco = std::variant<Mesh, std::string>;
 
 // Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input is of no format that is known, a vertex is
-// not finite once it is scaled.
+// not finite once it is scaled, a mesh has no such attribute.
 absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
 
 }  // namespace latvox::client

@@ -2,11 +2,15 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh/float_text.h"
+#include "client/mesh/mesh_attributes.h"
 #include "client/mesh/polygon.h"
 
 // Why not assimp, which reads the other formats: its decimal parser misses the nearest float32 for about one number in
@@ -75,7 +79,19 @@ class Statements {
   size_t line_ = 1, next_line_ = 1;
 };
 
-absl::Status ReadPositions(absl::string_view text, std::vector<Vec3f>& positions) {
+// The three numbers from 0 to 1 that many programs write after a position. Whatever else stands there is no color.
+std::optional<Color> ReadColor(absl::string_view rest) {
+  Color color;
+  for (uint8_t& part : color) {
+    float x = 0;
+    if (!ParseFloat(NextWord(rest), x) || !(x >= 0 && x <= 1)) return std::nullopt;
+    part = static_cast<uint8_t>(std::nearbyint(x * 255));
+  }
+  return color;
+}
+
+absl::Status ReadPositions(absl::string_view text, Mesh& mesh) {
+  std::vector<Vec3f>& positions = mesh.positions;
   Statements statements(text);
   for (absl::string_view rest; statements.Next(rest);) {
     if (NextWord(rest) != "v") continue;
@@ -91,9 +107,12 @@ absl::Status ReadPositions(absl::string_view text, std::vector<Vec3f>& positions
       }
     }
     positions.push_back(position);
+    if (const auto color = ReadColor(rest)) mesh.colors.push_back(*color);
   }
   return absl::OkStatus();
 }
+
+std::string Name(absl::string_view rest) { return std::string(absl::StripAsciiWhitespace(rest)); }
 
 // "7", "7/1", "7//3", "-2": the position's index, from 1, or backwards from the last vertex before this line.
 absl::StatusOr<uint32_t> ParseCorner(absl::string_view word, size_t line, size_t vertices_before, size_t vertices) {
@@ -117,10 +136,16 @@ absl::Status ReadFaces(absl::string_view text, Mesh& mesh) {
   Statements statements(text);
   size_t vertices_before = 0;
   std::vector<uint32_t> polygon;
+  absl::flat_hash_map<std::string, uint32_t> materials;
+  Stretch stretch;
   for (absl::string_view rest; statements.Next(rest);) {
     const absl::string_view keyword = NextWord(rest);
     if (keyword == "v") ++vertices_before;
     if (keyword == "l" || keyword == "p") ++mesh.skipped;
+    if (keyword == "o") stretch.part = NextPart(mesh);
+    if (keyword == "usemtl")
+      stretch.material = materials.try_emplace(Name(rest), static_cast<uint32_t>(materials.size())).first->second;
+    if (keyword == "o" || keyword == "usemtl") BeginStretch(stretch.part, stretch.material, mesh);
     if (keyword != "f") continue;
     polygon.clear();
     for (absl::string_view word = NextWord(rest); !word.empty() && word[0] != '#'; word = NextWord(rest)) {
@@ -132,6 +157,7 @@ absl::Status ReadFaces(absl::string_view text, Mesh& mesh) {
       return LineError(statements.line(), "a face has ", polygon.size(), " corners, not 3 or more");
     Triangulate(polygon, mesh.positions, mesh.triangles);
   }
+  mesh.materials = static_cast<uint32_t>(materials.size());
   return absl::OkStatus();
 }
 
@@ -140,7 +166,7 @@ absl::Status ReadFaces(absl::string_view text, Mesh& mesh) {
 // Twice over the text: faces may name vertices that come after them, and polygons are cut where their corners lie.
 absl::StatusOr<Mesh> ParseObj(absl::string_view text) {
   Mesh mesh;
-  if (auto status = ReadPositions(text, mesh.positions); !status.ok()) return status;
+  if (auto status = ReadPositions(text, mesh); !status.ok()) return status;
   if (auto status = ReadFaces(text, mesh); !status.ok()) return status;
   return mesh;
 }

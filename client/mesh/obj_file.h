@@ -9,9 +9,10 @@
 namespace latvox::client {
 
 // Reads the `v` and `f` statements of an OBJ file's text; positions are the nearest float32 to the decimal text,
-// polygons are triangulated, `l` and `p` elements are counted as skipped, all else is ignored.
-// Errors: INVALID_ARGUMENT naming line, value and limit: an index out of range, a coordinate that is not a finite
-// number, a face of fewer than three corners.
+// polygons are triangulated, `l` and `p` elements are counted as skipped. Each `o` that faces follow is a part;
+// materials are those that `usemtl` names, in the order of their first; three numbers from 0 to 1 after each position
+// are colors. All else is ignored. Errors: INVALID_ARGUMENT naming line, value and limit: an index out of range, a
+// coordinate that is not a finite number, a face of fewer than three corners.
 absl::StatusOr<Mesh> ParseObj(absl::string_view text);
 
 }  // namespace latvox::client

@@ -1,6 +1,7 @@
 #include "client/mesh/ply_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -191,19 +192,39 @@ void SkipProperty(const Property& property, Body& body) {
   for (; body.ok() && count >= 1; --count) body.TakeNumber(property.type);
 }
 
-absl::Status ReadVertices(const Element& element, Body& body, std::vector<Vec3f>& positions) {
-  for (const char* name : {"x", "y", "z"}) {
-    const auto is = [name](const Property& property) { return property.name == name && !property.count_type; };
-    if (std::none_of(element.properties.begin(), element.properties.end(), is)) {
-      return Bad("PLY header: element vertex has no property ", name);
-    }
+// Which of the names a single number of a vertex has.
+std::optional<size_t> PlaceOf(const Property& property, const std::array<const char*, 3>& names) {
+  const auto found = std::find(names.begin(), names.end(), property.name);
+  if (property.count_type || found == names.end()) return std::nullopt;
+  return static_cast<size_t>(found - names.begin());
+}
+
+constexpr std::array<const char*, 3> kAxes{"x", "y", "z"}, kColors{"red", "green", "blue"};
+
+// The first of the names that no single number of a vertex has, of that type if there is one; null if all are there.
+const char* Missing(const Element& element, const std::array<const char*, 3>& names, std::optional<Scalar> type) {
+  for (const char* name : names) {
+    const auto is = [&](const Property& property) {
+      return property.name == name && !property.count_type && property.type == type.value_or(property.type);
+    };
+    if (std::none_of(element.properties.begin(), element.properties.end(), is)) return name;
   }
+  return nullptr;
+}
+
+absl::Status ReadVertices(const Element& element, Body& body, Mesh& mesh) {
+  if (const char* axis = Missing(element, kAxes, std::nullopt)) {
+    return Bad("PLY header: element vertex has no property ", axis);
+  }
+  const bool has_colors = Missing(element, kColors, Scalar::kUint8) == nullptr;
   for (uint64_t n = 0; n < element.count; ++n) {
     Vec3f position{};
+    Color color{};
     for (const Property& property : element.properties) {
-      const size_t axis = absl::string_view("xyz").find(property.name);
-      if (property.name.size() == 1 && axis != absl::string_view::npos && !property.count_type) {
-        position[axis] = body.TakeFloat(property.type);
+      if (const auto axis = PlaceOf(property, kAxes)) {
+        position[*axis] = body.TakeFloat(property.type);
+      } else if (const auto part = PlaceOf(property, kColors); part && has_colors) {
+        color[*part] = static_cast<uint8_t>(std::min(std::max(0.0, body.TakeNumber(property.type)), 255.0));
       } else {
         SkipProperty(property, body);
       }
@@ -212,7 +233,8 @@ absl::Status ReadVertices(const Element& element, Body& body, std::vector<Vec3f>
     for (const float coordinate : position) {
       if (!std::isfinite(coordinate)) return Bad("vertex ", n, " is not finite (", coordinate, ")");
     }
-    positions.push_back(position);
+    mesh.positions.push_back(position);
+    if (has_colors) mesh.colors.push_back(color);
   }
   return absl::OkStatus();
 }
@@ -277,7 +299,7 @@ absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
   Body body(bytes, header->format);
   Mesh mesh;
   for (const Element& element : header->elements) {
-    absl::Status status = element.name == "vertex" ? ReadVertices(element, body, mesh.positions)
+    absl::Status status = element.name == "vertex" ? ReadVertices(element, body, mesh)
                           : element.name == "face" ? ReadFaces(element, body, mesh)
                                                    : SkipElement(element, body);
     if (!status.ok()) return status;

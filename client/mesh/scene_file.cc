@@ -3,6 +3,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
@@ -10,6 +11,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh/affine.h"
+#include "client/mesh/mesh_attributes.h"
 
 namespace latvox::client {
 namespace {
@@ -18,7 +20,16 @@ Affine ToAffine(const aiMatrix4x4& m) {
   return {{{m.a1, m.a2, m.a3, m.a4}, {m.b1, m.b2, m.b3, m.b4}, {m.c1, m.c2, m.c3, m.c4}}};
 }
 
-absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) {
+// As bytes; beyond 0 and 1 glTF has no colors.
+Color ToColor(const aiColor4D& color) {
+  const auto byte = [](float x) {
+    return static_cast<uint8_t>(std::nearbyint(std::min(std::max(0.0F, x), 1.0F) * 255));
+  };
+  return {byte(color.r), byte(color.g), byte(color.b)};
+}
+
+// `number`: of the part.
+absl::Status AppendMesh(const aiMesh& part, uint32_t number, const Affine& to_world, Mesh& mesh) {
   const size_t base = mesh.positions.size();
   if (base + part.mNumVertices > UINT32_MAX) {
     return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
@@ -32,6 +43,10 @@ absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) 
     }
     mesh.positions.push_back(position);
   }
+  if (part.mColors[0] != nullptr && mesh.colors.size() == base) {
+    for (unsigned v = 0; v < part.mNumVertices; ++v) mesh.colors.push_back(ToColor(part.mColors[0][v]));
+  }
+  BeginStretch(number, part.mMaterialIndex, mesh);
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
     if (face.mNumIndices != 3) {
@@ -54,8 +69,10 @@ absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) 
 
 absl::Status AppendNode(const aiScene& scene, const aiNode& node, const Affine& parent, Mesh& mesh) {
   const Affine to_world = parent * ToAffine(node.mTransformation);
+  const uint32_t number = NextPart(mesh);
   for (unsigned n = 0; n < node.mNumMeshes; ++n) {
-    if (auto status = AppendMesh(*scene.mMeshes[node.mMeshes[n]], to_world, mesh); !status.ok()) return status;
+    const aiMesh& part = *scene.mMeshes[node.mMeshes[n]];
+    if (auto status = AppendMesh(part, number, to_world, mesh); !status.ok()) return status;
   }
   for (unsigned n = 0; n < node.mNumChildren; ++n) {
     if (auto status = AppendNode(scene, *node.mChildren[n], to_world, mesh); !status.ok()) return status;
@@ -74,6 +91,7 @@ absl::StatusOr<Mesh> ReadScene(const Read& read) try {
     return absl::InvalidArgumentError(absl::StrCat("cannot be read as a mesh (", reason, ")"));
   }
   Mesh mesh;
+  mesh.materials = scene->mNumMaterials;
   if (scene->mRootNode != nullptr) {
     if (auto status = AppendNode(*scene, *scene->mRootNode, kIdentity, mesh); !status.ok()) return status;
   }

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh/float_text.h"
+#include "client/mesh/mesh_attributes.h"
 
 // Why not assimp, which reads glTF: its decimal parser misses the nearest float32, and its errors name no line.
 namespace latvox::client {
@@ -103,6 +105,7 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
   for (absl::string_view word = words.Next(); !word.empty(); word = words.Next()) {
     const std::string statement = absl::AsciiStrToLower(word);
     if (statement == "solid" || statement == "endsolid") {
+      BeginStretch(NextPart(mesh), std::nullopt, mesh);
       words.SkipLine();  // a name, which may be anything
     } else if (statement == "facet" || statement == "outer") {
       // A normal, which nothing needs; "loop".

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/error.h"
+#include "client/grid/attribute_grids.h"
 #include "client/grid/distance_grid.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
@@ -77,16 +80,27 @@ std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, c
   return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), new_grid, &DistanceGrid::Write);
 }
 
-using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, bool distances);
+std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+  const auto new_grids = [attributes = request.attributes](const GridTransform& grid) {
+    return AttributeGrids(grid, attributes);
+  };
+  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), new_grids, &AttributeGrids::Write);
+}
+
+std::unique_ptr<Output> NewColoredGlbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&) {
+  return NewGlbOutput(std::move(file));
+}
+
+using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const TableColumns&);
 
 template <NewTable new_table>
 std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file) {
-  return new_table(std::move(file), /*distances=*/false);
+  return new_table(std::move(file), {});
 }
 
 template <NewTable new_table>
-std::unique_ptr<Output> NewDistanceTable(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&) {
-  return new_table(std::move(file), /*distances=*/true);
+std::unique_ptr<Output> NewWiderTable(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+  return new_table(std::move(file), {request.band.has_value(), request.attributes});
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
@@ -103,14 +117,26 @@ constexpr std::pair<const char*, NewOutput> kFormats[] = {
     {".vox", NewVoxOutput},
 };
 
-using NewDistanceOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&);
+// Of requests for more than voxels.
+using NewWiderOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&);
+using WiderFormats = std::span<const std::pair<const char*, NewWiderOutput>>;
 
-constexpr std::pair<const char*, NewDistanceOutput> kDistanceFormats[] = {
+constexpr std::pair<const char*, NewWiderOutput> kDistanceFormats[] = {
     {".vdb", NewDistanceVdbOutput},
-    {".csv", NewDistanceTable<NewCsvOutput>},
-    {".npy", NewDistanceTable<NewNpyOutput>},
-    {".ply", NewDistanceTable<NewPlyOutput>},
+    {".csv", NewWiderTable<NewCsvOutput>},
+    {".npy", NewWiderTable<NewNpyOutput>},
+    {".ply", NewWiderTable<NewPlyOutput>},
 };
+
+constexpr std::pair<const char*, NewWiderOutput> kAttributeFormats[] = {
+    {".vdb", NewAttributeVdbOutput},       {".csv", NewWiderTable<NewCsvOutput>}, {".npy", NewWiderTable<NewNpyOutput>},
+    {".ply", NewWiderTable<NewPlyOutput>}, {".glb", NewColoredGlbOutput},  // the last, for it holds colors alone
+};
+
+WiderFormats FormatsFor(const std::vector<Attribute>& attributes) {
+  const bool color_alone = attributes == std::vector<Attribute>{Attribute::kColor};
+  return WiderFormats(kAttributeFormats).first(std::size(kAttributeFormats) - (color_alone ? 0 : 1));
+}
 
 std::string ExtensionOf(const std::string& path) {
   return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
@@ -121,26 +147,32 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
       absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", absl::StrJoin(extensions, " ")));
 }
 
-absl::StatusOr<std::unique_ptr<Output>> OpenDistanceOutput(const std::string& path, const VoxelizeRequest& request) {
-  for (const auto& [extension, new_output] : kDistanceFormats) {
+std::vector<std::string> ExtensionsOf(WiderFormats formats) {
+  std::vector<std::string> extensions;
+  for (const auto& [extension, unused] : formats) extensions.push_back(extension);
+  return extensions;
+}
+
+absl::StatusOr<std::unique_ptr<Output>> OpenWiderOutput(const std::string& path, const VoxelizeRequest& request,
+                                                        WiderFormats formats) {
+  for (const auto& [extension, new_output] : formats) {
     if (ExtensionOf(path) != extension) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
     return new_output(*std::move(file), request);
   }
-  return WrongExtension(path, DistanceExtensions());
+  return WrongExtension(path, ExtensionsOf(formats));
 }
 
 }  // namespace
 
-std::vector<std::string> DistanceExtensions() {
-  std::vector<std::string> extensions;
-  for (const auto& [extension, unused] : kDistanceFormats) extensions.push_back(extension);
-  return extensions;
+std::vector<std::string> DistanceExtensions() { return ExtensionsOf(kDistanceFormats); }
+
+std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes) {
+  return ExtensionsOf(FormatsFor(attributes));
 }
 
-bool CarriesDistances(const std::string& path) {
-  const std::vector<std::string> extensions = DistanceExtensions();
+bool HasExtension(const std::string& path, const std::vector<std::string>& extensions) {
   return std::find(extensions.begin(), extensions.end(), ExtensionOf(path)) != extensions.end();
 }
 
@@ -155,7 +187,8 @@ const std::vector<std::string>& OutputExtensions() {
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,
                                                    const OutputOptions& options) {
-  if (request.band) return OpenDistanceOutput(path, request);
+  if (request.band) return OpenWiderOutput(path, request, kDistanceFormats);
+  if (!request.attributes.empty()) return OpenWiderOutput(path, request, FormatsFor(request.attributes));
   const std::string wanted = ExtensionOf(path);
   for (const auto& [extension, new_output] : kFormats) {
     if (wanted != extension) continue;

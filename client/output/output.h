@@ -32,9 +32,12 @@ struct OutputOptions {
 // Extensions that OpenOutput knows, with the dot.
 const std::vector<std::string>& OutputExtensions();
 
-// Those of them, and whether the path's is one, that hold a band's distances.
+// Those of them that hold a band's distances, or what voxels carry.
 std::vector<std::string> DistanceExtensions();
-bool CarriesDistances(const std::string& path);
+std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes);
+
+// Whether the path's is one of these.
+bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
 
 // Opens the output for the path's extension:
 //   .vdb   OpenVDB, see client/grid/voxel_grid.h
@@ -50,6 +53,12 @@ bool CarriesDistances(const std::string& path);
 //   .csv   a column more, distance, with 9 significant digits
 //   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
 //   .ply   a property more, float distance
+// Of a request for attributes, one of AttributeExtensions:
+//   .vdb   a further grid each, see client/grid/attribute_grids.h
+//   .csv   columns part, material; red, green, blue, 0 to 255
+//   .npy   structured array: fields part and material, int32; color, three uint8
+//   .ply   properties int part, material; uchar red, green, blue
+//   .glb   colors of the surface's vertices: color alone
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, .vdb, .nvdb, dense .npy, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension);
 // FAILED_PRECONDITION (the file cannot be created).

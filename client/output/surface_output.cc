@@ -21,7 +21,8 @@ using Json = nlohmann::ordered_json;
 
 // Constants of glTF 2.0 and of its binary container: "glTF", version, length; then chunks: length, type, bytes.
 constexpr uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr int kUnsignedByte = 5121, kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962,
+              kElementArrayBuffer = 34963;
 static_assert(std::endian::native == std::endian::little);
 
 template <class T>
@@ -40,6 +41,7 @@ struct Surface {
   Vec3d place{};  // world
   std::vector<std::array<float, 3>> corners;
   std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<std::array<uint8_t, 4>> colors;  // of the corners, or none; red, green, blue, opacity
 };
 
 class VoxelLookup {
@@ -55,7 +57,8 @@ class VoxelLookup {
   absl::flat_hash_map<Vec3i, decltype(Brick::mask)> masks_;
 };
 
-Surface SurfaceOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
+// `colors`: of the voxels, as Attribute has them, or none.
+Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>& colors, const GridTransform& grid) {
   VoxelLookup voxels;
   for (const Brick& brick : bricks) voxels.Add(brick);
   const VoronoiCell cell = VoronoiCellOf(grid.basis);
@@ -86,7 +89,16 @@ Surface SurfaceOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
       }
     }
   };
-  for (const Brick& brick : bricks) ForEachVoxel(brick, add_voxel);
+  const uint32_t* color = colors.data();
+  for (const Brick& brick : bricks) {
+    ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      add_voxel(ijk);
+      if (colors.empty()) return;
+      const uint32_t n = *color++;
+      surface.colors.resize(surface.corners.size(), {static_cast<uint8_t>(n >> 16), static_cast<uint8_t>(n >> 8),
+                                                     static_cast<uint8_t>(n), 255});
+    });
+  }
   return surface;
 }
 
@@ -124,7 +136,20 @@ Json Describe(const Surface& surface, const Summary& summary) {
   json["bufferViews"] = {
       {{"buffer", 0}, {"byteLength", corners_bytes}, {"target", kArrayBuffer}},
       {{"buffer", 0}, {"byteOffset", corners_bytes}, {"byteLength", triangles_bytes}, {"target", kElementArrayBuffer}}};
-  json["buffers"] = {{{"byteLength", corners_bytes + triangles_bytes}}};
+  const size_t colors_bytes = BytesOf(surface.colors).size();
+  if (colors_bytes > 0) {
+    json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2;
+    json["accessors"].push_back({{"bufferView", 2},
+                                 {"componentType", kUnsignedByte},
+                                 {"normalized", true},
+                                 {"count", surface.colors.size()},
+                                 {"type", "VEC4"}});
+    json["bufferViews"].push_back({{"buffer", 0},
+                                   {"byteOffset", corners_bytes + triangles_bytes},
+                                   {"byteLength", colors_bytes},
+                                   {"target", kArrayBuffer}});
+  }
+  json["buffers"] = {{{"byteLength", corners_bytes + triangles_bytes + colors_bytes}}};
   return json;
 }
 
@@ -139,14 +164,16 @@ class GlbOutput final : public Output {
 
   absl::Status Add(const BrickBatch& batch) override {
     bricks_.insert(bricks_.end(), batch.bricks.begin(), batch.bricks.end());
+    colors_.insert(colors_.end(), batch.attributes.begin(), batch.attributes.end());
     return absl::OkStatus();
   }
 
   absl::Status Finish(const Summary& summary) override {
-    const Surface surface = SurfaceOf(bricks_, grid_);
+    const Surface surface = SurfaceOf(bricks_, colors_, grid_);
     std::string json = Describe(surface, summary).dump();
     json.resize((json.size() + 3) / 4 * 4, ' ');
-    const uint64_t binary = BytesOf(surface.corners).size() + BytesOf(surface.triangles).size();
+    const uint64_t binary =
+        BytesOf(surface.corners).size() + BytesOf(surface.triangles).size() + BytesOf(surface.colors).size();
     const uint64_t all = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
     if (all > UINT32_MAX) {
       return absl::ResourceExhaustedError(
@@ -157,7 +184,8 @@ class GlbOutput final : public Output {
                 head);
     head += json;
     if (binary > 0) AppendWords({static_cast<uint32_t>(binary), kBinaryChunk}, head);
-    for (const std::string_view part : {std::string_view(head), BytesOf(surface.corners), BytesOf(surface.triangles)}) {
+    for (const std::string_view part :
+         {std::string_view(head), BytesOf(surface.corners), BytesOf(surface.triangles), BytesOf(surface.colors)}) {
       if (auto status = file_->Append(part); !status.ok()) return status;
     }
     return file_->Sync();
@@ -169,6 +197,7 @@ class GlbOutput final : public Output {
   std::unique_ptr<AtomicFile> file_;
   GridTransform grid_;
   std::vector<Brick> bricks_;
+  std::vector<uint32_t> colors_;  // of their voxels, if these carry them
 };
 
 }  // namespace

@@ -3,16 +3,23 @@
 #define LATVOX_CLIENT_OUTPUT_TABLE_OUTPUT_H_
 
 #include <memory>
+#include <vector>
 
 #include "client/output/atomic_file.h"
 #include "client/output/output.h"
+#include "client/types.h"
 
 namespace latvox::client {
 
-// `distances`: of a band, whose batches have values.
-std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, bool distances);
-std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, bool distances);
-std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, bool distances);
+// What a row has besides the voxel's place.
+struct TableColumns {
+  bool distances = false;                  // of a band, whose batches have values
+  std::vector<Attribute> attributes = {};  // that voxels carry
+};
+
+std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns);
+std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns);
+std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns);
 
 }  // namespace latvox::client
 

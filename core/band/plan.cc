@@ -9,6 +9,13 @@
 namespace latvox {
 namespace {
 
+__int128 LimitOf(double width, const Lattice& lattice) {
+  const double sizes = width / lattice.voxel_size();
+  return static_cast<__int128>(std::nearbyint(std::ldexp(sizes * sizes, kMetricBits))) << (2 * kSubvoxelBits);
+}
+
+}  // namespace
+
 // A vector no longer than the width has an m-th coordinate of at most the width times the length of row m of V^-1.
 absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
   constexpr double kSlack = 1 + 0x1p-20;  // for rounding, that of the metric included
@@ -27,13 +34,6 @@ absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
   return margin;
 }
 
-__int128 LimitOf(double width, const Lattice& lattice) {
-  const double sizes = width / lattice.voxel_size();
-  return static_cast<__int128>(std::nearbyint(std::ldexp(sizes * sizes, kMetricBits))) << (2 * kSubvoxelBits);
-}
-
-}  // namespace
-
 absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) {
   const double width = WidthOf(band, lattice);
   using Float = std::numeric_limits<float>;
@@ -46,8 +46,7 @@ absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) 
   const absl::StatusOr<Metric> metric = MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
   const double unit = lattice.voxel_size() / kLatticeUnit;
-  const Vec3i reach = Shifted(*margin + Vec3i{1, 1, 1} * (kLatticeUnit - 1), kSubvoxelBits);
-  return BandPlan{*metric, width, unit, LimitOf(width, lattice), *margin, reach, band.is_signed};
+  return BandPlan{*metric, width, unit, LimitOf(width, lattice), *margin, ReachOf(*margin), band.is_signed};
 }
 
 }  // namespace latvox

@@ -23,6 +23,15 @@ struct BandPlan {
   bool is_signed;
 };
 
+// How far along each lattice axis what lies within a width (world units) may be, in units. Errors: INVALID_ARGUMENT if
+// that is over kMaxBandReach voxels.
+absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice);
+
+// Such a margin in voxels, rounded up.
+inline Vec3i ReachOf(const Vec3i& margin) {
+  return Shifted(margin + Vec3i{1, 1, 1} * (kLatticeUnit - 1), kSubvoxelBits);
+}
+
 // Errors: INVALID_ARGUMENT if the width is not above 0 and normal in single precision, or reaches over
 // kMaxBandReach; and as MakeMetric.
 absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice);

@@ -17,8 +17,8 @@ namespace latvox {
 namespace {
 
 using Int256 = boost::multiprecision::int256_t;
-using Int512 = boost::multiprecision::int512_t;
-static_assert(2 * kInnerBits + 1 <= 256 && 3 * kInnerBits + 2 <= 512, "they hold products of two and three");
+using Int1024 = boost::multiprecision::int1024_t;
+static_assert(2 * kInnerBits + 1 <= 256 && 5 * kInnerBits + 4 <= 1024, "they hold products of two and of five");
 static_assert(2 * kPointBits + 1 <= 53, "cross products of differences are exact in doubles");
 static_assert(2 * kPointBits + 1 <= 63, "and in int64");
 
@@ -117,17 +117,62 @@ bool TriangleDistance::EdgeIsWithin(size_t edge, const Vec3i& d, __int128 limit)
   return Int256(Inner(metric_, d, d) - limit) * length <= Int256(along) * along;
 }
 
-// Over the triangle: |d|^2 - (G (e.d)^2 - 2 F (e.d)(f.d) + E (f.d)^2) / (E G - F^2) <= limit.
-bool TriangleDistance::FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limit) const {
+// Whether the point's projection to the plane lies in the triangle; edges count.
+bool TriangleDistance::ProjectsInside(const std::array<Vec3i, 3>& d) const {
   if (normal_square_ == 0) return false;
   for (size_t n = 0; n < 3; ++n) {
     if (!TurnsInward(n, d[n])) return false;
   }
+  return true;
+}
+
+// The part of |d|^2 along the plane is square / determinant, the latter above 0:
+// (G (e.d)^2 - 2 F (e.d)(f.d) + E (f.d)^2) / (E G - F^2).
+struct TriangleDistance::Projection {
+  Int1024 square, determinant;
+};
+
+// `d`: from the first corner. Precondition: the triangle has an area.
+TriangleDistance::Projection TriangleDistance::Project(const Vec3i& d) const {
   const Vec3i &e = edges_[0], f = -edges_[2];
-  const Int512 ee = Inner(metric_, e, e), ef = Inner(metric_, e, f), ff = Inner(metric_, f, f);
-  const Int512 ed = Inner(metric_, e, d[0]), fd = Inner(metric_, f, d[0]);
-  const Int512 projected = ff * ed * ed - 2 * ef * ed * fd + ee * fd * fd;
-  return (Inner(metric_, d[0], d[0]) - limit) * (ee * ff - ef * ef) <= projected;
+  const Int1024 ee = Inner(metric_, e, e), ef = Inner(metric_, e, f), ff = Inner(metric_, f, f);
+  const Int1024 ed = Inner(metric_, e, d), fd = Inner(metric_, f, d);
+  return {ff * ed * ed - 2 * ef * ed * fd + ee * fd * fd, ee * ff - ef * ef};
+}
+
+// Over the triangle: |d|^2 - square / determinant <= limit.
+bool TriangleDistance::FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limit) const {
+  if (!ProjectsInside(d)) return false;
+  const Projection along = Project(d[0]);
+  return (Inner(metric_, d[0], d[0]) - limit) * along.determinant <= along.square;
+}
+
+struct TriangleDistance::Fraction {
+  Int1024 over, under;  // under > 0
+};
+
+TriangleDistance::Fraction TriangleDistance::ExactSquareTo(const Vec3i& point) const {
+  const std::array<Vec3i, 3> d{point - corners_[0], point - corners_[1], point - corners_[2]};
+  if (ProjectsInside(d)) {
+    const Projection along = Project(d[0]);
+    return {Inner(metric_, d[0], d[0]) * along.determinant - along.square, along.determinant};
+  }
+  Fraction least{Inner(metric_, d[0], d[0]), 1};
+  for (size_t n = 0; n < 3; ++n) {
+    const Vec3i &e = edges_[n], &next = d[(n + 1) % 3];
+    const __int128 along = Inner(metric_, e, d[n]), length = Inner(metric_, e, e);
+    Fraction square{Inner(metric_, next, next), 1};
+    if (0 < along && along < length) {
+      square = {Int1024(Inner(metric_, d[n], d[n])) * length - Int1024(along) * along, length};
+    }
+    if (square.over * least.under < least.over * square.under) least = square;
+  }
+  return least;
+}
+
+int TriangleDistance::Compare(const TriangleDistance& a, const TriangleDistance& b, const Vec3i& point) {
+  const Fraction of_a = a.ExactSquareTo(point), of_b = b.ExactSquareTo(point);
+  return Int1024(of_a.over * of_b.under).compare(of_b.over * of_a.under);
 }
 
 }  // namespace latvox

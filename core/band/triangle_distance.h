@@ -23,6 +23,9 @@ class TriangleDistance {
   // Whether the square of the distance from `point` is at most `limit`, a square as of Inner.
   bool IsWithin(const Vec3i& point, __int128 limit) const;
 
+  // Which of two triangles of one metric is nearer to `point`, exactly: below 0 for a, 0 for neither, above 0 for b.
+  static int Compare(const TriangleDistance& a, const TriangleDistance& b, const Vec3i& point);
+
   const Vec3i& corner() const { return corners_[0]; }
   // A circle in the triangle's plane that holds it, in the metric's Cartesian coordinates relative to corner(); units.
   const Vec3d& centre() const { return centre_; }
@@ -31,7 +34,12 @@ class TriangleDistance {
   const Vec3d& unit_normal() const { return unit_normal_; }
 
  private:
+  struct Fraction;
+  struct Projection;
   bool ProjectsInside(const std::array<Vec3i, 3>& d, const std::array<Vec3d, 3>& turns) const;
+  bool ProjectsInside(const std::array<Vec3i, 3>& d) const;
+  Projection Project(const Vec3i& d) const;
+  Fraction ExactSquareTo(const Vec3i& point) const;
   bool TurnsInward(size_t edge, const Vec3i& d) const;
   bool EdgeIsWithin(size_t edge, const Vec3i& d, __int128 limit) const;
   bool FaceIsWithin(const std::array<Vec3i, 3>& d, __int128 limit) const;

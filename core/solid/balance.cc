@@ -106,15 +106,15 @@ bool IsOriented(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
   constexpr size_t kGrain = 4096;  // triangles a task
   const EdgeSum sum = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
-      [&](const Part& part, EdgeSum sum) {
+      [&](const Part& part, EdgeSum so_far) {
         for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
           const auto& [a, b, c] = mesh.triangles[t];
           const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
-          AddEdge(va, vb, sum);
-          AddEdge(vb, vc, sum);
-          AddEdge(vc, va, sum);
+          AddEdge(va, vb, so_far);
+          AddEdge(vb, vc, so_far);
+          AddEdge(vc, va, so_far);
         }
-        return sum;
+        return so_far;
       },
       [](const EdgeSum& x, const EdgeSum& y) {
         return EdgeSum{x[0] + y[0], x[1] + y[1]};

@@ -35,6 +35,7 @@ struct TileBricks {
   uint64_t voxels = 0;
   double progress = 0;             // estimated share of the whole work done with this tile, 0 to 1
   std::vector<float> values = {};  // of a band: the distance of each voxel, brick by brick, in the masks' order
+  std::vector<uint32_t> attributes = {};  // if asked for: those of each voxel, in the same order
 };
 
 // A half-open box of lattice points: min <= ijk < max on every axis.

@@ -16,11 +16,15 @@ class Digest {
  public:
   // `values`, if it has any, are hashed after the 76 bytes, as little-endian floats.
   void Add(const Brick& brick, std::span<const float> values = {});
+  // Likewise, as little-endian integers: kMaxAttributes for each voxel at most.
+  void Add(const Brick& brick, std::span<const uint32_t> attributes);
   void Add(const Digest& other);
   std::string ToHex() const;  // 32 hexadecimal digits
   bool operator==(const Digest&) const = default;
 
  private:
+  void Add(const Brick& brick, const void* values, size_t bytes);
+
   uint64_t high_ = 0, low_ = 0;
 };
 

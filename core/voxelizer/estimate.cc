@@ -107,7 +107,7 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const s
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
                       const std::atomic<bool>& cancelled) {
   constexpr double kVisitsPerTriangle = 40;  // of 15 ns, which a voxel takes otherwise
-  if (options.cover == Cover::kSupercover) {
+  if (options.cover == Cover::kSupercover || options.attributes != 0) {
     return voxels + kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   }
   if (options.band) {

@@ -23,8 +23,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
 
 // Estimates how many lattice points a job looks at, as often as it does: a band's those within its width of each
 // triangle, of a shard its part, brute force all those in the boxes around triangles, which takes one pass, as above; a
-// supercover those that it finds, and for each triangle as many as take the time to set up its separating axes; the
-// others about those that they find.
+// supercover those that it finds, and for each triangle as many as take the time to set up its separating axes, or,
+// where voxels carry attributes, the distance to it; the others about those that they find.
 //   voxels   what EstimateVoxels has told
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
                       const std::atomic<bool>& cancelled = kNeverCancelled);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <utility>
 
 #include "core/band/band_scan.h"
@@ -14,6 +15,7 @@
 #include "core/digitize/sift.h"
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
+#include "core/voxelizer/attribute_tiles.h"
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/scan_pool.h"
 #include "core/voxelizer/shard.h"
@@ -33,8 +35,9 @@ using Unit = std::vector<TileBricks>;
 class ExactJob final : public VoxelizeJob {
  public:
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
-           const std::optional<BandPlan>& band, const VoxelizeOptions& options, const IndexBox& region,
-           const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled)
+           const std::optional<BandPlan>& band, std::optional<CarriedAttributes> attributes,
+           const VoxelizeOptions& options, const IndexBox& region, const std::optional<WorldBox>& bounds,
+           const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -48,8 +51,9 @@ class ExactJob final : public VoxelizeJob {
                  met_,
                  region,
                  cancelled_},
-        tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
-              cancelled_),
+        attributes_(mesh_, std::move(attributes), cancelled_),
+        tree_(mesh_, 0, attributes_.AtLeastReach(band ? band->reach : context_.NearMargin()),
+              attributes_.AtLeastReach(band ? band->reach : context_.FarMargin()), region, cancelled_),
         bounds_(bounds),
         facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
         solid_(options.solid),
@@ -90,6 +94,7 @@ class ExactJob final : public VoxelizeJob {
   const Fineness fineness_;
   UninitializedVector<MetLines> met_;
   const TileContext context_;
+  const AttributeTiles attributes_;
   TileTree tree_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
@@ -123,9 +128,9 @@ std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPla
   return BandContext{mesh_, *plan, region, std::move(lines), cancelled_};
 }
 
-// A band's tile has up to a megabyte of values.
+// A band's tile has up to a megabyte of values, and one with attributes up to three.
 bool ExactJob::IsUnit(const TileNode& node) const {
-  if (band_) return tree_.IsLeaf(node);
+  if (band_ || attributes_.wanted()) return tree_.IsLeaf(node);
   const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
   return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
 }
@@ -153,11 +158,12 @@ bool ExactJob::IsLeftOut(const TileNode& node) const {
   return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
 }
 
-// The top of the tree, of triangles that can have voxels. The interior asks lines along an axis.
+// The top of the tree, of triangles that can have voxels. The interior asks lines along an axis; and what meets no line
+// may still be the nearest to a voxel, whose attributes it then has.
 std::vector<TileNode> ExactJob::Top() {
   if (band_ || !(fineness_.few_touch || fineness_.most_tiny)) return tree_.Top();
   std::vector<uint32_t> triangles = SiftAll(mesh_, scan_frames_, fineness_, cancelled_, met_);
-  return interior_ && !has_axes_ ? tree_.Top() : tree_.Top(std::move(triangles));
+  return (interior_ && !has_axes_) || attributes_.wanted() ? tree_.Top() : tree_.Top(std::move(triangles));
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are
@@ -216,6 +222,7 @@ void ExactJob::Process(const TileNode& node, Unit& out) const {
   ScanLeaf(node, out);
   ClipFrom(first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
+  attributes_.Add(node.triangles, std::span(out).subspan(first));
 }
 
 // Leaves out what is not within the bounds.
@@ -279,11 +286,12 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
 
 std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Frame>& frames,
                                           std::unique_ptr<const Supercover> supercover,
-                                          const std::optional<BandPlan>& band, const VoxelizeOptions& options,
+                                          const std::optional<BandPlan>& band,
+                                          std::optional<CarriedAttributes> attributes, const VoxelizeOptions& options,
                                           const IndexBox& region, const std::optional<WorldBox>& bounds,
                                           const std::atomic<bool>& cancelled) {
-  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, options, region, bounds,
-                                    cancelled);
+  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, std::move(attributes),
+                                    options, region, bounds, cancelled);
 }
 
 }  // namespace latvox

@@ -6,7 +6,10 @@
 #include <span>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/attributes/attributes.h"
+#include "core/attributes/plan.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
@@ -92,6 +95,42 @@ absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelizeOptions& option
   return MakeBandPlan(*options.band, lattice);
 }
 
+absl::Status CheckAttributes(const TriangleMesh& mesh, const VoxelizeOptions& options) {
+  const auto refuse = [](auto... words) { return absl::InvalidArgumentError(absl::StrCat("attributes: ", words...)); };
+  if (options.attributes == 0) return absl::OkStatus();
+  if (options.attributes > kMaxAttributes) return refuse(options.attributes, " exceed ", kMaxAttributes);
+  if (mesh.attributes.size() != mesh.vertices.size() * options.attributes) {
+    return refuse("the mesh has ", mesh.attributes.size(), " for ", mesh.vertices.size(), " vertices, not ",
+                  options.attributes, " each");
+  }
+  if (options.algorithm != Algorithm::kExact) {
+    return refuse("not together with the algorithm ", std::string{NameOf(options.algorithm)});
+  }
+  if (options.solid) return refuse("not together with solid, whose inside no triangle is near to");
+  if (options.band) return refuse("not together with band");
+  return absl::OkStatus();
+}
+
+// Takes them from the mesh. Nullopt: none are asked for.
+absl::StatusOr<std::optional<CarriedAttributes>> TakeAttributes(TriangleMesh& mesh, const Lattice& lattice,
+                                                                const VoxelizeOptions& options) {
+  std::vector<uint32_t> of_vertices = std::exchange(mesh.attributes, {});
+  if (options.attributes == 0) return std::nullopt;
+  auto plan = MakeAttributePlan(lattice, lattice.frames(options.separability), options.cover == Cover::kSupercover);
+  if (!plan.ok()) return plan.status();
+  return CarriedAttributes{*std::move(plan), options.attributes, std::move(of_vertices)};
+}
+
+// Adds each brick with its part of the values, of which there are `each` for a voxel.
+template <class T>
+void AddValues(const TileBricks& tile, std::span<const T> values, size_t each, Digest& digest) {
+  for (const Brick& brick : tile.bricks) {
+    const size_t count = CountVoxels(brick.mask) * each;
+    digest.Add(brick, values.first(count));
+    values = values.subspan(count);
+  }
+}
+
 }  // namespace
 
 void JobTotals::Add(const TileBricks& tile) {
@@ -99,13 +138,9 @@ void JobTotals::Add(const TileBricks& tile) {
   bricks += tile.bricks.size();
   ++tiles;
   for (const Brick& brick : tile.bricks) digest.Add(brick);
-  if (tile.values.empty()) return;
-  std::span<const float> rest = tile.values;
-  for (const Brick& brick : tile.bricks) {
-    const size_t count = CountVoxels(brick.mask);
-    values.Add(brick, rest.first(count));
-    rest = rest.subspan(count);
-  }
+  if (!tile.values.empty()) AddValues<float>(tile, tile.values, 1, values);
+  if (!tile.attributes.empty())
+    AddValues<uint32_t>(tile, tile.attributes, tile.attributes.size() / tile.voxels, attributes);
 }
 
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
@@ -147,6 +182,9 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(options, grid.lattice);
   if (!band.ok()) return band.status();
   if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
+  if (auto status = CheckAttributes(mesh, options); !status.ok()) return status;
+  auto attributes = TakeAttributes(mesh, grid.lattice, options);
+  if (!attributes.ok()) return attributes.status();
   const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
   const bool exact = options.algorithm == Algorithm::kExact;
   auto supercover = SupercoverFor(grid.lattice, options);
@@ -168,7 +206,8 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, options, region, bounds, cancelled);
+    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), options,
+                       region, bounds, cancelled);
   } else {
     job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, cancelled);
   }

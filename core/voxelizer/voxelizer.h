@@ -52,6 +52,9 @@ struct VoxelizeOptions {
   Cover cover = Cover::kSeparating;                  // of kExact; a supercover is the same for every separability
   // Lattice points near the surface, with distances, instead of voxels that separate. Needs separability 0 and kExact.
   std::optional<Band> band = std::nullopt;
+  // How many attributes the mesh has, and voxels are to carry: see core/attributes/attributes.h. Up to kMaxAttributes;
+  // with any, kExact only, and neither solid nor band.
+  uint32_t attributes = 0;
 };
 
 struct JobFacts {
@@ -72,7 +75,8 @@ struct JobFacts {
 struct JobTotals {
   uint64_t voxels = 0, bricks = 0, tiles = 0;
   Digest digest;
-  Digest values;  // of a band: of voxels and values
+  Digest values;      // of a band: of voxels and values
+  Digest attributes;  // of voxels and attributes, if they carry any
   void Add(const TileBricks& tile);
 };
 
@@ -85,9 +89,9 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, bounds, shard, resume_after, solid, band, cover (each with another algorithm than kExact),
-  // basis (of a supercover; see IntegerCell). Also CANCELLED, soon, once `cancelled` is set, which concerns Create
-  // alone.
+  // separability, region, bounds, shard, resume_after, solid, band, cover, attributes (each with another algorithm than
+  // kExact), basis (of a supercover; see IntegerCell). Also CANCELLED, soon, once `cancelled` is set, which concerns
+  // Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);

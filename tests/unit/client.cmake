@@ -1,6 +1,8 @@
 # The client's tests: foreign files, foreign answers, what is written, how the tool ends.
 latvox_add_test(client_mesh_test SOURCES unit/client_mesh_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_encoder_test SOURCES unit/client_encoder_test.cc LIBRARIES latvox::tool draco::draco GTest::gmock)
+latvox_add_test(client_attributes_test SOURCES unit/client_attributes_test.cc
+                LIBRARIES latvox::tool draco::draco GTest::gmock)
 latvox_add_test(client_curve_test SOURCES unit/client_curve_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client_output_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_compare_test SOURCES unit/client_compare_test.cc LIBRARIES latvox::tool GTest::gmock)
@@ -9,7 +11,7 @@ latvox_add_test(client_grid_test SOURCES unit/client_grid_test.cc LIBRARIES latv
 foreach(name client_merge_test client_merge_errors_test)
   latvox_add_test(${name} SOURCES unit/${name}.cc LIBRARIES latvox::grid GTest::gmock)
 endforeach()
-foreach(name client_call_test client_band_call_test client_call_end_test)
+foreach(name client_call_test client_attributes_call_test client_band_call_test client_call_end_test)
   latvox_add_test(${name} SOURCES unit/${name}.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
 endforeach()
 add_library(latvox_model_server STATIC unit/client_model_server.cc unit/client_relay.cc)

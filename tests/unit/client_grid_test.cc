@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/error.h"
+#include "client/grid/attribute_grids.h"
 #include "client/grid/distance_grid.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/voxel_grid.h"
@@ -130,6 +131,40 @@ TEST_F(Grid, DistancesAreALevelSetWhereTheyHaveTwoSides) {
     EXPECT_EQ(read->getMetadata<openvdb::DoubleMetadata>("latvox_band_width")->value(), 0.25);
     EXPECT_EQ(read->getMetadata<openvdb::StringMetadata>("latvox_band_digest")->value(), "0123");
     EXPECT_TRUE(read->transform().indexToWorld(openvdb::Vec3d(4, 0, 4)).eq(openvdb::Vec3d(0, 0, 2)));
+  }
+}
+
+TEST_F(Grid, AttributesAreGridsOfTheSameVoxels) {
+  const Brick brick{{0, 0, -1}, {0, 0, uint64_t{5} << 28, 0, uint64_t{7} << 28}};  // (2, 3, -4) and on
+  const std::vector<uint32_t> numbers{7, 0xFF8001, 0, 0x000100, 0x7FFFFFFF, 0, 1, 2, 3, 4};
+  AttributeGrids grids(kBcc, {Attribute::kPart, Attribute::kColor});
+  ASSERT_TRUE(grids.Add({{&brick, 1}, 1, {}, numbers}).ok());
+  Certificate certificate;
+  certificate.attributes = AttributeCertificate{{Attribute::kPart, Attribute::kColor}, "0123"};
+  grids.SetCertificate(certificate);
+  ASSERT_TRUE(grids.Write(Path("a.vdb")).ok());
+  openvdb::io::File file(Path("a.vdb"));
+  file.open();
+  const auto voxels = openvdb::gridPtrCast<openvdb::BoolGrid>(file.readGrid("voxels"));
+  const auto parts = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("part"));
+  const auto colors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid("color"));
+  ASSERT_TRUE(voxels && parts && colors);
+  EXPECT_TRUE(parts->tree().hasSameTopology(colors->tree()));
+  EXPECT_EQ(voxels->activeVoxelCount(), 5u);
+  EXPECT_EQ(parts->activeVoxelCount(), 5u);
+  EXPECT_EQ(parts->transform(), voxels->transform());
+  EXPECT_EQ(colors->transform(), voxels->transform());
+  EXPECT_EQ(parts->tree().getValue({2, 3, -4}), 7);
+  EXPECT_EQ(parts->tree().getValue({2, 3, -2}), 0);
+  EXPECT_EQ(parts->tree().getValue({4, 3, -4}), 0x7FFFFFFF);
+  EXPECT_EQ(parts->tree().getValue({4, 3, -2}), 3);
+  EXPECT_EQ(parts->tree().getValue({2, 3, -3}), -1);
+  EXPECT_EQ(colors->tree().getValue({2, 3, -4}), openvdb::Vec3s(1, 128.0F / 255, 1.0F / 255));
+  EXPECT_EQ(colors->tree().getValue({2, 3, -2}), openvdb::Vec3s(0, 1.0F / 255, 0));
+  EXPECT_EQ(colors->tree().getValue({2, 3, -3}), openvdb::Vec3s(0, 0, 0));
+  for (const openvdb::GridBase::Ptr& grid : openvdb::GridPtrVec{voxels, parts, colors}) {
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_attributes")->value(), "part,color");
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_attributes_digest")->value(), "0123");
   }
 }
 

@@ -16,6 +16,8 @@ latvox_add_test(core_thesis_test UNSANITIZED SOURCES unit/core_thesis_test.cc LI
 latvox_add_test(core_thesis_job_test SLOW SOURCES unit/core_thesis_job_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_validate_water_test SOURCES unit/core_validate_water_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_band_test SOURCES unit/core_band_test.cc LIBRARIES latvox::core latvox_oracle GTest::gmock)
+latvox_add_test(core_attributes_test SOURCES unit/core_attributes_test.cc
+                LIBRARIES latvox::core latvox_oracle GTest::gmock)
 list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
 find_package(OpenVDB REQUIRED)
 latvox_add_test(core_band_openvdb_test SOURCES unit/core_band_openvdb_test.cc

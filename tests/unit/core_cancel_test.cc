@@ -121,7 +121,7 @@ TEST(Cancelling, SortingIsThatOfTheLibraryAndStops) {
   std::mt19937 random(3);
   for (const size_t size : {size_t{0}, size_t{1}, size_t{1} << 16, size_t{1000000}}) {
     std::vector<uint32_t> numbers(size);
-    for (uint32_t& number : numbers) number = random() % 100000;
+    for (uint32_t& number : numbers) number = static_cast<uint32_t>(random() % 100000);
     std::vector<uint32_t> expected = numbers, unsorted = numbers;
     std::sort(expected.begin(), expected.end());
     Sort(numbers, kNeverCancelled);

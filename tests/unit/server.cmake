@@ -20,6 +20,8 @@ latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_solid_test SOURCES unit/server_solid_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_attributes_test SOURCES unit/server_attributes_test.cc
+                LIBRARIES latvox::server latvox_server_meshes draco::draco GTest::gmock)
 latvox_add_test(server_admission_test SOURCES unit/server_admission_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_control_group_test SOURCES unit/server_control_group_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_resume_test SOURCES unit/server_resume_test.cc

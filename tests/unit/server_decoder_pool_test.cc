@@ -59,9 +59,10 @@ std::vector<pid_t> Children() {
 // A decode whose end can be waited for.
 class Decode {
  public:
-  Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {})
+  Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {},
+         const MeshAttributes& wanted = {})
       : result_(promise_.get_future()),
-        decoding_(pool.Start(absl::Cord(bytes), limits, std::move(reserve), [this](auto mesh) {
+        decoding_(pool.Start(absl::Cord(bytes), limits, wanted, std::move(reserve), [this](auto mesh) {
           ended_ = absl::Now();
           promise_.set_value(std::move(mesh));
         })) {}

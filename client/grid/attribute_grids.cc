@@ -1,0 +1,94 @@
+#include "client/grid/attribute_grids.h"
+
+#include <openvdb/openvdb.h>
+
+#include <bit>
+#include <new>
+#include <utility>
+
+#include "client/grid/grid_file.h"
+#include "client/grid/grid_metadata.h"
+#include "client/grid/openvdb_grid.h"
+#include "client/grid/voxel_grid.h"
+
+namespace latvox::client {
+namespace {
+
+openvdb::GridBase::Ptr NewGrid(const GridTransform& transform, Attribute attribute) {
+  openvdb::GridBase::Ptr grid;
+  if (attribute == Attribute::kColor) {
+    grid = openvdb::Vec3SGrid::create();
+  } else {
+    grid = openvdb::Int32Grid::create(-1);
+  }
+  grid->setName(NameOf(attribute));
+  Place(transform, *grid);
+  return grid;
+}
+
+// A leaf's voxels have the order of a brick's bits. Of each voxel's `count` numbers, the n-th is its value, as `value`
+// makes it.
+template <class Grid, class Value>
+void Fill(const BrickBatch& batch, size_t count, size_t n, const Value& value, openvdb::GridBase& grid) {
+  openvdb::tree::ValueAccessor<typename Grid::TreeType> tree(static_cast<Grid&>(grid).tree());
+  const uint32_t* number = batch.attributes.data() + n;
+  for (const Brick& brick : batch.bricks) {
+    auto& leaf = *tree.touchLeaf({brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8});
+    for (openvdb::Index word = 0; word < 8; ++word) {
+      for (uint64_t bits = brick.mask[word]; bits != 0; bits &= bits - 1, number += count) {
+        leaf.setValueOn(word * 64 + static_cast<openvdb::Index>(std::countr_zero(bits)), value(*number));
+      }
+    }
+  }
+}
+
+openvdb::Vec3s ToColor(uint32_t number) {
+  const auto part = [number](int shift) { return static_cast<float>(number >> shift & 0xFF) / 255; };
+  return {part(16), part(8), part(0)};
+}
+
+}  // namespace
+
+struct AttributeGrids::Content {
+  VoxelGrid voxels;
+  std::vector<Attribute> attributes;
+  std::vector<openvdb::GridBase::Ptr> grids;  // of the attributes
+};
+
+AttributeGrids::AttributeGrids(const GridTransform& transform, const std::vector<Attribute>& attributes)
+    : content_(std::make_unique<Content>(Content{VoxelGrid(transform), attributes, {}})) {
+  for (const Attribute attribute : attributes) content_->grids.push_back(NewGrid(transform, attribute));
+}
+
+AttributeGrids::AttributeGrids(AttributeGrids&&) noexcept = default;
+AttributeGrids& AttributeGrids::operator=(AttributeGrids&&) noexcept = default;
+AttributeGrids::~AttributeGrids() = default;
+
+absl::Status AttributeGrids::Add(const BrickBatch& batch) try {
+  const size_t count = content_->attributes.size();
+  for (size_t n = 0; n < count; ++n) {
+    openvdb::GridBase& grid = *content_->grids[n];
+    if (content_->attributes[n] == Attribute::kColor) {
+      Fill<openvdb::Vec3SGrid>(batch, count, n, ToColor, grid);
+    } else {
+      Fill<openvdb::Int32Grid>(
+          batch, count, n, [](uint32_t number) { return static_cast<int32_t>(number); }, grid);
+    }
+  }
+  return content_->voxels.Add(batch);
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
+}
+
+void AttributeGrids::SetCertificate(const Certificate& certificate) {
+  content_->voxels.SetCertificate(certificate);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) Describe(certificate, *grid);
+}
+
+absl::Status AttributeGrids::Write(const std::string& path) {
+  openvdb::GridCPtrVec grids{content_->voxels.content().grid};
+  grids.insert(grids.end(), content_->grids.begin(), content_->grids.end());
+  return WriteGridFile(grids, path);
+}
+
+}  // namespace latvox::client

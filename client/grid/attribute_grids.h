@@ -1,0 +1,47 @@
+// Voxels that carry attributes as OpenVDB grids. No OpenVDB header is needed to use this.
+//
+//   "voxels"            the set, as client/grid/voxel_grid.h has it
+//   "part", "material"  a grid of 32-bit integers each
+//   "color"             a grid of three floats from 0 to 1: red, green, blue
+//
+// All have the same transform, metadata (with latvox_attributes, their names, and latvox_attributes_digest) and active
+// voxels; elsewhere numbers are -1, and colors 0.
+#ifndef LATVOX_CLIENT_GRID_ATTRIBUTE_GRIDS_H_
+#define LATVOX_CLIENT_GRID_ATTRIBUTE_GRIDS_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/types.h"
+
+namespace latvox::client {
+
+// Grids being filled. Not thread-safe. Memory: for each brick about 2.5 KB an attribute, 7 KB a color.
+class AttributeGrids {
+ public:
+  // Precondition: CheckGridTransform(transform) is OK.
+  AttributeGrids(const GridTransform& transform, const std::vector<Attribute>& attributes);
+  AttributeGrids(AttributeGrids&&) noexcept;             // the other one may then be destroyed or assigned to, no more
+  AttributeGrids& operator=(AttributeGrids&&) noexcept;  // as if the one before were destroyed
+  ~AttributeGrids();                                     // frees the grids
+
+  // Adds the batch's voxels. Precondition: they carry these attributes. Errors: RESOURCE_EXHAUSTED (memory).
+  absl::Status Add(const BrickBatch& batch);
+
+  // Writes the certificate into the grids' metadata.
+  void SetCertificate(const Certificate& certificate);
+
+  // Writes a .vdb file of all grids to `path`, over what is there; not atomic. Errors: UNKNOWN, with the path and
+  // OpenVDB's words.
+  absl::Status Write(const std::string& path);
+
+ private:
+  struct Content;
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_ATTRIBUTE_GRIDS_H_

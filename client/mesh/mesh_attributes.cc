@@ -1,0 +1,67 @@
+#include "client/mesh/mesh_attributes.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+
+namespace latvox::client {
+namespace {
+
+bool Has(const Mesh& mesh, Attribute attribute) {
+  const auto has_material = [](const Stretch& stretch) { return stretch.material.has_value(); };
+  switch (attribute) {
+    case Attribute::kPart:
+      return true;
+    case Attribute::kMaterial:
+      return !mesh.stretches.empty() && mesh.stretches[0].first == 0 &&
+             std::all_of(mesh.stretches.begin(), mesh.stretches.end(), has_material);
+    case Attribute::kColor:
+      return mesh.colors.size() == mesh.positions.size();
+  }
+  return false;
+}
+
+}  // namespace
+
+void BeginStretch(uint32_t part, std::optional<uint32_t> material, Mesh& mesh) {
+  const Stretch stretch{mesh.triangles.size(), part, material};
+  if (mesh.stretches.empty() && stretch.first > 0) mesh.stretches.emplace_back();
+  if (!mesh.stretches.empty() && mesh.stretches.back().first == stretch.first) {
+    mesh.stretches.back() = stretch;
+  } else {
+    mesh.stretches.push_back(stretch);
+  }
+}
+
+uint32_t NextPart(const Mesh& mesh) {
+  if (mesh.triangles.empty()) return 0;
+  if (mesh.stretches.empty()) return 1;
+  const Stretch& last = mesh.stretches.back();
+  return last.first < mesh.triangles.size() ? last.part + 1 : last.part;
+}
+
+absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh) {
+  for (const Attribute attribute : attributes) {
+    if (Has(mesh, attribute)) continue;
+    return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute)));
+  }
+  return absl::OkStatus();
+}
+
+uint32_t AttributeNumbers::At(size_t triangle, uint32_t vertex, Attribute attribute) {
+  while (next_ < mesh_.stretches.size() && mesh_.stretches[next_].first <= triangle) ++next_;
+  static const Stretch kAll;
+  const Stretch& stretch = next_ > 0 ? mesh_.stretches[next_ - 1] : kAll;
+  switch (attribute) {
+    case Attribute::kPart:
+      return stretch.part;
+    case Attribute::kMaterial:
+      return stretch.material ? *stretch.material : 0;
+    case Attribute::kColor:
+      break;
+  }
+  const Color& color = mesh_.colors[vertex];
+  return uint32_t{color[0]} << 16 | uint32_t{color[1]} << 8 | color[2];
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,190 @@
+#include "core/attributes/attribute_scan.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace latvox {
+namespace {
+
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+// Squares that differ by more, relatively, are of other distances for sure.
+constexpr double kDoubt = 4 * kSquareError;
+
+Triangle CornersOf(const SnappedMesh& mesh, uint32_t number) {
+  const auto& [a, b, c] = mesh.triangles[number];
+  return {mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
+}
+
+// Bits first to last - 1 of a row.
+uint64_t BitsBetween(int32_t first, int32_t last) { return ~uint64_t{0} >> (kTileSide - (last - first)) << first; }
+
+// Whether a triangle may come within sqrt(square) of x, which is relative to its centre: see BandScan::Rows.
+bool MayComeWithin(const TriangleDistance& triangle, const Vec3d& x, double square) {
+  const double height = Dot(x, triangle.unit_normal()), q = square - height * height;
+  if (q < 0) return false;
+  const double radius_square = triangle.radius() * triangle.radius();
+  const double beyond = Dot(x, x) - radius_square - square;
+  return !(beyond > 0 && beyond * beyond > 4 * radius_square * q);
+}
+
+}  // namespace
+
+void AttributeScan::Find(const AttributeContext& context, std::span<const uint32_t> triangles, TileBricks& tile) {
+  Number(tile, context.mesh.base_ijk, context.carried.plan.most);
+  for (const uint32_t number : triangles) {
+    if (context.cancelled) return;
+    Add(context, number);
+  }
+  CutOut(context, tile);
+}
+
+// Voxels have numbers along the rows.
+void AttributeScan::Number(const TileBricks& tile, const Vec3i& base_ijk, double most) {
+  tile_min_ = tile.tile_ijk * kTileSide - base_ijk;
+  rows_.fill(0);
+  for (const Brick& brick : tile.bricks) {
+    const Vec3i at = brick.brick_ijk * kBrickSide - tile.tile_ijk * kTileSide;
+    for (int32_t x = 0; x < kBrickSide; ++x) {
+      for (int32_t y = 0; y < kBrickSide; ++y) {
+        const uint64_t bits = brick.mask[static_cast<size_t>(x)] >> (y << kBrickBits) & 0xFF;
+        rows_[static_cast<size_t>((at[0] + x) << kTileBits | (at[1] + y))] |= bits << at[2];
+      }
+    }
+  }
+  uint32_t count = 0;
+  for (size_t row = 0; row < kRows; ++row) {
+    first_[row] = count;
+    count += static_cast<uint32_t>(std::popcount(rows_[row]));
+  }
+  least_.assign(count, most);
+  last_.assign(count, kNone);
+  offers_.clear();
+}
+
+// `at`: of a voxel, within the tile.
+size_t AttributeScan::NumberOf(const Vec3i& at) const {
+  const auto row = static_cast<size_t>(at[0] << kTileBits | at[1]);
+  return first_[row] + static_cast<size_t>(std::popcount(rows_[row] & ((uint64_t{1} << at[2]) - 1)));
+}
+
+void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
+  const Triangle corners = CornersOf(context.mesh, number);
+  Vec3i low, high;  // voxels of the tile, within the margin of the triangle's bounding box
+  for (size_t m = 0; m < 3; ++m) {
+    const auto [least, most] = std::minmax({corners[0][m], corners[1][m], corners[2][m]});
+    low[m] = std::max(((least - context.carried.plan.margin[m] - 1) >> kSubvoxelBits) + 1 - tile_min_[m], 0);
+    high[m] = std::min(((most + context.carried.plan.margin[m]) >> kSubvoxelBits) + 1 - tile_min_[m], kTileSide);
+    if (low[m] >= high[m]) return;
+  }
+  const Metric& metric = context.carried.plan.metric;
+  const uint64_t between = BitsBetween(low[2], high[2]);
+  std::optional<TriangleDistance> triangle;  // once there is a voxel
+  double slack = 0;                          // what squares may be wrong by, for rounding, and far more
+  for (int32_t i = low[0]; i < high[0]; ++i) {
+    for (int32_t j = low[1]; j < high[1]; ++j) {
+      const auto row = static_cast<size_t>(i << kTileBits | j);
+      uint64_t bits = rows_[row] & between;
+      if (bits == 0) continue;
+      if (!triangle) {
+        triangle.emplace(metric, corners);
+        const double far = triangle->radius() + std::sqrt(context.carried.plan.most);
+        slack = 0x1p-30 * far * far;
+      }
+      for (; bits != 0; bits &= bits - 1) {
+        const Vec3i at{i, j, std::countr_zero(bits)};
+        const size_t voxel = NumberOf(at);
+        const Vec3i point = (tile_min_ + at) * kLatticeUnit;
+        const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->centre();
+        if (!MayComeWithin(*triangle, x, least_[voxel] + slack)) continue;
+        Compare(*triangle, number, point, voxel);
+      }
+    }
+  }
+}
+
+void AttributeScan::Compare(const TriangleDistance& triangle, uint32_t number, const Vec3i& point, size_t voxel) {
+  const double square = triangle.SquareTo(point);
+  double& least = least_[voxel];
+  if (square > least * (1 + kDoubt)) return;
+  least = std::min(least, square);
+  offers_.push_back({square, number, last_[voxel]});
+  last_[voxel] = static_cast<uint32_t>(offers_.size() - 1);
+}
+
+// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbours, with a
+// corner or an edge in common.
+const AttributeScan::Corner& AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) {
+  candidates_.clear();
+  for (uint32_t n = last_[voxel]; n != kNone; n = offers_[n].before) {
+    if (offers_[n].square > least_[voxel] * (1 + kDoubt)) continue;
+    candidates_.push_back({offers_[n].triangle, NearestCorner(context, offers_[n].triangle, point)});
+  }
+  assert(!candidates_.empty());  // no voxel is farther from the mesh than the plan says
+  const auto agrees = [this](const Candidate& other) { return other.corner.values == candidates_[0].corner.values; };
+  if (!std::all_of(candidates_.begin(), candidates_.end(), agrees)) {
+    candidates_[0] = Nearest(context, candidates_, point);
+  }
+  return candidates_[0].corner;
+}
+
+AttributeScan::Corner AttributeScan::NearestCorner(const AttributeContext& context, uint32_t number,
+                                                   const Vec3i& point) {
+  Corner nearest{-1, {}};
+  for (const uint32_t vertex : context.mesh.triangles[number]) {
+    const Vec3i d = point - context.mesh.vertices_lat[vertex];
+    const __int128 square = Inner(context.carried.plan.metric, d, d);
+    if (nearest.square >= 0 && square > nearest.square) continue;
+    const uint32_t* const offered = &context.carried.of_vertices[size_t{vertex} * context.carried.count];
+    const bool first = nearest.square < 0 || square < nearest.square;
+    for (uint32_t n = 0; n < context.carried.count; ++n) {
+      nearest.values[n] = first ? offered[n] : std::min(nearest.values[n], offered[n]);
+    }
+    nearest.square = square;
+  }
+  return nearest;
+}
+
+// Exactly, with the nearest corner of all that are as near.
+AttributeScan::Candidate AttributeScan::Nearest(const AttributeContext& context, std::span<const Candidate> candidates,
+                                                const Vec3i& point) {
+  const auto distance = [&](const Candidate& candidate) {
+    return TriangleDistance(context.carried.plan.metric, CornersOf(context.mesh, candidate.triangle));
+  };
+  Candidate nearest = candidates[0];
+  for (const Candidate& other : candidates.subspan(1)) {
+    const int order = TriangleDistance::Compare(distance(other), distance(nearest), point);
+    if (order < 0 || (order == 0 && other.corner.square < nearest.corner.square)) {
+      nearest = other;
+    } else if (order == 0 && other.corner.square == nearest.corner.square) {
+      for (size_t n = 0; n < kMaxAttributes; ++n) {
+        nearest.corner.values[n] = std::min(nearest.corner.values[n], other.corner.values[n]);
+      }
+    }
+  }
+  return nearest;
+}
+
+// In the order of bricks.
+void AttributeScan::CutOut(const AttributeContext& context, TileBricks& tile) {
+  tile.attributes.clear();
+  tile.attributes.reserve(least_.size() * context.carried.count);
+  for (const Brick& brick : tile.bricks) {
+    const Vec3i corner = (brick.brick_ijk - tile.tile_ijk * kBrickSide) * kBrickSide;
+    for (int32_t x = 0; x < kBrickSide; ++x) {
+      if (context.cancelled) return;
+      for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
+        const int yz = std::countr_zero(bits);
+        const Vec3i at = corner + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)};
+        const Corner& found = Decide(context, (tile_min_ + at) * kLatticeUnit, NumberOf(at));
+        const auto end = found.values.begin() + context.carried.count;
+        tile.attributes.insert(tile.attributes.end(), found.values.begin(), end);
+      }
+    }
+  }
+}
+
+}  // namespace latvox

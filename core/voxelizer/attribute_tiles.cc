@@ -1,0 +1,35 @@
+#include "core/voxelizer/attribute_tiles.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace latvox {
+namespace {
+
+std::optional<AttributeContext> MakeContext(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried,
+                                            const std::atomic<bool>& cancelled) {
+  if (!carried) return std::nullopt;
+  return AttributeContext{mesh, *std::move(carried), cancelled};
+}
+
+}  // namespace
+
+AttributeTiles::AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried,
+                               const std::atomic<bool>& cancelled)
+    : context_(MakeContext(mesh, std::move(carried), cancelled)) {}
+
+Vec3i AttributeTiles::AtLeastReach(Vec3i margin) const {
+  if (!context_) return margin;
+  for (size_t m = 0; m < 3; ++m) margin[m] = std::max(margin[m], context_->carried.plan.reach[m]);
+  return margin;
+}
+
+void AttributeTiles::Add(std::span<const uint32_t> triangles, std::span<TileBricks> tiles) const {
+  if (!context_) return;
+  std::unique_ptr<AttributeScan> scan = scans_.Take();
+  for (TileBricks& tile : tiles) scan->Find(*context_, triangles, tile);
+  scans_.Give(std::move(scan));
+}
+
+}  // namespace latvox

@@ -1,0 +1,40 @@
+// The attributes of a job's tiles, if they are to carry any.
+#ifndef LATVOX_CORE_VOXELIZER_ATTRIBUTE_TILES_H_
+#define LATVOX_CORE_VOXELIZER_ATTRIBUTE_TILES_H_
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/attributes/attribute_scan.h"
+#include "core/attributes/plan.h"
+#include "core/snap/snap.h"
+#include "core/tile/brick.h"
+#include "core/voxelizer/scan_pool.h"
+
+namespace latvox {
+
+// Threads: Add, any.
+class AttributeTiles {
+ public:
+  //   carried   nullopt: none
+  // The other two must outlive it.
+  AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, const std::atomic<bool>& cancelled);
+
+  bool wanted() const { return context_.has_value(); }
+
+  // A margin of the tree's that is wide enough for them, too: voxels per axis.
+  Vec3i AtLeastReach(Vec3i margin) const;
+
+  // Finds those of each of the tiles, which lie in a node with these triangles.
+  void Add(std::span<const uint32_t> triangles, std::span<TileBricks> tiles) const;
+
+ private:
+  const std::optional<AttributeContext> context_;
+  mutable ScanPool<AttributeScan> scans_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_ATTRIBUTE_TILES_H_

@@ -1,0 +1,161 @@
+// What meshes bring along for voxels to carry: as files have it, joined, and encoded.
+#include <draco/compression/decode.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "client/mesh/mesh_attributes.h"
+#include "client/mesh/mesh_encoder.h"
+#include "client/mesh/mesh_join.h"
+#include "client/mesh/obj_file.h"
+#include "client/mesh/ply_file.h"
+#include "client/mesh/scene_file.h"
+#include "client/mesh/stl_file.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Of each triangle's first corner.
+std::vector<uint32_t> NumbersOf(const Mesh& mesh, Attribute attribute) {
+  EXPECT_EQ(CheckHas({attribute}, mesh), absl::OkStatus());
+  std::vector<uint32_t> numbers;
+  AttributeNumbers of_mesh(mesh);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    numbers.push_back(of_mesh.At(t, mesh.triangles[t][0], attribute));
+  }
+  return numbers;
+}
+
+std::string Refusal(Attribute attribute, const Mesh& mesh) {
+  return std::string(CheckHas({attribute}, mesh).message());
+}
+
+constexpr char kObj[] =
+    "v 0 0 0 1 0 0\nv 1 0 0 0 0.5 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\n"
+    "o nothing\no one\nusemtl wood\nf 1 2 3\nusemtl iron\nf 2 3 4\no two\nf 3 4 1\nusemtl wood\nf 4 1 2\n";
+
+TEST(MeshAttributes, OfObjAreItsObjectsMaterialsAndVertexColors) {
+  const Mesh mesh = ParseObj(kObj).value();
+  EXPECT_THAT(NumbersOf(mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
+  EXPECT_THAT(NumbersOf(mesh, Attribute::kMaterial), ElementsAre(0, 1, 1, 0));
+  EXPECT_THAT(NumbersOf(mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x008000, 0x0000FF, 0xFFFFFF));
+}
+
+TEST(MeshAttributes, ThatSomeOfAnObjLacksAreMissed) {
+  const Mesh late = ParseObj("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nusemtl a\nf 3 2 1\n").value();
+  EXPECT_THAT(Refusal(Attribute::kColor, late), HasSubstr("has no color"));
+  EXPECT_THAT(Refusal(Attribute::kMaterial, late), HasSubstr("has no material"));
+  EXPECT_THAT(NumbersOf(late, Attribute::kPart), ElementsAre(0, 0));
+  // A weight, numbers up to 255, and a comment are no colors.
+  for (const char* more : {" 1", " 255 0 0", " # 1 1 1", " 1 1", " 1 1 x"}) {
+    const std::string v = std::string(more) + "\n";
+    const auto mesh = ParseObj("v 0 0 0" + v + "v 1 0 0" + v + "v 0 1 0" + v + "f 1 2 3\n");
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_THAT(Refusal(Attribute::kColor, *mesh), HasSubstr("has no color")) << more;
+  }
+}
+
+TEST(MeshAttributes, OfPlyAreColorsAsBytes) {
+  const auto ply = [](const std::string& type, const std::string& green) {
+    return ParsePly("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty " + type +
+                    " red\nproperty float y\nproperty float z\nproperty " + type + " " + green + "\nproperty " + type +
+                    " blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                    "0 1 0 0 2 3\n1 4 0 0 5 6\n0 255 1 0 nan 999\n3 0 1 2\n");
+  };
+  const auto mesh = ply("uchar", "green");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->positions[1], (Vec3f{1, 0, 0}));
+  EXPECT_THAT(mesh->colors, ElementsAre(Color{1, 2, 3}, Color{4, 5, 6}, Color{255, 0, 255}));
+  EXPECT_THAT(Refusal(Attribute::kMaterial, *mesh), HasSubstr("has no material"));
+  EXPECT_THAT(Refusal(Attribute::kColor, ply("float", "green").value()), HasSubstr("has no color"));
+  EXPECT_THAT(Refusal(Attribute::kColor, ply("uchar", "grue").value()), HasSubstr("has no color"));
+}
+
+TEST(MeshAttributes, OfStlAreItsSolids) {
+  const std::string facet = "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
+  const auto mesh = ParseStl("solid a\n" + facet + facet + "endsolid a\nsolid b\n" + facet + "endsolid b\n");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(NumbersOf(*mesh, Attribute::kPart), ElementsAre(0, 0, 1));
+}
+
+// Two nodes with one mesh of two primitives, and vertex colors as floats.
+TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
+  const std::string buffer =  // (0,0,0) (1,0,0) (0,1,0) as positions; the same as colors
+      "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+  const std::string primitive = R"({"attributes": {"POSITION": 0, "COLOR_0": 0}, "material": )";
+  const auto mesh = ParseScene(
+      R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "materials": [{}, {}],
+          "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [5, 0, 0]}], "meshes": [{"primitives": [)" +
+          primitive + "1}, " + primitive + R"(0}]}],
+          "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                         "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+          "buffers": [{"byteLength": 36, "uri": ")" +
+          buffer + "\"}]}",
+      "gltf");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(NumbersOf(*mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
+  EXPECT_THAT(NumbersOf(*mesh, Attribute::kMaterial), ElementsAre(0, 1, 0, 1));
+  ASSERT_EQ(mesh->colors.size(), mesh->positions.size());
+  EXPECT_EQ(mesh->colors[1], (Color{255, 0, 0}));
+  EXPECT_EQ(mesh->colors[2], (Color{0, 255, 0}));
+}
+
+TEST(MeshAttributes, OfSeveralMeshesAreNumberedOn) {
+  const Mesh obj = ParseObj(kObj).value();
+  const Mesh plain = ParseObj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").value();
+  Mesh joined;
+  for (const Mesh& mesh : {plain, obj, obj}) ASSERT_TRUE(Append(mesh, kIdentity, joined).ok());
+  EXPECT_THAT(NumbersOf(joined, Attribute::kPart), ElementsAre(0, 1, 1, 2, 2, 3, 3, 4, 4));
+  EXPECT_THAT(Refusal(Attribute::kColor, joined), HasSubstr("has no color"));
+  EXPECT_THAT(Refusal(Attribute::kMaterial, joined), HasSubstr("has no material"));
+  Mesh both;
+  for (const Mesh& mesh : {obj, obj}) ASSERT_TRUE(Append(mesh, kIdentity, both).ok());
+  EXPECT_THAT(NumbersOf(both, Attribute::kMaterial), ElementsAre(0, 1, 1, 0, 2, 3, 3, 2));
+  EXPECT_EQ(NumbersOf(both, Attribute::kColor)[6], 0x0000FFU);
+}
+
+// What Draco's decoder finds: of each part that a position has, its colors.
+TEST(EncodedAttributes, AreTheMeshsAndSplitNoMoreThanTheyMust) {
+  const Mesh mesh = ParseObj(kObj).value();
+  for (const int bits : {0, 14}) {
+    const auto encoded = EncodeMesh(mesh, bits, {Attribute::kColor, Attribute::kPart, Attribute::kMaterial});
+    ASSERT_TRUE(encoded.ok()) << encoded.status();
+    draco::DecoderBuffer buffer;
+    buffer.Init(encoded->drc.data(), encoded->drc.size());
+    draco::Decoder decoder;
+    const auto decoded = std::move(decoder.DecodeMeshFromBuffer(&buffer)).value();
+    const int part = decoded->GetAttributeIdByMetadataEntry("name", "part");
+    ASSERT_GE(part, 0);
+    const draco::PointAttribute& parts = *decoded->attribute(part);
+    const draco::PointAttribute& colors = *decoded->GetNamedAttribute(draco::GeometryAttribute::COLOR);
+    EXPECT_EQ(parts.attribute_type(), draco::GeometryAttribute::GENERIC);
+    EXPECT_EQ(parts.data_type(), draco::DT_UINT32);
+    EXPECT_TRUE(colors.normalized());
+    std::map<uint32_t, int> corners;
+    for (uint32_t f = 0; f < decoded->num_faces(); ++f) {
+      for (const draco::PointIndex& point : decoded->face(draco::FaceIndex(f))) {
+        uint32_t number = 0;
+        parts.GetMappedValue(point, &number);
+        ++corners[number];
+        Color color;
+        colors.GetMappedValue(point, color.data());
+        EXPECT_THAT(mesh.colors, testing::Contains(color));
+      }
+    }
+    EXPECT_EQ(corners, (std::map<uint32_t, int>{{0, 6}, {1, 6}}));
+    EXPECT_EQ(decoded->num_points(), 12U);  // each of these triangles is of a part and a material of its own
+  }
+  const auto plain = EncodeMesh(mesh, 0);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  EXPECT_EQ(plain->drc, EncodeMesh(ParseObj(kObj).value(), 0, {})->drc);
+  EXPECT_LT(plain->drc.size(), EncodeMesh(mesh, 0, {Attribute::kColor})->drc.size());
+}
+
+}  // namespace
+}  // namespace latvox::client
