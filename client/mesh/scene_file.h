@@ -12,8 +12,8 @@ namespace latvox::client {
 
 // All triangles of the scene in world coordinates. Each node with a mesh is a part; materials are numbered in the order
 // in which they are first used, and what has none has the number after them; colors are those of vertices alone. Of
-// glTF, assimp leaves out triangles with an index out of range without a word. Errors: INVALID_ARGUMENT naming what is
-// wrong, without the path.
+// glTF, assimp leaves out triangles with an index out of range without a word: see CheckGltf. Errors: INVALID_ARGUMENT
+// naming what is wrong, without the path.
 absl::StatusOr<Mesh> ReadSceneFile(const std::string& path);
 
 // The same of a file's bytes; `extension`, without the dot, says what they are. Files that they refer to are looked for
