@@ -243,10 +243,10 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
   return options;
 }
 
-// Whether nothing of the surface can lie outside of what is delivered. The box in `facts` is clipped to the region, so
-// that one which touches the region's border may have been longer.
-bool IsWhole(const VoxelizeOptions& options, const JobFacts& facts) {
-  if ((options.shard && options.shard->count > 1) || facts.cut_by_bounds) return false;
+// Whether nothing of the surface can lie outside of what all shards deliver. The box in `facts` is clipped to the
+// region, so that one which touches the region's border may have been longer.
+bool IsUncut(const VoxelizeOptions& options, const JobFacts& facts) {
+  if (facts.cut_by_bounds) return false;
   if (!options.region) return true;
   if (!facts.index_box) return false;
   for (size_t m = 0; m < 3; ++m) {
@@ -336,8 +336,10 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   } else if (spec.options.algorithm == Algorithm::kExact) {
     const bool surface = !spec.options.solid || spec.options.solid->surface;
     certificate.set_tunnel_free(surface);
-    certificate.set_whole_minimal(surface && spec.options.minimal);
-    certificate.set_minimal(certificate.whole_minimal() && IsWhole(spec.options, facts));
+    const bool one_of_several = spec.options.shard && spec.options.shard->count > 1;
+    const bool minimal = surface && spec.options.minimal, uncut = IsUncut(spec.options, facts);
+    certificate.set_whole_minimal(minimal && (uncut || !one_of_several));
+    certificate.set_minimal(minimal && uncut && !one_of_several);
   } else {
     certificate.set_tunnel_free(verdict && counted.tunnels == 0);
     certificate.set_minimal(verdict && counted.tunnels == 0 && counted.redundant == 0);

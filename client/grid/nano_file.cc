@@ -1,5 +1,6 @@
 #include "client/grid/nano_file.h"
 
+#include <nanovdb/util/GridChecksum.h>
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 
@@ -7,17 +8,60 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <string>
+#include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 
 namespace latvox::client {
+namespace {
+
+constexpr char kBlindName[] = "latvox";
+
+// What `latvox info` says of our metadata.
+std::string TextOf(const openvdb::MetaMap& metadata) {
+  std::string text;
+  for (auto meta = metadata.beginMeta(); meta != metadata.endMeta(); ++meta) {
+    if (absl::StartsWith(meta->first, "latvox_")) absl::StrAppend(&text, meta->first, " = ", meta->second->str(), "\n");
+  }
+  return text;
+}
+
+// NanoVDB's converter takes no metadata over, but its format has blind data, after the nodes, for what it does not
+// know.
+nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::string& text) {
+  constexpr uint64_t kAlignment = NANOVDB_DATA_ALIGNMENT;
+  const uint64_t bytes = (text.size() / kAlignment + 1) * kAlignment;  // at least one 0 ends the text
+  const uint64_t size = plain.size() + sizeof(nanovdb::GridBlindMetaData) + bytes;
+  auto buffer = nanovdb::HostBuffer::create(size);
+  std::memcpy(buffer.data(), plain.data(), plain.size());
+  std::memset(buffer.data() + plain.size(), 0, size - plain.size());
+  auto* const blind = reinterpret_cast<nanovdb::GridBlindMetaData*>(buffer.data() + plain.size());
+  auto* const data = reinterpret_cast<nanovdb::GridData*>(buffer.data());
+  data->mGridSize = size;
+  data->mBlindMetadataOffset = static_cast<int64_t>(plain.size());
+  data->mBlindMetadataCount = 1;
+  blind->setBlindData(blind + 1);
+  blind->mElementCount = text.size();
+  blind->mSemantic = nanovdb::GridBlindDataSemantic::Unknown;
+  blind->mDataClass = nanovdb::GridBlindDataClass::Unknown;
+  blind->mDataType = nanovdb::GridType::Unknown;
+  std::memcpy(blind->mName, kBlindName, sizeof(kBlindName));
+  std::memcpy(blind + 1, text.data(), text.size());
+  nanovdb::GridHandle<> handle(std::move(buffer));
+  nanovdb::updateChecksum(*handle.grid<bool>());
+  return handle;
+}
+
+}  // namespace
 
 absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& path) {
   const auto cannot = [&path](const char* why) {
     return absl::UnknownError(absl::StrCat(path, ": cannot be written (", why, ")"));
   };
   try {
-    const auto handle = nanovdb::openToNanoVDB(grid);
+    const auto handle = WithText(nanovdb::openToNanoVDB(grid), TextOf(grid));
     std::ofstream file;
     // NanoVDB does not look whether its stream took everything.
     file.exceptions(std::ios::failbit | std::ios::badbit);

@@ -73,7 +73,8 @@ class Buffers {
     std::string bytes;
     if (absl::StartsWith(uri, "data:")) {
       const size_t begin = uri.find(kBase64);
-      if (begin == absl::string_view::npos || !absl::Base64Unescape(uri.substr(begin + kBase64.size()), &bytes)) return "";
+      if (begin == absl::string_view::npos || !absl::Base64Unescape(uri.substr(begin + kBase64.size()), &bytes))
+        return "";
       return bytes;
     }
     std::ifstream file(folder_ / std::string(uri), std::ios::binary);

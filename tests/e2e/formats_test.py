@@ -3,6 +3,7 @@
 import json
 import pathlib
 import re
+import struct
 import subprocess
 import unittest
 
@@ -39,6 +40,17 @@ def nano_map(path):
     name_ends = grid + 40 + 256
     doubles = numpy.frombuffer(data, "<f8", 21, name_ends + 22 * 4)  # behind the same as floats
     return doubles[:9].reshape(3, 3), doubles[18:]
+
+
+def nano_text(path):
+    """The blind data of a .nvdb file's first grid: name and bytes, by GridData's and GridBlindMetaData's layout."""
+    data = path.read_bytes()
+    grid = data.index(b"NanoVDB0", 16)
+    offset, count = struct.unpack_from("<qI", data, grid + 640)
+    assert count == 1, count
+    blind = grid + offset
+    begin, size = struct.unpack_from("<qQ", data, blind)
+    return data[blind + 32 :].partition(b"\0")[0], data[blind + begin : blind + begin + size]
 
 
 class Formats(Case):
@@ -86,6 +98,14 @@ class Formats(Case):
                 for ijk, position in voxels.items():
                     for seen, written in zip(matrix @ ijk + shift, position):
                         self.assertAlmostEqual(seen, written, places=12)
+
+    def test_nanovdb_has_the_metadata_as_blind_data(self):
+        summary, _ = self.write(["a.nvdb", "a.vdb"], *BCC)
+        name, text = nano_text(self.dir / "a.nvdb")
+        self.assertEqual(name, b"latvox")
+        info = latvox("info", self.dir / "a.vdb").stdout.splitlines()
+        self.assertEqual(text.decode().splitlines(), [line for line in info if line.startswith("latvox_")])
+        self.assertIn(f"latvox_digest = {summary['digest']}\n", text.decode())
 
     def test_numpy_reads_coordinates_and_boxes(self):
         for options in (BCC, CUBES, [*BCC, "--region", "3,4,5,17,30,9"]):

@@ -279,6 +279,10 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   spec.options.region.reset();
   EXPECT_TRUE(minimal());
   facts.cut_by_bounds = true;
+  spec.options.shard = Shard{0, 2};
+  EXPECT_FALSE(minimal());
+  EXPECT_FALSE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
+  spec.options.shard.reset();
   EXPECT_FALSE(minimal());
   facts.cut_by_bounds = false;
   spec.options.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
