@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "client/channel_security.h"
 #include "client/error.h"
@@ -27,8 +28,8 @@ std::optional<int64_t> PushbackOf(const grpc::ClientContext& context) {
 // gRPC has more than one code for a connection that breaks: UNAVAILABLE as a rule, but INTERNAL, UNKNOWN or CANCELLED
 // where the peer, or a proxy, reset the stream. An INTERNAL or UNKNOWN that a latvox server itself has said comes with
 // a reason. A CANCELLED of the caller's own does not get here.
-bool MayPassByItself(absl::StatusCode code, const ErrorDetails& details, bool asked_to_come_back) {
-  switch (code) {
+bool MayPassByItself(const absl::Status& status, const ErrorDetails& details, bool asked_to_come_back) {
+  switch (status.code()) {
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kCancelled:
       return true;
@@ -36,7 +37,8 @@ bool MayPassByItself(absl::StatusCode code, const ErrorDetails& details, bool as
     case absl::StatusCode::kUnknown:
       return details.reason.empty();
     case absl::StatusCode::kResourceExhausted:
-      return asked_to_come_back;
+      // A server's gRPC that is short of memory resets streams, too.
+      return asked_to_come_back || (details.reason.empty() && absl::StrContains(status.message(), "RST_STREAM"));
     default:
       return false;
   }
@@ -63,7 +65,7 @@ AttemptEnd Attempt::End(const grpc::Status& status) const {
   const ErrorDetails details = GetErrorDetails(end.status);
   const std::optional<int64_t> pushback = PushbackOf(context_);
   const bool come_back = details.retry_after || pushback;
-  if (MayPassByItself(end.status.code(), details, come_back) && pushback.value_or(0) >= 0) {
+  if (MayPassByItself(end.status, details, come_back) && pushback.value_or(0) >= 0) {
     end.retry = AttemptEnd::Retry::kLater;
   }
   end.wait = std::max(details.retry_after.value_or(absl::ZeroDuration()), absl::Milliseconds(pushback.value_or(0)));

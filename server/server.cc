@@ -185,8 +185,8 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   // Clients may ping as they like.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PING_STRIKES, 0);
-  // Messages on their way count to the budget as well: at the limit gRPC reads no more.
-  builder.SetResourceQuota(grpc::ResourceQuota("latvoxd").Resize(options_.limits.memory_budget_bytes / kGrpcShare));
+  // Messages on their way count as well: near the limit gRPC reads no more, and in the end breaks streams off.
+  builder.SetResourceQuota(grpc::ResourceQuota("latvoxd").Resize(options_.memory_bytes / kGrpcShare));
   // Otherwise a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Of one connection; a client of gRPC's has the others wait. Bounds what clients hold that let their calls linger.

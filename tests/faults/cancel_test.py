@@ -13,7 +13,7 @@ import stage
 from stage import FULL, JOBS, Faults, percentile
 
 PROMISED_MS = 50
-GROSS_MS = 2500
+GROSS_MS = 1000
 TIMES = 20 if FULL else 2
 # stage of the call: job, milliseconds into the stage, milliseconds of a deadline that ends in it
 STAGES = {

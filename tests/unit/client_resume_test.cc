@@ -82,6 +82,7 @@ TEST(Resume, AStreamThatBreaksAnywhereEndsWhole) {
            Case{"reset", {At::kBatch, 2, {grpc::StatusCode::INTERNAL, "RST_STREAM with error code 2"}}, 1},
            Case{"removed", {At::kBatch, 2, {grpc::StatusCode::UNKNOWN, "Stream removed"}}, 1},
            Case{"cancelled by a proxy", {At::kBatch, 2, {grpc::StatusCode::CANCELLED, "RST_STREAM"}}, 1},
+           Case{"short of memory", {At::kBatch, 2, {grpc::StatusCode::RESOURCE_EXHAUSTED, "RST_STREAM 11"}}, 1},
            Case{"drained",
                 {At::kBatch, 2, ServerSays(grpc::StatusCode::UNAVAILABLE, "stopping", absl::Milliseconds(5))},
                 1},

@@ -38,8 +38,8 @@ double MostToStop(const Make& make) {
     double cancelled = 0;
     std::thread canceller([&, start = CpuSeconds()] {
       while (CpuSeconds() - start < part * whole && !over) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      cancelled = CpuSeconds();
       work->Cancel();
+      cancelled = CpuSeconds();  // not before, lest this thread be kept waiting in between
     });
     work->Run();
     const double end = CpuSeconds();

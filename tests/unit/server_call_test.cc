@@ -196,7 +196,7 @@ bool IsIdle() {
 }
 
 TEST_F(ServerTest, HoldsNoThreadForAClientThatStopsReadingAndEndsWithItsCancellation) {
-  Start();
+  StartPatient();
   VoxelizeCall call(*stub_);
   StartBigJob(call);
   EXPECT_TRUE(Eventually(IsIdle));
@@ -207,7 +207,7 @@ TEST_F(ServerTest, HoldsNoThreadForAClientThatStopsReadingAndEndsWithItsCancella
 }
 
 TEST_F(ServerTest, GoesOnWhenAClientReadsAgain) {
-  Start();
+  StartPatient();
   VoxelizeCall call(*stub_);
   StartBigJob(call);
   EXPECT_TRUE(Eventually(IsIdle));

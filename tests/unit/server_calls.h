@@ -197,6 +197,12 @@ class ServerTest : public testing::Test {
     stub_ = Connect();
   }
 
+  // For clients that stop to take part, for longer than they have to answer a ping, and are to be kept all the same.
+  void StartPatient() {
+    options_.keepalive_time = options_.keepalive_timeout = absl::Seconds(100);
+    Start();
+  }
+
   std::unique_ptr<v1::Voxelizer::Stub> Connect() const {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(-1);
