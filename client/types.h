@@ -56,6 +56,13 @@ struct IndexBox {
   bool operator==(const IndexBox&) const = default;
 };
 
+// A closed box of the world: min <= position <= max on every axis.
+struct WorldBox {
+  Vec3d min{};  // the lowest corner, inside
+  Vec3d max{};  // the highest one, inside
+  bool operator==(const WorldBox&) const = default;
+};
+
 // The index-th of `count` parts that cost about the same, and that together are the whole.
 struct Shard {
   uint32_t index = 0;  // below count
@@ -111,6 +118,9 @@ struct VoxelizeRequest {
   // A band instead of voxels that separate. Not with verify, solid, a cover or a separability other than the default,
   // or with an algorithm other than kExact; minimal does not apply.
   std::optional<Band> band = std::nullopt;
+  // Only voxels whose centres lie in this box, exactly, as they are in the whole; the lattice does not move.
+  // Not with verify.
+  std::optional<WorldBox> bounds = std::nullopt;
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
@@ -199,6 +209,7 @@ struct Certificate {
   std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
   std::string cover;                // "separating" or "supercover"
   std::optional<BandCertificate> band = std::nullopt;  // what the distances are, if a band was asked for
+  bool whole_minimal = false;                          // minimal is true of the whole that this is a part of
 };
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.

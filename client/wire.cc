@@ -137,7 +137,8 @@ Certificate FromProto(const v1::Certificate& certificate) {
           .shard = certificate.has_shard() ? std::optional<Shard>(FromProto(certificate.shard())) : std::nullopt,
           .solid = SolidFactsOf(certificate),
           .cover = certificate.cover(),
-          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt};
+          .band = certificate.has_band() ? std::optional(FromProto(certificate.band())) : std::nullopt,
+          .whole_minimal = certificate.whole_minimal()};
 }
 
 }  // namespace
@@ -159,6 +160,10 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   if (request.region) {
     *spec.mutable_region()->mutable_min() = ToProto(request.region->min);
     *spec.mutable_region()->mutable_max() = ToProto(request.region->max);
+  }
+  if (request.bounds) {
+    *spec.mutable_bounds()->mutable_min() = ToProto(request.bounds->min);
+    *spec.mutable_bounds()->mutable_max() = ToProto(request.bounds->max);
   }
   spec.set_verify(request.verify);
   spec.set_mesh_bytes(mesh.bytes);

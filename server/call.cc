@@ -1,5 +1,7 @@
 #include "server/call.h"
 
+#include <grpc/grpc.h>
+
 #include <chrono>
 
 #include "absl/strings/match.h"
@@ -29,6 +31,15 @@ absl::Status StalledClient(absl::Duration patience) {
                 absl::StrCat("the client has neither sent nor taken anything for ", absl::FormatDuration(patience)),
                 {"CLIENT_STALLED", "", "", absl::FormatDuration(patience)}),
       absl::ZeroDuration());
+}
+
+// What TryCancel does, with a status.
+void CallCanceller::Cancel(const absl::Status& status) {
+  const grpc::Status sent = ToGrpcStatus(status);
+  const std::lock_guard lock(mu_);
+  if (over_) return;
+  grpc_call_cancel_with_status(context_.c_call(), static_cast<grpc_status_code>(sent.error_code()),
+                               sent.error_message().c_str(), nullptr);
 }
 
 }  // namespace latvox

@@ -26,10 +26,8 @@ absl::Status StalledClient(absl::Duration patience);
 class CallCanceller {
  public:
   explicit CallCanceller(grpc::CallbackServerContext& context) : context_(context) {}
-  void Cancel() {
-    const std::lock_guard lock(mu_);
-    if (!over_) context_.TryCancel();
-  }
+  // The client gets code and message once it has taken what was written; details it gets none.
+  void Cancel(const absl::Status& status);
   // At the beginning of OnDone, after which the context is gone.
   void Over() {
     const std::lock_guard lock(mu_);

@@ -135,7 +135,7 @@ uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
 uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
   const std::optional<Solid>& solid = spec_.options.solid;
   if (!solid) return 0;
-  const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_) : 0;
+  const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_, cancelled_) : 0;
   const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
   return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
 }
@@ -174,12 +174,13 @@ absl::Status Computation::CreateJob() {
   const Stopwatch stopwatch(facts_.voxelize_ms);
   DecodedMesh decoded = std::move(decoded_);
   facts_.triangles = decoded.mesh.triangles.size();
-  source_ = {BoundsOf(decoded.mesh), decoded.quantization_bits};
+  source_ = {BoundsOf(decoded.mesh, cancelled_), decoded.quantization_bits};
+  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
   if (!grid.ok()) return WithCauseOfCore(grid.status());
   grid_ = *std::move(grid);
-  const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options);
-  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels);
+  const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options, cancelled_);
+  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, cancelled_);
   job_bytes_ += BytesOfSolid(decoded.mesh);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified

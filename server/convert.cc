@@ -84,11 +84,11 @@ absl::StatusOr<Density> DensityFromProto(const v1::VoxelizeSpec& spec) {
   return BadSpec("density: a named lattice needs voxel_size or resolution", "density", "");
 }
 
-absl::Status CheckOrigin(const Vec3d& origin) {
+absl::Status CheckFinite(const char* name, const Vec3d& v) {
   for (size_t m = 0; m < 3; ++m) {
-    if (std::isfinite(origin[m])) continue;
-    const std::string field = absl::StrCat("origin.", std::string(1, "xyz"[m]));
-    return BadSpec(absl::StrCat(field, " ", origin[m], " is not finite"), field, absl::StrCat(origin[m]));
+    if (std::isfinite(v[m])) continue;
+    const std::string field = absl::StrCat(name, ".", std::string(1, "xyz"[m]));
+    return BadSpec(absl::StrCat(field, " ", v[m], " is not finite"), field, absl::StrCat(v[m]));
   }
   return absl::OkStatus();
 }
@@ -101,6 +101,23 @@ absl::Status CheckRegion(const IndexBox& region) {
                    absl::StrCat(region.max[m]), absl::StrCat(region.min[m]));
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<Bounds> BoundsFromProto(const v1::WorldBox& box) {
+  if (!box.has_min() || !box.has_max()) {
+    const std::string field = box.has_min() ? "bounds.max" : "bounds.min";
+    return BadSpec(absl::StrCat(field, " is not set"), field, "");
+  }
+  const Bounds bounds = {FromProto(box.min()), FromProto(box.max())};
+  if (absl::Status status = CheckFinite("bounds.min", bounds.min); !status.ok()) return status;
+  if (absl::Status status = CheckFinite("bounds.max", bounds.max); !status.ok()) return status;
+  for (size_t m = 0; m < 3; ++m) {
+    if (bounds.min[m] <= bounds.max[m]) continue;
+    const std::string field = absl::StrCat("bounds.max.", std::string(1, "xyz"[m]));
+    return BadSpec(absl::StrCat(field, " ", bounds.max[m], " is below bounds.min's ", bounds.min[m]), field,
+                   absl::StrCat(bounds.max[m]), absl::StrCat(bounds.min[m]));
+  }
+  return bounds;
 }
 
 absl::Status CheckShard(const v1::Shard& shard) {
@@ -202,6 +219,12 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
     if (absl::Status status = CheckRegion(*options.region); !status.ok()) return status;
     if (spec.verify()) return BadSpec("verify: not together with region", "verify", "true");
   }
+  if (spec.has_bounds()) {
+    const absl::StatusOr<Bounds> bounds = BoundsFromProto(spec.bounds());
+    if (!bounds.ok()) return bounds.status();
+    if (spec.verify()) return BadSpec("verify: not together with bounds", "verify", "true");
+    options.bounds = *bounds;
+  }
   if (spec.has_shard()) {
     if (absl::Status status = CheckShard(spec.shard()); !status.ok()) return status;
     if (spec.verify()) return BadSpec("verify: not together with shard", "verify", "true");
@@ -222,7 +245,7 @@ absl::StatusOr<VoxelizeOptions> OptionsFromProto(const v1::VoxelizeSpec& spec) {
 // Whether nothing of the surface can lie outside of what is delivered. The box in `facts` is clipped to the region, so
 // that one which touches the region's border may have been longer.
 bool IsWhole(const VoxelizeOptions& options, const JobFacts& facts) {
-  if (options.shard && options.shard->count > 1) return false;
+  if ((options.shard && options.shard->count > 1) || facts.cut_by_bounds) return false;
   if (!options.region) return true;
   if (!facts.index_box) return false;
   for (size_t m = 0; m < 3; ++m) {
@@ -270,7 +293,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
   std::optional<Vec3d> origin;
   if (spec.has_origin()) {
     origin = FromProto(spec.origin());
-    if (absl::Status status = CheckOrigin(*origin); !status.ok()) return status;
+    if (absl::Status status = CheckFinite("origin", *origin); !status.ok()) return status;
   }
   JobSpec job{*std::move(lattice), *density, origin, *options, spec.verify(), *encoding, spec.mesh_bytes()};
   if (!spec.mesh_sha256().empty()) {
@@ -308,10 +331,12 @@ v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, c
   } else if (spec.options.algorithm == Algorithm::kExact) {
     const bool surface = !spec.options.solid || spec.options.solid->surface;
     certificate.set_tunnel_free(surface);
-    certificate.set_minimal(surface && spec.options.minimal && IsWhole(spec.options, facts));
+    certificate.set_whole_minimal(surface && spec.options.minimal);
+    certificate.set_minimal(certificate.whole_minimal() && IsWhole(spec.options, facts));
   } else {
     certificate.set_tunnel_free(verdict && counted.tunnels == 0);
     certificate.set_minimal(verdict && counted.tunnels == 0 && counted.redundant == 0);
+    certificate.set_whole_minimal(certificate.minimal());
   }
   certificate.set_verified(verdict.has_value());
   certificate.set_tunnels(counted.tunnels);

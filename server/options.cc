@@ -122,6 +122,7 @@ struct Parser {
   void Parse(int argc, const char* const* argv) {
     app.parse(argc, argv);
     configuration.settings = SettingsOf(app);
+    configuration.misspelt = MisspeltVariables(app);
   }
 };
 

@@ -9,6 +9,7 @@
 #include "absl/time/time.h"
 #include "core/base/simd.h"
 #include "server/log.h"
+#include "server/misspelt_variables.h"
 #include "server/server.h"
 #include "server/settings.h"
 
@@ -28,6 +29,7 @@ struct ProgramOptions {
 struct Configuration {
   ProgramOptions options;
   std::vector<Setting> settings;  // the same, as text with their sources
+  std::vector<MisspeltVariable> misspelt;
 };
 
 // The command line wins over the environment (LATVOX_LISTEN and so on), and that over the file. On --help, --version or

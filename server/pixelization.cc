@@ -14,6 +14,10 @@
 namespace latvox {
 namespace {
 
+// What a job takes, bytes, twice as much as measured. Of points and polylines, the request, what it becomes, and the
+// segments, snapped twice; of crossings, the lists while they grow, and then the incidences.
+constexpr uint64_t kBytesPerPoint = 128, kBytesPerPolyline = 256, kBytesPerCrossing = 64;
+
 absl::Status CheckCancelled(const std::atomic<bool>& cancelled) {
   return cancelled ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
 }
@@ -31,23 +35,23 @@ uint64_t EstimateCrossings(const std::vector<Segment>& segments, const std::vect
   return crossings;
 }
 
-// Memory is held against its limit here, before it is taken.
-absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits& limits) {
+// Crossings are held against their limit, and their memory against the budget, before they take it.
+absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits& limits, MemoryReservation& memory) {
   const auto snapped = Snap(spec.polylines, grid.lattice, grid.origin);
   if (!snapped.ok()) return WithCauseOfCore(snapped.status());
   const uint64_t crossings = EstimateCrossings(snapped->segments, grid.lattice.frames(spec.options.separability));
   if (crossings > limits.max_crossings()) return LimitExceeded("crossings", crossings, limits.max_crossings());
-  return absl::OkStatus();
+  return memory.Grow(memory.bytes() + crossings * kBytesPerCrossing);
 }
 
-absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limits& limits,
+absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limits& limits, MemoryReservation& memory,
                                             const std::atomic<bool>& cancelled, PixelizationFacts& facts) {
   if (absl::Status status = Validate(spec.polylines); !status.ok()) return WithCauseOfCore(status);
   const auto grid = ResolvePlaneGrid(spec.lattice, spec.density, spec.origin, BoundsOf(spec.polylines));
   if (!grid.ok()) return WithCauseOfCore(grid.status());
-  if (absl::Status status = Admit(spec, *grid, limits); !status.ok()) return status;
+  if (absl::Status status = Admit(spec, *grid, limits, memory); !status.ok()) return status;
   if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
-  const auto result = Pixelize(spec.polylines, *grid, spec.options);
+  const auto result = Pixelize(spec.polylines, *grid, spec.options, cancelled);
   if (!result.ok()) return WithCauseOfCore(result.status());
   facts.pixels = result->pixels.size();
   if (facts.pixels > limits.max_pixels()) return LimitExceeded("pixels", facts.pixels, limits.max_pixels());
@@ -58,15 +62,19 @@ absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limi
 }  // namespace
 
 absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
-                                                       const std::atomic<bool>& cancelled, PixelizationFacts& facts) {
+                                                       MemoryReservation& memory, const std::atomic<bool>& cancelled,
+                                                       PixelizationFacts& facts) {
   const auto began = std::chrono::steady_clock::now();
   auto response = WithoutExceptions([&]() -> absl::StatusOr<v1::PixelizeResponse> {
     facts.points = CountPoints(request);
+    const auto polylines = static_cast<uint64_t>(request.polylines_size());
+    if (absl::Status status = memory.Grow(facts.points * kBytesPerPoint + polylines * kBytesPerPolyline); !status.ok())
+      return status;
     const auto spec = PlaneJobSpecFromProto(request, limits);
     if (!spec.ok()) return spec.status();
     facts.lattice = std::string{spec->lattice.name()};
     facts.separability = spec->options.separability;
-    return Answer(*spec, limits, cancelled, facts);
+    return Answer(*spec, limits, memory, cancelled, facts);
   });
   facts.pixelize_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
   if (response.ok()) response->set_pixelize_ms(facts.pixelize_ms);

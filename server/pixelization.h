@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/limits.h"
+#include "server/memory_budget.h"
 
 namespace latvox {
 
@@ -20,11 +21,12 @@ struct PixelizationFacts {
   double pixelize_ms = 0;
 };
 
-// Answers the request. Once *cancelled is true it ends at the next step: digitizing itself goes on to its end.
-// Errors: as the contract; CANCELLED; INTERNAL; RESOURCE_EXHAUSTED also if memory runs out. `facts` are kept either
-// way.
+// Answers the request, with what memory it takes reserved before. Ends soon once cancelled.
+// Errors: as the contract; CANCELLED; INTERNAL; RESOURCE_EXHAUSTED also if memory runs out, or the budget's. `facts`
+// are kept either way.
 absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
-                                                       const std::atomic<bool>& cancelled, PixelizationFacts& facts);
+                                                       MemoryReservation& memory, const std::atomic<bool>& cancelled,
+                                                       PixelizationFacts& facts);
 
 }  // namespace latvox
 

@@ -15,7 +15,8 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
       response_(response),
       environment_(environment),
       origin_(std::move(origin)),
-      bytes_in_(request.ByteSizeLong()) {}
+      bytes_in_(request.ByteSizeLong()),
+      memory_(environment.memory) {}
 
 void PixelizeReactor::Begin() {
   self_ = shared_from_this();
@@ -37,13 +38,15 @@ void PixelizeReactor::Work() {
 }
 
 void PixelizeReactor::Compute() {
-  absl::StatusOr<v1::PixelizeResponse> response = PixelizePolylines(request_, environment_.limits, cancelled_, facts_);
+  absl::StatusOr<v1::PixelizeResponse> response =
+      PixelizePolylines(request_, environment_.limits, memory_, cancelled_, facts_);
   const absl::Status computed = response.status();
   if (response.ok()) {
     response_ = *std::move(response);
     response_.set_request_id(origin_.request_id);
     bytes_out_ = response_.ByteSizeLong();
   }
+  memory_.Shrink(bytes_in_ + bytes_out_);  // messages, until the client has taken the answer
   {
     const std::lock_guard lock(mu_);
     computing_ = false;
@@ -74,7 +77,7 @@ void PixelizeReactor::EndIfStalled(absl::Duration patience) {
     const std::lock_guard lock(mu_);
     if (!finishing_ || absl::FromChrono(Clock::now() - finished_) < patience) return;
   }
-  canceller_.Cancel();
+  canceller_.Cancel(StalledClient(patience));
 }
 
 void PixelizeReactor::SendStatus() {
@@ -96,6 +99,7 @@ void PixelizeReactor::OnDone() {
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
   environment_.metrics.Record(record);
+  memory_.Shrink(0);  // the server may be gone before this object is
   environment_.registry.Remove(this);
   self_.reset();
 }

@@ -20,6 +20,7 @@
 #include "server/call_origin.h"
 #include "server/call_registry.h"
 #include "server/lane.h"
+#include "server/memory_budget.h"
 #include "server/pixelization.h"
 
 namespace latvox {
@@ -64,6 +65,7 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
 
   // The task's, until it is over.
   PixelizationFacts facts_;
+  MemoryReservation memory_;
   uint64_t bytes_out_ = 0;
 
   std::atomic<bool> cancelled_ = false;

@@ -136,8 +136,9 @@ void PutMeshReactor::EndIfStalled(absl::Duration patience) {
     if (!(reading_ || finishing_) || absl::FromChrono(Clock::now() - since) < patience) return;
     stuck = finishing_;
   }
-  End(StalledClient(patience));
-  if (stuck) canceller_.Cancel();
+  const absl::Status status = StalledClient(patience);
+  End(status);
+  if (stuck) canceller_.Cancel(status);
 }
 
 void PutMeshReactor::SendStatus() {

@@ -110,6 +110,7 @@ class Server final : public VoxelServer {
   std::string metrics_address() const override { return metrics_server_ ? metrics_server_->address() : ""; }
   std::string health_address() const override { return health_server_ ? health_server_->address() : ""; }
   size_t calls() const override { return registry_.size(); }
+  uint64_t reserved_memory() const override { return memory_.reserved(); }
   void Reload() override { access_.Reload(); }
   DecoderFacts decoder_facts() const override { return decoders_->facts(); }
   bool Stop(absl::Duration grace) override;

@@ -60,6 +60,9 @@ class VoxelServer {
   // Calls in progress.
   virtual size_t calls() const = 0;
 
+  // Bytes of the budget that jobs have reserved.
+  virtual uint64_t reserved_memory() const = 0;
+
   virtual DecoderFacts decoder_facts() const = 0;
 
   // Reads the files again that the options name. What is wrong with them is logged, and stays as it was. They are read

@@ -196,16 +196,18 @@ void VoxelizeReactor::EndLocked(const absl::Status& status) {
 }
 
 void VoxelizeReactor::EndIfStalled(absl::Duration patience) {
+  absl::Status status = StalledClient(patience);
   bool stuck = false;
   {
     const std::lock_guard lock(mu_);
     const bool waits_for_client = reading_ || writing_ || finishing_;
     if (!waits_for_client || absl::FromChrono(Clock::now() - heard_of_client_) < patience) return;
     stuck = writing_ || finishing_;
+    if (!status_.ok()) status = status_;
   }
-  End(StalledClient(patience));
+  End(status);
   // What the client does not take ends in no other way.
-  if (stuck) canceller_.Cancel();
+  if (stuck) canceller_.Cancel(status);
 }
 
 VoxelizeReactor::Step VoxelizeReactor::NextStep() {

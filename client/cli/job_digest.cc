@@ -59,6 +59,7 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"algorithm", static_cast<int>(request.algorithm)}};
   if (request.cover == Cover::kSupercover) json["cover"] = "supercover";
   if (request.region) json["region"] = {request.region->min, request.region->max};
+  if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};
   if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};
   if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
   if (const auto& solid = request.solid) {

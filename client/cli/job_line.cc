@@ -41,6 +41,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},
     {"shard", Kind::kText},
+    {"bounds", Kind::kNumbers},
     {"encoding", Kind::kText},
     {"up", Kind::kText},
     {"scale", Kind::kNumber},

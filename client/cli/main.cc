@@ -88,7 +88,8 @@ struct Commands {
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
   CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
-  CLI::App* merge = app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region or --shard");
+  CLI::App* merge =
+      app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region, --bounds or --shard");
   CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
   CLI::App* slice = app.add_subcommand("slice", "draw one layer of a .vdb file's voxels, or list them");
   CLI::App* view = app.add_subcommand("view", "make a page that shows a .vdb file's voxels in a browser");

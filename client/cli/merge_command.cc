@@ -25,7 +25,8 @@ void AllowManyOpenFiles() {
 }  // namespace
 
 void AddMergeOptions(CLI::App& command, MergeWords& words) {
-  command.add_option("parts", words.parts, "parts of one mesh and request: .vdb files of --region or --shard")
+  command
+      .add_option("parts", words.parts, "parts of one mesh and request: .vdb files of --region, --bounds or --shard")
       ->type_name("PART.vdb")
       ->required();
   AddOutputOption(command, {".vdb"}, words.outputs);

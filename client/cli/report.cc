@@ -28,6 +28,7 @@ Json CertificateJson(const Certificate& certificate) {
                {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
                {"tunnel_free", certificate.tunnel_free},
                {"minimal", certificate.minimal},
+               {"whole_minimal", certificate.whole_minimal},
                {"cover", certificate.cover},
                {"closed", certificate.closed},
                {"snap_error_max", certificate.snap_error_max},

@@ -75,6 +75,18 @@ std::string CheckQuantization(const std::string& text) {
 
 std::variant<NamedLattice, Basis> InterpretLattice(const VoxelizeWords& words) {
   if (!words.basis.empty()) {
+std::string CheckBounds(const std::string& text) {
+  if (auto error = CheckNumbers<double, 6>(text); !error.empty()) return error;
+  std::array<double, 6> box;
+  ParseNumbers(text, box);
+  for (size_t m = 0; m < 3; ++m) {
+    if (box[m] > box[m + 3]) {
+      return absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " is below ", box[m], " on axis ", m);
+    }
+  }
+  return "";
+}
+
     std::array<double, 9> n{};
     ParseNumbers(words.basis, n);
     return Basis{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
@@ -235,6 +247,10 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
           ->type_name("FILE.vdb");
   for (const char* other : {"--lattice", "--basis", "--voxel-size", "--resolution", "--origin"}) {
     align->excludes(command.get_option(other));
+  command.add_option("--bounds", words.bounds, "only the voxels whose centres lie in this box, faces included")
+      ->type_name("x0,y0,z0,x1,y1,z1")
+      ->check(CheckBounds)
+      ->excludes(verify);
   }
   Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
@@ -291,6 +307,11 @@ VoxelizeOptions Interpret(const VoxelizeWords& words) {
   VoxelizeOptions options = InterpretRequest(words);
   const std::vector<std::string>& paths = options.mesh.paths;
   if (std::count(paths.begin(), paths.end(), kStandardInput) > 1) Refuse("mesh: - is given twice, but read once");
+  if (!words.bounds.empty()) {
+    std::array<double, 6> n{};
+    ParseNumbers(words.bounds, n);
+    request.bounds = WorldBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  }
   for (const std::string& path : paths) CheckOutputs(options.outputs, path, "mesh");
   return options;
 }

@@ -30,7 +30,7 @@ struct VoxelizeOptions {
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct VoxelizeWords {
   VoxelizeOptions options;  // filled in part by parsing
-  std::string lattice, basis, voxel_size, resolution, origin, region, shard, quantization = "auto";
+  std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string scale, up, input_format, npy;
   int separability = 0;
   std::string algorithm, encoding, fill, interior_rule, cover, band;

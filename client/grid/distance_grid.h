@@ -22,7 +22,7 @@ namespace latvox::client {
 class DistanceGrid {
  public:
   //   width   world units
-  //   whole   nothing of the mesh is left out by a region or a shard
+  //   whole   nothing of the mesh is left out by a region, bounds or a shard
   // Precondition: CheckGridTransform(transform) is OK.
   DistanceGrid(const GridTransform& transform, double width, bool is_signed, bool whole);
   DistanceGrid(DistanceGrid&&) noexcept;             // the other one may then be destroyed or assigned to, no more

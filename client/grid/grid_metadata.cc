@@ -48,6 +48,7 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
   grid.insertMeta("latvox_separability", openvdb::Int32Metadata(static_cast<int32_t>(certificate.separability)));
   grid.insertMeta("latvox_tunnel_free", openvdb::BoolMetadata(certificate.tunnel_free));
   grid.insertMeta("latvox_minimal", openvdb::BoolMetadata(certificate.minimal));
+  grid.insertMeta("latvox_whole_minimal", openvdb::BoolMetadata(certificate.whole_minimal));
   grid.insertMeta("latvox_verified", openvdb::BoolMetadata(certificate.verified));
   grid.insertMeta("latvox_closed", openvdb::BoolMetadata(certificate.closed));
   grid.insertMeta("latvox_snap_error_max", openvdb::DoubleMetadata(certificate.snap_error_max));

@@ -21,8 +21,9 @@ struct MergedGrid {
 };
 
 // Writes to `path`, over what is there and not atomically, the .vdb file of the whole whose parts are these files,
-// which `latvox voxelize` wrote of one mesh and request with --region or --shard: the union of their voxels, with the
-// metadata that they share. The digest is computed anew; it is the sum of the parts' digests where no brick is in two.
+// which `latvox voxelize` wrote of one mesh and request with --region, --bounds or --shard: the union of their voxels,
+// with the metadata that they share. The digest is computed anew; it is the sum of the parts' digests where no brick is
+// in two.
 //
 // Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets (20
 // MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.

@@ -21,7 +21,8 @@ namespace latvox::client {
 namespace {
 
 constexpr char kShard[] = "latvox_shard", kVerified[] = "latvox_verified";
-constexpr const char* kTrueIfAll[] = {"latvox_tunnel_free", "latvox_minimal"};
+constexpr char kMinimal[] = "latvox_minimal", kWholeMinimal[] = "latvox_whole_minimal";
+constexpr const char* kTrueIfAll[] = {"latvox_tunnel_free", kMinimal};
 constexpr size_t kMissingNamed = 8;
 
 using Parts = std::vector<std::unique_ptr<PartFile>>;
@@ -168,6 +169,7 @@ absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
     const auto is_true = [name](const auto& part) { return IsTrue(*part, name); };
     common.metadata.insertMeta(name, openvdb::BoolMetadata(std::all_of(parts.begin(), parts.end(), is_true)));
   }
+  if (common.shards && IsTrue(first, kWholeMinimal)) common.metadata.insertMeta(kMinimal, openvdb::BoolMetadata(true));
   common.metadata.insertMeta(kVerified, openvdb::BoolMetadata(parts.size() == 1 && IsTrue(first, kVerified)));
   return common;
 }

@@ -69,7 +69,7 @@ std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file) {
 }
 
 std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
-  const bool whole = !request.region && !request.shard;
+  const bool whole = !request.region && !request.bounds && !request.shard;
   const auto new_grid = [band = *request.band, whole](const GridTransform& grid) {
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
     return DistanceGrid(grid, width, band.is_signed, whole);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/sort.h"
 #include "core/digitize/crossing.h"
 
 namespace latvox {
@@ -50,14 +51,14 @@ CornerLines::CornerLines(const SnappedMesh& mesh, const std::atomic<bool>& cance
     const auto [first_j, last_j] = TileCorners(low_j, high_j);
     if (first_i > last_i || first_j > last_j) continue;
     const auto [low_k, high_k] = range(2);
-    for (int32_t i = first_i * kTileSide; i <= last_i * kTileSide; i += kTileSide) {
+    for (int32_t i = first_i * kTileSide; i <= last_i * kTileSide && !cancelled; i += kTileSide) {
       for (int32_t j = first_j * kTileSide; j <= last_j * kTileSide; j += kTileSide) {
         const IndexBox line{{i, j, (low_k >> kSubvoxelBits) - 1}, {i + 1, j + 1, (high_k >> kSubvoxelBits) + 3}};
         ForEachEdge(triangle, 2, line, [&](const Vec3i& ijk) { crossings_[{i, j}].push_back(ijk[2]); });
       }
     }
   }
-  for (auto& [line, after] : crossings_) std::sort(after.begin(), after.end());
+  for (auto& [line, after] : crossings_) Sort(after, cancelled);
 }
 
 bool CornerLines::IsInside(const Vec3i& tile_min) const {

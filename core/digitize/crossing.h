@@ -15,9 +15,11 @@
 #define LATVOX_CORE_DIGITIZE_CROSSING_H_
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <utility>
 
+#include "core/base/cancelled.h"
 #include "core/base/vec.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
@@ -98,9 +100,11 @@ inline Span RangeOver(const IndexBox& box, const Vec3i& row) {
 }  // namespace crossing_internal
 
 // Calls emit(nearer, farther) with the two ends of every lattice edge along frame.q that the triangle crosses and whose
-// nearer end lies in `box` (local voxels). A triangle parallel to q crosses none.
+// nearer end lies in `box` (local voxels). A triangle parallel to q crosses none. Returns early once
+// cancelled.
 template <class Emit>
-void ForEachCrossing(const Triangle& triangle, const Frame& frame, const IndexBox& box, Emit&& emit) {
+void ForEachCrossing(const Triangle& triangle, const Frame& frame, const IndexBox& box, Emit&& emit,
+                     const std::atomic<bool>& cancelled = kNeverCancelled) {
   using namespace crossing_internal;
   std::array<Vec3l, 3> v;
   for (size_t n = 0; n < 3; ++n) v[n] = {triangle[n][0], triangle[n][1], triangle[n][2]};
@@ -141,7 +145,7 @@ void ForEachCrossing(const Triangle& triangle, const Frame& frame, const IndexBo
   const int64_t denominator = along * kLatticeUnit;
   const Division step = FloorDivision(-Wide{n_a} * kLatticeUnit, denominator);
 
-  for (int64_t row = b.first; row <= b.last; ++row) {
+  for (int64_t row = b.first; row <= b.last && !cancelled; ++row) {
     Span span = a;
     for (const ProjectedEdge& edge : edges) edge.Clip(row, span);
     if (span.first > span.last) continue;

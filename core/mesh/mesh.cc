@@ -64,7 +64,7 @@ absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancell
   return valid ? absl::OkStatus() : Complain(mesh);
 }
 
-Bounds BoundsOf(const TriangleMesh& mesh) {
+Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles a task
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -78,7 +78,7 @@ Bounds BoundsOf(const TriangleMesh& mesh) {
       Part(0, mesh.triangles.size(), kGrain),
       Bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}},
       [&](const Part& part, Bounds bounds) {
-        for (size_t t = part.begin(); t < part.end(); ++t) {
+        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
           for (uint32_t index : mesh.triangles[t]) {
             const Vec3f& v = mesh.vertices[index];
             const Vec3d position = {v[0], v[1], v[2]};

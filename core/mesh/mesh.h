@@ -30,7 +30,7 @@ struct Bounds {
 absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // Box of the vertices that triangles use. Precondition: Validate(mesh).
-Bounds BoundsOf(const TriangleMesh& mesh);
+Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 }  // namespace latvox
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "core/base/sort.h"
 #include "core/plane/crossing2.h"
 
 namespace latvox {
@@ -24,16 +25,17 @@ uint32_t IndexOf(const std::vector<Vec2i>& pixels, const Vec2i& ij) {
 
 // By pixel. Edges without an end in the set are counted instead.
 std::vector<Incidence> IncidencesOf(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
-                                    uint64_t& uncovered) {
+                                    uint64_t& uncovered, const std::atomic<bool>& cancelled) {
   std::vector<Incidence> incidences;
   uncovered = 0;
   for (const PlaneEdge& edge : edges) {
+    if (cancelled) break;
     const uint32_t low = IndexOf(pixels, edge.low), high = IndexOf(pixels, edge.high);
     if (low != kOutside) incidences.push_back({low, high});
     if (high != kOutside) incidences.push_back({high, low});
     if (low == kOutside && high == kOutside) ++uncovered;
   }
-  std::sort(incidences.begin(), incidences.end());
+  Sort(incidences, cancelled);
   return incidences;
 }
 
@@ -50,21 +52,15 @@ void ForEachPixel(const std::vector<Incidence>& incidences, const std::vector<bo
   }
 }
 
-template <class T>
-void SortUnique(std::vector<T>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
-
 }  // namespace
 
-void MakeSet(std::vector<Vec2i>& pixels) { SortUnique(pixels); }
-
-PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames) {
+PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames,
+                             const std::atomic<bool>& cancelled) {
   PlaneCrossings crossings;
   // Memory follows the distinct crossings, not the segments: duplicates leave before the lists double.
   size_t limit = 1 << 20;
   for (const Segment& segment : segments) {
+    if (cancelled) return {};
     for (const PlaneFrame& frame : frames) {
       ForEachCrossing(segment, frame, [&](const Vec2i& nearer, const Vec2i& farther) {
         crossings.edges.push_back({std::min(nearer, farther), std::max(nearer, farther)});
@@ -72,20 +68,20 @@ PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::ve
       });
     }
     if (crossings.edges.size() < limit) continue;
-    SortUnique(crossings.edges);
-    SortUnique(crossings.nearer);
+    SortUnique(crossings.edges, cancelled);
+    SortUnique(crossings.nearer, cancelled);
     limit = std::max(limit, 2 * crossings.edges.size());
   }
-  SortUnique(crossings.edges);
-  SortUnique(crossings.nearer);
+  SortUnique(crossings.edges, cancelled);
+  SortUnique(crossings.nearer, cancelled);
   return crossings;
 }
 
-void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels) {
+void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, const std::atomic<bool>& cancelled) {
   uint64_t uncovered;
-  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, uncovered);
+  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, uncovered, cancelled);
   std::vector<bool> member(pixels.size(), true);
-  for (int32_t parity = 0; parity < 4; ++parity) {
+  for (int32_t parity = 0; parity < 4 && !cancelled; ++parity) {
     ForEachPixel(incidences, member, [&](uint32_t pixel, bool essential) {
       const Vec2i& ij = pixels[pixel];
       if (((ij[0] & 1) << 1 | (ij[1] & 1)) == parity && !essential) member[pixel] = false;
@@ -98,9 +94,10 @@ void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels) {
   pixels.resize(kept);
 }
 
-PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels) {
+PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
+                   const std::atomic<bool>& cancelled) {
   PlaneVerdict verdict;
-  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, verdict.tunnels);
+  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, verdict.tunnels, cancelled);
   ForEachPixel(incidences, std::vector<bool>(pixels.size(), true), [&](uint32_t, bool essential) {
     if (!essential) ++verdict.redundant;
   });

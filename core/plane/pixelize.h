@@ -2,11 +2,13 @@
 #ifndef LATVOX_CORE_PLANE_PIXELIZE_H_
 #define LATVOX_CORE_PLANE_PIXELIZE_H_
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/cancelled.h"
 #include "core/plane/lattice2.h"
 #include "core/plane/polyline.h"
 
@@ -60,10 +62,11 @@ struct PixelizeResult {
 // Digitizes polylines: k-separating, and k-minimal on request. A function of its arguments alone: not of the order,
 // direction or repetition of polylines.
 // Errors: INVALID_ARGUMENT naming field, value and limit: polylines (see Validate), extent, position, separability,
-// algorithm (its cost).
+// algorithm (its cost). Also CANCELLED, soon, once that is set.
 // Memory: in proportion to the crossed edges, and to the pixels before thinning.
 absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, const PlaneGrid& grid,
-                                        const PixelizeOptions& options);
+                                        const PixelizeOptions& options,
+                                        const std::atomic<bool>& cancelled = kNeverCancelled);
 
 }  // namespace latvox
 

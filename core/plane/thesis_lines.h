@@ -4,9 +4,11 @@
 #ifndef LATVOX_CORE_PLANE_THESIS_LINES_H_
 #define LATVOX_CORE_PLANE_THESIS_LINES_H_
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
+#include "core/base/cancelled.h"
 #include "core/plane/lattice2.h"
 #include "core/plane/polyline.h"
 
@@ -23,7 +25,8 @@ std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const P
 // The slab is decided by integers. Discs are closed, and reach further by the lattice's symmetry tolerance; that a
 // pixel's foot lies between the ends is decided in doubles, where an error cannot matter: within t <= R of an end it is
 // in the disc.
-std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
+                                   const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // The number of pixels that BruteForceLines will test.
 uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
@@ -36,13 +39,15 @@ uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice
 //       end is in the set. |r[0].q| is larger only if q and C are the two diagonals of a rectangle: then it is 2, the
 //       edge's middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer.
 // Precondition: both ends of every segment are pixels (RoundToPixels).
-std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
+                                    const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // The line of Ibanez, Hamitouche and Roux (section 4.6, reference 26): from one end to the other by steps between
 // (1-k)-neighbours, each time the one of two that stays nearer to the segment; Bresenham's octant is the cone between
 // the two steps. In the plane a curve of (1-k)-steps is what k-steps cannot pass, and the set is IncrementalLines'.
 // Precondition: as IncrementalLines.
-std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
+std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
+                               const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // One such line, in order from one pixel to the other, both included.
 std::vector<Vec2i> IbanezLine(const Vec2i& from, const Vec2i& to, const PlaneLattice& lattice, int k);

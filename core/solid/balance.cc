@@ -77,7 +77,7 @@ class LineCount {
         const auto [low, high] = std::minmax({v[0][m], v[1][m], v[2][m]});
         return low <= span.last * kLatticeUnit && high >= span.first * kLatticeUnit;
       };
-      return meets(0, lines.a) && meets(1, lines.b);
+      return !cancelled_ && meets(0, lines.a) && meets(1, lines.b);
     });
     return near;
   }
@@ -85,6 +85,7 @@ class LineCount {
   uint64_t CountLines(const Square& square, const std::vector<uint32_t>& triangles) const {
     std::array<int32_t, size_t{kTileSide} * kTileSide> sums{};
     for (const uint32_t t : triangles) {
+      if (cancelled_) return 0;
       ForEachAxisCrossing<kSubvoxelBits>(TriangleAt(t), 2, square.Lines(),
                                          [&](int32_t a, int32_t b, int32_t, int32_t turn) {
                                            sums[static_cast<size_t>((a - square.a) * kTileSide + b - square.b)] += turn;

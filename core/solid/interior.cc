@@ -32,7 +32,7 @@ Triangle TriangleAt(const SnappedMesh& mesh, uint32_t t) {
 class ClosedInterior : public Interior {
  public:
   ClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
-      : mesh_(mesh), rule_(rule), corners_(FindLineCrossings<kCornerBits>(mesh, cancelled)) {
+      : mesh_(mesh), rule_(rule), cancelled_(cancelled), corners_(FindLineCrossings<kCornerBits>(mesh, cancelled)) {
     // Sums over whole lines are even, or 0 (of kWinding): none concerns the lines after it.
     sums_.reserve(corners_.size());
     int32_t sum = 0;
@@ -50,7 +50,10 @@ class ClosedInterior : public Interior {
     if (rule_ == InteriorRule::kWinding) rows.turns_.resize(InteriorRows::kRows * kTileSide);
     std::array<int32_t, kTileSide> along_i{};
     along_i[0] = at_corner;
-    for (const uint32_t t : triangles) Add(TriangleAt(mesh_, t), low, along_i, rows);
+    for (const uint32_t t : triangles) {
+      if (cancelled_) return;
+      Add(TriangleAt(mesh_, t), low, along_i, rows);
+    }
     FinishStarts(along_i, rows);
     FinishRows(rows);
   }
@@ -139,6 +142,7 @@ class ClosedInterior : public Interior {
 
   const SnappedMesh& mesh_;
   const InteriorRule rule_;
+  const std::atomic<bool>& cancelled_;
   const std::vector<uint64_t> corners_;  // of lines through the tiles' corners, in tiles
   std::vector<int32_t> sums_;            // up to each of them, included
 };

@@ -52,7 +52,8 @@ class Interior {
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;
 };
 
-// Both keep a reference to the mesh. What they make means nothing once they are cancelled.
+// Both keep references to the mesh and to `cancelled`. What they make, and what is found, means nothing once they are
+// cancelled.
 //
 // Precondition: the mesh is closed (kParity) or oriented (kWinding).
 std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule,

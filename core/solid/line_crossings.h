@@ -4,11 +4,13 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_sort.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "core/snap/snap.h"
@@ -19,6 +21,11 @@ namespace latvox {
 // One crossing as a number: the line's i and j, the lowest point above the crossing, and its sense; crossings of a line
 // ascend with these numbers. Coordinates are local, in steps of the lines' lattice; they may be a little below 0.
 class LineCrossing {
+  static constexpr int kBits = 21, kSlabShift = 2 * kBits + 1 + 6;
+  static constexpr int32_t kOffset = 1 << (kBits - 2), kFarthest = kMaxExtent + 2 * kTileSide;
+  static_assert(kFarthest < kOffset && 3 * kBits + 1 <= 64);
+  static constexpr size_t kFirstSlab = static_cast<size_t>(kOffset - kFarthest) >> 6;
+
  public:
   // No crossing above which `above` is lower is less.
   static uint64_t Least(int32_t i, int32_t j, int32_t above) {
@@ -31,46 +38,65 @@ class LineCrossing {
   static int32_t Above(uint64_t crossing) { return Coordinate(crossing >> 1); }
   static int32_t Turn(uint64_t crossing) { return (crossing & 1) != 0 ? 1 : -1; }
 
- private:
-  static constexpr int kBits = 21;
-  static constexpr int32_t kOffset = 1 << (kBits - 2);
-  static_assert(kMaxExtent + 2 * kTileSide < kOffset && 3 * kBits + 1 <= 64);
+  // The slab of 64 consecutive i that it lies in.
+  static size_t Slab(uint64_t crossing) { return static_cast<size_t>(crossing >> kSlabShift) - kFirstSlab; }
+  static constexpr size_t kSlabs = (static_cast<size_t>(kOffset + kFarthest) >> 6) - kFirstSlab + 1;
 
+ private:
   static uint64_t Field(int32_t coordinate) { return static_cast<uint64_t>(coordinate + kOffset); }
   static int32_t Coordinate(uint64_t field) {
     return static_cast<int32_t>(field & ((uint64_t{1} << kBits) - 1)) - kOffset;
   }
 };
 
-// Those with the lines whose coordinates are multiples of 2^kUnitBits lattice units, ascending.
+// Joins the parts, ascending. By slabs, so that it ends soon once cancelled; then the result means nothing.
+inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_t>>&& parts,
+                                                 const std::atomic<bool>& cancelled) {
+  std::vector<size_t> next(LineCrossing::kSlabs +
+                           1);  // where each slab's next crossing goes; in the end, where it ends
+  for (const auto& part : parts) {
+    for (const uint64_t crossing : part) ++next[LineCrossing::Slab(crossing) + 1];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<uint64_t> all(next.back());
+  for (auto& part : parts) {
+    if (cancelled) return all;
+    for (const uint64_t crossing : part) all[next[LineCrossing::Slab(crossing)]++] = crossing;
+    part = {};
+  }
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, LineCrossing::kSlabs), [&](const auto& slabs) {
+    for (size_t n = slabs.begin(); n < slabs.end() && !cancelled; ++n) {
+      std::sort(all.data() + (n == 0 ? 0 : next[n - 1]), all.data() + next[n]);
+    }
+  });
+  return all;
+}
+
+// Those with the lines whose coordinates are multiples of 2^kUnitBits lattice units, ascending. Ends soon once
+// cancelled; then the result means nothing.
 template <int kUnitBits>
 std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
   constexpr size_t kChunk = 1 << 14;  // triangles a task
   constexpr int64_t kAll = std::numeric_limits<int32_t>::max();
+  constexpr int32_t kRows = 64;  // of lines, between looks whether it is cancelled
   const size_t count = mesh.triangles.size();
   std::vector<std::vector<uint64_t>> parts((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
     for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
-      for (size_t t = n * kChunk; t < std::min(count, (n + 1) * kChunk) && !cancelled; ++t) {
+      for (size_t t = n * kChunk; t < std::min(count, (n + 1) * kChunk); ++t) {
         const auto& [a, b, c] = mesh.triangles[t];
-        ForEachAxisCrossing<kUnitBits>({mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]}, 2,
-                                       {{-kAll, kAll}, {-kAll, kAll}},
-                                       [&](int32_t i, int32_t j, int32_t above, int32_t turn) {
-                                         parts[n].push_back(LineCrossing::Make(i, j, above, turn));
-                                       });
+        const Triangle triangle{mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
+        const auto [low, high] = std::minmax({triangle[0][1], triangle[1][1], triangle[2][1]});
+        for (int32_t j = low >> kUnitBits; j <= high >> kUnitBits && !cancelled; j += kRows) {
+          ForEachAxisCrossing<kUnitBits>(triangle, 2, {{-kAll, kAll}, {j, j + kRows - 1}},
+                                         [&](int32_t i, int32_t line_j, int32_t above, int32_t turn) {
+                                           parts[n].push_back(LineCrossing::Make(i, line_j, above, turn));
+                                         });
+        }
       }
     }
   });
-  size_t size = 0;
-  for (const auto& part : parts) size += part.size();
-  std::vector<uint64_t> all;
-  all.reserve(size);
-  for (auto& part : parts) {
-    all.insert(all.end(), part.begin(), part.end());
-    part = {};
-  }
-  oneapi::tbb::parallel_sort(all.begin(), all.end());
-  return all;
+  return SortedLineCrossings(std::move(parts), cancelled);
 }
 
 }  // namespace latvox

@@ -13,10 +13,12 @@
 #ifndef LATVOX_CORE_THIN_THIN_H_
 #define LATVOX_CORE_THIN_THIN_H_
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/cancelled.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
 
@@ -36,8 +38,10 @@ struct CrossedEdge {
 //             be doubtful; in either direction; duplicates allowed
 //   known     local voxels; beyond, doubtful ones may have further edges
 //   wanted    local voxels, within `known`; there, what may be doubtful is in `doubtful`
+// Once cancelled, it returns true soon, and the set means nothing.
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const std::vector<CrossedEdge>& edges,
-          const IndexBox& known, const IndexBox& wanted, TileBits& set);
+          const IndexBox& known, const IndexBox& wanted, TileBits& set,
+          const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // See Thin.
 inline constexpr int32_t kThinHalo = kParityClasses;

@@ -161,7 +161,9 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
       lists[2 * numbers[n] + 1] = children[n].fringe.data();
     }
   });
-  ForEachOf(count, [&](size_t n) { Fill(lists.data(), chunks[n]); });
+  ForEachOf(count, [&](size_t n) {
+    if (!cancelled_) Fill(lists.data(), chunks[n]);
+  });
   return children;
 }
 
@@ -220,7 +222,7 @@ void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std
   };
   CellGrid::Codes codes;
   std::array<uint32_t, CellGrid::kBlock> all_ids;
-  for (size_t block = 0; block < chunk.size; block += CellGrid::kBlock) {
+  for (size_t block = 0; block < chunk.size && !cancelled_; block += CellGrid::kBlock) {
     const size_t size = std::min(CellGrid::kBlock, chunk.size - block);
     const uint32_t* ids = chunk.ids == nullptr ? all_ids.data() : chunk.ids + block;
     if (chunk.ids == nullptr) std::iota(all_ids.begin(), all_ids.end(), chunk.Triangle(block));
@@ -229,6 +231,7 @@ void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std
       if (!make_room(CellGrid::kMaxFewHits)) return;
       const CellHit* first = next;
       if (!CellGrid::ForEachOfFewHits(codes, n, add)) {
+        if (cancelled_) return;
         const auto [a, b, c] = mesh_.triangles[ids[n]];
         const std::vector<CellHit> many =
             grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});

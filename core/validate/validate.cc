@@ -25,16 +25,15 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
         for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
           const auto& [v0, v1, v2] = mesh.triangles[t];
           const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
-          for (const Frame& frame : frames) {
-            ForEachCrossing(triangle, frame, kEverywhere, [&](const Vec3i& nearer, const Vec3i& farther) {
-              const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
-              if (!a && !b) ++count;
-              if (a && b) return;
-              if (const auto only = a ? a : b) {
-                essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
-              }
-            });
-          }
+          const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {
+            const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
+            if (!a && !b) ++count;
+            if (a && b) return;
+            if (const auto only = a ? a : b) {
+              essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
+            }
+          };
+          for (const Frame& frame : frames) ForEachCrossing(triangle, frame, kEverywhere, judge, cancelled);
         }
         return count;
       },

@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "core/voxelizer/world_box.h"
+
 namespace latvox {
 namespace {
 
@@ -39,13 +41,13 @@ double VolumeAround(const Corners& at, double size) {
 }
 
 template <class F>
-double SumOver(const TriangleMesh& mesh, const F& f) {
+double SumOver(const TriangleMesh& mesh, const std::atomic<bool>& cancelled, const F& f) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles a task
   return oneapi::tbb::parallel_deterministic_reduce(
       Part(0, mesh.triangles.size(), kGrain), 0.0,
       [&](const Part& part, double sum) {
-        for (size_t t = part.begin(); t < part.end(); ++t) {
+        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
           const auto& [a, b, c] = mesh.triangles[t];
           sum += f({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
         }
@@ -68,8 +70,7 @@ double VolumeOf(const IndexBox& box) {
 }
 
 // Of the interior of a surface with twice that area, by the isoperimetric inequality.
-double EstimateInterior(const TriangleMesh& mesh, double twice_area, double size, bool closed) {
-  const Bounds bounds = BoundsOf(mesh);
+double EstimateInterior(const Bounds& bounds, double twice_area, double size, bool closed) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m) volume *= bounds.max[m] - bounds.min[m];
   const double ball = std::pow(twice_area / 2, 1.5) / (6 * std::sqrt(std::numbers::pi));
@@ -78,40 +79,47 @@ double EstimateInterior(const TriangleMesh& mesh, double twice_area, double size
 
 }  // namespace
 
-double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options) {
+double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options,
+                      const std::atomic<bool>& cancelled) {
   const double size = grid.lattice.voxel_size();
   const auto grown = [&](const Corners& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
   };
-  if (options.algorithm != Algorithm::kExact) return SumOver(mesh, grown);
-  const double twice_area = SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); });
-  double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, grown) : twice_area / (size * size);
+  if (options.algorithm != Algorithm::kExact) return SumOver(mesh, cancelled, grown);
+  const double twice_area = SumOver(mesh, cancelled, [&](const Corners& corners) { return TwiceAreaOf(corners); });
+  double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, cancelled, grown) : twice_area / (size * size);
   if (options.band) voxels *= WidthOf(*options.band, grid.lattice) / size;  // without what neighbouring triangles share
-  if (options.solid) voxels += EstimateInterior(mesh, twice_area, size, !options.solid->force_open);
-  const double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  if (options.solid) {
+    voxels += EstimateInterior(BoundsOf(mesh, cancelled), twice_area, size, !options.solid->force_open);
+  }
+  double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
+  if (options.bounds) delivered = std::min(delivered, MostPointsIn(grid, *options.bounds));
   return options.shard ? delivered / options.shard->count : delivered;
 }
 
 // A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full.
-double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid) {
+double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const std::atomic<bool>& cancelled) {
   const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
-  return SumOver(mesh, [&](const Corners& corners) { return TwiceAreaOf(corners); }) * step / (size * size * size);
+  return SumOver(mesh, cancelled, [&](const Corners& corners) { return TwiceAreaOf(corners); }) * step /
+         (size * size * size);
 }
 
-double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels) {
+double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
+                      const std::atomic<bool>& cancelled) {
   constexpr double kVisitsPerTriangle = 40;  // of 15 ns, which a voxel takes otherwise
   if (options.cover == Cover::kSupercover) {
     return voxels + kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   }
   if (options.band) {
     const double size = grid.lattice.voxel_size(), width = WidthOf(*options.band, grid.lattice);
-    const double volume = SumOver(mesh, [&](const Corners& corners) { return VolumeWithin(corners, width); });
+    const double volume =
+        SumOver(mesh, cancelled, [&](const Corners& corners) { return VolumeWithin(corners, width); });
     const double visits = volume / (size * size * size);
     return options.shard ? visits / options.shard->count : visits;
   }
   if (options.algorithm != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();
-  return SumOver(mesh, [&](const Corners& corners) { return VolumeAround(corners, size); });
+  return SumOver(mesh, cancelled, [&](const Corners& corners) { return VolumeAround(corners, size); });
 }
 
 }  // namespace latvox

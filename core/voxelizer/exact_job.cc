@@ -34,7 +34,7 @@ class ExactJob final : public VoxelizeJob {
  public:
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
            const std::optional<BandPlan>& band, const VoxelizeOptions& options, const IndexBox& region,
-           const std::atomic<bool>& cancelled)
+           const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -50,11 +50,12 @@ class ExactJob final : public VoxelizeJob {
                  cancelled_},
         tree_(mesh_, 0, band ? band->reach : context_.NearMargin(), band ? band->reach : context_.FarMargin(), region,
               cancelled_),
-        facts_(FactsOfJob(mesh_, region, cancelled)),
+        bounds_(bounds),
+        facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
         solid_(options.solid),
         band_(MakeBandContext(band, region, cancelled)),
         shard_(options.shard.value_or(Shard{})),
-        span_(SpanOf(options, mesh_, frames_, region, cancelled)) {
+        span_(SpanOf(options, mesh_, frames_, region, bounds, cancelled)) {
     if (band) facts_.band_width = band->width;
   }
 
@@ -74,6 +75,7 @@ class ExactJob final : public VoxelizeJob {
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
   std::vector<TileNode> Top();
+  void ClipFrom(size_t first, Unit& out) const;
   std::optional<TileNode> NextUnit();
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
@@ -91,6 +93,7 @@ class ExactJob final : public VoxelizeJob {
   TileTree tree_;
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
+  const std::optional<WorldBox> bounds_;
   JobFacts facts_;
   const std::optional<Solid> solid_;
   std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
@@ -142,6 +145,11 @@ uint64_t ExactJob::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(til
 // Whether none of a node's tiles is delivered.
 bool ExactJob::IsLeftOut(const TileNode& node) const {
   if (node.triangles.empty() && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) return true;
+  if (bounds_) {
+    const Vec3i low = (node.tile_ijk + tile_base_) * kTileSide;
+    const int32_t side = kTileSide << node.level;
+    if (bounds_->Misses({low, low + Vec3i{side, side, side}})) return true;
+  }
   return !span_.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
 }
 
@@ -204,8 +212,17 @@ void ExactJob::Process(const TileNode& node, Unit& out) const {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
   }
+  const size_t first = out.size();
   ScanLeaf(node, out);
+  ClipFrom(first, out);
   std::erase_if(out, [this](const TileBricks& tile) { return !span_.Contains(NumberOf(tile.tile_ijk)); });
+}
+
+// Leaves out what is not within the bounds.
+void ExactJob::ClipFrom(size_t first, Unit& out) const {
+  if (!bounds_) return;
+  for (size_t n = first; n < out.size(); ++n) bounds_->Clip(out[n]);
+  std::erase_if(out, [](const TileBricks& tile) { return tile.bricks.empty(); });
 }
 
 void ExactJob::ScanLeaf(const TileNode& node, Unit& out) const {
@@ -263,8 +280,10 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
 std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Frame>& frames,
                                           std::unique_ptr<const Supercover> supercover,
                                           const std::optional<BandPlan>& band, const VoxelizeOptions& options,
-                                          const IndexBox& region, const std::atomic<bool>& cancelled) {
-  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, options, region, cancelled);
+                                          const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                          const std::atomic<bool>& cancelled) {
+  return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, options, region, bounds,
+                                    cancelled);
 }
 
 }  // namespace latvox

@@ -12,17 +12,20 @@
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 #include "core/voxelizer/voxelizer.h"
+#include "core/voxelizer/world_box.h"
 
 namespace latvox {
 
 // Digitizes tile by tile, a pipeline of units of some tiles each.
 //   supercover, band   null, and nullopt, where options do not ask for them
 //   region             local voxels to deliver, within mesh.box
+//   bounds             of these, deliver only the ones within
 // Memory: the mesh and the tiles in flight; of a solid with force_open, also all crossings of lines along k.
 std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Frame>& frames,
                                           std::unique_ptr<const Supercover> supercover,
                                           const std::optional<BandPlan>& band, const VoxelizeOptions& options,
-                                          const IndexBox& region, const std::atomic<bool>& cancelled);
+                                          const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                          const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

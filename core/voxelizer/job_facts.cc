@@ -29,7 +29,8 @@ bool HasTile(const IndexBox& box, const Vec3i& tile_ijk) {
 
 bool JobFacts::HasTile(const Vec3i& tile_ijk) const { return index_box && latvox::HasTile(*index_box, tile_ijk); }
 
-JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::atomic<bool>& cancelled) {
+JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::optional<WorldBox>& bounds,
+                    const std::atomic<bool>& cancelled) {
   const SurfaceFacts surface = FactsOf(mesh, cancelled);
   JobFacts facts;
   facts.triangles = mesh.triangles.size();
@@ -42,6 +43,8 @@ JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::
     facts.index_box = IndexBox{region.min + mesh.base_ijk, region.max + mesh.base_ijk};
     facts.tiles_in_box = TilesIn(*facts.index_box);
   }
+  const IndexBox whole{mesh.box.min + mesh.base_ijk, mesh.box.max + mesh.base_ijk};
+  facts.cut_by_bounds = bounds && !IsEmpty(whole) && !bounds->ContainsAll(whole);
   return facts;
 }
 

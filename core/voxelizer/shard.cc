@@ -54,8 +54,10 @@ int32_t LongestOf(const Vec3i& e, const Vec3i& f) {
 // The weights of the cubes of tiles that the order is split by, in that order.
 class CellWeights {
  public:
-  CellWeights(const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region)
+  CellWeights(const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region,
+              const std::optional<WorldBox>& bounds)
       : mesh_(mesh),
+        bounds_(bounds),
         levels_(TileCubeLevel(mesh.box)),
         shift_(3 * std::max(0, levels_ - kMaxLevels)),
         weights_(size_t{1} << 3 * std::min(levels_, kMaxLevels)) {
@@ -85,6 +87,7 @@ class CellWeights {
   void Flush(Sum& sum) { weights_[sum.cell].fetch_add(std::exchange(sum.weight, 0), std::memory_order_relaxed); }
 
   const SnappedMesh& mesh_;
+  const std::optional<WorldBox>& bounds_;
   std::vector<Vec3l> directions_;
   const int levels_, shift_;                 // of the cube of all tiles; of a tile's number to its cell's
   Vec3i low_{}, high_{}, first_{}, last_{};  // tiles; all but low_ relative to it
@@ -133,6 +136,7 @@ void CellWeights::AddPoint(const Vec3i& point, uint64_t weight, Sum& sum) {
     tile[m] = std::clamp(point[m] >> kTileUnitBits, 0, high_[m]);
     if (tile[m] < first_[m] || tile[m] > last_[m]) return;
   }
+  if (bounds_ && !bounds_->Contains(Shifted(point, kSubvoxelBits) + low_ * kTileSide + mesh_.base_ijk)) return;
   const auto cell = static_cast<size_t>(TileNumber(tile) >> shift_);
   if (cell != sum.cell) {
     Flush(sum);
@@ -162,9 +166,9 @@ TileSpan CellWeights::SpanOf(const Shard& shard) const {
 }
 
 TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region,
-                const std::atomic<bool>& cancelled) {
+                const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled) {
   if (shard.count == 1) return {};
-  CellWeights weights(mesh, frames, region);
+  CellWeights weights(mesh, frames, region, bounds);
   constexpr size_t kGrain = 1024;  // triangles a task
   using Part = oneapi::tbb::blocked_range<size_t>;
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
@@ -176,8 +180,8 @@ TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<F
 }  // namespace
 
 TileSpan SpanOf(const VoxelizeOptions& options, const SnappedMesh& mesh, const std::vector<Frame>& frames,
-                const IndexBox& region, const std::atomic<bool>& cancelled) {
-  TileSpan span = options.shard ? SpanOf(*options.shard, mesh, frames, region, cancelled) : TileSpan{};
+                const IndexBox& region, const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled) {
+  TileSpan span = options.shard ? SpanOf(*options.shard, mesh, frames, region, bounds, cancelled) : TileSpan{};
   if (options.resume_after) {
     const Vec3i low = Shifted(mesh.box.min + mesh.base_ijk, kTileBits);
     span.begin = std::max(span.begin, TileNumber(*options.resume_after - low) + 1);

@@ -3,12 +3,14 @@
 #define LATVOX_CORE_VOXELIZER_SHARD_H_
 
 #include <atomic>
+#include <optional>
 #include <vector>
 
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_order.h"
 #include "core/voxelizer/voxelizer.h"
+#include "core/voxelizer/world_box.h"
 
 namespace latvox {
 
@@ -23,10 +25,11 @@ namespace latvox {
 // MiB.
 //   frames      of options.separability
 //   region      local voxels: tiles outside cost nothing
+//   bounds      nor does what is outside of these
 //   cancelled   once set, the result comes soon, and means nothing
 // Precondition: as VoxelizeJob::Create checks.
 TileSpan SpanOf(const VoxelizeOptions& options, const SnappedMesh& mesh, const std::vector<Frame>& frames,
-                const IndexBox& region, const std::atomic<bool>& cancelled);
+                const IndexBox& region, const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

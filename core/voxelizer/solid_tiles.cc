@@ -44,11 +44,12 @@ bool HasAxes(const std::vector<Frame>& frames) {
 SolidTiles::SolidTiles() : bits_(LayoutOf({}).Words()) {}
 
 // Each tile gets the triangles whose bounding boxes meet the box around its lattice points.
-void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node) {
+void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, const std::atomic<bool>& cancelled) {
   constexpr int kTileUnitBits = kSubvoxelBits + kTileBits;
   triangles_.resize(size_t{1} << 3 * node.level);
   for (std::vector<uint32_t>& list : triangles_) list.clear();
   for (const uint32_t t : node.triangles) {
+    if (cancelled) return;
     const auto& [a, b, c] = mesh.triangles[t];
     const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
     Vec3i first, last;

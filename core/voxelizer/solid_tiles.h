@@ -35,7 +35,7 @@ class SolidTiles {
   SolidTiles();
 
   // Begins a node.
-  void Sort(const SnappedMesh& mesh, const TileNode& node);
+  void Sort(const SnappedMesh& mesh, const TileNode& node, const std::atomic<bool>& cancelled);
 
   // The bricks of the node's tile of that number, in Morton order, as TileScan::CutOut has them.
   //   tile_ijk   where it is, local

@@ -12,9 +12,10 @@
 namespace latvox {
 namespace {
 
-// The set within `region` (ijk) as tiles; low_tile is the first of the order; those outside of `span` are left out.
-std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const Vec3i& low_tile,
-                                const TileSpan& span) {
+// The set within `region` (ijk) and `bounds` as tiles; low_tile is the first of the order; those outside of `span` are
+// left out.
+std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                const Vec3i& low_tile, const TileSpan& span) {
   const auto tile_of = [](const Brick& brick) { return Shifted(brick.brick_ijk, kTileBits - kBrickBits); };
   const auto number_of = [&](const Brick& brick) { return TileNumber(tile_of(brick) - low_tile); };
   std::vector<Brick> bricks = voxels.Bricks();
@@ -29,6 +30,10 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
     tiles.back().bricks.push_back(brick);
     tiles.back().voxels += CountVoxels(brick.mask);
   }
+  if (bounds) {
+    for (TileBricks& tile : tiles) bounds->Clip(tile);
+    std::erase_if(tiles, [](const TileBricks& tile) { return tile.bricks.empty(); });
+  }
   for (size_t n = 0; n < tiles.size(); ++n) {
     tiles[n].progress = static_cast<double>(n + 1) / static_cast<double>(tiles.size());
   }
@@ -38,12 +43,13 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
 class ThesisJob : public VoxelizeJob {
  public:
   ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region,
-            const std::atomic<bool>& cancelled)
+            const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled)
       : mesh_(std::move(mesh)),
         lattice_(lattice),
         options_(options),
-        facts_(FactsOfJob(mesh_, region, cancelled)),
-        span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, cancelled)) {}
+        bounds_(bounds),
+        facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
+        span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, bounds, cancelled)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -69,7 +75,7 @@ class ThesisJob : public VoxelizeJob {
     if (facts_.index_box) {
       const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, cancelled_);
       if (!voxels.ok()) return voxels.status();
-      tiles_ = TilesOf(*voxels, *facts_.index_box, facts_.first_tile_ijk, span_);
+      tiles_ = TilesOf(*voxels, *facts_.index_box, bounds_, facts_.first_tile_ijk, span_);
     }
     computed_ = true;
     return absl::OkStatus();
@@ -82,6 +88,7 @@ class ThesisJob : public VoxelizeJob {
   bool computed_ = false;
   std::vector<TileBricks> tiles_;  // in canonical order; moved away once delivered
   size_t delivered_ = 0;
+  const std::optional<WorldBox> bounds_;
   const JobFacts facts_;
   const TileSpan span_;
   JobTotals totals_;
@@ -90,8 +97,9 @@ class ThesisJob : public VoxelizeJob {
 }  // namespace
 
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
-                                           const IndexBox& region, const std::atomic<bool>& cancelled) {
-  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region, cancelled);
+                                           const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                           const std::atomic<bool>& cancelled) {
+  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region, bounds, cancelled);
 }
 
 }  // namespace latvox

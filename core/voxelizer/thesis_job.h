@@ -4,18 +4,22 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 #include "core/snap/snap.h"
 #include "core/voxelizer/voxelizer.h"
+#include "core/voxelizer/world_box.h"
 
 namespace latvox {
 
 // Computes the whole set at the first Advance, then delivers it like any other job, in canonical order. Verify holds
 // voxels against the snapped mesh, so that tunnels from rounding vertices to lattice points count.
 //   region   local voxels to deliver, within mesh.box
+//   bounds   of these, deliver only the ones within
 // Memory: the whole set. Precondition: options.algorithm is not kExact.
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
-                                           const IndexBox& region, const std::atomic<bool>& cancelled);
+                                           const IndexBox& region, const std::optional<WorldBox>& bounds,
+                                           const std::atomic<bool>& cancelled);
 
 }  // namespace latvox
 

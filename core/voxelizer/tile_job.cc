@@ -36,7 +36,7 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, const Inter
                    BlockScan& scan, std::vector<TileBricks>& tiles) {
   surface = surface && !node.triangles.empty();
   if (surface) FindSurface(context, node, scan.surface);
-  if (interior != nullptr) scan.solid.Sort(context.mesh, node);
+  if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.cancelled);
   const int32_t count = 1 << 3 * node.level;
   for (int32_t n = 0; n < count && !context.cancelled; ++n) {
     Vec3i step{};  // Morton order, i most significant

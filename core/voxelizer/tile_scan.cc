@@ -5,17 +5,14 @@
 #include <cstring>
 #include <iterator>
 
+#include "core/base/sort.h"
 #include "core/tile/cut_out.h"
 
 namespace latvox {
 namespace {
 
-constexpr size_t kManyEdges = size_t{1} << 18;
-
-void SortUnique(std::vector<uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
+// Lists of so many may be duplicates for the most part, and are compacted; then when they have doubled.
+constexpr size_t kMany = size_t{1} << 18;
 
 IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
 
@@ -51,6 +48,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
                       crossings_, others_);
     triangles_ = others_;
   }
+  if (context.cancelled) return;
   for (const uint32_t voxel : crossings_.nearer.view()) surface_.Set(voxel);
   rim_only_.clear();
   size_t end = 0;
@@ -77,12 +75,14 @@ void TileScan::CoverAll(const TileContext& context) {
 // large triangles in one block, which would fill the memory, are thereby done part by part, and found again each time
 // that thinning asks for them.
 size_t TileScan::Gather(const TileContext& context, size_t begin) {
-  constexpr size_t kStep = 256;  // triangles, each with up to some 50,000 candidates
-  constexpr size_t kEnough = size_t{1} << 20;
+  constexpr size_t kFewest = 16, kMost = 256;  // triangles at a time, each with up to some 50,000 candidates
+  constexpr size_t kEnough = size_t{1} << 20, kAtOnce = size_t{1} << 16;
   candidates_.Clear();
   size_t n = begin;
-  while (n < triangles_.size() && candidates_.nearer.size() + candidates_.rim.size() < kEnough) {
-    const auto some = triangles_.subspan(n, std::min(kStep, triangles_.size() - n));
+  for (size_t size = 0; n < triangles_.size() && size < kEnough && !context.cancelled;
+       size = candidates_.nearer.size() + candidates_.rim.size()) {
+    const size_t step = std::clamp(kAtOnce * (n - begin) / (size + 1), kFewest, kMost);
+    const auto some = triangles_.subspan(n, std::min(step, triangles_.size() - n));
     const size_t runs = candidates_.runs.size();
     FindCandidates(context.mesh, some, context.frames, box_, layout_, context.cancelled, candidates_);
     for (size_t r = runs; r < candidates_.runs.size(); ++r) candidates_.runs[r].first += static_cast<uint32_t>(n);
@@ -152,15 +152,19 @@ void TileScan::FindRest(const TileContext& context) {
   surface_.Find(crossings_.farther.view(), false, closed_);
   for (const uint32_t n : closed_.view()) rest_.Set(crossings_.nearer[n]);
   rest_.Find(crossings_.nearer.view(), false, inner_);
+  if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
   const auto add = [&](uint32_t voxel) {
     if (!rest_.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
   };
   for (const uint32_t n : inner_.view()) add(crossings_.nearer[n]);
+  size_t compact_at = kMany;
   ForEachPart(context, [&] {
     surface_.Find(candidates_.farther.view(), true, positions_);
     for (const uint32_t n : positions_.view()) add(candidates_.nearer[n] & kNumberMask);
-    if (in_parts_) SortUnique(maybe_);
+    if (!in_parts_ || maybe_.size() < compact_at) return;
+    SortUnique(maybe_, context.cancelled);
+    compact_at = std::max(kMany, 2 * maybe_.size());
   });
   const auto in_surface = [&](uint32_t end) { return surface_.Test(end); };
   for (const auto& [voxel, star] : rim_only_) {
@@ -177,10 +181,10 @@ bool TileScan::IsOutside(uint32_t voxel) const {
 
 // Leaves out edges that no longer count, and duplicates: where many triangles meet in few voxels, each edge comes from
 // many of them.
-void TileScan::CompactEdges() {
+void TileScan::CompactEdges(const TileContext& context) {
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
   const auto key = [](const CrossedEdge& edge) { return uint64_t{edge.end} << 32 | edge.other; };
-  std::sort(edges_.begin(), edges_.end(), [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) < key(b); });
+  Sort(edges_, context.cancelled, [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) < key(b); });
   const auto same = [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) == key(b); };
   edges_.erase(std::unique(edges_.begin(), edges_.end(), same), edges_.end());
 }
@@ -188,7 +192,7 @@ void TileScan::CompactEdges() {
 // Asks all triangles at members of rest_: voxels that prove essential leave it, edges within it are recorded.
 void TileScan::AskRest(const TileContext& context) {
   edges_.clear();
-  compact_at_ = kManyEdges;
+  compact_at_ = kMany;
   ForEachPart(context, [&] { AskRestOfPart(context); });
   for (const uint32_t n : inner_.view()) edges_.push_back({crossings_.nearer[n], crossings_.farther[n]});
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
@@ -205,8 +209,8 @@ void TileScan::AskRestOfPart(const TileContext& context) {
   AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
     if (edges_.size() >= compact_at_) {
-      CompactEdges();
-      compact_at_ = std::max(kManyEdges, 2 * edges_.size());
+      CompactEdges(context);
+      compact_at_ = std::max(kMany, 2 * edges_.size());
     }
     const bool may_leave = ForEachEnd(context, z, star, [&](uint32_t end) {
       if (rest_.Test(end)) edges_.push_back({z, end});
@@ -220,6 +224,7 @@ void TileScan::AskRestOfPart(const TileContext& context) {
 void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> members) {
   const IndexBox complete = Shrunk(box_, context.reach);
   for (const uint32_t voxel : members) {
+    if (context.cancelled) return;
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(layout_.StepOf(scan.frame.q));
       for (const uint32_t neighbour : {voxel + step, voxel - step}) {
@@ -242,12 +247,13 @@ bool TileScan::Thin(const TileContext& context) {
   if (context.cancelled) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
-  SortUnique(doubtful);
-  bool decided = latvox::Thin(layout_, doubtful, edges_, Shrunk(box_, context.reach * 2), block_, surface_);
+  SortUnique(doubtful, context.cancelled);
+  const IndexBox known = Shrunk(box_, context.reach * 2);
+  bool decided = latvox::Thin(layout_, doubtful, edges_, known, block_, surface_, context.cancelled);
   if (!decided) {
     AddBorder(context, doubtful);
     AskRest(context);
-    decided = latvox::Thin(layout_, doubtful, edges_, box_, block_, surface_);
+    decided = latvox::Thin(layout_, doubtful, edges_, box_, block_, surface_, context.cancelled);
   }
   for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
   return decided;

@@ -73,7 +73,7 @@ class TileScan {
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
   void AskRestOfPart(const TileContext& context);
-  void CompactEdges();
+  void CompactEdges(const TileContext& context);
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo

@@ -15,6 +15,7 @@
 #include "core/voxelizer/shard.h"
 #include "core/voxelizer/thesis_job.h"
 #include "core/voxelizer/tile_job.h"
+#include "core/voxelizer/world_box.h"
 
 namespace latvox {
 namespace {
@@ -46,6 +47,31 @@ absl::StatusOr<std::unique_ptr<const Supercover>> SupercoverFor(const Lattice& l
 
 absl::Status OutOfRange(const char* field, double value, const char* limit) {
   return absl::InvalidArgumentError(absl::StrFormat("%s: %g is not %s", field, value, limit));
+}
+
+absl::Status CheckPart(const VoxelizeOptions& options) {
+  if (options.region && IsEmpty(*options.region)) {
+    return absl::InvalidArgumentError("region: min is not below max on every axis");
+  }
+  for (size_t m = 0; options.bounds && m < 3; ++m) {
+    const double low = options.bounds->min[m], high = options.bounds->max[m];
+    if (std::isfinite(low) && std::isfinite(high) && low <= high) continue;
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "bounds: %g to %g on axis %c are not finite numbers, the first no more than the other", low, high, "xyz"[m]));
+  }
+  if (options.shard && (options.shard->index >= options.shard->count || options.shard->count > kMaxShards)) {
+    return absl::InvalidArgumentError(absl::StrFormat("shard: %d of %d is not one of at most %d", options.shard->index,
+                                                      options.shard->count, kMaxShards));
+  }
+  return absl::OkStatus();
+}
+
+// The box of local voxels that the options leave; an empty one may lie anywhere.
+IndexBox RegionOf(const SnappedMesh& mesh, const VoxelizeOptions& options, const std::optional<WorldBox>& bounds) {
+  IndexBox part = Moved(mesh.box, mesh.base_ijk);
+  if (options.region) part = Intersection(*options.region, part);
+  if (bounds && !IsEmpty(part)) part = bounds->Around(part);
+  return IsEmpty(part) ? IndexBox{} : Moved(part, -mesh.base_ijk);
 }
 
 // Nullopt: no band is asked for.
@@ -113,13 +139,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   if (options.separability < 0 || options.separability > 2) {
     return OutOfRange("separability", options.separability, "0, 1 or 2");
   }
-  if (options.region && IsEmpty(*options.region)) {
-    return absl::InvalidArgumentError("region: min is not below max on every axis");
-  }
-  if (options.shard && (options.shard->index >= options.shard->count || options.shard->count > kMaxShards)) {
-    return absl::InvalidArgumentError(absl::StrFormat("shard: %d of %d is not one of at most %d", options.shard->index,
-                                                      options.shard->count, kMaxShards));
-  }
+  if (absl::Status status = CheckPart(options); !status.ok()) return status;
   if (options.solid && options.algorithm != Algorithm::kExact) {
     return absl::InvalidArgumentError(
         absl::StrFormat("solid: not with the algorithm %s, but with exact", NameOf(options.algorithm)));
@@ -138,11 +158,9 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
   if (cancelled) return Cancelled();
   if (!snapped.ok()) return snapped.status();
-  IndexBox region = snapped->box;
-  if (options.region) {
-    const IndexBox part = Intersection(*options.region, Moved(region, snapped->base_ijk));
-    region = IsEmpty(part) ? IndexBox{} : Moved(part, -snapped->base_ijk);  // an empty one may lie anywhere
-  }
+  std::optional<WorldBox> bounds;
+  if (options.bounds) bounds.emplace(grid, *options.bounds);
+  const IndexBox region = RegionOf(*snapped, options, bounds);
   if (options.resume_after && !HasTile(Moved(region, snapped->base_ijk), *options.resume_after)) {
     const auto& [i, j, k] = *options.resume_after;
     return absl::InvalidArgumentError(
@@ -150,9 +168,9 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, options, region, cancelled);
+    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, options, region, bounds, cancelled);
   } else {
-    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, cancelled);
+    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, cancelled);
   }
   if (cancelled) return Cancelled();
   if (options.band && options.band->is_signed && !job->facts().closed) {

@@ -44,6 +44,7 @@ struct VoxelizeOptions {
   int separability = 0;                           // k: 0, 1 or 2
   bool minimal = true;                            // thin to k-minimality; only kExact does, and no supercover is
   std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
+  std::optional<Bounds> bounds = std::nullopt;    // and only those within this box of the world: see WorldBox
   Algorithm algorithm = Algorithm::kExact;
   std::optional<Shard> shard = std::nullopt;         // only this part of them
   std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
@@ -58,6 +59,7 @@ struct JobFacts {
   bool closed = false;                               // every edge, by snapped position, in an even number of triangles
   double snap_error_max = 0;                         // voxels, per lattice coordinate
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
+  bool cut_by_bounds = false;                        // options.bounds may leave out voxels of the whole
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/tile/tile_order.h)
   uint64_t unbalanced_lines = 0;                     // of a solid, once prepared: see CountUnbalancedLines
@@ -83,8 +85,9 @@ struct JobTotals {
 class VoxelizeJob {
  public:
   // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, shard, resume_after, solid, band, cover (each with another algorithm than kExact), basis (of
-  // a supercover; see IntegerCell). Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
+  // separability, region, bounds, shard, resume_after, solid, band, cover (each with another algorithm than kExact),
+  // basis (of a supercover; see IntegerCell). Also CANCELLED, soon, once `cancelled` is set, which concerns Create
+  // alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);
@@ -108,7 +111,7 @@ class VoxelizeJob {
   virtual const JobTotals& totals() const = 0;
 
   // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
-  // Precondition: none of options.region, shard and band was set. Errors: CANCELLED.
+  // Precondition: none of options.region, bounds, shard and band was set. Errors: CANCELLED.
   virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
 
   // Makes Advance and Verify return CANCELLED soon. Any thread, any time.

@@ -7,9 +7,27 @@ import signal
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 import harness
 from harness import BIN, Case, latvox
+
+
+# What Kubernetes makes for a Service of the name latvox, and what other programs of ours read.
+FOREIGN_VARIABLES = {
+    "LATVOX_SERVICE_HOST": "10.0.0.1",
+    "LATVOX_SERVICE_PORT": "50151",
+    "LATVOX_SERVICE_PORT_GRPC": "50151",
+    "LATVOX_PORT": "tcp://10.0.0.1:50151",
+    "LATVOX_PORT_50151_TCP": "tcp://10.0.0.1:50151",
+    "LATVOX_PORT_50151_TCP_PROTO": "tcp",
+    "LATVOX_PORT_50151_TCP_PORT": "50151",
+    "LATVOX_PORT_50151_TCP_ADDR": "10.0.0.1",
+    "LATVOX_SHARD_COUNT": "4",
+    "LATVOX_FAULTS_SECONDS": "10",
+    "LATVOX_FAULTS_SEED": "1",
+    "LATVOX_PATIENCE": "60",
+}
 
 
 class CheckConfig(Case):
@@ -63,6 +81,21 @@ class CheckConfig(Case):
                 self.assertRegex(done.stderr, says)
 
 
+    def test_a_misspelt_variable_is_warned_of_and_a_foreign_one_is_not(self):
+        done = self.check(
+            LATVOX_MAX_JBS="3",
+            LATVOX_TLS_CERTIFICATE="none.pem",
+            LATVOX_JOBS="3",
+            LATVOX_MAX_JOBS="3",
+            **FOREIGN_VARIABLES,
+        )
+        self.assertEqual(done.returncode, 0)
+        says = "latvoxd: warning: the environment variable LATVOX_%s is no option; LATVOX_%s is"
+        pairs = [("JOBS", "MAX_JOBS"), ("MAX_JBS", "MAX_JOBS"), ("TLS_CERTIFICATE", "TLS_CERT")]
+        self.assertEqual(done.stderr.splitlines(), [says % pair for pair in pairs])
+        self.assertIn("max-jobs = 3", done.stdout)
+
+
 class RunningServer(Case):
     def log(self):
         return (self.dir / "latvoxd.log").read_text()
@@ -86,6 +119,11 @@ class RunningServer(Case):
             server.send_signal(signal.SIGHUP)
             self.await_log("level=error event=reload_failed error=.*max-jbs")
             self.assertIn('"max_jobs": 5', latvox("limits", "--json", "--server", server.address).stdout)
+
+    def test_a_misspelt_variable_is_in_its_log(self):
+        with unittest.mock.patch.dict(os.environ, {"LATVOX_MAX_JBS": "3"} | FOREIGN_VARIABLES):
+            with harness.server(self.dir):
+                self.assertEqual(re.findall("unknown_variable.*", self.log()), ["unknown_variable name=LATVOX_MAX_JBS nearest=LATVOX_MAX_JOBS"])
 
     def test_json_lines_are_objects_with_numbers_as_numbers(self):
         mesh = harness.write_obj(self.dir / "octahedron.obj", harness.octahedron())

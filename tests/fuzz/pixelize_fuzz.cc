@@ -13,7 +13,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   limits.max_message_bytes = 1 << 16;
   const std::atomic<bool> cancelled = false;
   latvox::PixelizationFacts facts;
-  const auto response = latvox::PixelizePolylines(request, limits, cancelled, facts);
+  latvox::MemoryBudget budget(limits.memory_budget_bytes);
+  latvox::MemoryReservation memory(budget);
+  const auto response = latvox::PixelizePolylines(request, limits, memory, cancelled, facts);
   if (!response.ok()) return 0;
   if (response->tunnels() != 0 || response->ByteSizeLong() > limits.max_message_bytes) std::abort();
   if ((!request.has_minimal() || request.minimal()) && response->redundant() != 0) std::abort();

@@ -57,7 +57,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
     return true;
   });
-  if (!done.ok() || spec->options.region || spec->options.resume_after || (solid && !solid->surface)) return 0;
+  if (!done.ok() || spec->options.region || spec->options.bounds || spec->options.resume_after ||
+      (solid && !solid->surface))
+    return 0;
   const auto verdict = (*job)->Verify(voxels);
   if (!verdict.ok() || verdict->tunnels != 0) std::abort();
   if (spec->options.minimal && !solid && verdict->redundant != 0) std::abort();

@@ -247,6 +247,8 @@ TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
                              R"("mesh": "m.obj", "resolution": 8, "algorithm": "brute-force")",
                              R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,1])",
                              R"("mesh": "m.obj", "resolution": 8, "region": [0,0,0,1,1,2])",
+                             R"("mesh": "m.obj", "resolution": 8, "bounds": [0,0,0,1,1,1])",
+                             R"("mesh": "m.obj", "resolution": 8, "bounds": [0,0,0,1,1,2])",
                              R"("mesh": "m.obj", "resolution": 8, "quantization": 12)",
                              R"("mesh": "m.obj", "resolution": 8, "band": 1)",
                              R"("mesh": "m.obj", "resolution": 8, "band": "1v")",

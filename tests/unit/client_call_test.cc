@@ -74,6 +74,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   request.separability = 2;
   request.minimal = false;
   request.region = IndexBox{{-5, 0, 5}, {6, 7, 8}};
+  request.bounds = WorldBox{{-1.5, 0, 2}, {3, 4, 5.25}};
   request.shard = Shard{3, 8};
   request.solid = Solid{InteriorRule::kWinding, false, true};
   ASSERT_TRUE(fake.client().Voxelize(request, kMesh, {}).ok());
@@ -87,6 +88,8 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_TRUE(spec.has_minimal() && !spec.minimal());
   EXPECT_EQ(spec.region().min().i(), -5);
   EXPECT_EQ(spec.region().max().k(), 8);
+  EXPECT_EQ(spec.bounds().min().x(), -1.5);
+  EXPECT_EQ(spec.bounds().max().z(), 5.25);
   EXPECT_EQ(spec.shard().index(), 3u);
   EXPECT_EQ(spec.shard().count(), 8u);
   EXPECT_EQ(spec.fill().mode(), v1::FILL_MODE_SOLID);

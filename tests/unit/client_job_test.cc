@@ -43,7 +43,8 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   const auto job =
       Parse(R"({"id": "x", "mesh": "/m.obj", "out": ["d/./a.vdb", "b.csv"], "basis": [1,0,0,-0.5,2,0,1e-1,0.25,3],
     "voxel_size": 0.1, "origin": [-1, -2.5, 3], "separability": 2, "minimal": false, "algorithm": "incremental",
-    "fill": "surface", "cover": "separating", "quantization": 0, "region": [-1,-2,-3,4,5,6], "verify": false,
+    "fill": "surface", "cover": "separating", "quantization": 0, "region": [-1,-2,-3,4,5,6], "bounds": [0,0,0,0.5,1,2],
+    "verify": false,
     "encoding": "masks"})");
   ASSERT_TRUE(job.ok()) << job.status();
   EXPECT_EQ(job->id, "x");
@@ -58,6 +59,7 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   EXPECT_FALSE(request.minimal || request.verify);
   EXPECT_EQ(request.algorithm, Algorithm::kIncremental);
   EXPECT_EQ(request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
+  EXPECT_EQ(request.bounds, (WorldBox{{0, 0, 0}, {0.5, 1, 2}}));
   EXPECT_EQ(request.encoding, BrickEncoding::kMasks);
   EXPECT_EQ(job->options.quantization_bits, 0);
   EXPECT_EQ(Parse(R"({"mesh": "m", "resolution": 9, "fill": "solid", "interior_rule": "winding",

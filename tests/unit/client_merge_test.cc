@@ -130,6 +130,23 @@ TEST_F(Merge, WhatIsTrueOfEachPartIsTrueOfTheWholeButVerificationIsNot) {
   Check({a}, {bricks[0]}, set("latvox_verified", true));
 }
 
+TEST_F(Merge, ShardsAreMinimalTogetherIfTheWholeIsAndOtherPartsMayNotBeAll) {
+  const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({1, 0, 0})};
+  for (const bool whole_minimal : {true, false}) {
+    const auto with = [&](const std::string& shard, bool minimal) {
+      return [=](openvdb::BoolGrid& grid) {
+        if (!shard.empty()) Shard(shard)(grid);
+        grid.insertMeta("latvox_minimal", openvdb::BoolMetadata(minimal));
+        grid.insertMeta("latvox_whole_minimal", openvdb::BoolMetadata(whole_minimal));
+      };
+    };
+    Check({Part("a.vdb", {bricks[0]}, with("0/2", false)), Part("b.vdb", {bricks[1]}, with("1/2", false))}, bricks,
+          with("", whole_minimal));
+    Check({Part("a.vdb", {bricks[0]}, with("", false)), Part("b.vdb", {bricks[1]}, with("", false))}, bricks,
+          with("", false));
+  }
+}
+
 TEST_F(Merge, ProgressGrowsToItsEndAndCancellingStops) {
   Bricks bricks;
   for (int n = 0; n < 20000; ++n) bricks.push_back(MakeBrick({n / 400, n / 20 % 20, n % 20}));

@@ -69,6 +69,8 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "-1,-2,-3,4,5,6",
                                          "--quantization",
                                          "0",
+                                         "--bounds",
+                                         "-0.5,1,2,.5,1,1e3",
                                          "--json",
                                          "--threads",
                                          "3",
@@ -103,6 +105,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_EQ(options.request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
   EXPECT_EQ(options.quantization_bits, 0);
   EXPECT_EQ(options.request.algorithm, Algorithm::kOptimizedIncremental);
+  EXPECT_EQ(options.request.bounds, (WorldBox{{-0.5, 1, 2}, {0.5, 1, 1000}}));
   EXPECT_TRUE(options.json);
   EXPECT_EQ(options.mesh.up, UpAxis::kY);
   EXPECT_EQ(options.mesh.scale, 2.5);
@@ -199,6 +202,9 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
+  refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
+  refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
+  refuses({"--resolution", "9", "--bounds", "0,0,0,1,1,1", "--verify"}, {"--bounds", "--verify"});
   refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
   refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
   refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});

@@ -3,8 +3,11 @@ latvox_add_test(core_lattice_test SOURCES unit/core_lattice_test.cc LIBRARIES la
 latvox_add_test(core_snap_test SOURCES unit/core_snap_test.cc LIBRARIES latvox::core)
 latvox_add_test(core_tile_tree_test SOURCES unit/core_tile_tree_test.cc LIBRARIES latvox::core)
 latvox_add_test(core_crossing_test UNSANITIZED SOURCES unit/core_crossing_test.cc LIBRARIES latvox::core latvox_oracle)
+# Promises of time, which sanitizers do not keep.
+latvox_add_test(core_cancel_test UNSANITIZED SOURCES unit/core_cancel_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_voxelizer_test SOURCES unit/core_voxelizer_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_parts_test SOURCES unit/core_parts_test.cc LIBRARIES latvox::core latvox_oracle)
+latvox_add_test(core_bounds_test SOURCES unit/core_bounds_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_solid_test UNSANITIZED SOURCES unit/core_solid_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_oracle_test SLOW SOURCES unit/core_oracle_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_plane_crossing_test UNSANITIZED SOURCES unit/core_plane_crossing_test.cc LIBRARIES latvox::core latvox_oracle)

@@ -199,7 +199,7 @@ TEST(Shards, SpansFollowEachOtherInHugeLattices) {
   for (const float radius : {10.0F, 4000.0F, 32000.0F}) {
     const SnappedMesh mesh = *Snap(Sphere(20, radius), lattice, {0, 0, 0}, ReachOf(frames));
     const auto span_of = [&](uint32_t index, uint32_t count) {
-      return SpanOf({.shard = Shard{index, count}}, mesh, frames, mesh.box, kNeverCancelled);
+      return SpanOf({.shard = Shard{index, count}}, mesh, frames, mesh.box, std::nullopt, kNeverCancelled);
     };
     for (const uint32_t count : {3U, 1000U, kMaxShards}) {
       EXPECT_EQ(span_of(0, count).begin, 0U);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/base/sort.h"
 #include "core/plane/cover.h"
 #include "core/plane/pixelize.h"
 #include "core/plane/thesis_lines.h"
@@ -62,7 +63,7 @@ TEST(Pixelize, CountsTunnelsAndRedundantPixelsOfADamagedSetExactly) {
         if (random() % 4 != 0) damaged.push_back(ij);
         if (random() % 4 == 0) damaged.push_back(ij + Vec2i{1, 2});
       }
-      MakeSet(damaged);
+      SortUnique(damaged, kNeverCancelled);
       plane_oracle::Edges edges;
       for (const PlaneEdge& edge : crossings.edges) edges.insert({ToOracle(edge.low), ToOracle(edge.high)});
       const auto pixels = ToOracle(damaged);
@@ -289,7 +290,7 @@ TEST(IbanezLine, StepsBetweenNeighborsFromEndToEndAndEqualsTheIncrementalLine) {
         EXPECT_EQ(line.back(), to);
         for (size_t n = 1; n < line.size(); ++n) EXPECT_TRUE(steps.contains(line[n] - line[n - 1])) << l.name;
         const size_t length = line.size();
-        MakeSet(line);
+        SortUnique(line, kNeverCancelled);
         EXPECT_EQ(line.size(), length) << "no pixel twice";
         EXPECT_EQ(line, IncrementalLines({segment}, l.lattice, k)) << l.name << " k " << k;
       }

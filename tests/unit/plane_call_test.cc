@@ -160,6 +160,22 @@ TEST_F(PixelizeCall, RefusalsReachTheCallerWithFieldValueAndLimit) {
   EXPECT_EQ(client::GetErrorDetails(status).field, "separability");
 }
 
+TEST_F(PixelizeCall, CountsInTheServersMemoryBudgetAndLeavesNothingThere) {
+  options_.memory_bytes = uint64_t{300} << 20;
+  Start();
+  EXPECT_TRUE(Call(Request()).ok());
+  const absl::Time give_up = absl::Now() + absl::Seconds(20);
+  while (server_->reserved_memory() > 0 && absl::Now() < give_up) absl::SleepFor(absl::Milliseconds(2));
+  EXPECT_EQ(server_->reserved_memory(), 0u);
+  client::PixelizeRequest large = Request();
+  large.polylines.assign(1, {{}, false});
+  for (int n = 0; n < 10; ++n) large.polylines[0].points.push_back({n % 2 * 1.0, n / 10.0});
+  large.resolution = 60000;
+  const absl::Status refused = Call(large).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(client::GetErrorDetails(refused).field, "memory");
+}
+
 TEST_F(PixelizeCall, OneOfEveryPolylineOfOnePointFitsIntoAMessage) {
   options_.limits.max_message_bytes = 1 << 15;
   Start();
@@ -215,6 +231,15 @@ v1::PixelizeRequest GoodProto() {
   return request;
 }
 
+// With a budget of its own.
+absl::StatusOr<v1::PixelizeResponse> PixelizeAlone(const v1::PixelizeRequest& request, PixelizationFacts& facts,
+                                                   bool is_cancelled = false) {
+  const std::atomic<bool> cancelled = is_cancelled;
+  MemoryBudget budget(Limits().memory_budget_bytes);
+  MemoryReservation memory(budget);
+  return PixelizePolylines(request, {}, memory, cancelled, facts);
+}
+
 struct BadRequest {
   std::string name;
   std::function<void(v1::PixelizeRequest&)> spoil;
@@ -251,16 +276,15 @@ std::vector<BadRequest> BadRequests() {
 }
 
 TEST(PixelizePolylines, NamesTheFieldOfEveryBadRequest) {
-  const std::atomic<bool> cancelled = false;
   PixelizationFacts facts;
-  ASSERT_TRUE(PixelizePolylines(GoodProto(), {}, cancelled, facts).ok());
+  ASSERT_TRUE(PixelizeAlone(GoodProto(), facts).ok());
   EXPECT_EQ(facts.points, 2u);
   EXPECT_GT(facts.pixels, 9u);
   for (const BadRequest& bad : BadRequests()) {
     SCOPED_TRACE(bad.name);
     v1::PixelizeRequest request = GoodProto();
     bad.spoil(request);
-    const absl::Status status = PixelizePolylines(request, {}, cancelled, facts).status();
+    const absl::Status status = PixelizeAlone(request, facts).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(status.message()), HasSubstr(bad.message));
     EXPECT_EQ(client::GetErrorDetails(status).field, bad.field);
@@ -274,18 +298,43 @@ TEST(PixelizePolylines, HoldsLongCurvesAgainstTheLimitBeforeItDigitizes) {
     request.mutable_polylines(0)->add_xy(n % 2 == 0 ? 0 : 60000);
     request.mutable_polylines(0)->add_xy(n % 2 == 0 ? 60000 : 1);
   }
-  const std::atomic<bool> cancelled = false;
   PixelizationFacts facts;
-  const absl::Status status = PixelizePolylines(request, {}, cancelled, facts).status();
+  const absl::Status status = PixelizeAlone(request, facts).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(client::GetErrorDetails(status).field, "crossings");
   EXPECT_LT(facts.pixelize_ms, 1000);
 }
 
-TEST(PixelizePolylines, IsCancelledBeforeItDigitizes) {
-  const std::atomic<bool> cancelled = true;
+TEST(PixelizePolylines, ReservesWhatItTakesBeforeItTakesIt) {
+  v1::PixelizeRequest request = GoodProto();
+  request.mutable_polylines(0)->set_xy(2, 50000);
+  const std::atomic<bool> cancelled = false;
   PixelizationFacts facts;
-  EXPECT_EQ(PixelizePolylines(GoodProto(), {}, cancelled, facts).status().code(), absl::StatusCode::kCancelled);
+  MemoryBudget budget(uint64_t{1} << 30), small(uint64_t{1} << 20);
+  MemoryReservation memory(budget), too_little(small);
+  ASSERT_TRUE(PixelizePolylines(request, {}, memory, cancelled, facts).ok());
+  EXPECT_GT(memory.bytes(), 50000 * sizeof(Vec2i) * 3) << "both ends of an edge, and the nearer one";
+
+  const absl::Status never = PixelizePolylines(request, {}, too_little, cancelled, facts).status();
+  EXPECT_EQ(never.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(client::GetErrorDetails(never).field, "memory");
+  EXPECT_EQ(client::GetErrorDetails(never).reason, "LIMIT_EXCEEDED");
+  request.mutable_polylines(0)->mutable_xy()->Resize(20000, 1);
+  EXPECT_EQ(client::GetErrorDetails(PixelizePolylines(request, {}, too_little, cancelled, facts).status()).field,
+            "memory")
+      << "points count by themselves";
+
+  MemoryReservation others(budget);
+  memory.Shrink(0);
+  ASSERT_TRUE(others.Grow(budget.total() - (1 << 10)).ok());
+  const absl::Status later = PixelizePolylines(request, {}, memory, cancelled, facts).status();
+  EXPECT_EQ(client::GetErrorDetails(later).reason, "MEMORY_IN_USE");
+  EXPECT_NE(client::GetErrorDetails(later).retry_after, std::nullopt);
+}
+
+TEST(PixelizePolylines, IsCancelledBeforeItDigitizes) {
+  PixelizationFacts facts;
+  EXPECT_EQ(PixelizeAlone(GoodProto(), facts, true).status().code(), absl::StatusCode::kCancelled);
 }
 
 // Answers with what it is made with.
@@ -314,9 +363,8 @@ absl::Status Forge(const v1::PixelizeResponse& response) {
 }
 
 TEST(Forged, EveryBreachOfTheProtocolIsDataLossAndNamed) {
-  const std::atomic<bool> cancelled = false;
   PixelizationFacts facts;
-  const v1::PixelizeResponse good = *PixelizePolylines(GoodProto(), {}, cancelled, facts);
+  const v1::PixelizeResponse good = *PixelizeAlone(GoodProto(), facts);
   EXPECT_TRUE(Forge(good).ok()) << Forge(good);
   const auto expect = [&](const std::function<void(v1::PixelizeResponse&)>& spoil, const std::string& says) {
     v1::PixelizeResponse response = good;

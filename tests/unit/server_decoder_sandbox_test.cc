@@ -18,6 +18,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -75,11 +76,14 @@ TEST(DecoderSandbox, AllowsWhatDecodingNeeds) {
 
 TEST(DecoderSandbox, EndsWhoeverTriesMore) {
   static int open_file = open("/proc/self/exe", O_RDONLY);
+  std::string directory = testing::TempDir() + "latvoxXXXXXX";
+  ASSERT_NE(mkdtemp(directory.data()), nullptr);
+  const std::string file = directory + "/file";
   const std::pair<const char*, std::function<int(int)>> attempts[] = {
       {"open", [](int) { return open("/etc/passwd", O_RDONLY); }},
       {"openat", [](int) { return openat(AT_FDCWD, ".", O_RDONLY | O_DIRECTORY); }},
-      {"create", [](int) { return open("/tmp/latvox_sandbox_test", O_CREAT | O_WRONLY, 0600); }},
-      {"unlink", [](int) { return unlink("/tmp/latvox_sandbox_test"); }},
+      {"create", [&](int) { return open(file.c_str(), O_CREAT | O_WRONLY, 0600); }},
+      {"unlink", [&](int) { return unlink(file.c_str()); }},
       {"socket", [](int) { return socket(AF_INET, SOCK_STREAM, 0); }},
       {"local socket", [](int) { return socket(AF_UNIX, SOCK_STREAM, 0); }},
       {"connect", [](int channel) { return connect(channel, nullptr, 0); }},
@@ -116,6 +120,8 @@ TEST(DecoderSandbox, EndsWhoeverTriesMore) {
       {"survive the server", [](int) { return prctl(PR_SET_PDEATHSIG, 0); }},
   };
   for (const auto& [name, attempt] : attempts) EXPECT_EQ(Confined(attempt), -SIGSYS) << name;
+  EXPECT_TRUE(std::filesystem::is_empty(directory));
+  std::filesystem::remove_all(directory);
 }
 
 TEST(DecoderSandbox, LimitsMemoryAndFiles) {

@@ -157,12 +157,14 @@ TEST_F(ResumeTest, GivesUpClientsThatStopToSendOrToRead) {
   Start();
   VoxelizeCall silent(*stub_), stopped(*stub_);
   silent.Send(SpecMessage(Spec(9)));
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 1; }));
   StartBigJob(stopped);
-  EXPECT_EQ(server_->calls(), 2);
   EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
-  const grpc::Status silent_status = silent.Receive().status;
-  EXPECT_NE(silent_status.error_code(), grpc::StatusCode::OK);
-  EXPECT_NE(stopped.Receive().status.error_code(), grpc::StatusCode::OK);
+  for (VoxelizeCall* call : {&silent, &stopped}) {
+    const grpc::Status status = call->Receive().status;
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
+    EXPECT_EQ(status.error_message(), "the client has neither sent nor taken anything for 1s");
+  }
 }
 
 TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
@@ -176,14 +178,19 @@ TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
   EXPECT_EQ(large.trailer("grpc-retry-pushback-ms"), "-1");
 
   // What is declared is not reserved, what has come is.
-  VoxelizeCall holder(*stub_);
-  spec.set_mesh_bytes(uint64_t{60} << 20);
+  constexpr uint64_t kSent = uint64_t{59} << 20;
+  VoxelizeCall holder(*stub_), other(*stub_);
+  spec.set_mesh_bytes(kSent + 1);
   holder.Send(SpecMessage(spec));
-  VoxelizeCall other(*stub_);
   other.Send(SpecMessage(spec));
   ASSERT_TRUE(Eventually([&] { return server_->calls() == 2; }));
-  for (int n = 0; n < 59; ++n) holder.Send(PieceMessage(std::string(size_t{1} << 20, 'x')));
-  for (int n = 0; n < 59; ++n) other.Send(PieceMessage(std::string(size_t{1} << 20, 'x')));
+  EXPECT_EQ(server_->reserved_memory(), 0);
+  const auto send = [](VoxelizeCall& call) {
+    for (uint64_t sent = 0; sent < kSent; sent += 1 << 20) call.Send(PieceMessage(std::string(1 << 20, 'x')));
+  };
+  send(holder);
+  ASSERT_TRUE(Eventually([&] { return server_->reserved_memory() == kSent; }));
+  send(other);
   const Answer busy = other.Receive();
   EXPECT_EQ(busy.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(busy.status.error_message(), HasSubstr("try again"));
@@ -216,6 +223,10 @@ TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {
   part.mutable_region()->mutable_max()->set_j(20);
   part.mutable_region()->mutable_max()->set_k(20);
   EXPECT_TRUE(Voxelize(*stub_, part, SphereBytes()).status.ok()) << "a small part of it";
+  part.clear_region();
+  part.mutable_bounds()->mutable_min();
+  part.mutable_bounds()->mutable_max()->set_x(0.01);
+  EXPECT_TRUE(Voxelize(*stub_, part, SphereBytes()).status.ok()) << "another one";
 }
 
 }  // namespace

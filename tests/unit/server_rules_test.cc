@@ -67,6 +67,10 @@ std::vector<BadSpecCase> BadSpecs() {
     max.set_j(high);
     max.set_k(5);
   };
+  const auto set_bounds = [](Spec& s, double low, double high) {
+    s.mutable_bounds()->mutable_min()->set_y(low);
+    s.mutable_bounds()->mutable_max()->set_y(high);
+  };
   return {
       {"no lattice", [](Spec& s) { s.clear_lattice(); }, "lattice: neither named nor basis", "lattice"},
       {"empty lattice", [](Spec& s) { s.mutable_lattice()->clear_kind(); }, "lattice: neither", "lattice"},
@@ -107,6 +111,12 @@ std::vector<BadSpecCase> BadSpecs() {
       {"empty region", [=](Spec& s) { set_region(s, 4, 4); }, "region.max.j 4 is not above region.min's 4",
        "region.max.j"},
       {"region backwards", [=](Spec& s) { set_region(s, 4, -4); }, "region.max.j -4 is not above", "region.max.j"},
+      {"no bounds", [](Spec& s) { s.mutable_bounds(); }, "bounds.min is not set", "bounds.min"},
+      {"half of bounds", [](Spec& s) { s.mutable_bounds()->mutable_min(); }, "bounds.max is not set", "bounds.max"},
+      {"endless bounds", [=](Spec& s) { set_bounds(s, 0, kInfinity); }, "bounds.max.y inf is not finite",
+       "bounds.max.y"},
+      {"bounds backwards", [=](Spec& s) { set_bounds(s, 4, 3.5); }, "bounds.max.y 3.5 is below bounds.min's 4",
+       "bounds.max.y"},
       {"mesh_sha256", [](Spec& s) { s.set_mesh_sha256("abc"); }, "mesh_sha256 has 3 bytes, not 32", "mesh_sha256"},
       {"no shard", [](Spec& s) { s.mutable_shard(); }, "shard.count 0 is not within 1 to 1048576", "shard.count"},
       {"too many shards", [](Spec& s) { s.mutable_shard()->set_count((1 << 20) + 1); },
@@ -140,6 +150,12 @@ std::vector<BadSpecCase> BadSpecs() {
          s.set_verify(true);
        },
        "verify: not together with region", "verify"},
+      {"verify and bounds",
+       [=](Spec& s) {
+         set_bounds(s, 1, 1);
+         s.set_verify(true);
+       },
+       "verify: not together with bounds", "verify"},
   };
 }
 
@@ -163,7 +179,8 @@ TEST(JobSpecFromProto, FillsInTheContractsDefaults) {
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->lattice.name(), "bcc");
   EXPECT_EQ(spec->density.resolution, 64);
-  EXPECT_FALSE(spec->density.voxel_size || spec->origin || spec->options.region || spec->verify);
+  EXPECT_FALSE(spec->density.voxel_size || spec->origin || spec->options.region || spec->options.bounds);
+  EXPECT_FALSE(spec->verify);
   EXPECT_TRUE(spec->options.minimal);
   EXPECT_EQ(spec->options.separability, 0);
   EXPECT_EQ(spec->options.algorithm, Algorithm::kExact);
@@ -191,6 +208,8 @@ TEST(JobSpecFromProto, TakesEveryField) {
   for (const auto set : {&v1::Ijk::set_i, &v1::Ijk::set_j, &v1::Ijk::set_k}) {
     (proto.mutable_region()->mutable_max()->*set)(9);
   }
+  proto.mutable_bounds()->mutable_min()->set_x(-0.5);
+  proto.mutable_bounds()->mutable_max()->set_z(7);
   proto.mutable_shard()->set_index(2);
   proto.mutable_shard()->set_count(5);
   proto.set_mesh_bytes(77);
@@ -202,7 +221,9 @@ TEST(JobSpecFromProto, TakesEveryField) {
   EXPECT_EQ(spec->options.separability, 2);
   EXPECT_FALSE(spec->options.minimal);
   EXPECT_EQ(spec->options.region, (IndexBox{{-7, 0, 0}, {9, 9, 9}}));
-  ASSERT_TRUE(spec->options.shard);
+  ASSERT_TRUE(spec->options.shard && spec->options.bounds);
+  EXPECT_EQ(spec->options.bounds->min, (Vec3d{-0.5, 0, 0}));
+  EXPECT_EQ(spec->options.bounds->max, (Vec3d{0, 0, 7}));
   EXPECT_EQ(spec->options.shard->index, 2U);
   EXPECT_EQ(spec->options.shard->count, 5U);
   EXPECT_EQ(spec->mesh_bytes, 77);
@@ -255,17 +276,25 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   EXPECT_TRUE(minimal());
   spec.options.region->max[2] = 10;  // the box may have been cut here
   EXPECT_FALSE(minimal());
+  spec.options.region.reset();
+  EXPECT_TRUE(minimal());
+  facts.cut_by_bounds = true;
+  EXPECT_FALSE(minimal());
+  facts.cut_by_bounds = false;
+  spec.options.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
   facts.index_box.reset();
   EXPECT_FALSE(minimal());
   spec.options.region.reset();
   for (const uint32_t count : {1U, 2U}) {
     spec.options.shard = Shard{0, count};
     EXPECT_EQ(minimal(), count == 1);
+    EXPECT_TRUE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
     EXPECT_EQ(CertificateToProto(spec, facts, {}, {}, std::nullopt).shard().count(), count);
   }
   spec.options.shard.reset();
   spec.options.minimal = false;
   EXPECT_FALSE(minimal());
+  EXPECT_FALSE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
 }
 
 TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {

@@ -1,0 +1,70 @@
+#include "client/grid/request_metadata.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kLattices[] = {"cartesian", "bcc", "fcc", "hexagonal"};
+constexpr const char* kAlgorithms[] = {"exact", "brute-force", "incremental", "optimized-incremental"};
+
+void AddSolid(const Solid& solid, Json& json) {
+  json["fill"] = "solid";
+  json["interior_rule"] = solid.rule == InteriorRule::kParity ? "parity" : "winding";
+  if (!solid.surface) json["without_surface"] = true;
+  if (solid.force_open) json["force_open"] = true;
+}
+
+void AddBand(const Band& band, Json& json) {
+  if (band.in_voxels) {
+    json["band"] = absl::StrCat(Json(band.width).dump(), "v");
+  } else {
+    json["band"] = band.width;
+  }
+  if (band.is_signed) json["signed"] = true;
+}
+
+}  // namespace
+
+std::string RequestText(const VoxelizeRequest& request) {
+  Json json;
+  if (const auto* basis = std::get_if<Basis>(&request.lattice)) {
+    for (const Vec3d& step : {basis->a, basis->b, basis->c}) {
+      for (const double number : step) json["basis"].push_back(number);
+    }
+  } else {
+    json["lattice"] = kLattices[static_cast<size_t>(std::get<NamedLattice>(request.lattice))];
+  }
+  if (request.voxel_size) json["voxel_size"] = *request.voxel_size;
+  if (request.resolution) json["resolution"] = *request.resolution;
+  if (request.origin) json["origin"] = *request.origin;
+  if (request.band) {
+    AddBand(*request.band, json);
+    return json.dump();
+  }
+  json["separability"] = request.separability;
+  if (request.cover == Cover::kSupercover) {
+    json["cover"] = "supercover";
+  } else {
+    json["minimal"] = request.minimal;
+  }
+  json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
+  if (request.solid) AddSolid(*request.solid, json);
+  if (request.verify) json["verify"] = true;
+  return json.dump();
+}
+
+void DescribeRequest(const VoxelizeRequest& request, openvdb::GridBase& grid) {
+  grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request)));
+  if (const auto& region = request.region) {
+    const std::string box = absl::StrCat(absl::StrJoin(region->min, ","), ",", absl::StrJoin(region->max, ","));
+    grid.insertMeta("latvox_region", openvdb::StringMetadata(box));
+  }
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,22 @@
+// What was asked for, as our grids tell it. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
+#define LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
+
+#include <openvdb/openvdb.h>
+
+#include <string>
+
+#include "client/types.h"
+
+namespace latvox::client {
+
+// JSON with the fields of a line of `latvox batch`, so that such a line with a mesh repeats the request: all that says
+// what the whole is. Not which part of it, and not how it travels.
+std::string RequestText(const VoxelizeRequest& request);
+
+// The metadata latvox_request, RequestText; and latvox_region of a request for one, its six numbers.
+void DescribeRequest(const VoxelizeRequest& request, openvdb::GridBase& grid);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_REQUEST_METADATA_H_

@@ -1,0 +1,77 @@
+#include "server/misspelt_variables.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "server/option_kinds.h"
+
+namespace latvox {
+namespace {
+
+constexpr absl::string_view kPrefix = "LATVOX_";
+
+// Letters that have to be left out, put in or replaced [Levenshtein 1966].
+size_t Distance(absl::string_view a, absl::string_view b) {
+  std::vector<size_t> row(b.size() + 1);  // from the letters of a so far to each beginning of b
+  std::iota(row.begin(), row.end(), 0);
+  for (size_t i = 0; i < a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i + 1);
+    for (size_t j = 0; j < b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = std::exchange(row[j + 1], std::min({replaced, row[j] + 1, row[j + 1] + 1}));
+    }
+  }
+  return row[b.size()];
+}
+
+// The longer one begins with the shorter, or ends with it as words.
+bool IsPartOf(absl::string_view a, absl::string_view b) {
+  if (a.size() > b.size()) std::swap(a, b);
+  return absl::StartsWith(b, a) || absl::EndsWith(b, absl::StrCat("_", a));
+}
+
+bool IsLike(absl::string_view name, absl::string_view option, size_t distance) {
+  return distance <= 1 + std::min(name.size(), option.size()) / 4 || IsPartOf(name, option);
+}
+
+std::vector<std::string> VariablesOf(const CLI::App& app) {
+  std::vector<std::string> names = {EnvironmentName("--config")};
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_envname().empty()) names.push_back(option->get_envname());
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<MisspeltVariable> MisspeltVariables(const CLI::App& app) {
+  const std::vector<std::string> options = VariablesOf(app);
+  std::vector<MisspeltVariable> misspelt;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    absl::string_view name = *variable;
+    name = name.substr(0, name.find('='));
+    if (!absl::StartsWith(name, kPrefix)) continue;
+    const absl::string_view rest = name.substr(kPrefix.size());
+    const std::string* nearest = nullptr;
+    size_t least = 0;
+    for (const std::string& option : options) {
+      const absl::string_view words = absl::string_view(option).substr(kPrefix.size());
+      const size_t distance = Distance(rest, words);
+      if (!IsLike(rest, words, distance) || (nearest != nullptr && distance >= least)) continue;
+      nearest = &option;
+      least = distance;
+    }
+    if (nearest != nullptr && least > 0) misspelt.push_back({std::string(name), *nearest});
+  }
+  std::sort(misspelt.begin(), misspelt.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return misspelt;
+}
+
+}  // namespace latvox
