@@ -192,7 +192,7 @@ struct BandCertificate {
 
 // What was proved or checked of the result.
 struct Certificate {
-  std::string lattice;              // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
+  std::string lattice;              // "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"
   uint32_t separability = 0;        // k
   bool tunnel_free = false;         // every crossed lattice edge has an end in the set
   bool minimal = false;             // no voxel can leave

@@ -74,7 +74,7 @@ void BatchRun::Work() {
 JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
   JobResult result;
   result.line = line.number;
-  const auto job = parser.Parse(line.text);
+  auto job = parser.Parse(line.text);
   if (!job.ok()) {
     result.error = job.status();
     return result;
@@ -83,6 +83,7 @@ JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
   result.mesh = job->mesh;
   result.outputs = job->names;
   result.error = CheckPlaces(*job);
+  if (result.error.ok()) result.error = Align(job->options);
   if (!result.error.ok()) return result;
   // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
   auto digest = JobDigest(*job);

@@ -9,9 +9,9 @@
 
 namespace latvox::client {
 
-// SHA-256 (64 hexadecimal digits) of what is asked for, the outputs' names and the mesh: of the file's bytes, or of the
-// triangles where a file may refer to others (.glb, .gltf). How the job was written, where the mesh lies and how voxels
-// travel do not matter. Reads the whole mesh. Errors: those of reading it.
+// SHA-256 (64 hexadecimal digits) of what is asked for, once aligned, the outputs' names and the mesh: of the file's
+// bytes, or of the triangles where a file may refer to others (.glb, .gltf). How the job was written, where the mesh
+// lies and how voxels travel do not matter. Reads the whole mesh. Errors: those of reading it.
 absl::StatusOr<std::string> JobDigest(const Job& job);
 
 }  // namespace latvox::client

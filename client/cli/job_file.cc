@@ -35,21 +35,28 @@ class Claims {
     const std::string& mesh = job.options.mesh.paths[0];
     const std::string extension = absl::AsciiStrToLower(std::filesystem::path(mesh).extension().string());
     const auto& known = OutputExtensions();
-    if (std::find(known.begin(), known.end(), extension) != known.end()) meshes_.emplace_back(line, mesh);
+    if (std::find(known.begin(), known.end(), extension) != known.end()) inputs_.push_back({line, "mesh", mesh});
+    if (const std::string& align = job.options.align; !align.empty()) inputs_.push_back({line, "align", align});
     return absl::OkStatus();
   }
 
-  // Calls tell(line, text) for every mesh that is an output of a job. Once, in the end.
+  // Calls tell(line, text) for every input that is an output of a job. Once, in the end.
   template <class Tell>
-  void CheckMeshes(const Tell& tell) const {
-    for (const auto& [line, mesh] : meshes_) {
-      const auto output = outputs_.find(Place(mesh).lexically_relative(directory_).string());
+  void CheckInputs(const Tell& tell) const {
+    for (const Input& input : inputs_) {
+      const auto output = outputs_.find(Place(input.path).lexically_relative(directory_).string());
       if (output == outputs_.end()) continue;
-      tell(line, absl::StrCat("mesh: \"", mesh, "\" is in the place of an output of line ", output->second));
+      tell(input.line,
+           absl::StrCat(input.field, ": \"", input.path, "\" is in the place of an output of line ", output->second));
     }
   }
 
  private:
+  struct Input {
+    uint64_t line;
+    const char* field;
+    std::string path;
+  };
   using Lines = absl::flat_hash_map<std::string, uint64_t>;
 
   static absl::Status Take(Lines& lines, const char* field, const std::string& value, uint64_t line) {
@@ -61,7 +68,7 @@ class Claims {
 
   const std::filesystem::path directory_;
   Lines outputs_, ids_;
-  std::vector<std::pair<uint64_t, std::string>> meshes_;
+  std::vector<Input> inputs_;
 };
 
 }  // namespace
@@ -89,7 +96,7 @@ absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& 
     if (!status.ok()) tell(number, status.message());
   }
   if (file.jobs == 0) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no job"));
-  claims.CheckMeshes(tell);
+  claims.CheckInputs(tell);
   return file;
 }
 

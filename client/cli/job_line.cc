@@ -19,14 +19,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum class Kind { kText, kNumber, kNumberOrText, kNumbers, kFlag };
+enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag };
 
 constexpr std::pair<const char*, Kind> kFields[] = {
     {"lattice", Kind::kText},
     {"basis", Kind::kNumbers},
-    {"voxel_size", Kind::kNumber},
+    {"voxel_size", Kind::kNumberOrNumbers},
     {"resolution", Kind::kNumber},
     {"origin", Kind::kNumbers},
+    {"align", Kind::kText},
     {"separability", Kind::kNumber},
     {"minimal", Kind::kFlag},
     {"algorithm", Kind::kText},
@@ -40,8 +41,8 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},
-    {"shard", Kind::kText},
     {"bounds", Kind::kNumbers},
+    {"shard", Kind::kText},
     {"encoding", Kind::kText},
     {"up", Kind::kText},
     {"scale", Kind::kNumber},
@@ -50,8 +51,9 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"npy", Kind::kText},
 };
 
-constexpr const char* kTypes[] = {"a text that is not empty", "a number", "a number or a text", "an array of numbers",
-                                  "true or false"};
+constexpr const char* kTypes[] = {"a text that is not empty", "a number",
+                                  "a number or a text",       "a number or an array of numbers",
+                                  "an array of numbers",      "true or false"};
 
 template <class... Parts>
 absl::Status Wrong(const Parts&... parts) {
@@ -80,6 +82,8 @@ bool Is(const Json& value, Kind kind) {
       return value.is_number();
     case Kind::kNumberOrText:
       return value.is_number() || IsText(value);
+    case Kind::kNumberOrNumbers:
+      return value.is_number() || Is(value, Kind::kNumbers);
     case Kind::kNumbers:
       return value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), is_number);
     case Kind::kFlag:
@@ -206,6 +210,11 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
     app_.parse(*std::move(words));
     // No job reads standard input.
     words_.options.mesh.paths = {*path == kStandardInput ? "./-" : *path};
+    if (std::string& align = words_.options.align; !align.empty()) {
+      auto place = PathOf(align, folder_);
+      if (!place.ok()) return Wrong("align: ", place.status().message());
+      align = *std::move(place);
+    }
     for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
     return Job{id.is_null() ? names->front() : id.get<std::string>(), mesh.get<std::string>(), *std::move(names),
                InterpretRequest(words_)};

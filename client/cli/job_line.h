@@ -4,7 +4,8 @@
 //   out     file name below the output directory, or an array of several; default: the mesh's name with .vdb
 //   id      a name of its own in results; default: the first of out
 //   others  what the long options of `latvox voxelize` with these names ask for, with _ for -: lattice, basis,
-//           voxel_size, ... Numbers are numbers, lists of them arrays, and flags true or false.
+//           voxel_size, ... Numbers are numbers, lists of them arrays, and flags true or false. The path of align is
+//           taken like that of mesh.
 #ifndef LATVOX_CLIENT_CLI_JOB_LINE_H_
 #define LATVOX_CLIENT_CLI_JOB_LINE_H_
 

@@ -1,5 +1,6 @@
 #include "client/cli/voxelize_command.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client/cli/progress_bar.h"
+#include "client/error.h"
 #include "client/grid/voxel_grid.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
@@ -26,14 +28,16 @@ struct Upload {
   std::optional<WeldReport> weld = std::nullopt;
 };
 
-// Voxels along the longest side of the mesh, as far as the request tells.
+// Voxels along the longest side of the mesh, as far as the request tells; in a basis with short and long vectors, along
+// the short ones.
 double VoxelsAlong(double side, const VoxelizeRequest& request) {
   if (request.resolution) return *request.resolution;
   if (request.voxel_size) return side / *request.voxel_size + 1;
   const auto& [a, b, c] = std::get<Basis>(request.lattice);
   const double det =
       a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-  return side / std::cbrt(std::abs(det)) + 1;
+  const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };
+  return side / std::min({std::cbrt(std::abs(det)), length(a), length(b), length(c)}) + 1;
 }
 
 // Sent as it is; only what is counted needs it decoded here.
@@ -83,16 +87,6 @@ absl::Status ForEach(Outputs& outputs, const Step& step) {
   return absl::OkStatus();
 }
 
-// Takes lattice and origin from the file that is to be aligned with, if there is one.
-absl::Status Align(VoxelizeOptions& options) {
-  if (options.align.empty()) return absl::OkStatus();
-  const auto info = ReadGridFileInfo(options.align);
-  if (!info.ok()) return info.status();
-  options.request.lattice = info->transform.basis;
-  options.request.origin = info->transform.origin;
-  return absl::OkStatus();
-}
-
 absl::Status CheckTime(const CallOptions& call) {
   if (call.cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (call.deadline && absl::Now() >= *call.deadline) return absl::DeadlineExceededError("the --timeout passed");
@@ -104,6 +98,15 @@ std::string ResumptionLine(const Resumption& resumption) {
                                 ? absl::StrCat("resumed after tile ", absl::StrJoin(*resumption.after_tile, ","))
                                 : "begun anew";
   return absl::StrCat("connection lost, ", where, " on ", resumption.address);
+}
+
+// The status, with the mesh's file in it if that is what is wrong.
+absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
+  const ErrorDetails details = GetErrorDetails(status);
+  if (details.reason != "BAD_MESH") return status;
+  absl::Status named(status.code(), absl::StrCat(NameOf(mesh), ": ", status.message()));
+  SetErrorDetails(details, named);
+  return named;
 }
 
 // The call itself, into the outputs.
@@ -129,12 +132,21 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
     return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
   };
   auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
-  if (!summary.ok()) return summary.status();
+  if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
   return absl::OkStatus();
 }
 
 }  // namespace
+
+absl::Status Align(VoxelizeOptions& options) {
+  if (options.align.empty()) return absl::OkStatus();
+  const auto info = ReadGridFileInfo(options.align);
+  if (!info.ok()) return info.status();
+  options.request.lattice = info->transform.basis;
+  options.request.origin = info->transform.origin;
+  return absl::OkStatus();
+}
 
 absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
   const absl::Time start = absl::Now();

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/cancellation.h"
 #include "client/cli/report.h"
@@ -13,6 +14,9 @@
 #include "client/client.h"
 
 namespace latvox::client {
+
+// Takes lattice and origin from the file that is to be aligned with, if there is one. Errors: those of reading it.
+absl::Status Align(VoxelizeOptions& options);
 
 // What a job needs from the command that it is part of. Called on the job's thread.
 struct JobHooks {
@@ -28,7 +32,7 @@ struct JobHooks {
 // and --json do not count.
 absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks);
 
-// The same with a server of its own choice, and a progress bar.
+// The same with a server of its own choice, and a progress bar; aligned before.
 absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation);
 
 }  // namespace latvox::client

@@ -11,6 +11,7 @@
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
 #include "client/output/output.h"
+#include "client/stretched.h"
 
 namespace latvox::client {
 namespace {
@@ -55,6 +56,13 @@ const Names<UpAxis>& UpNames() {
   return *kNames;
 }
 
+std::string CheckVoxelSize(const std::string& text) {
+  if (!absl::StrContains(text, ',')) return CheckPositive(text);
+  Vec3d sizes;
+  if (ParseNumbers(text, sizes) && sizes[0] > 0 && sizes[1] > 0 && sizes[2] > 0) return "";
+  return absl::StrCat("\"", text, "\" is not one number or three, finite and above 0");
+}
+
 std::string CheckRegion(const std::string& text) {
   if (auto error = CheckNumbers<int32_t, 6>(text); !error.empty()) return error;
   std::array<int32_t, 6> box;
@@ -62,6 +70,18 @@ std::string CheckRegion(const std::string& text) {
   for (size_t m = 0; m < 3; ++m) {
     if (box[m] >= box[m + 3]) {
       return absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " does not exceed ", box[m], " on axis ", m);
+    }
+  }
+  return "";
+}
+
+std::string CheckBounds(const std::string& text) {
+  if (auto error = CheckNumbers<double, 6>(text); !error.empty()) return error;
+  std::array<double, 6> box;
+  ParseNumbers(text, box);
+  for (size_t m = 0; m < 3; ++m) {
+    if (box[m] > box[m + 3]) {
+      return absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " is below ", box[m], " on axis ", m);
     }
   }
   return "";
@@ -75,23 +95,27 @@ std::string CheckQuantization(const std::string& text) {
 
 std::variant<NamedLattice, Basis> InterpretLattice(const VoxelizeWords& words) {
   if (!words.basis.empty()) {
-std::string CheckBounds(const std::string& text) {
-  if (auto error = CheckNumbers<double, 6>(text); !error.empty()) return error;
-  std::array<double, 6> box;
-  ParseNumbers(text, box);
-  for (size_t m = 0; m < 3; ++m) {
-    if (box[m] > box[m + 3]) {
-      return absl::StrCat("\"", text, "\" is empty: ", box[m + 3], " is below ", box[m], " on axis ", m);
-    }
-  }
-  return "";
-}
-
     std::array<double, 9> n{};
     ParseNumbers(words.basis, n);
     return Basis{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
   }
   return ValueNamed(LatticeNames(), words.lattice);
+}
+
+// One size, or one for each axis.
+void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
+  const std::string& text = words.voxel_size;
+  Vec3d sizes;
+  if (text.empty()) return;
+  if (!ParseNumbers(text, sizes)) {
+    ParseNumber(text, request.voxel_size.emplace());
+  } else if (!words.basis.empty()) {
+    Refuse("--voxel-size: only one number goes with --basis, not ", text);
+  } else if (sizes[0] == sizes[1] && sizes[0] == sizes[2]) {
+    request.voxel_size = sizes[0];
+  } else {
+    request.lattice = Stretched(std::get<NamedLattice>(request.lattice), sizes);
+  }
 }
 
 // "W" or "Wv"; nothing if it is neither.
@@ -177,9 +201,11 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->check(CheckNumbers<double, 9>)
       ->excludes(lattice);
   CLI::Option* voxel_size =
-      command.add_option("--voxel-size", words.voxel_size, "edge of a cube with a voxel's volume, world units")
-          ->type_name("S")
-          ->check(CheckPositive);
+      command
+          .add_option("--voxel-size", words.voxel_size,
+                      "edge of a cube with a voxel's volume, world units; or the lattice stretched along x, y, z")
+          ->type_name("S|SX,SY,SZ")
+          ->check(CheckVoxelSize);
   command.add_option("--resolution", words.resolution, "voxels along the mesh's longest side, 2 to 65536")
       ->type_name("N")
       ->check(Whole(kMinResolution, kMaxResolution))
@@ -187,6 +213,12 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   command.add_option("--origin", words.origin, "world position of lattice point 0 (default: the mesh's low corner)")
       ->type_name("X,Y,Z")
       ->check(CheckNumbers<double, 3>);
+  CLI::Option* align =
+      command.add_option("--align", options.align, "on the lattice and origin of this .vdb file's grid")
+          ->type_name("FILE.vdb");
+  for (const char* other : {"--lattice", "--basis", "--voxel-size", "--resolution", "--origin"}) {
+    align->excludes(command.get_option(other));
+  }
   Group(command, "Voxels");
   command
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
@@ -215,6 +247,10 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("i0,j0,k0,i1,j1,k1")
       ->check(CheckRegion)
       ->excludes(verify);
+  command.add_option("--bounds", words.bounds, "only the voxels whose centres lie in this box, faces included")
+      ->type_name("x0,y0,z0,x1,y1,z1")
+      ->check(CheckBounds)
+      ->excludes(verify);
   command.add_option("--shard", words.shard, "only part I, from 0, of N parts of equal cost that make the whole")
       ->type_name("I/N")
       ->check(CheckShard)
@@ -241,17 +277,6 @@ void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("MESH")
       ->required();
   AddRequestOptions(command, words);
-  Group(command, "Lattice");
-  CLI::Option* align =
-      command.add_option("--align", options.align, "on the lattice and origin of this .vdb file's grid")
-          ->type_name("FILE.vdb");
-  for (const char* other : {"--lattice", "--basis", "--voxel-size", "--resolution", "--origin"}) {
-    align->excludes(command.get_option(other));
-  command.add_option("--bounds", words.bounds, "only the voxels whose centres lie in this box, faces included")
-      ->type_name("x0,y0,z0,x1,y1,z1")
-      ->check(CheckBounds)
-      ->excludes(verify);
-  }
   Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
   AddServerOptions(command, options.server);
@@ -274,13 +299,18 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.solid = InterpretSolid(words);
   if (request.solid && request.algorithm != Algorithm::kExact) Refuse("--fill: solid is for --algorithm exact");
   request.separability = InterpretSeparability(words.separability, request.lattice);
-  if (!words.voxel_size.empty()) ParseNumber(words.voxel_size, request.voxel_size.emplace());
+  InterpretVoxelSize(words, request);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());
   if (!words.region.empty()) {
     std::array<int32_t, 6> n{};
     ParseNumbers(words.region, n);
     request.region = IndexBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  }
+  if (!words.bounds.empty()) {
+    std::array<double, 6> n{};
+    ParseNumbers(words.bounds, n);
+    request.bounds = WorldBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
   }
   const auto is_npy = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".npy"); };
   if (!words.npy.empty() && std::none_of(options.outputs.begin(), options.outputs.end(), is_npy)) {
@@ -297,7 +327,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
     CheckCarryDistances(options.outputs);
   }
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
-  if (words.basis.empty() && options.align.empty() && !request.voxel_size && !request.resolution) {
+  if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");
   }
   return options;
@@ -307,11 +337,6 @@ VoxelizeOptions Interpret(const VoxelizeWords& words) {
   VoxelizeOptions options = InterpretRequest(words);
   const std::vector<std::string>& paths = options.mesh.paths;
   if (std::count(paths.begin(), paths.end(), kStandardInput) > 1) Refuse("mesh: - is given twice, but read once");
-  if (!words.bounds.empty()) {
-    std::array<double, 6> n{};
-    ParseNumbers(words.bounds, n);
-    request.bounds = WorldBox{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-  }
   for (const std::string& path : paths) CheckOutputs(options.outputs, path, "mesh");
   return options;
 }

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/mesh/draco_file.h"
+#include "client/mesh/gltf_check.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
 #include "client/mesh/scene_file.h"
@@ -38,6 +39,7 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format) {
     case MeshFormat::kGltf:
       break;
   }
+  if (absl::Status status = CheckGltf(bytes, ""); !status.ok()) return status;
   return ParseScene(bytes, format == MeshFormat::kGlb ? "glb" : "gltf");
 }
 
@@ -94,10 +96,13 @@ absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(
         path, ": mesh format \"", std::filesystem::path(path).extension().string(), "\" is not one of ", Known()));
   }
-  // By name, so that what a glTF refers to is found beside it.
-  if (*format == MeshFormat::kGltf || *format == MeshFormat::kGlb) return Named(path, ReadSceneFile(path));
   const auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
+  // By name, so that what a glTF refers to is found beside it.
+  if (*format == MeshFormat::kGltf || *format == MeshFormat::kGlb) {
+    const absl::Status status = CheckGltf(*bytes, std::filesystem::path(path).parent_path());
+    return Named(path, status.ok() ? ReadSceneFile(path) : status);
+  }
   return ParseMeshFile(path, *bytes, *format);
 }
 

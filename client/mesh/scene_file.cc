@@ -28,7 +28,7 @@ absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) 
     const Vec3f position = Apply(to_world, {vertex.x, vertex.y, vertex.z});
     for (const float coordinate : position) {
       if (!std::isfinite(coordinate))
-        return absl::InvalidArgumentError(absl::StrCat("vertex ", base + v, " is not finite"));
+        return absl::InvalidArgumentError(absl::StrCat("mesh ", part.mName.C_Str(), ": vertex ", v, " is not finite"));
     }
     mesh.positions.push_back(position);
   }
@@ -41,8 +41,9 @@ absl::Status AppendMesh(const aiMesh& part, const Affine& to_world, Mesh& mesh) 
     std::array<uint32_t, 3> triangle{};
     for (unsigned n = 0; n < 3; ++n) {
       if (face.mIndices[n] >= part.mNumVertices) {
-        return absl::InvalidArgumentError(absl::StrCat("vertex index ", face.mIndices[n], " of face ", f,
-                                                       " exceeds the ", part.mNumVertices, " vertices"));
+        return absl::InvalidArgumentError(absl::StrCat("mesh ", part.mName.C_Str(), ": vertex index ", face.mIndices[n],
+                                                       " of face ", f, " exceeds the ", part.mNumVertices,
+                                                       " vertices"));
       }
       triangle[n] = static_cast<uint32_t>(base + face.mIndices[n]);
     }

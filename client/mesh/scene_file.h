@@ -11,7 +11,7 @@
 namespace latvox::client {
 
 // All triangles of the scene in world coordinates. Of glTF, assimp leaves out triangles with an index out of range
-// without a word. Errors: INVALID_ARGUMENT naming what is wrong, without the path.
+// without a word: see CheckGltf. Errors: INVALID_ARGUMENT naming what is wrong, without the path.
 absl::StatusOr<Mesh> ReadSceneFile(const std::string& path);
 
 // The same of a file's bytes; `extension`, without the dot, says what they are. Files that they refer to are looked for

@@ -1,6 +1,8 @@
 #include "core/lattice/lattice.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_format.h"
 
@@ -27,6 +29,47 @@ std::string ToString(const Mat3d& m) {
                          m[1][2], m[2][0], m[2][1], m[2][2]);
 }
 
+struct NamedBasis {
+  std::string_view name, stretched_name;
+  Mat3d basis;
+};
+
+// In the order of NamedLattice.
+const std::array<NamedBasis, 4>& NamedBases() {
+  static const auto* const bases = new std::array<NamedBasis, 4>{{
+      {"cartesian", "stretched-cartesian", {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
+      {"bcc", "stretched-bcc", {{{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}}},
+      {"fcc", "stretched-fcc", {{{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}}},
+      {"hexagonal", "stretched-hexagonal", {{{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 0, 1}}}},
+  }};
+  return *bases;
+}
+
+// What the rows of `basis` are multiples of those of `named` by, within the tolerance, if they are, and by numbers
+// above 0.
+std::optional<Vec3d> StretchOf(const Mat3d& basis, const Mat3d& named) {
+  Vec3d stretch;
+  for (size_t r = 0; r < 3; ++r) {
+    const size_t c = named[0][r] != 0 ? 0 : named[1][r] != 0 ? 1 : 2;
+    stretch[r] = basis[c][r] / named[c][r];
+    const auto differs = [&](size_t column) {
+      return !(std::abs(basis[column][r] - stretch[r] * named[column][r]) <= kSymmetryTolerance * stretch[r]);
+    };
+    if (!(stretch[r] > 0) || differs(0) || differs(1) || differs(2)) return std::nullopt;
+  }
+  return stretch;
+}
+
+std::string_view NameOf(const Mat3d& basis) {
+  for (const NamedBasis& named : NamedBases()) {
+    const std::optional<Vec3d> stretch = StretchOf(basis, named.basis);
+    if (!stretch) continue;
+    const auto [least, most] = std::minmax({(*stretch)[0], (*stretch)[1], (*stretch)[2]});
+    return most - least <= kSymmetryTolerance * most ? named.name : named.stretched_name;
+  }
+  return "basis";
+}
+
 absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) {
   Mat3d reduced;
   for (size_t c = 0; c < 3; ++c) reduced[c] = Apply(basis, transform[c]);
@@ -38,7 +81,7 @@ absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) 
 
 double Lattice::voxel_size() const { return std::cbrt(std::abs(Determinant(basis_))); }
 
-absl::StatusOr<Lattice> Lattice::FromBasis(const Mat3d& basis) { return Make("basis", basis); }
+absl::StatusOr<Lattice> Lattice::FromBasis(const Mat3d& basis) { return Make(NameOf(basis), basis); }
 
 absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis) {
   const auto transform = ReduceBasis<3>(basis);
@@ -70,25 +113,9 @@ absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis)
 }
 
 Lattice Lattice::Named(NamedLattice name) {
-  struct Definition {
-    std::string_view name;
-    Mat3d basis;
-  };
-  const auto definition = [name]() -> Definition {
-    switch (name) {
-      case NamedLattice::kCartesian:
-        return {"cartesian", {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
-      case NamedLattice::kBcc:
-        return {"bcc", {{{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}}};
-      case NamedLattice::kFcc:
-        return {"fcc", {{{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}}};
-      case NamedLattice::kHexagonal:
-        return {"hexagonal", {{{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 0, 1}}}};
-    }
-    return {};
-  }();
-  const double size = std::cbrt(std::abs(Determinant(definition.basis)));
-  return Make(definition.name, Scale(definition.basis, 1 / size)).value();
+  const NamedBasis& named = NamedBases()[static_cast<size_t>(name)];
+  const double size = std::cbrt(std::abs(Determinant(named.basis)));
+  return Make(named.name, Scale(named.basis, 1 / size)).value();
 }
 
 absl::StatusOr<Lattice> Lattice::Scaled(double voxel_size) const {

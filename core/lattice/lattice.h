@@ -36,8 +36,13 @@ class Lattice {
 
   const Mat3d& basis() const { return basis_; }      // V, world units
   const Mat3d& inverse() const { return inverse_; }  // V^-1, by columns
-  std::string_view name() const { return name_; }    // "cartesian", "bcc", "fcc", "hexagonal" or "basis"
-  double voxel_size() const;                         // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2
+
+  // "cartesian", "bcc", "fcc" or "hexagonal"; "stretched-" and one of these, of a basis that is theirs but for other
+  // scales along the axes; or "basis". Named within kSymmetryTolerance, and by the basis as it stands: another one of
+  // the same lattice, or a turned one, is "basis".
+  std::string_view name() const { return name_; }
+
+  double voxel_size() const;  // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2
 
   // Every lattice vector whose Voronoi cell meets the origin's, with the dimension of the shared face.
   const std::vector<Neighbor<3>>& neighbors() const { return neighbors_; }

@@ -9,6 +9,8 @@ import sys
 import time
 import unittest
 
+import yaml
+
 import containers
 from containers import IMAGE, ROOT, await_true, inspect, podman, run
 from harness import BIN, BUNNY, Case, latvox
@@ -142,6 +144,10 @@ class Compose(Stack):
         run("docker-compose", "--file", FILE, "config", "--quiet")
         run("docker-compose", "--file", FILE, "config", "--quiet", env=self.environment)
 
+    def test_its_image_is_built_once(self):
+        services = yaml.safe_load(FILE.read_text())["services"]
+        self.assertEqual([name for name, service in services.items() if "build" in service], ["latvoxd-1"])
+
     def test_it_comes_up_and_does_the_example(self):
         self.bring_up()
         (self.dir / "mesh.obj").write_bytes(BUNNY.read_bytes())
@@ -161,7 +167,9 @@ class Compose(Stack):
                 self.assertIn("no-new-privileges", host["SecurityOpt"])
                 self.assertEqual(inspect(self.container(service))["EffectiveCaps"] or [], [])
                 self.assertGreater(host["Memory"], 0)
-        self.assertEqual(inspect(self.container("latvoxd-1"))["HostConfig"]["Memory"], 1 << 30)
+                self.assertGreater(host["PidsLimit"], 0)
+        host = inspect(self.container("latvoxd-1"))["HostConfig"]
+        self.assertEqual((host["Memory"], host["NanoCpus"], host["PidsLimit"]), (1 << 30, 10**9, 512))
 
     def test_a_server_killed_under_load_loses_nothing(self):
         self.bring_up()

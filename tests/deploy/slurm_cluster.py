@@ -49,6 +49,8 @@ SlurmdTimeout=3
 MessageTimeout=2
 TCPTimeout=1
 MailProg=/bin/true
+# Jobs start again only if they ask for it.
+JobRequeue=0
 NodeName=n[0-{last}] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[{first_port}-{last_port}] CPUs=1
 PartitionName=test Nodes=ALL Default=YES
 """

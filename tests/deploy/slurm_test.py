@@ -1,8 +1,11 @@
 """deploy/slurm on a real Slurm of four nodes: a job array over many meshes, one mesh in parts; nodes die on the way."""
 
 import json
+import os
+import pathlib
 import re
 import subprocess
+import tempfile
 import unittest
 
 import slurm_cluster
@@ -90,16 +93,46 @@ class Slurm(ClusterCase):
         section = (ROOT / "deploy" / "README.md").read_text().partition("\n## Slurm\n")[2]
         example = re.search(r"^```sh\n(.*?)^```$", section, re.M | re.S)[1]
         (self.dir / "deploy").symlink_to(ROOT / "deploy")
+        (self.dir / "build/release").mkdir(parents=True)
+        (self.dir / "build/release/bin").symlink_to(harness.BIN)
         told = self.submit("bash", "-euo", "pipefail", "-c", example)
         self.assert_all_completed(self.cluster.wait_for_job(told.split()[-1]))
         self.assertEqual({path.name for path in (self.dir / "voxels").glob("*.vdb")}, {f"bunny-{n}.vdb" for n in range(1, 13)})
         self.assertTrue((self.dir / "bunny.vdb").exists())
+
+    def test_a_part_can_be_done_again_alone(self):
+        first = self.submit("sbatch", "--parsable", "--array=0-1", SLURM / "shard.sbatch", 3, harness.BUNNY, "a.vdb", "--resolution", 64)
+        last = self.submit("sbatch", "--parsable", "--array=2", SLURM / "shard.sbatch", 3, harness.BUNNY, "a.vdb", "--resolution", 64)
+        for job in (first, last):
+            self.assert_all_completed(self.cluster.wait_for_job(job))
+        self.assert_all_completed(self.cluster.wait_for_job(self.submit("sbatch", "--parsable", SLURM / "merge.sbatch", 3, "a.vdb")))
+        self.assertTrue((self.dir / "a.vdb").exists())
 
     def test_wrong_usage_of_shards_is_told(self):
         for words in ([], ["0", "a.obj", "b.vdb"], ["2", "a.obj", "b.csv"]):
             done = subprocess.run([SLURM / "shards", *words], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             self.assertIn("Usage: deploy/slurm/shards N MESH OUT.vdb", done.stderr)
+
+
+class Scripts(unittest.TestCase):
+    """What they run, without a cluster."""
+
+    def environment_of(self, script, *words, **variables):
+        directory = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (directory / "latvox").write_text('#!/bin/sh\nexec env\n')
+        (directory / "latvox").chmod(0o755)
+        variables = {"PATH": os.environ["PATH"], "LATVOX": str(directory / "latvox"), "SLURM_ARRAY_TASK_ID": "0"} | variables
+        done = subprocess.run(["bash", SLURM / script, *words], env=variables, capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return dict(line.partition("=")[::2] for line in done.stdout.splitlines())
+
+    def test_a_task_takes_no_more_than_slurm_gave_it(self):
+        for script, *words in (["batch.sbatch", "jobs.jsonl", "out"], ["shard.sbatch", "2", "a.obj", "b.vdb"]):
+            found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="3", SLURM_MEM_PER_NODE="4096")
+            self.assertEqual((found["LATVOX_THREADS"], found["LATVOX_MEMORY_BUDGET"]), ("3", "2048MiB"))
+            found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="3", LATVOX_THREADS="2")
+            self.assertEqual((found["LATVOX_THREADS"], found.get("LATVOX_MEMORY_BUDGET")), ("2", None))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """--align: a mesh on the lattice and origin of another file's grid."""
 
+import json
 import unittest
 
 from harness import BIN, BUNNY, Case, latvox, octahedron, rows, write_obj
@@ -13,6 +14,7 @@ class Align(Case):
             again = self.voxelize(BUNNY, "--align", self.dir / "first.vdb", "--quantization", 16, out="again.vdb")
             self.assertEqual(again["digest"], first["digest"], lattice)
             self.assertEqual((again["basis"], again["origin"]), (first["basis"], first["origin"]))
+            self.assertEqual(again["lattice"], lattice)
 
     def test_another_mesh_lies_on_the_points_of_the_first(self):
         basis = "0.25,0,0,0.125,0.25,0,0,0.0625,0.5"
@@ -23,6 +25,25 @@ class Align(Case):
         self.assertEqual(summary["origin"], [10, -3, 0.125])
         for (i, j, k), world in rows(self.dir / "second.csv").items():
             self.assertEqual(world, (10 + i / 4 + j / 8, -3 + j / 4 + k / 16, 0.125 + k / 2))
+
+    def test_jobs_are_aligned_to_files_beside_theirs_and_done_again_for_another_grid(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron(2))
+        job = {"mesh": "a.obj", "align": "first.vdb", "quantization": 16, "out": "a.csv"}
+        (self.dir / "jobs.jsonl").write_text(json.dumps(job))
+        for resolution, status in ((40, "done"), (40, "skipped"), (50, "done")):
+            first = self.voxelize(BUNNY, "--lattice", "fcc", "--resolution", resolution, out="first.vdb")
+            done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out", "--resume")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            result = json.loads((self.dir / "out" / "results.jsonl").read_text().splitlines()[-1])
+            self.assertEqual(result["status"], status)
+            if status == "done":
+                self.assertEqual((result["summary"]["basis"], result["summary"]["lattice"]), (first["basis"], "fcc"))
+                alone = self.voxelize(mesh, "--align", self.dir / "first.vdb", "--quantization", 16)
+                self.assertEqual(result["summary"]["digest"], alone["digest"])
+        (self.dir / "first.vdb").unlink()
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stderr, "jobs.jsonl:1: .*first.vdb: no such file")
 
     def test_contradictions_and_files_without_a_grid_are_refused(self):
         self.voxelize(BUNNY, "--resolution", 9, out="first.vdb")

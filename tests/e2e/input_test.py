@@ -1,5 +1,6 @@
 """However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up."""
 
+import base64
 import functools
 import json
 import struct
@@ -172,6 +173,52 @@ class Input(InputCase):
             if scale == 2 and status == "done":
                 self.assertEqual(result["summary"]["digest"], wanted)
                 self.assertEqual(result["summary"]["mesh"]["weld_report"]["vertices"], 4)
+
+
+def parts(path):
+    """The JSON and the buffer of a .glb."""
+    data = path.read_bytes()
+    (size,) = struct.unpack_from("<I", data, 12)
+    return json.loads(data[20 : 20 + size]), data[28 + size :]
+
+
+class Gltf(InputCase):
+    BROKEN = (MESH[0], [*MESH[1][:2], (1, 2, 9), MESH[1][3]])
+    SAYS = r"a.gl\w+: meshes\[0\].primitives\[0\]: vertex index 9 of triangle 2 is not within the 4 vertices"
+
+    def test_an_index_out_of_range_is_named_wherever_it_stands(self):
+        glb = write_gltf(self.dir / "a.glb", self.BROKEN)
+        self.assert_refused(3, self.SAYS, glb)
+        self.assert_refused(3, "standard input: meshes.*vertex index 9", "-", stdin=glb)
+        document, body = parts(glb)
+        data = "data:application/octet-stream;base64," + base64.b64encode(body).decode()
+        (self.dir / "a.bin").write_bytes(body)
+        for uri in (data, "a.bin"):
+            document["buffers"][0]["uri"] = uri
+            (self.dir / "a.gltf").write_text(json.dumps(document))
+            self.assert_refused(3, self.SAYS, self.dir / "a.gltf")
+
+    def test_errors_name_place_and_limit(self):
+        glb = write_gltf(self.dir / "a.glb", MESH)
+        whole = glb.read_bytes()
+        document, _ = parts(glb)
+        count = json.dumps(document).replace('"count": 12', '"count": 11')
+        for name, data, says in (
+            ("a.glb", whole[:-20], r"a.glb: ends at byte \d+, within a chunk of \d+ bytes"),
+            ("a.glb", whole[:15], "a.glb: ends at byte 15, within a chunk's header"),
+            ("a.gltf", count.encode(), r"primitives\[0\]: 11 corners of triangles are not a multiple of 3"),
+            ("a.gltf", b'{"asset":\n  oops}', "a.gltf: JSON: .*line 2, column 3"),
+            ("a.gltf", json.dumps(document).replace('"indices": 1', '"indices": 7').encode(), "7 is out of bounds"),
+        ):
+            with self.subTest(says):
+                (self.dir / name).write_bytes(data)
+                self.assert_refused(3, says, self.dir / name)
+
+    def test_a_draco_stream_is_named_by_the_server_s_refusal(self):
+        (self.dir / "a.drc").write_bytes(b"DRACO" + bytes(20))
+        done = latvox("voxelize", self.dir / "a.drc", *GRID[:-2], "-o", self.dir / "out.csv", *self.server)
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stderr, "a.drc: mesh: ")
 
 
 class ThreeMf(InputCase):

@@ -70,6 +70,15 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
       Parse(R"({"mesh": "m", "resolution": 9, "verify": true, "quantization": "auto"})")->options.request.verify);
 }
 
+TEST(JobLine, AVoxelSizeIsANumberOrThreeAndAlignAPath) {
+  const auto job = Parse(R"({"mesh": "m", "voxel_size": [1, 0.5, 2]})");
+  ASSERT_TRUE(job.ok()) << job.status();
+  EXPECT_EQ(std::get<Basis>(job->options.request.lattice), (Basis{{1, 0, 0}, {0, 0.5, 0}, {0, 0, 2}}));
+  EXPECT_EQ(Parse(R"({"mesh": "m", "align": "a/g.vdb"})")->options.align, "jobs/a/g.vdb");
+  EXPECT_EQ(Parse(R"({"mesh": "m", "align": "file:///g.vdb"})")->options.align, "/g.vdb");
+  EXPECT_EQ(Parse(R"({"mesh": "m", "resolution": 9})")->options.align, "");
+}
+
 TEST(JobLine, ABandIsANumberOrAText) {
   const auto world = Parse(R"({"mesh": "m", "resolution": 9, "band": 0.5, "signed": true})");
   ASSERT_TRUE(world.ok()) << world.status();
@@ -115,6 +124,10 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
       {R"("resolution": 8, "voxel_size": 1)", "voxel_size excludes resolution"},
       {R"("resolution": 8, "resolution": 9)", "resolution: stands twice"},
       {R"("resolutoin": 8)", "resolutoin: no such field; there are mesh, out, id, lattice, "},
+      {R"("voxel_size": [1, 2])", "voxel_size: \"1,2\" is not one number or three"},
+      {R"("voxel_size": "1")", "voxel_size: \"1\" is not a number or an array of numbers"},
+      {R"("align": "g.vdb", "resolution": 8)", "resolution excludes align"},
+      {R"("align": 5)", "align: 5 is not a text"},
       {R"("voxel_size": -1)", "voxel_size: \"-1\" is not a finite number above 0"},
       {R"("voxel_size": 1e999)", "no JSON: "},
       {R"("lattice": "cubic", "resolution": 8)", "lattice: cubic not in {cartesian,bcc,fcc,hexagonal}"},
@@ -224,16 +237,18 @@ TEST_F(JobFileTest, EveryWrongLineIsNamedWhosesoeverItIs) {
 {"mesh": "f", "resolution": 8, "out": "e.ply"}
 {"mesh": "g", "resolution": 8, "out": ["g.vdb", "./g.vdb"]}
 {"mesh": "out/h.ply", "resolution": 8, "out": "h.ply"}
+{"mesh": "i", "align": "out/b.vdb"}
 )",
                                 {1, 3});
   const std::string path = Path("jobs.jsonl");
-  EXPECT_EQ(file.wrong, 6u);
+  EXPECT_EQ(file.wrong, 7u);
   EXPECT_THAT(file.errors, ElementsAre(StartsWith(path + ":1: resolution: \"1\""),
                                        path + ":3: out: \"b.vdb\" is that of line 2 already",
                                        path + ":4: id: \"x\" is that of line 2 already",
                                        path + ":7: out: \"g.vdb\" is that of line 7 already",
                                        AllOf(StartsWith(path + ":5: mesh: "), HasSubstr("an output of line 6")),
-                                       AllOf(StartsWith(path + ":8: mesh: "), HasSubstr("an output of line 8"))));
+                                       AllOf(StartsWith(path + ":8: mesh: "), HasSubstr("an output of line 8")),
+                                       AllOf(StartsWith(path + ":9: align: "), HasSubstr("an output of line 2"))));
 }
 
 TEST_F(JobFileTest, LinksLeadNoOutputToTheMeshOrAnotherOutput) {

@@ -11,6 +11,8 @@
 #include "client/cli/voxelize_command.h"
 #include "client/cli/voxelize_options.h"
 #include "client/error.h"
+#include "client/output/vec3.h"
+#include "client/stretched.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {
@@ -67,10 +69,10 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "--no-minimal",
                                          "--region",
                                          "-1,-2,-3,4,5,6",
-                                         "--quantization",
-                                         "0",
                                          "--bounds",
                                          "-0.5,1,2,.5,1,1e3",
+                                         "--quantization",
+                                         "0",
                                          "--json",
                                          "--threads",
                                          "3",
@@ -103,9 +105,9 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_EQ(options.request.separability, 2u);
   EXPECT_FALSE(options.request.minimal);
   EXPECT_EQ(options.request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
+  EXPECT_EQ(options.request.bounds, (WorldBox{{-0.5, 1, 2}, {0.5, 1, 1000}}));
   EXPECT_EQ(options.quantization_bits, 0);
   EXPECT_EQ(options.request.algorithm, Algorithm::kOptimizedIncremental);
-  EXPECT_EQ(options.request.bounds, (WorldBox{{-0.5, 1, 2}, {0.5, 1, 1000}}));
   EXPECT_TRUE(options.json);
   EXPECT_EQ(options.mesh.up, UpAxis::kY);
   EXPECT_EQ(options.mesh.scale, 2.5);
@@ -115,6 +117,23 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_EQ(options.server.timeout_seconds, 1.5);
   EXPECT_EQ(options.server.retries, 7);
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png", "d.npy"));
+}
+
+TEST(Options, ThreeVoxelSizesStretchTheLattice) {
+  const VoxelizeRequest cubes = Parse({"--voxel-size", "0.5,2,3", "--separability", "26"}).request;
+  EXPECT_EQ(std::get<Basis>(cubes.lattice), (Basis{{0.5, 0, 0}, {0, 2, 0}, {0, 0, 3}}));
+  EXPECT_EQ(cubes.voxel_size, std::nullopt);
+  EXPECT_EQ(cubes.separability, 0u);
+  const VoxelizeRequest same = Parse({"--voxel-size", "2,2,2", "--lattice", "fcc"}).request;
+  EXPECT_EQ(std::get<NamedLattice>(same.lattice), NamedLattice::kFcc);
+  EXPECT_EQ(same.voxel_size, 2);
+  for (const auto& [name, lattice] : {std::pair("bcc", NamedLattice::kBcc), std::pair("fcc", NamedLattice::kFcc),
+                                      std::pair("hexagonal", NamedLattice::kHexagonal)}) {
+    const VoxelizeRequest request = Parse({"--voxel-size", "1,2,3", "--lattice", name}).request;
+    const Basis& basis = std::get<Basis>(request.lattice);
+    EXPECT_EQ(basis, Stretched(lattice, {1, 2, 3}));
+    EXPECT_NEAR(std::abs(Dot(basis.a, Cross(basis.b, basis.c))), 6, 1e-14) << name;
+  }
 }
 
 TEST(Options, OfASolidSayWhatIsInside) {
@@ -169,6 +188,9 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "8.5"}, {"--resolution", "8.5"});
   refuses({"--resolution", "8", "--voxel-size", "1"}, {"--resolution", "--voxel-size"});
   refuses({"--voxel-size", "0"}, {"--voxel-size", "above 0"});
+  refuses({"--voxel-size", "1,2"}, {"--voxel-size", "one number or three"});
+  refuses({"--voxel-size", "1,2,-3"}, {"--voxel-size", "above 0"});
+  refuses({"--voxel-size", "1,2,3", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--voxel-size", "--basis", "1,2,3"});
   refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
   refuses({"--voxel-size", "1e999"}, {"--voxel-size", "1e999"});
   refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0,1,2,26,18,6"});
@@ -180,6 +202,9 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
   refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
   refuses({"--resolution", "9", "--region", "0,0,0,1,1,1", "--verify"}, {"--region", "--verify"});
+  refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
+  refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
+  refuses({"--resolution", "9", "--bounds", "0,0,0,1,1,1", "--verify"}, {"--bounds", "--verify"});
   refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
   refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
   refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
@@ -202,9 +227,6 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
-  refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
-  refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
-  refuses({"--resolution", "9", "--bounds", "0,0,0,1,1,1", "--verify"}, {"--bounds", "--verify"});
   refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
   refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
   refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});

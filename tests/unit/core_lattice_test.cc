@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <random>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "core/lattice/lattice.h"
 #include "tests/oracle/oracle.h"
@@ -188,6 +190,34 @@ TEST(Lattice, NamedOnesHaveUnitCellsAndScaleToAnyOther) {
       const Vec3d unit = Apply(scaled->inverse(), scaled->basis()[column]);
       for (size_t row = 0; row < 3; ++row) EXPECT_NEAR(unit[row], row == column ? 1 : 0, 1e-12);
     }
+  }
+}
+
+TEST(Lattice, ABasisIsNamedAfterTheLatticeWhoseBasisItIsButForItsScales) {
+  const auto name_of = [](const Mat3d& basis) { return std::string(Lattice::FromBasis(basis)->name()); };
+  for (const NamedLattice named :
+       {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
+    const Lattice lattice = Lattice::Named(named);
+    const std::string name(lattice.name());
+    const auto changed = [&](double x, double y, double z) {
+      Mat3d basis = lattice.Scaled(0.37)->basis();
+      for (Vec3d& column : basis) column = {column[0] * x, column[1] * y, column[2] * z};
+      return basis;
+    };
+    EXPECT_EQ(name_of(lattice.basis()), name);
+    EXPECT_EQ(name_of(changed(1, 1, 1)), name);
+    EXPECT_EQ(name_of(changed(1e-9, 1e-9, 1e-9)), name);
+    EXPECT_EQ(name_of(changed(1, 1 + 1e-12, 1)), name);
+    EXPECT_EQ(name_of(changed(1, 1 + 1e-6, 1)), "stretched-" + name);
+    EXPECT_EQ(name_of(changed(1, 2, 3.5)), "stretched-" + name);
+    EXPECT_EQ(name_of(changed(-1, 1, 1)), "basis");
+    Mat3d turned = changed(1, 1, 1);
+    std::swap(turned[0], turned[2]);
+    EXPECT_EQ(name_of(turned), "basis");
+    turned = changed(1, 1, 1);
+    turned[0][1] += 1e-6;
+    EXPECT_EQ(name_of(turned), "basis");
+    EXPECT_EQ(Lattice::FromBasis(changed(1, 2, 3))->Scaled(5)->name(), "stretched-" + name);
   }
 }
 

@@ -187,7 +187,6 @@ TEST_F(PixelizeCall, OneOfEveryPolylineOfOnePointFitsIntoAMessage) {
 }
 
 TEST_F(PixelizeCall, EndsWithTheCallersCancellationAndDeadline) {
-  options_.limits.max_jobs = 100;  // a call keeps its place until its digitizing is over
   Start();
   client::CallOptions options;
   options.cancellation.Cancel();

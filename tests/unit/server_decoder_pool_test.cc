@@ -32,7 +32,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr auto kPatience = std::chrono::seconds(30);
+// With AddressSanitizer, processes of the lowest priority (see StartStopped) take their time on a busy machine.
+constexpr auto kPatience = std::chrono::seconds(kAddressSanitizer ? 200 : 30);
 constexpr absl::Duration kAtOnce = absl::Milliseconds(50);
 
 bool Eventually(const std::function<bool()>& condition) {
@@ -116,13 +117,14 @@ class DecoderPoolTest : public testing::Test {
     ASSERT_TRUE(Eventually([&] { return static_cast<int>(Running().size()) == options_.processes; }));
   }
 
-  // Processes that are ready: they have taken their name, and are confined.
+  // Processes that are ready: they are confined, or, in a build with AddressSanitizer, have done the rest of it.
   static std::vector<pid_t> Running() {
+    const char* const ready = kAddressSanitizer ? "NoNewPrivs:\t1" : "Seccomp:\t2";
     std::vector<pid_t> pids = Children();
-    std::erase_if(pids, [](pid_t pid) {
+    std::erase_if(pids, [ready](pid_t pid) {
       std::ifstream file(absl::StrCat("/proc/", pid, "/status"));
       const std::string status(std::istreambuf_iterator<char>(file), {});
-      return status.find("Seccomp:\t2") == std::string::npos || status.find("State:\tZ") != std::string::npos;
+      return status.find(ready) == std::string::npos || status.find("State:\tZ") != std::string::npos;
     });
     return pids;
   }
@@ -286,6 +288,7 @@ TEST_F(DecoderPoolTest, AMeshThatTwoProcessesCrashOnIsBad) {
 }
 
 TEST_F(DecoderPoolTest, ADecodeEndsAtItsMemoryLimit) {
+  if (kAddressSanitizer) GTEST_SKIP() << "there is no limit of memory with AddressSanitizer";
   options_.memory = 16 << 20;
   Start();
   const absl::Status status = Decode(*pool_, Large()).Get().status();
@@ -335,6 +338,7 @@ TEST_F(DecoderPoolTest, AProcessThatDoesNothingIsGivenUp) {
 
 // 61 bytes that made Draco 1.5.5 take 20 GB: google/draco#1169.
 TEST_F(DecoderPoolTest, ASmallFileThatAsksForGigabytesEndsSoonAndGetsNone) {
+  if (kAddressSanitizer) GTEST_SKIP() << "there is no limit of memory with AddressSanitizer";
   options_.processes = 1;
   Start();
   std::ifstream file(LATVOX_RESERVE_BOMB, std::ios::binary);

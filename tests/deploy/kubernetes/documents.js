@@ -12,6 +12,7 @@ const parse = (text) => yaml.parseAllDocuments(text, { strict: true }).map((docu
   if (document.errors.length > 0) throw document.errors[0];
   return document.toJS();
 });
+export const lone = (file) => parse(readFileSync(path.join(ROOT, file), 'utf8'));
 export const kustomization = (folder) => parse(readFileSync(path.join(ROOT, folder, 'kustomization.yaml'), 'utf8'))[0];
 
 // The objects of a folder and of those it builds on: without what a kustomization changes in them, but with what it makes.

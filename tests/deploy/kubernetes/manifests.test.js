@@ -5,7 +5,7 @@ import { writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { check, SECRETS, withFiles } from './check.js';
-import { OVERLAYS, written } from './documents.js';
+import { lone, OVERLAYS, written } from './documents.js';
 import { brokenReferences, needlessRights } from './references.js';
 import { typeErrors } from './types.js';
 
@@ -15,6 +15,38 @@ const find = (objects, kind) => objects.find((object) => object.kind === kind);
 for (const overlay of OVERLAYS) {
   test(`${overlay}: as written, it has the right types, its names lead somewhere, its pods have few rights`, () => check(load(overlay)));
 }
+
+const names = (objects) => objects.map(({ kind, metadata }) => `${kind}/${metadata.name}`).sort();
+
+test('each overlay has all of its objects', () => {
+  const base = ['Namespace/latvox', 'NetworkPolicy/deny', 'ServiceAccount/latvox'];
+  assert.deepEqual(names(load('service')), [...base, 'ConfigMap/latvoxd', 'Deployment/latvox', 'HorizontalPodAutoscaler/latvox',
+    'NetworkPolicy/latvoxd', 'PodDisruptionBudget/latvox', 'Service/latvox', 'ServiceMonitor/latvox'].sort());
+  assert.deepEqual(names(load('batch')), [...base, 'Job/latvox-batch', 'PersistentVolumeClaim/latvox-meshes',
+    'PersistentVolumeClaim/latvox-results'].sort());
+});
+
+test('batch: a shard is tried again by itself, but not for what stays wrong, and its pod asks for what it takes', () => {
+  const { spec } = find(load('batch'), 'Job');
+  assert.equal(spec.backoffLimitPerIndex, 3);
+  assert.deepEqual(spec.podFailurePolicy.rules.map(({ action }) => action), ['Ignore', 'FailIndex']);
+  assert.deepEqual(spec.podFailurePolicy.rules[1].onExitCodes.values, [2, 3]);
+  const { requests, limits } = spec.template.spec.containers[0].resources;
+  assert.deepEqual(requests, limits);
+});
+
+test('the loader may do as little as the workers, whose volumes it fills', () => {
+  const [loader] = lone('loader.yaml');
+  const claims = load('batch').filter(({ kind }) => kind === 'PersistentVolumeClaim');
+  assert.deepEqual(typeErrors([loader]), []);
+  assert.deepEqual(loader.spec.volumes.map((volume) => volume.persistentVolumeClaim.claimName).sort(),
+    claims.map(({ metadata }) => metadata.name).sort());
+  const worker = podOf(find(load('batch'), 'Job'));
+  assert.equal(loader.spec.securityContext.runAsUser, worker.securityContext.runAsUser);
+  const { spec: template, metadata } = loader;
+  const wrapped = { apiVersion: 'batch/v1', kind: 'Job', metadata, spec: { template: { metadata: {}, spec: template } } };
+  assert.deepEqual(needlessRights([wrapped]), []);
+});
 
 // The settings that latvoxd finds in the configuration file: name -> text.
 const settings = (text) => withFiles((run, directory) => {
