@@ -181,7 +181,6 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
 }
 
 void FindInLanes(const Scene& scene, const TinyTriangles& tiny, std::vector<NumberList>& lists, Crossings& out) {
-  const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
   const std::span<const uint32_t> triangles(tiny.numbers, tiny.size);
   for (NumberList& list : lists) {
