@@ -27,6 +27,10 @@ struct ServerOptions {
   // quarters of what the machine, or the control group, has.
   uint64_t memory_bytes = 0;
 
+  // Whether the defaults leave half of what they would take, decoders' memory included, to the process that started
+  // this one.
+  bool shares_memory = false;
+
   // A client that has neither sent what it has to nor taken what it can for so long is given up; it may come back and
   // resume.
   absl::Duration stall_timeout = absl::Seconds(60);
