@@ -23,6 +23,11 @@ bool IsResultsName(const std::string& name) {
   return name == "results.jsonl" || (absl::StartsWith(name, "results-") && absl::EndsWith(name, ".jsonl"));
 }
 
+// Throws nlohmann::json::exception if it is none.
+uint64_t Whole(const nlohmann::json& number) {
+  return number.get_ref<const nlohmann::json::number_unsigned_t&>();  // get() would convert what is not in its range
+}
+
 }  // namespace
 
 std::string ResultsName(const Shard& shard) {
@@ -89,8 +94,15 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
     const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
     if (!json.is_object() || json.value("/status"_json_pointer, nlohmann::json()) != "done") continue;
     try {
-      done_[json.at("outputs").at(0).get<std::string>()] = {json.at("job_digest").get<std::string>(),
-                                                            json.at("summary").at("digest").get<std::string>()};
+      Done done;
+      done.job_digest = json.at("job_digest").get<std::string>();
+      done.digest = json.at("summary").at("digest").get<std::string>();
+      if (json.contains("ended_unix_ms")) done.ended_unix_ms = Whole(json["ended_unix_ms"]);
+      if (json.contains("output_bytes")) {
+        for (const auto& bytes : json["output_bytes"].get_ref<const nlohmann::json::array_t&>())
+          done.bytes.push_back(Whole(bytes));
+      }
+      Add(json.at("outputs").at(0).get<std::string>(), std::move(done));
     } catch (const nlohmann::json::exception&) {
       // A line of somebody else's.
     }
@@ -99,12 +111,22 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
   return absl::OkStatus();
 }
 
+void DoneJobs::Add(const std::string& name, Done done) {
+  Done& newest = done_[name];
+  if (done.ended_unix_ms >= newest.ended_unix_ms) newest = std::move(done);
+}
+
 std::optional<std::string> DoneJobs::Find(const Job& job, const std::string& job_digest) const {
   const auto done = done_.find(job.names.front());
   if (done == done_.end() || done->second.job_digest != job_digest) return std::nullopt;
-  for (const std::string& output : job.options.outputs) {
+  const std::vector<uint64_t>& bytes = done->second.bytes;
+  for (size_t n = 0; n < job.options.outputs.size(); ++n) {
+    const std::string& output = job.options.outputs[n];
     std::error_code error;
     if (!std::filesystem::is_regular_file(output, error)) return std::nullopt;
+    if (!bytes.empty() && (n >= bytes.size() || std::filesystem::file_size(output, error) != bytes[n] || error)) {
+      return std::nullopt;
+    }
     if (absl::AsciiStrToLower(std::filesystem::path(output).extension().string()) != ".vdb") continue;
     const auto digest = ReadGridFileDigest(output);
     if (!digest.ok() || *digest != done->second.digest) return std::nullopt;

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
@@ -48,21 +49,25 @@ class DoneJobs {
  public:
   DoneJobs() = default;
 
-  // From all files of results in the directory, however many workers there were. Lines that are none are ignored.
+  // From all files of results in the directory, however many workers there were. Of several lines of a job the one that
+  // ended last counts; those of versions that did not write when are the oldest. Lines that are none are ignored.
   // Errors: FAILED_PRECONDITION (a file cannot be read), CANCELLED.
   static absl::StatusOr<DoneJobs> Read(const std::string& directory, const Cancellation& cancellation);
 
-  // The digest of the voxels if this very job is done: its digest is the same, its outputs are there, and those that
-  // are .vdb hold these voxels.
+  // The digest of the voxels if this very job is done: its digest is the same, its outputs are there and as long as
+  // they were, and those that are .vdb hold these voxels.
   std::optional<std::string> Find(const Job& job, const std::string& job_digest) const;
 
  private:
   struct Done {
+    uint64_t ended_unix_ms = 0;
     std::string job_digest, digest;
+    std::vector<uint64_t> bytes;  // of the outputs; empty if the line says nothing of them
   };
+  void Add(const std::string& name, Done done);
   absl::Status ReadFile(const std::string& path, const Cancellation& cancellation);
 
-  absl::flat_hash_map<std::string, Done> done_;  // by the first output's name; the last line counts
+  absl::flat_hash_map<std::string, Done> done_;  // by the first output's name
 };
 
 }  // namespace latvox::client

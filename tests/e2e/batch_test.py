@@ -247,6 +247,8 @@ class Resume(Batch):
         (self.out / "4.csv").unlink()
         write_obj(self.dir / "other.obj", octahedron(3))
         self.assertEqual(done_again(*small), ["0.vdb", "1.vdb", "3.vdb", "4.vdb", "5.vdb"])
+        os.truncate(self.out / "4.csv", (self.out / "4.csv").stat().st_size - 1)
+        self.assertEqual(done_again(*small), ["4.vdb"])
         self.assertEqual(done_again(*small), [])
         self.batch(self.jobs(*small))  # without --resume everything is done
         self.assertEqual([r["status"] for r in self.results()[-6:]], ["done"] * 6)
@@ -283,6 +285,7 @@ class Shards(Batch):
         whole = self.dir / "whole"
         self.batch(jobs, out=whole)
         parts = {}
+        started = time.time_ns() // 10**6
         for index in range(3):
             done = self.batch(jobs, "--shard", f"{index}/3")
             self.assertRegex(done.stderr, rf"(?m)^latvox: shard {index}/3 \(--shard\): [34] of 11 jobs$")
@@ -292,6 +295,9 @@ class Shards(Batch):
             parts |= part
         self.assertEqual(parts, self.digests(self.results(out=whole)))
         self.assertEqual(self.outputs(), self.outputs(whole))
+        for result in self.results("results-0-of-3.jsonl"):
+            self.assertIn(result["ended_unix_ms"], range(started, time.time_ns() // 10**6 + 1))
+            self.assertEqual(result["output_bytes"], [(self.out / name).stat().st_size for name in result["outputs"]])
         # However they were shared, what is done is done.
         self.assertRegex(self.batch(jobs, "--resume").stdout, "^0 of 11 jobs done, 11 skipped")
         self.assertRegex(self.batch(jobs, "--resume", "--shard", "1/2").stdout, "^0 of 5 jobs done, 5 skipped")

@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 
+#include "absl/strings/str_replace.h"
 #include "client/cli/batch_options.h"
 #include "client/cli/batch_results.h"
 #include "client/cli/common_options.h"
@@ -147,18 +149,21 @@ TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
   JobResult skipped = Done(MakeJob());
   skipped.outcome = JobResult::Outcome::kSkipped;
   skipped.digest = "voxels";
+  skipped.ended_unix_ms = 5;
+  skipped.bytes = {17};
   const auto file = ResultsFile::Open(Path("r"));
   ASSERT_TRUE(file.ok()) << file.status();
   for (const JobResult& result : {failed, skipped, Done(MakeJob())}) ASSERT_TRUE((*file)->Append(result).ok());
   const std::string text = Read("r");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
-  EXPECT_THAT(text, StartsWith(R"({"id":"a","line":7,"status":"failed",)"));
+  EXPECT_THAT(text, StartsWith(R"({"id":"a","line":7,"status":"failed","ended_unix_ms":0,)"));
   EXPECT_THAT(text, HasSubstr(R"("error":{"code":"INVALID_ARGUMENT","message":"bad\nmesh","exit_status":3,)"
                               R"("field":"triangles","value":"5","limit":"4"}})"));
   EXPECT_THAT(text,
-              HasSubstr(R"("status":"skipped","mesh":"","outputs":["m.vdb"],"job_digest":"abc","digest":"voxels"})"));
-  EXPECT_THAT(text,
-              HasSubstr(R"("status":"done","mesh":"","outputs":["m.vdb"],"job_digest":"abc","summary":{"voxels":0,)"));
+              HasSubstr(R"("status":"skipped","ended_unix_ms":5,"mesh":"","outputs":["m.vdb"],"output_bytes":[17],)"
+                        R"("job_digest":"abc","digest":"voxels"})"));
+  EXPECT_THAT(text, HasSubstr(R"("status":"done","ended_unix_ms":0,"mesh":"","outputs":["m.vdb"],"output_bytes":[],)"
+                              R"("job_digest":"abc","summary":{"voxels":0,)"));
 }
 
 TEST_F(Results, AnUnfinishedLineIsRemovedAndOthersStay) {
@@ -198,10 +203,62 @@ TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
   EXPECT_EQ(found("abc"), std::nullopt);
 }
 
+TEST_F(Results, AJobIsNotDoneIfAnOutputIsLongerOrShorterThanItWas) {
+  const Job job = MakeJob(R"(, "out": ["m.csv", "m.vdb"])");
+  WriteGrid("out/m.vdb", "voxels");
+  const auto found = [&](const std::string& csv, const std::vector<uint64_t>& bytes) {
+    Write("out/m.csv", csv);
+    JobResult result = Done(job);
+    result.bytes = bytes;
+    Write("out/results.jsonl", ToJsonLine(result) + "\n");
+    return DoneJobs::Read(Path("out"), Cancellation())->Find(job, "abc").has_value();
+  };
+  const uint64_t grid = std::filesystem::file_size(Path("out/m.vdb"));
+  EXPECT_TRUE(found("1234", {4, grid}));
+  EXPECT_FALSE(found("123", {4, grid}));
+  EXPECT_FALSE(found("12345", {4, grid}));
+  EXPECT_FALSE(found("1234", {4, grid + 1}));
+  EXPECT_FALSE(found("1234", {4}));
+  EXPECT_TRUE(found("123", {}));
+}
+
+TEST_F(Results, OfSeveralLinesTheOneThatEndedLastCountsInWhicheverFileItIs) {
+  WriteGrid("out/m.vdb", "voxels");
+  const auto line = [&](const std::string& digest, uint64_t ended) {
+    JobResult result = Done(MakeJob());
+    result.job_digest = digest;
+    result.ended_unix_ms = ended;
+    return ToJsonLine(result) + "\n";
+  };
+  const std::string before = line("old", 0);
+  std::string unknown = before;
+  unknown.erase(unknown.find(R"("ended_unix_ms":0,)"), std::strlen(R"("ended_unix_ms":0,)"));
+  const std::string first = "out/results.jsonl", second = "out/results-1-of-2.jsonl";
+  for (const std::string& old : {before, unknown, line("old", 6)}) {
+    for (const auto& [a, b] : {std::pair(first, second), {second, first}}) {
+      Write(a, line("new", 7));
+      Write(b, old);
+      const auto done = DoneJobs::Read(Path("out"), Cancellation());
+      EXPECT_EQ(done->Find(MakeJob(), "new"), "voxels") << old;
+      EXPECT_EQ(done->Find(MakeJob(), "old"), std::nullopt) << old;
+    }
+  }
+  Write(first, unknown + line("new", 0));
+  std::filesystem::remove(Path(second));
+  EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "new"), "voxels");
+}
+
 TEST_F(Results, LinesThatAreNoResultsAreIgnored) {
   WriteGrid("out/m.vdb", "voxels");
-  Write("out/results.jsonl",
-        "\nnull\n[]\n{\"status\": \"done\"}\n{\"status\": 5}\n" + ToJsonLine(Done(MakeJob())) + "\n{\"sta");
+  const std::string done = ToJsonLine(Done(MakeJob()));
+  const auto wrong = [&](const std::string& ended, const std::string& bytes) {
+    return absl::StrReplaceAll(done, {{R"("ended_unix_ms":0)", R"("ended_unix_ms":)" + ended},
+                                      {R"("output_bytes":[])", R"("output_bytes":)" + bytes},
+                                      {R"("abc")", R"("other")"}}) +
+           "\n";
+  };
+  Write("out/results.jsonl", wrong("1e300", "[]") + wrong("-1", "[]") + wrong("9", "[1e300]") + wrong("9", "7") +
+                                 "\nnull\n[]\n{\"status\": \"done\"}\n{\"status\": 5}\n" + done + "\n{\"sta");
   EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "abc"), "voxels");
   JobResult failed = Done(MakeJob());
   failed.outcome = JobResult::Outcome::kFailed;
