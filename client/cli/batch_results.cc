@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -14,10 +15,14 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "client/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {
+
+constexpr absl::Duration kLockPoll = absl::Seconds(1);
 
 bool IsResultsName(const std::string& name) {
   return name == "results.jsonl" || (absl::StartsWith(name, "results-") && absl::EndsWith(name, ".jsonl"));
@@ -42,17 +47,37 @@ absl::Status ResultsFile::Error(const char* why) const {
   return absl::FailedPreconditionError(absl::StrCat(path_, ": cannot be written (", why, ")"));
 }
 
-absl::StatusOr<std::unique_ptr<ResultsFile>> ResultsFile::Open(const std::string& path) {
+absl::StatusOr<std::unique_ptr<ResultsFile>> ResultsFile::Open(const std::string& path,
+                                                               const Cancellation& cancellation,
+                                                               const std::function<void(const std::string&)>& say,
+                                                               absl::Duration limit) {
   const int fd = open(path.c_str(), O_CREAT | O_RDWR | O_APPEND | O_CLOEXEC, 0666);
   const int error_number = errno;
   std::unique_ptr<ResultsFile> file(new ResultsFile(path, fd));
   if (fd < 0) return file->Error(std::strerror(error_number));
-  // Where a file system has no locks, there is nothing to hold against.
-  if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    return file->Error("another latvox batch is at work on it");
-  }
+  if (auto status = file->Lock(cancellation, say, limit); !status.ok()) return status;
   if (auto status = file->RemoveUnfinishedLine(); !status.ok()) return status;
   return file;
+}
+
+absl::Status ResultsFile::Lock(const Cancellation& cancellation, const std::function<void(const std::string&)>& say,
+                               absl::Duration limit) const {
+  absl::Notification cancelled;
+  const Cancellation::Subscription on_cancel(cancellation, [&cancelled] { cancelled.Notify(); });
+  const absl::Time give_up = absl::Now() + limit;
+  bool said = false;
+  // Where a file system has no locks, there is nothing to hold against.
+  while (flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    const absl::Duration left = give_up - absl::Now();
+    if (left <= absl::ZeroDuration()) return Error("another latvox batch is at work on it");
+    if (!std::exchange(said, true)) {
+      say(absl::StrCat(path_,
+                       ": another latvox batch is at work on it, or its lock has outlived it; waiting for up to ",
+                       absl::FormatDuration(limit)));
+    }
+    if (cancelled.WaitForNotificationWithTimeout(std::min(left, kLockPoll))) return absl::CancelledError("cancelled");
+  }
+  return absl::OkStatus();
 }
 
 absl::Status ResultsFile::RemoveUnfinishedLine() const {

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_CLI_BATCH_RESULTS_H_
 #define LATVOX_CLIENT_CLI_BATCH_RESULTS_H_
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "client/cancellation.h"
 #include "client/cli/job_line.h"
 #include "client/cli/line_shard.h"
@@ -24,9 +26,15 @@ std::string ResultsName(const Shard& shard);
 // Lines of `report.h`'s ToJsonLine, appended whole as jobs end. Threads: Append may be called at once.
 class ResultsFile {
  public:
-  // Makes the file if there is none. A last line that a killed run left unfinished is removed. Errors:
-  // FAILED_PRECONDITION, with the path: it cannot be written, or another process has it open here.
-  static absl::StatusOr<std::unique_ptr<ResultsFile>> Open(const std::string& path);
+  static constexpr absl::Duration kLockLimit = absl::Minutes(2);
+
+  // Makes the file if there is none. If another process has it open here, waits for its end, after a word about that,
+  // until the limit: some file systems hold a dead machine's lock for a while. A last line that a killed run left
+  // unfinished is removed. Errors: FAILED_PRECONDITION, with the path: it cannot be written, or is still in use;
+  // CANCELLED.
+  static absl::StatusOr<std::unique_ptr<ResultsFile>> Open(const std::string& path, const Cancellation& cancellation,
+                                                           const std::function<void(const std::string&)>& say,
+                                                           absl::Duration limit = kLockLimit);
   ~ResultsFile();
   ResultsFile(const ResultsFile&) = delete;
   ResultsFile& operator=(const ResultsFile&) = delete;
@@ -37,6 +45,8 @@ class ResultsFile {
  private:
   ResultsFile(std::string path, int fd);
   absl::Status Error(const char* why) const;
+  absl::Status Lock(const Cancellation& cancellation, const std::function<void(const std::string&)>& say,
+                    absl::Duration limit) const;
   absl::Status RemoveUnfinishedLine() const;
 
   const std::string path_;

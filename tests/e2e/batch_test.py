@@ -322,12 +322,22 @@ class Shards(Batch):
             self.assertFalse(self.out.exists())
         self.batch(jobs, "--shard", "0/1", JOB_COMPLETION_INDEX="0")
 
-    def test_two_workers_with_one_shard_do_not_mix(self):
-        client = self.start(self.jobs(*self.small(2), LONG), "--jobs", "1", "--shard", "0/1")
-        self.wait_for_lines(client, 2)
-        self.assertIn("another latvox batch", self.batch(self.jobs(*self.small(2)), code=OTHER).stderr)
-        client.send_signal(signal.SIGINT)
-        self.assertEqual(client.wait(15), STOPPED)
+    def test_two_workers_with_one_shard_wait_for_each_other(self):
+        first = self.start(self.jobs(*self.small(2), LONG), "--jobs", "1", "--shard", "0/1")
+        self.wait_for_lines(first, 2)
+        small = self.jobs(*self.small(2))
+        waiting = [self.start(small, "--resume") for _ in range(3)]
+        for client in waiting:
+            self.assertIn("results.jsonl: another latvox batch is at work on it", client.stderr.readline())
+        for client, signal_number in zip(waiting, (signal.SIGINT, signal.SIGTERM)):
+            client.send_signal(signal_number)
+            self.assertEqual(client.wait(15), STOPPED)
+            self.assertEqual(client.stderr.read().count("\n"), 1)
+        self.assertIsNone(waiting[2].poll())
+        first.send_signal(signal.SIGINT)
+        self.assertEqual(first.wait(15), STOPPED)
+        self.assertEqual(waiting[2].wait(15), OK, waiting[2].stderr.read())
+        self.assertEqual([r["status"] for r in self.results()], ["done"] * 2 + ["skipped"] * 2)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <future>
 #include <map>
 
 #include "absl/strings/str_replace.h"
@@ -20,7 +21,9 @@
 namespace latvox::client {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 // With an environment that names no engine, whatever runs the test.
@@ -131,6 +134,12 @@ class Results : public FilesTest {
     return result;
   }
 
+  absl::StatusOr<std::unique_ptr<ResultsFile>> Open(const std::string& name,
+                                                    absl::Duration limit = ResultsFile::kLockLimit) {
+    return ResultsFile::Open(
+        Path(name), cancellation_, [this](const std::string& line) { said_.push_back(line); }, limit);
+  }
+
   void WriteGrid(const std::string& name, const std::string& digest) const {
     VoxelGrid grid((GridTransform()));
     Certificate certificate;
@@ -138,6 +147,9 @@ class Results : public FilesTest {
     grid.SetCertificate(certificate);
     ASSERT_TRUE(grid.Write(Path(name)).ok());
   }
+
+  const Cancellation cancellation_;
+  std::vector<std::string> said_;
 };
 
 TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
@@ -151,7 +163,7 @@ TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
   skipped.digest = "voxels";
   skipped.ended_unix_ms = 5;
   skipped.bytes = {17};
-  const auto file = ResultsFile::Open(Path("r"));
+  const auto file = Open("r");
   ASSERT_TRUE(file.ok()) << file.status();
   for (const JobResult& result : {failed, skipped, Done(MakeJob())}) ASSERT_TRUE((*file)->Append(result).ok());
   const std::string text = Read("r");
@@ -169,17 +181,38 @@ TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
 TEST_F(Results, AnUnfinishedLineIsRemovedAndOthersStay) {
   for (const std::string before : {"", "{}\n", "{}\n{}\n"}) {
     for (const std::string unfinished : {"", "{\"id\"", "x"}) {
-      ASSERT_TRUE(ResultsFile::Open(Write("r", before + unfinished)).ok());
+      Write("r", before + unfinished);
+      ASSERT_TRUE(Open("r").ok());
       EXPECT_EQ(Read("r"), before);
     }
   }
 }
 
-TEST_F(Results, AFileInUseIsRefused) {
-  const auto first = ResultsFile::Open(Path("r"));
+TEST_F(Results, AFileInUseIsWaitedForUntilTheLimit) {
+  auto first = Open("r");
   ASSERT_TRUE(first.ok());
-  EXPECT_THAT(std::string(ResultsFile::Open(Path("r")).status().message()), HasSubstr("another latvox batch"));
-  EXPECT_EQ(ResultsFile::Open(Path("missing/r")).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(said_, IsEmpty());
+  const absl::Time start = absl::Now();
+  EXPECT_THAT(std::string(Open("r", absl::Milliseconds(50)).status().message()),
+              HasSubstr("r: cannot be written (another latvox batch"));
+  EXPECT_GE(absl::Now() - start, absl::Milliseconds(50));
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("waiting for up to 50ms")));
+  auto second = std::async(std::launch::async, [&] { return Open("r", absl::Minutes(1)).status(); });
+  EXPECT_EQ(second.wait_for(std::chrono::milliseconds(1100)), std::future_status::timeout);
+  first->reset();
+  EXPECT_TRUE(second.get().ok());
+  EXPECT_EQ(said_.size(), 2u);  // however often it tried
+  EXPECT_EQ(Open("missing/r").status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(Results, WaitingForAFileEndsWithTheBatch) {
+  const auto first = Open("r");
+  auto second = std::async(std::launch::async, [&] { return Open("r", absl::Minutes(1)).status(); });
+  EXPECT_EQ(second.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+  const absl::Time start = absl::Now();
+  cancellation_.Cancel();
+  EXPECT_EQ(second.get().code(), absl::StatusCode::kCancelled);
+  EXPECT_LT(absl::Now() - start, absl::Seconds(20));
 }
 
 TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
@@ -190,7 +223,7 @@ TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
     return done->Find(job, digest);
   };
   EXPECT_EQ(found("abc"), std::nullopt);
-  ASSERT_TRUE((*ResultsFile::Open(Path("out/results-1-of-9.jsonl")))->Append(Done(job)).ok());
+  ASSERT_TRUE((*Open("out/results-1-of-9.jsonl"))->Append(Done(job)).ok());
   EXPECT_EQ(found("abc"), std::nullopt);
   WriteGrid("out/m.vdb", "voxels");
   EXPECT_EQ(found("abc"), std::nullopt);
