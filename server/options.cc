@@ -98,6 +98,8 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   app.option_defaults()->group("Connections");
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
+  AddSeconds(app, "--max-connection-age", 0, options.server.max_connection_age,
+             "Age at which a connection takes no new calls, and closes once those it has have ended; 0: none");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");
   AddAccess(app, options.server.access);
   app.option_defaults()->group("Health and metrics");

@@ -39,6 +39,10 @@ struct ServerOptions {
   // after `keepalive_time` without a byte from it. A client that polls only while it is called answers within 5 s.
   absl::Duration keepalive_time = absl::Seconds(5);
   absl::Duration keepalive_timeout = absl::Seconds(10);
+
+  // A connection of this age, give or take a tenth, takes no new calls, and closes once those it has have ended,
+  // however long that takes: clients that connect again may find another server. 0: never.
+  absl::Duration max_connection_age = absl::ZeroDuration();
 };
 
 class VoxelServer {
