@@ -27,7 +27,7 @@ Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frame
       return integers[frame.form[0]] > 0 && integers[frame.form[1]] > 0;
     });
   }
-  return {.few_touch = touching<kSample / 4 * 3, .most_tiny = tiny> kSample / 8 * 5};
+  return {.few_touch = touching<kSample / 4 * 3, .most_tiny = tiny> kSample / 2};
 }
 
 }  // namespace latvox

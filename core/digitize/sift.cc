@@ -19,7 +19,7 @@
 
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
-#include "core/digitize/triangle_lanes-inl.h"
+#include "core/snap/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -152,6 +152,7 @@ HWY_AFTER_NAMESPACE();
 
 #include <numeric>
 
+#include "core/base/huge_pages.h"
 #include "core/base/simd.h"
 #include "core/digitize/touching.h"
 
@@ -173,7 +174,10 @@ std::vector<uint32_t> SiftAll(const SnappedMesh& mesh, const std::vector<ScanFra
                               const std::atomic<bool>& cancelled, UninitializedVector<MetLines>& met) {
   constexpr size_t kChunk = 1 << 14;
   const size_t count = mesh.triangles.size();
-  if (fineness.most_tiny) met.resize(count);
+  if (fineness.most_tiny) {
+    met.resize(count);
+    AdviseHugePages(met.data(), count * sizeof(MetLines));
+  }
   std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
     std::vector<uint32_t> kept, next;

@@ -21,7 +21,7 @@
 
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
-#include "core/digitize/triangle_lanes-inl.h"
+#include "core/snap/triangle_lanes-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_TINY_CC_ONCE

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/base/huge_pages.h"
 #include "core/snap/lattice_map.h"
 
 namespace latvox {
@@ -83,6 +84,7 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
 
   // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
   snapped.vertices_lat.resize(mesh.vertices.size());
+  AdviseHugePages(snapped.vertices_lat.data(), snapped.vertices_lat.size() * sizeof(Vec3i));
   oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
     if (cancelled) return;
     RoundVertices(map, range, snapped.base_ijk, &mesh.vertices[part.begin()], part.size(),

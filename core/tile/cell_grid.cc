@@ -1,5 +1,5 @@
-// Bounding boxes of nearly all triangles say all: a kernel takes each to its cells, the axes in the lanes. The few long
-// ones are tested against single cells, with separating axes.
+// Bounding boxes of nearly all triangles say all: a kernel takes them to their cells, triangles in the lanes. The few
+// long ones are tested against single cells, with separating axes.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tile/cell_grid.cc"
 #include "core/tile/cell_grid.h"
@@ -8,6 +8,8 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+
+#include "core/snap/triangle_lanes-inl.h"
 
 // What does not depend on the instruction set, once.
 #ifndef LATVOX_CORE_TILE_CELL_GRID_ONCE_
@@ -39,24 +41,26 @@ int32_t HitPart(size_t axis, int32_t cell) {
   return part << (3 - axis);
 }
 
-void PlainEncode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices,
-                 const std::array<uint32_t, 3>* triangles, const uint32_t* ids, size_t count, CellGrid::Code* out) {
-  for (size_t n = 0; n < count; ++n) {
-    const auto& [i, j, k] = triangles[ids == nullptr ? n : ids[n]];
-    const int32_t *a = vertices[i], *b = vertices[j], *c = vertices[k];
+void PlainEncode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                 CellGrid::Codes& out) {
+  for (size_t n = 0; n < triangles.size(); ++n) {
+    const auto& [i, j, k] = mesh.triangles[triangles[n]];
+    const Vec3i &a = mesh.vertices_lat[i], &b = mesh.vertices_lat[j], &c = mesh.vertices_lat[k];
     Vec3i low, high;
     for (size_t m = 0; m < 3; ++m) {
       low[m] = std::min({a[m], b[m], c[m]});
       high[m] = std::max({a[m], b[m], c[m]});
     }
     const CellBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
+    out.all[n] = 0;
     for (size_t m = 0; m < 3; ++m) {
       const int32_t is_long = high[m] - low[m] >= 1 << bounds.shift;
       const int32_t several =
           (low[m] - bounds.far.below[m]) >> bounds.shift < (high[m] + bounds.far.above[m]) >> bounds.shift;
-      out[n].low[m] = HitPart(m, far.min[m]) | (Contains(near, m, far.min[m]) ? 0 : 1) | is_long << CellGrid::kLongBit |
+      out.low[m][n] = HitPart(m, far.min[m]) | (Contains(near, m, far.min[m]) ? 0 : 1) | is_long << CellGrid::kLongBit |
                       several << CellGrid::kSeveralBit | (far.max[m] - far.min[m]) * (1 << CellGrid::kMoreBit);
-      out[n].high[m] = HitPart(m, far.max[m]) | (Contains(near, m, far.max[m]) ? 0 : 1);
+      out.high[m][n] = HitPart(m, far.max[m]) | (Contains(near, m, far.max[m]) ? 0 : 1);
+      out.all[n] |= out.low[m][n];
     }
   }
 }
@@ -73,50 +77,53 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which has no vectors of four
 
-void Encode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles,
-            const uint32_t* ids, size_t count, CellGrid::Code* out) {
-  PlainEncode(bounds, vertices, triangles, ids, count, out);
+void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices&,
+            std::span<const uint32_t> triangles, CellGrid::Codes& out) {
+  PlainEncode(bounds, mesh, triangles, out);
 }
 
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
+static_assert(CellGrid::kBlock % kTriangleLanes == 0);
 
-void Encode(const CellGrid::Bounds& bounds, const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles,
-            const uint32_t* ids, size_t count, CellGrid::Code* out) {
-  const hn::FixedTag<int32_t, 4> d;
-  using V = decltype(hn::Zero(d));
-  const auto load = [&](const std::array<int32_t, 4>& lanes) HWY_ATTR { return hn::LoadU(d, lanes.data()); };
-  const V near_below = load(bounds.near.below), near_above = load(bounds.near.above);
-  const V far_below = load(bounds.far.below), far_above = load(bounds.far.above);
-  const V lowest = load(bounds.lowest), highest = load(bounds.highest);
-  const V almost_a_cell = hn::Set(d, (1 << bounds.shift) - 1);
-  const auto cell = [&](V v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
-  const auto bit_if_negative = [&](V v, int32_t bit)
-                                   HWY_ATTR { return hn::And(hn::BroadcastSignBit(v), hn::Set(d, bit)); };
-  const V axes = load({8, 4, 2, 0});
+void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices& vertices,
+            std::span<const uint32_t> triangles, CellGrid::Codes& out) {
+  const Lanes d;
+  const Ints almost_a_cell = Fill((1 << bounds.shift) - 1);
+  const auto cell = [&](Ints v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
+  const auto bit_if_negative = [&](Ints v, int32_t bit)
+                                   HWY_ATTR { return hn::And(hn::BroadcastSignBit(v), Fill(bit)); };
   // See HitPart. Cells have four bits: 3210 -> 32....10 -> 3..2..1..0.
-  const auto hit_part = [&](V cell) HWY_ATTR {
-    cell = hn::And(hn::Or(cell, hn::ShiftLeft<4>(cell)), hn::Set(d, 0xC3));
-    cell = hn::And(hn::Or(cell, hn::ShiftLeft<2>(cell)), hn::Set(d, 0x249));
-    return hn::Mul(cell, axes);
+  const auto hit_part = [&](size_t axis, Ints cell) HWY_ATTR {
+    cell = hn::And(hn::Or(cell, hn::ShiftLeft<4>(cell)), Fill(0xC3));
+    cell = hn::And(hn::Or(cell, hn::ShiftLeft<2>(cell)), Fill(0x249));
+    return hn::ShiftLeftSame(cell, 3 - static_cast<int>(axis));
   };
-  for (size_t n = 0; n < count; ++n) {
-    const auto& [i, j, k] = triangles[ids == nullptr ? n : ids[n]];
-    const V a = hn::LoadU(d, vertices[i]), b = hn::LoadU(d, vertices[j]), c = hn::LoadU(d, vertices[k]);
-    const V low = hn::Min(hn::Min(a, b), c), high = hn::Max(hn::Max(a, b), c);
-    const V near_min = hn::Max(cell(hn::Sub(low, near_below)), lowest);
-    const V near_max = hn::Min(cell(hn::Add(high, near_above)), highest);
-    const V first = cell(hn::Sub(low, far_below)), last = cell(hn::Add(high, far_above));
-    const V far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
-    const V is_long = bit_if_negative(hn::Sub(almost_a_cell, hn::Sub(high, low)), 1 << CellGrid::kLongBit);
-    const V several = bit_if_negative(hn::Sub(first, last), 1 << CellGrid::kSeveralBit);
-    const V low_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_min, near_min), hn::Sub(near_max, far_min)), 1);
-    const V high_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_max, near_min), hn::Sub(near_max, far_max)), 1);
-    const V more = hn::ShiftLeft<CellGrid::kMoreBit>(hn::Sub(far_max, far_min));
-    const V flags = hn::Or(hn::Or(is_long, several), more);
-    hn::StoreU(hn::Or(hn::Or(hit_part(far_min), low_is_fringe), flags), d, out[n].low.data());
-    hn::StoreU(hn::Or(hit_part(far_max), high_is_fringe), d, out[n].high.data());
+  for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
+    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, LaneNumbers(triangles.subspan(n)), {});
+    Ints all = hn::Zero(d);
+    for (size_t m = 0; m < 3; ++m) {
+      const auto near_below = Fill(bounds.near.below[m]), near_above = Fill(bounds.near.above[m]);
+      const auto far_below = Fill(bounds.far.below[m]), far_above = Fill(bounds.far.above[m]);
+      const Ints lowest = Fill(bounds.lowest[m]), highest = Fill(bounds.highest[m]);
+      const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
+      const Ints near_min = hn::Max(cell(hn::Sub(low, near_below)), lowest);
+      const Ints near_max = hn::Min(cell(hn::Add(high, near_above)), highest);
+      const Ints first = cell(hn::Sub(low, far_below)), last = cell(hn::Add(high, far_above));
+      const Ints far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
+      const Ints is_long = bit_if_negative(hn::Sub(almost_a_cell, hn::Sub(high, low)), 1 << CellGrid::kLongBit);
+      const Ints several = bit_if_negative(hn::Sub(first, last), 1 << CellGrid::kSeveralBit);
+      const Ints low_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_min, near_min), hn::Sub(near_max, far_min)), 1);
+      const Ints high_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_max, near_min), hn::Sub(near_max, far_max)), 1);
+      const Ints more = hn::ShiftLeft<CellGrid::kMoreBit>(hn::Sub(far_max, far_min));
+      const Ints flags = hn::Or(hn::Or(is_long, several), more);
+      const Ints low_code = hn::Or(hn::Or(hit_part(m, far_min), low_is_fringe), flags);
+      hn::StoreU(low_code, d, &out.low[m][n]);
+      hn::StoreU(hn::Or(hit_part(m, far_max), high_is_fringe), d, &out.high[m][n]);
+      all = hn::Or(all, low_code);
+    }
+    hn::StoreU(all, d, &out.all[n]);
   }
 }
 
@@ -271,10 +278,10 @@ std::vector<CellHit> CellGrid::ManyHits(const std::array<Vec3i, 3>& corners) con
 
 HWY_EXPORT(Encode);
 
-void CellGrid::Encode(const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles, const uint32_t* ids,
-                      size_t count, Code* out) const {
-  if (SimdIsScalar()) return PlainEncode(bounds_, vertices, triangles, ids, count, out);
-  HWY_DYNAMIC_DISPATCH(Encode)(bounds_, vertices, triangles, ids, count, out);
+void CellGrid::Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
+                      Codes& out) const {
+  if (SimdIsScalar()) return PlainEncode(bounds_, mesh, triangles, out);
+  HWY_DYNAMIC_DISPATCH(Encode)(bounds_, mesh, vertices, triangles, out);
 }
 
 }  // namespace latvox

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/vec.h"
@@ -31,39 +32,45 @@ class CellGrid {
   // Whether no cell counts.
   bool IsEmpty() const;
 
-  // What a triangle's bounding box says of the cells. For each axis, and a fourth time without a meaning:
+  // What triangles' bounding boxes say of the cells. For each axis, by triangle:
   //   low, high   lowest and highest cell's part in a hit: hits are the parts of all axes, or-ed
   // Above the 16 bits of a hit, `low` has
   //   bit 16      the triangle is long: a cell, or more
   //   bit 17      it comes near to several cells, not all of which need count
   //   bits 18 -   highest - lowest; less than 0 if no cell counts, whatever the other bits
-  struct Code {
-    std::array<int32_t, 4> low, high;
+  // and `all` is the or of the three: if nothing is above the hit, it is the one that there is.
+  static constexpr size_t kBlock = 128;
+  struct Codes {
+    std::array<int32_t, kBlock> all;
+    std::array<std::array<int32_t, kBlock>, 3> low, high;
   };
   static constexpr int kLongBit = 16, kSeveralBit = 17, kMoreBit = 18;
 
-  // Codes of `count` triangles: triangles[ids[0]], triangles[ids[1]], ..., or triangles[0], triangles[1], ... if ids is
-  // null.
-  void Encode(const PaddedVertices& vertices, const std::array<uint32_t, 3>* triangles, const uint32_t* ids,
-              size_t count, Code* out) const;
+  // Codes of up to kBlock triangles of the mesh. `vertices` are the mesh's.
+  void Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
+              Codes& out) const;
 
-  // Calls f(hit) for each cell that a triangle comes near to, no more than kMaxFewHits times, and returns true; or
-  // returns false if that takes ManyHits, which asks separating axes, not the bounding box alone.
+  // Calls f(hit) for each cell that triangle n of the codes comes near to, no more than kMaxFewHits times, and returns
+  // true; or returns false if that takes ManyHits, which asks separating axes, not the bounding box alone.
   static constexpr size_t kMaxFewHits = 8;
   template <class F>
-  static bool ForEachOfFewHits(const Code& code, F&& f) {
-    const int32_t any = (code.low[0] | code.low[1] | code.low[2]) >> kLongBit;
+  static bool ForEachOfFewHits(const Codes& codes, size_t n, F&& f) {
+    const int32_t any = codes.all[n] >> kLongBit;
+    if (any == 0) {
+      f(static_cast<CellHit>(codes.all[n]));
+      return true;
+    }
     if (any < 0) return true;
     if (any >= 8 || (any & 3) == 3) return false;  // three cells on an axis, or long and not inside of a cell
     // Which of the axes have two cells is hard to predict: a loop over the subsets of these axes surprises the
     // processor once at most.
-    const int32_t two = (code.low[0] >> kMoreBit) << 2 | (code.low[1] >> kMoreBit) << 1 | code.low[2] >> kMoreBit;
+    int32_t two = 0;
+    for (size_t m = 0; m < 3; ++m) two |= (codes.low[m][n] >> kMoreBit) << (2 - m);
     int32_t subset = 0;
     do {
-      const int32_t i = (subset & 4) != 0 ? code.high[0] : code.low[0];
-      const int32_t j = (subset & 2) != 0 ? code.high[1] : code.low[1];
-      const int32_t k = (subset & 1) != 0 ? code.high[2] : code.low[2];
-      f(static_cast<CellHit>(i | j | k));
+      int32_t hit = 0;
+      for (size_t m = 0; m < 3; ++m) hit |= (subset >> (2 - m) & 1) != 0 ? codes.high[m][n] : codes.low[m][n];
+      f(static_cast<CellHit>(hit));
       subset = (subset - two) & two;
     } while (subset != 0);
     return true;
@@ -75,13 +82,13 @@ class CellGrid {
   // What turns the corners of a bounding box into the lowest and highest cell whose margin it meets:
   //   (low - below) >> shift, (high + above) >> shift
   struct Margin {
-    std::array<int32_t, 4> below, above;
+    Vec3i below, above;
   };
   // What Encode goes by.
   struct Bounds {
     int shift;  // log2 of a cell's side in lattice units
     Margin near, far;
-    std::array<int32_t, 4> lowest, highest;  // cells that count
+    Vec3i lowest, highest;  // cells that count
   };
 
  private:

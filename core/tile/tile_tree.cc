@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/base/uninitialized.h"
@@ -30,8 +31,6 @@ constexpr int kFewLevels = 2;
 // which bounds the memory.
 constexpr size_t kHitsPerTriangle = 6;
 constexpr size_t kFewHits = 4096;
-
-constexpr size_t kBlock = 128;  // triangles encoded at a time
 
 // In a list of hits, kLast marks each triangle's last. A triangle without any has the number after the last cell's.
 constexpr CellHit kLast = 1 << 15;
@@ -221,20 +220,19 @@ void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std
     ++counts[hit];
     *next++ = hit;
   };
-  std::array<CellGrid::Code, kBlock> codes;
-  for (size_t block = 0; block < chunk.size && !cancelled_; block += kBlock) {
-    const size_t size = std::min(kBlock, chunk.size - block);
-    if (chunk.ids == nullptr) {
-      grid.Encode(vertices_, mesh_.triangles.data() + chunk.first + block, nullptr, size, codes.data());
-    } else {
-      grid.Encode(vertices_, mesh_.triangles.data(), chunk.ids + block, size, codes.data());
-    }
+  CellGrid::Codes codes;
+  std::array<uint32_t, CellGrid::kBlock> all_ids;
+  for (size_t block = 0; block < chunk.size && !cancelled_; block += CellGrid::kBlock) {
+    const size_t size = std::min(CellGrid::kBlock, chunk.size - block);
+    const uint32_t* ids = chunk.ids == nullptr ? all_ids.data() : chunk.ids + block;
+    if (chunk.ids == nullptr) std::iota(all_ids.begin(), all_ids.end(), chunk.Triangle(block));
+    grid.Encode(mesh_, vertices_, {ids, size}, codes);
     for (size_t n = 0; n < size; ++n) {
       if (!make_room(CellGrid::kMaxFewHits)) return;
       const CellHit* first = next;
-      if (!CellGrid::ForEachOfFewHits(codes[n], add)) {
+      if (!CellGrid::ForEachOfFewHits(codes, n, add)) {
         if (cancelled_) return;
-        const auto [a, b, c] = mesh_.triangles[chunk.Triangle(block + n)];
+        const auto [a, b, c] = mesh_.triangles[ids[n]];
         const std::vector<CellHit> many =
             grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});
         if (!make_room(many.size() + 1)) return;

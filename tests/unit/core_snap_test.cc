@@ -1,11 +1,18 @@
 // Meshes and their one rounding.
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <algorithm>
+#include <cinttypes>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <random>
+#include <string>
 
+#include "core/base/huge_pages.h"
 #include "core/base/simd.h"
 #include "core/snap/snap.h"
 #include "core/snap/surface_facts.h"
@@ -308,6 +315,35 @@ TEST(SurfaceFacts, ClosedIsByPositionNotByIndex) {
   degenerate.triangles.push_back({0, 1, 1});
   EXPECT_TRUE(facts(degenerate).closed);
   EXPECT_EQ(facts(degenerate).degenerate_triangles, 1U);
+}
+
+// The flags of the mapping that holds an address.
+std::string MappingFlags(uintptr_t address) {
+  std::ifstream maps("/proc/self/smaps");
+  bool here = false;
+  for (std::string line; std::getline(maps, line);) {
+    uintptr_t begin = 0, end = 0;
+    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " ", &begin, &end) == 2) {
+      here = begin <= address && address < end;
+    }
+    if (here && line.starts_with("VmFlags:")) return line + " ";
+  }
+  return "";
+}
+
+TEST(HugePages, AreAskedForWithinLargeArraysAlone) {
+  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP() << "the kernel has none";
+  constexpr size_t kPage = 1 << 21, kSize = 8 * kPage;
+  void* const memory = mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  const auto begin = reinterpret_cast<uintptr_t>(memory);
+  AdviseHugePages(memory, kPage / 2);
+  EXPECT_EQ(MappingFlags(begin).find(" hg "), std::string::npos);
+  AdviseHugePages(static_cast<char*>(memory) + kPage, kSize - 2 * kPage);
+  EXPECT_NE(MappingFlags(begin + kSize / 2).find(" hg "), std::string::npos);
+  EXPECT_EQ(MappingFlags(begin).find(" hg "), std::string::npos);
+  EXPECT_EQ(MappingFlags(begin + kSize - 1).find(" hg "), std::string::npos);
+  munmap(memory, kSize);
 }
 
 }  // namespace
