@@ -2,6 +2,7 @@
 #ifndef LATVOX_SERVER_MEMORY_BUDGET_H_
 #define LATVOX_SERVER_MEMORY_BUDGET_H_
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <utility>
@@ -54,6 +55,13 @@ class MemoryReservation {
 
 // Three quarters of the memory of the machine, or of the process's control groups if these have less.
 uint64_t DefaultMemoryBudget();
+
+// What a server takes of that if the process that started it needs memory as well: half, but no less than it can start
+// with, as far as there is so much.
+inline constexpr uint64_t kLeastMemoryBudget = uint64_t{256} << 20;
+constexpr uint64_t SharedMemoryBudget(uint64_t budget) {
+  return std::min(budget, std::max(budget / 2, kLeastMemoryBudget));
+}
 
 }  // namespace latvox
 

@@ -63,7 +63,7 @@ void AddDecoder(CLI::App& app, DecoderOptions& decoder) {
       ->check(CLI::Range(0, 64));
   Add(app, "--decoder-memory", decoder.memory,
       "Most memory that decoding one mesh may take, as 2GiB; 0: what --max-triangles needs, but for all processes at "
-      "most a quarter of what there is")
+      "most a third of the default of --memory-budget")
       ->transform(CLI::AsSizeValue(false));
   AddSeconds(app, "--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Most CPU time that decoding one mesh may take");
   app.add_flag("--allow-unconfined-decoders", decoder.may_be_unconfined,
@@ -87,7 +87,8 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   AddChoice(app, "--simd", simd, options.simd, "Instructions that the kernels may use; results are the same");
   AddLimits(app, options.server.limits);
   app.add_option("--memory-budget", options.server.memory_bytes,
-                 "Memory of the process but for its decoders, as 4GiB; 0: three quarters of what there is")
+                 "Memory of the process but for its decoders, as 4GiB; 0: three quarters of what there is, or, with "
+                 "--exit-with-parent, half of that")
       ->envname("LATVOX_MEMORY_BUDGET")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("0");
@@ -97,6 +98,8 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   app.option_defaults()->group("Connections");
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");
+  AddSeconds(app, "--max-connection-age", 0, options.server.max_connection_age,
+             "Age at which a connection takes no new calls, and closes once those it has have ended; 0: none");
   AddSeconds(app, "--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT");
   AddAccess(app, options.server.access);
   app.option_defaults()->group("Health and metrics");
@@ -108,7 +111,8 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
       ->type_name("ADDRESS");
   AddLog(app, options);
   app.option_defaults()->group("Options");
-  AddSwitch(app, "--exit-with-parent", options.exit_with_parent, "Stop when the process that started this one ends");
+  AddSwitch(app, "--exit-with-parent", options.exit_with_parent,
+            "Stop when the process that started this one ends, and leave it half of the memory");
 }
 
 // A CLI::App and what it fills.
@@ -121,6 +125,7 @@ struct Parser {
   // Throws CLI::ParseError, also for --help and --version.
   void Parse(int argc, const char* const* argv) {
     app.parse(argc, argv);
+    configuration.options.server.shares_memory = configuration.options.exit_with_parent;
     configuration.settings = SettingsOf(app);
     configuration.misspelt = MisspeltVariables(app);
   }

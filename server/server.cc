@@ -48,10 +48,16 @@ constexpr int kMaxStreams = 256;
 constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
 constexpr uint64_t kOwnBytes = uint64_t{128} << 20;
 constexpr uint64_t kLeastForJobs = uint64_t{64} << 20;
+static_assert(kLeastMemoryBudget - kLeastMemoryBudget / kGrpcShare - kLeastMemoryBudget / kStoreShare >=
+              kOwnBytes + kLeastForJobs);
+
+uint64_t DefaultMemoryOf(const ServerOptions& options) {
+  return options.shares_memory ? SharedMemoryBudget(DefaultMemoryBudget()) : DefaultMemoryBudget();
+}
 
 // The options with the memory divided.
 absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
-  const uint64_t all = options.memory_bytes == 0 ? DefaultMemoryBudget() : options.memory_bytes;
+  const uint64_t all = options.memory_bytes == 0 ? DefaultMemoryOf(options) : options.memory_bytes;
   options.limits.mesh_store_bytes = std::min(options.limits.mesh_store_bytes, all / kStoreShare);
   const uint64_t taken = kOwnBytes + all / kGrpcShare + options.limits.mesh_store_bytes;
   if (all < taken + kLeastForJobs) {
@@ -79,7 +85,7 @@ DecoderOptions DecodersOf(const ServerOptions& options) {
   if (decoder.processes == 0) decoder.processes = std::min(ThreadsOf(options), kMostProcesses);
   if (decoder.memory == 0) {
     const uint64_t needed = options.limits.max_mesh_bytes + kDecoderBytesPerTriangle * options.limits.max_triangles;
-    decoder.memory = std::min(needed, DefaultMemoryBudget() / 3 / static_cast<uint64_t>(decoder.processes));
+    decoder.memory = std::min(needed, DefaultMemoryOf(options) / 3 / static_cast<uint64_t>(decoder.processes));
   }
   return decoder;
 }
@@ -182,6 +188,11 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, ToMilliseconds(options_.keepalive_time));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, ToMilliseconds(options_.keepalive_timeout));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  if (options_.max_connection_age > absl::ZeroDuration()) {
+    // gRPC's grace for the calls is endless unless it is told otherwise.
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
+                               std::max(1, ToMilliseconds(options_.max_connection_age)));
+  }
   // Clients may ping as they like.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PING_STRIKES, 0);

@@ -27,6 +27,10 @@ struct ServerOptions {
   // quarters of what the machine, or the control group, has.
   uint64_t memory_bytes = 0;
 
+  // Whether the defaults leave half of what they would take, decoders' memory included, to the process that started
+  // this one.
+  bool shares_memory = false;
+
   // A client that has neither sent what it has to nor taken what it can for so long is given up; it may come back and
   // resume.
   absl::Duration stall_timeout = absl::Seconds(60);
@@ -35,6 +39,10 @@ struct ServerOptions {
   // after `keepalive_time` without a byte from it. A client that polls only while it is called answers within 5 s.
   absl::Duration keepalive_time = absl::Seconds(5);
   absl::Duration keepalive_timeout = absl::Seconds(10);
+
+  // A connection of this age, give or take a tenth, takes no new calls, and closes once those it has have ended,
+  // however long that takes: clients that connect again may find another server. 0: never.
+  absl::Duration max_connection_age = absl::ZeroDuration();
 };
 
 class VoxelServer {

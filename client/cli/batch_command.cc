@@ -41,11 +41,12 @@ absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancella
                      file->jobs, " jobs"));
   }
   if (auto status = MakeDirectory(options.directory); !status.ok()) return status;
-  auto done = options.resume ? DoneJobs::Read(options.directory, cancellation) : DoneJobs();
-  if (!done.ok()) return done.status();
   const std::string results = (std::filesystem::path(options.directory) / ResultsName(shard)).string();
-  const auto results_file = ResultsFile::Open(results);
+  const auto results_file = ResultsFile::Open(results, cancellation, Say);
   if (!results_file.ok()) return results_file.status();
+  // Once nobody else adds to this worker's file.
+  const auto done = options.resume ? DoneJobs::Read(options.directory, cancellation) : DoneJobs();
+  if (!done.ok()) return done.status();
   BatchRun run(options, *file, *done, **results_file, cancellation);
   const absl::Status status = run.Run();
   BatchReport report = run.report();

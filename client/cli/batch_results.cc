@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -14,13 +15,22 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "client/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {
 
+constexpr absl::Duration kLockPoll = absl::Seconds(1);
+
 bool IsResultsName(const std::string& name) {
   return name == "results.jsonl" || (absl::StartsWith(name, "results-") && absl::EndsWith(name, ".jsonl"));
+}
+
+// Throws nlohmann::json::exception if it is none.
+uint64_t Whole(const nlohmann::json& number) {
+  return number.get_ref<const nlohmann::json::number_unsigned_t&>();  // get() would convert what is not in its range
 }
 
 }  // namespace
@@ -37,17 +47,37 @@ absl::Status ResultsFile::Error(const char* why) const {
   return absl::FailedPreconditionError(absl::StrCat(path_, ": cannot be written (", why, ")"));
 }
 
-absl::StatusOr<std::unique_ptr<ResultsFile>> ResultsFile::Open(const std::string& path) {
+absl::StatusOr<std::unique_ptr<ResultsFile>> ResultsFile::Open(const std::string& path,
+                                                               const Cancellation& cancellation,
+                                                               const std::function<void(const std::string&)>& say,
+                                                               absl::Duration limit) {
   const int fd = open(path.c_str(), O_CREAT | O_RDWR | O_APPEND | O_CLOEXEC, 0666);
   const int error_number = errno;
   std::unique_ptr<ResultsFile> file(new ResultsFile(path, fd));
   if (fd < 0) return file->Error(std::strerror(error_number));
-  // Where a file system has no locks, there is nothing to hold against.
-  if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    return file->Error("another latvox batch is at work on it");
-  }
+  if (auto status = file->Lock(cancellation, say, limit); !status.ok()) return status;
   if (auto status = file->RemoveUnfinishedLine(); !status.ok()) return status;
   return file;
+}
+
+absl::Status ResultsFile::Lock(const Cancellation& cancellation, const std::function<void(const std::string&)>& say,
+                               absl::Duration limit) const {
+  absl::Notification cancelled;
+  const Cancellation::Subscription on_cancel(cancellation, [&cancelled] { cancelled.Notify(); });
+  const absl::Time give_up = absl::Now() + limit;
+  bool said = false;
+  // Where a file system has no locks, there is nothing to hold against.
+  while (flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    const absl::Duration left = give_up - absl::Now();
+    if (left <= absl::ZeroDuration()) return Error("another latvox batch is at work on it");
+    if (!std::exchange(said, true)) {
+      say(absl::StrCat(path_,
+                       ": another latvox batch is at work on it, or its lock has outlived it; waiting for up to ",
+                       absl::FormatDuration(limit)));
+    }
+    if (cancelled.WaitForNotificationWithTimeout(std::min(left, kLockPoll))) return absl::CancelledError("cancelled");
+  }
+  return absl::OkStatus();
 }
 
 absl::Status ResultsFile::RemoveUnfinishedLine() const {
@@ -89,8 +119,15 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
     const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
     if (!json.is_object() || json.value("/status"_json_pointer, nlohmann::json()) != "done") continue;
     try {
-      done_[json.at("outputs").at(0).get<std::string>()] = {json.at("job_digest").get<std::string>(),
-                                                            json.at("summary").at("digest").get<std::string>()};
+      Done done;
+      done.job_digest = json.at("job_digest").get<std::string>();
+      done.digest = json.at("summary").at("digest").get<std::string>();
+      if (json.contains("ended_unix_ms")) done.ended_unix_ms = Whole(json["ended_unix_ms"]);
+      if (json.contains("output_bytes")) {
+        for (const auto& bytes : json["output_bytes"].get_ref<const nlohmann::json::array_t&>())
+          done.bytes.push_back(Whole(bytes));
+      }
+      Add(json.at("outputs").at(0).get<std::string>(), std::move(done));
     } catch (const nlohmann::json::exception&) {
       // A line of somebody else's.
     }
@@ -99,12 +136,22 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
   return absl::OkStatus();
 }
 
+void DoneJobs::Add(const std::string& name, Done done) {
+  Done& newest = done_[name];
+  if (done.ended_unix_ms >= newest.ended_unix_ms) newest = std::move(done);
+}
+
 std::optional<std::string> DoneJobs::Find(const Job& job, const std::string& job_digest) const {
   const auto done = done_.find(job.names.front());
   if (done == done_.end() || done->second.job_digest != job_digest) return std::nullopt;
-  for (const std::string& output : job.options.outputs) {
+  const std::vector<uint64_t>& bytes = done->second.bytes;
+  for (size_t n = 0; n < job.options.outputs.size(); ++n) {
+    const std::string& output = job.options.outputs[n];
     std::error_code error;
     if (!std::filesystem::is_regular_file(output, error)) return std::nullopt;
+    if (!bytes.empty() && (n >= bytes.size() || std::filesystem::file_size(output, error) != bytes[n] || error)) {
+      return std::nullopt;
+    }
     if (absl::AsciiStrToLower(std::filesystem::path(output).extension().string()) != ".vdb") continue;
     const auto digest = ReadGridFileDigest(output);
     if (!digest.ok() || *digest != done->second.digest) return std::nullopt;

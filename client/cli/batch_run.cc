@@ -30,6 +30,18 @@ absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
   return absl::OkStatus();
 }
 
+// By which a later run knows them.
+void Measure(const std::vector<std::string>& outputs, JobResult& result) {
+  for (const std::string& output : outputs) {
+    std::error_code error;
+    result.bytes.push_back(std::filesystem::file_size(output, error));
+    if (!error) continue;
+    result.outcome = JobResult::Outcome::kFailed;
+    result.error = absl::FailedPreconditionError(absl::StrCat(output, ": was written, and is gone: ", error.message()));
+    return;
+  }
+}
+
 }  // namespace
 
 BatchRun::BatchRun(const BatchOptions& options, const JobFile& file, const DoneJobs& done, ResultsFile& results,
@@ -64,7 +76,9 @@ void BatchRun::Work() {
       if (!stop_.ok() || cancellation_.cancelled() || next_ == file_.lines.size()) break;
       line = &file_.lines[next_++];
     }
-    End(Do(parser, *line));
+    JobResult result = Do(parser, *line);
+    result.ended_unix_ms = static_cast<uint64_t>(absl::ToUnixMillis(absl::Now()));
+    End(result);
   }
   const std::lock_guard lock(mutex_);
   --workers_;
@@ -98,6 +112,7 @@ JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
   } else {
     Voxelize(*job, result);
   }
+  if (result.outcome != JobResult::Outcome::kFailed) Measure(job->options.outputs, result);
   return result;
 }
 

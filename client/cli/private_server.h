@@ -15,7 +15,8 @@
 namespace latvox::client {
 
 // Listens on a Unix socket in a fresh directory that only this user can enter. The destructor ends the server and
-// removes the directory; if this process is killed, the server ends by itself (--exit-with-parent).
+// removes the directory; if this process is killed, the server ends by itself (--exit-with-parent). By default it
+// takes half of the memory that latvoxd does otherwise: the rest is for meshes and grids here.
 class PrivateServer {
  public:
   // Starts latvoxd and waits until it accepts connections. The program is $LATVOX_LATVOXD, else the latvoxd beside

@@ -177,8 +177,10 @@ std::string ToJsonLine(const JobResult& result) {
   Json json = {{"id", result.id},
                {"line", result.line},
                {"status", kNames[static_cast<size_t>(result.outcome)]},
+               {"ended_unix_ms", result.ended_unix_ms},
                {"mesh", result.mesh},
                {"outputs", result.outputs}};
+  if (result.outcome != Outcome::kFailed) json["output_bytes"] = result.bytes;
   if (!result.job_digest.empty()) json["job_digest"] = result.job_digest;
   if (result.outcome == Outcome::kDone) json["summary"] = SummaryJson(result.report);
   if (result.outcome == Outcome::kFailed) json["error"] = ErrorJson(result.error);

@@ -38,7 +38,9 @@ struct JobResult {
   Outcome outcome = Outcome::kFailed;
   std::string id, mesh;              // as in client/cli/job_line.h
   uint64_t line = 0;                 // of the job file
+  uint64_t ended_unix_ms = 0;        // since 1970
   std::vector<std::string> outputs;  // names below the directory
+  std::vector<uint64_t> bytes;       // of each of these files, unless failed
   std::string job_digest;            // of client/cli/job_digest.h; empty if the job failed before that
   std::string digest;                // of the voxels, if skipped
   VoxelizeReport report;             // if done

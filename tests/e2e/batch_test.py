@@ -247,6 +247,8 @@ class Resume(Batch):
         (self.out / "4.csv").unlink()
         write_obj(self.dir / "other.obj", octahedron(3))
         self.assertEqual(done_again(*small), ["0.vdb", "1.vdb", "3.vdb", "4.vdb", "5.vdb"])
+        os.truncate(self.out / "4.csv", (self.out / "4.csv").stat().st_size - 1)
+        self.assertEqual(done_again(*small), ["4.vdb"])
         self.assertEqual(done_again(*small), [])
         self.batch(self.jobs(*small))  # without --resume everything is done
         self.assertEqual([r["status"] for r in self.results()[-6:]], ["done"] * 6)
@@ -283,6 +285,7 @@ class Shards(Batch):
         whole = self.dir / "whole"
         self.batch(jobs, out=whole)
         parts = {}
+        started = time.time_ns() // 10**6
         for index in range(3):
             done = self.batch(jobs, "--shard", f"{index}/3")
             self.assertRegex(done.stderr, rf"(?m)^latvox: shard {index}/3 \(--shard\): [34] of 11 jobs$")
@@ -292,6 +295,9 @@ class Shards(Batch):
             parts |= part
         self.assertEqual(parts, self.digests(self.results(out=whole)))
         self.assertEqual(self.outputs(), self.outputs(whole))
+        for result in self.results("results-0-of-3.jsonl"):
+            self.assertIn(result["ended_unix_ms"], range(started, time.time_ns() // 10**6 + 1))
+            self.assertEqual(result["output_bytes"], [(self.out / name).stat().st_size for name in result["outputs"]])
         # However they were shared, what is done is done.
         self.assertRegex(self.batch(jobs, "--resume").stdout, "^0 of 11 jobs done, 11 skipped")
         self.assertRegex(self.batch(jobs, "--resume", "--shard", "1/2").stdout, "^0 of 5 jobs done, 5 skipped")
@@ -316,12 +322,22 @@ class Shards(Batch):
             self.assertFalse(self.out.exists())
         self.batch(jobs, "--shard", "0/1", JOB_COMPLETION_INDEX="0")
 
-    def test_two_workers_with_one_shard_do_not_mix(self):
-        client = self.start(self.jobs(*self.small(2), LONG), "--jobs", "1", "--shard", "0/1")
-        self.wait_for_lines(client, 2)
-        self.assertIn("another latvox batch", self.batch(self.jobs(*self.small(2)), code=OTHER).stderr)
-        client.send_signal(signal.SIGINT)
-        self.assertEqual(client.wait(15), STOPPED)
+    def test_two_workers_with_one_shard_wait_for_each_other(self):
+        first = self.start(self.jobs(*self.small(2), LONG), "--jobs", "1", "--shard", "0/1")
+        self.wait_for_lines(first, 2)
+        small = self.jobs(*self.small(2))
+        waiting = [self.start(small, "--resume") for _ in range(3)]
+        for client in waiting:
+            self.assertIn("results.jsonl: another latvox batch is at work on it", client.stderr.readline())
+        for client, signal_number in zip(waiting, (signal.SIGINT, signal.SIGTERM)):
+            client.send_signal(signal_number)
+            self.assertEqual(client.wait(15), STOPPED)
+            self.assertEqual(client.stderr.read().count("\n"), 1)
+        self.assertIsNone(waiting[2].poll())
+        first.send_signal(signal.SIGINT)
+        self.assertEqual(first.wait(15), STOPPED)
+        self.assertEqual(waiting[2].wait(15), OK, waiting[2].stderr.read())
+        self.assertEqual([r["status"] for r in self.results()], ["done"] * 2 + ["skipped"] * 2)
 
 
 if __name__ == "__main__":

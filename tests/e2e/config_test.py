@@ -120,6 +120,18 @@ class RunningServer(Case):
             self.await_log("level=error event=reload_failed error=.*max-jbs")
             self.assertIn('"max_jobs": 5', latvox("limits", "--json", "--server", server.address).stdout)
 
+    def test_a_private_server_leaves_half_of_the_memory_unless_it_is_told_how_much_to_take(self):
+        def memory_for_jobs(*options, **environment):
+            done = latvox("limits", "--json", *options, env=os.environ | {"LATVOX_MESH_STORE_BYTES": "1"} | environment)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return json.loads(done.stdout)["memory_budget_bytes"]
+
+        own = 128 << 20  # which is not for jobs; an eighth more is gRPC's
+        with harness.server(self.dir, "--mesh-store-bytes", "1") as server:
+            alone = memory_for_jobs("--server", server.address) + own
+        self.assertAlmostEqual((memory_for_jobs() + own) / alone, max(0.5, (256 << 20) / (alone * 8 / 7)), delta=1e-6)
+        self.assertAlmostEqual(memory_for_jobs(LATVOX_MEMORY_BUDGET="2GiB"), (7 << 28) - own, delta=1)
+
     def test_a_misspelt_variable_is_in_its_log(self):
         with unittest.mock.patch.dict(os.environ, {"LATVOX_MAX_JBS": "3"} | FOREIGN_VARIABLES):
             with harness.server(self.dir):

@@ -4,8 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
+#include <future>
 #include <map>
 
+#include "absl/strings/str_replace.h"
 #include "client/cli/batch_options.h"
 #include "client/cli/batch_results.h"
 #include "client/cli/common_options.h"
@@ -18,7 +21,9 @@
 namespace latvox::client {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 // With an environment that names no engine, whatever runs the test.
@@ -129,6 +134,12 @@ class Results : public FilesTest {
     return result;
   }
 
+  absl::StatusOr<std::unique_ptr<ResultsFile>> Open(const std::string& name,
+                                                    absl::Duration limit = ResultsFile::kLockLimit) {
+    return ResultsFile::Open(
+        Path(name), cancellation_, [this](const std::string& line) { said_.push_back(line); }, limit);
+  }
+
   void WriteGrid(const std::string& name, const std::string& digest) const {
     VoxelGrid grid((GridTransform()));
     Certificate certificate;
@@ -136,6 +147,9 @@ class Results : public FilesTest {
     grid.SetCertificate(certificate);
     ASSERT_TRUE(grid.Write(Path(name)).ok());
   }
+
+  const Cancellation cancellation_;
+  std::vector<std::string> said_;
 };
 
 TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
@@ -147,34 +161,58 @@ TEST_F(Results, AreWholeLinesThatSayWhatBecameOfAJob) {
   JobResult skipped = Done(MakeJob());
   skipped.outcome = JobResult::Outcome::kSkipped;
   skipped.digest = "voxels";
-  const auto file = ResultsFile::Open(Path("r"));
+  skipped.ended_unix_ms = 5;
+  skipped.bytes = {17};
+  const auto file = Open("r");
   ASSERT_TRUE(file.ok()) << file.status();
   for (const JobResult& result : {failed, skipped, Done(MakeJob())}) ASSERT_TRUE((*file)->Append(result).ok());
   const std::string text = Read("r");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
-  EXPECT_THAT(text, StartsWith(R"({"id":"a","line":7,"status":"failed",)"));
+  EXPECT_THAT(text, StartsWith(R"({"id":"a","line":7,"status":"failed","ended_unix_ms":0,)"));
   EXPECT_THAT(text, HasSubstr(R"("error":{"code":"INVALID_ARGUMENT","message":"bad\nmesh","exit_status":3,)"
                               R"("field":"triangles","value":"5","limit":"4"}})"));
   EXPECT_THAT(text,
-              HasSubstr(R"("status":"skipped","mesh":"","outputs":["m.vdb"],"job_digest":"abc","digest":"voxels"})"));
-  EXPECT_THAT(text,
-              HasSubstr(R"("status":"done","mesh":"","outputs":["m.vdb"],"job_digest":"abc","summary":{"voxels":0,)"));
+              HasSubstr(R"("status":"skipped","ended_unix_ms":5,"mesh":"","outputs":["m.vdb"],"output_bytes":[17],)"
+                        R"("job_digest":"abc","digest":"voxels"})"));
+  EXPECT_THAT(text, HasSubstr(R"("status":"done","ended_unix_ms":0,"mesh":"","outputs":["m.vdb"],"output_bytes":[],)"
+                              R"("job_digest":"abc","summary":{"voxels":0,)"));
 }
 
 TEST_F(Results, AnUnfinishedLineIsRemovedAndOthersStay) {
   for (const std::string before : {"", "{}\n", "{}\n{}\n"}) {
     for (const std::string unfinished : {"", "{\"id\"", "x"}) {
-      ASSERT_TRUE(ResultsFile::Open(Write("r", before + unfinished)).ok());
+      Write("r", before + unfinished);
+      ASSERT_TRUE(Open("r").ok());
       EXPECT_EQ(Read("r"), before);
     }
   }
 }
 
-TEST_F(Results, AFileInUseIsRefused) {
-  const auto first = ResultsFile::Open(Path("r"));
+TEST_F(Results, AFileInUseIsWaitedForUntilTheLimit) {
+  auto first = Open("r");
   ASSERT_TRUE(first.ok());
-  EXPECT_THAT(std::string(ResultsFile::Open(Path("r")).status().message()), HasSubstr("another latvox batch"));
-  EXPECT_EQ(ResultsFile::Open(Path("missing/r")).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(said_, IsEmpty());
+  const absl::Time start = absl::Now();
+  EXPECT_THAT(std::string(Open("r", absl::Milliseconds(50)).status().message()),
+              HasSubstr("r: cannot be written (another latvox batch"));
+  EXPECT_GE(absl::Now() - start, absl::Milliseconds(50));
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("waiting for up to 50ms")));
+  auto second = std::async(std::launch::async, [&] { return Open("r", absl::Minutes(1)).status(); });
+  EXPECT_EQ(second.wait_for(std::chrono::milliseconds(1100)), std::future_status::timeout);
+  first->reset();
+  EXPECT_TRUE(second.get().ok());
+  EXPECT_EQ(said_.size(), 2u);  // however often it tried
+  EXPECT_EQ(Open("missing/r").status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(Results, WaitingForAFileEndsWithTheBatch) {
+  const auto first = Open("r");
+  auto second = std::async(std::launch::async, [&] { return Open("r", absl::Minutes(1)).status(); });
+  EXPECT_EQ(second.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+  const absl::Time start = absl::Now();
+  cancellation_.Cancel();
+  EXPECT_EQ(second.get().code(), absl::StatusCode::kCancelled);
+  EXPECT_LT(absl::Now() - start, absl::Seconds(20));
 }
 
 TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
@@ -185,7 +223,7 @@ TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
     return done->Find(job, digest);
   };
   EXPECT_EQ(found("abc"), std::nullopt);
-  ASSERT_TRUE((*ResultsFile::Open(Path("out/results-1-of-9.jsonl")))->Append(Done(job)).ok());
+  ASSERT_TRUE((*Open("out/results-1-of-9.jsonl"))->Append(Done(job)).ok());
   EXPECT_EQ(found("abc"), std::nullopt);
   WriteGrid("out/m.vdb", "voxels");
   EXPECT_EQ(found("abc"), std::nullopt);
@@ -198,10 +236,62 @@ TEST_F(Results, AJobIsDoneIfRequestMeshAndOutputsAre) {
   EXPECT_EQ(found("abc"), std::nullopt);
 }
 
+TEST_F(Results, AJobIsNotDoneIfAnOutputIsLongerOrShorterThanItWas) {
+  const Job job = MakeJob(R"(, "out": ["m.csv", "m.vdb"])");
+  WriteGrid("out/m.vdb", "voxels");
+  const auto found = [&](const std::string& csv, const std::vector<uint64_t>& bytes) {
+    Write("out/m.csv", csv);
+    JobResult result = Done(job);
+    result.bytes = bytes;
+    Write("out/results.jsonl", ToJsonLine(result) + "\n");
+    return DoneJobs::Read(Path("out"), Cancellation())->Find(job, "abc").has_value();
+  };
+  const uint64_t grid = std::filesystem::file_size(Path("out/m.vdb"));
+  EXPECT_TRUE(found("1234", {4, grid}));
+  EXPECT_FALSE(found("123", {4, grid}));
+  EXPECT_FALSE(found("12345", {4, grid}));
+  EXPECT_FALSE(found("1234", {4, grid + 1}));
+  EXPECT_FALSE(found("1234", {4}));
+  EXPECT_TRUE(found("123", {}));
+}
+
+TEST_F(Results, OfSeveralLinesTheOneThatEndedLastCountsInWhicheverFileItIs) {
+  WriteGrid("out/m.vdb", "voxels");
+  const auto line = [&](const std::string& digest, uint64_t ended) {
+    JobResult result = Done(MakeJob());
+    result.job_digest = digest;
+    result.ended_unix_ms = ended;
+    return ToJsonLine(result) + "\n";
+  };
+  const std::string before = line("old", 0);
+  std::string unknown = before;
+  unknown.erase(unknown.find(R"("ended_unix_ms":0,)"), std::strlen(R"("ended_unix_ms":0,)"));
+  const std::string first = "out/results.jsonl", second = "out/results-1-of-2.jsonl";
+  for (const std::string& old : {before, unknown, line("old", 6)}) {
+    for (const auto& [a, b] : {std::pair(first, second), {second, first}}) {
+      Write(a, line("new", 7));
+      Write(b, old);
+      const auto done = DoneJobs::Read(Path("out"), Cancellation());
+      EXPECT_EQ(done->Find(MakeJob(), "new"), "voxels") << old;
+      EXPECT_EQ(done->Find(MakeJob(), "old"), std::nullopt) << old;
+    }
+  }
+  Write(first, unknown + line("new", 0));
+  std::filesystem::remove(Path(second));
+  EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "new"), "voxels");
+}
+
 TEST_F(Results, LinesThatAreNoResultsAreIgnored) {
   WriteGrid("out/m.vdb", "voxels");
-  Write("out/results.jsonl",
-        "\nnull\n[]\n{\"status\": \"done\"}\n{\"status\": 5}\n" + ToJsonLine(Done(MakeJob())) + "\n{\"sta");
+  const std::string done = ToJsonLine(Done(MakeJob()));
+  const auto wrong = [&](const std::string& ended, const std::string& bytes) {
+    return absl::StrReplaceAll(done, {{R"("ended_unix_ms":0)", R"("ended_unix_ms":)" + ended},
+                                      {R"("output_bytes":[])", R"("output_bytes":)" + bytes},
+                                      {R"("abc")", R"("other")"}}) +
+           "\n";
+  };
+  Write("out/results.jsonl", wrong("1e300", "[]") + wrong("-1", "[]") + wrong("9", "[1e300]") + wrong("9", "7") +
+                                 "\nnull\n[]\n{\"status\": \"done\"}\n{\"status\": 5}\n" + done + "\n{\"sta");
   EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "abc"), "voxels");
   JobResult failed = Done(MakeJob());
   failed.outcome = JobResult::Outcome::kFailed;

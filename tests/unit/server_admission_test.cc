@@ -280,6 +280,13 @@ TEST(DefaultMemoryBudget, IsLessThanTheMachineHas) {
   EXPECT_LT(DefaultMemoryBudget(), uint64_t{1} << 50);
 }
 
+TEST(DefaultMemoryBudget, IsHalfForOneThatSharesItButWhatItNeedsToStart) {
+  constexpr uint64_t kMiB = uint64_t{1} << 20;
+  for (const auto& [all, shared] : {std::pair<uint64_t, uint64_t>{6144, 3072}, {512, 256}, {384, 256}, {100, 100}}) {
+    EXPECT_EQ(SharedMemoryBudget(all * kMiB), shared * kMiB) << all;
+  }
+}
+
 // FIPS 180-2, appendix B.1.
 TEST(MeshDigest, IsSha256OfAllPieces) {
   absl::Cord cord("a");

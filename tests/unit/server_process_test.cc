@@ -9,11 +9,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -96,6 +98,49 @@ TEST(Latvoxd, TakesOptionsFromTheCommandLineThenTheEnvironmentThenTheFile) {
   EXPECT_EQ(limits.max_jobs(), 1);
   EXPECT_EQ(limits.max_triangles(), 5);
   EXPECT_EQ(limits.max_mesh_bytes(), 3 << 20);
+}
+
+std::vector<std::string> PeersOfRequests(const std::string& log) {
+  std::vector<std::string> peers;
+  const std::regex peer("event=request .*peer=(\\S+)");
+  for (std::sregex_iterator found(log.begin(), log.end(), peer), end; found != end; ++found)
+    peers.push_back((*found)[1]);
+  return peers;
+}
+
+TEST(Latvoxd, RenewsConnectionsOfTheAgeThatItIsToldAndLetsTheirCallsEnd) {
+  Process server(Latvoxd({"--listen", "127.0.0.1:0", "--max-connection-age", "1"}));
+  Process patient(Latvoxd({"--listen", "127.0.0.1:0"}));
+  const auto connect = [](Process& to) {
+    return grpc::CreateChannel(to.ReadLineWith("event=listening address="), grpc::InsecureChannelCredentials());
+  };
+  const auto lasting = connect(patient), channel = connect(server);
+  const auto stub = v1::Voxelizer::NewStub(channel);
+  const auto deadline = [] { return std::chrono::system_clock::now() + std::chrono::seconds(20); };
+  ASSERT_TRUE(lasting->WaitForConnected(deadline()));
+  grpc::ClientContext long_context;
+  const auto long_call = stub->Voxelize(&long_context);
+  v1::VoxelizeRequest request;
+  request.mutable_spec()->mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
+  request.mutable_spec()->set_resolution(9);
+  ASSERT_TRUE(long_call->Write(request));
+  const auto short_call = [&] {
+    grpc::ClientContext context;
+    const auto stream = stub->Voxelize(&context);
+    stream->WritesDone();
+    return stream->Finish().error_code();
+  };
+  EXPECT_EQ(short_call(), grpc::StatusCode::INVALID_ARGUMENT);
+  ASSERT_TRUE(channel->WaitForStateChange(GRPC_CHANNEL_READY, deadline()));
+  EXPECT_EQ(lasting->GetState(false), GRPC_CHANNEL_READY);
+  EXPECT_EQ(short_call(), grpc::StatusCode::INVALID_ARGUMENT);
+  long_call->WritesDone();
+  EXPECT_EQ(long_call->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);  // no mesh, as the server says
+  kill(server.pid(), SIGTERM);
+  const std::vector<std::string> peers = PeersOfRequests(server.ReadAll());
+  ASSERT_EQ(peers.size(), 3);
+  EXPECT_NE(peers[1], peers[0]);
+  EXPECT_EQ(peers[2], peers[0]);
 }
 
 TEST(Latvoxd, RunsWithTheInstructionsThatItIsTold) {
