@@ -9,6 +9,7 @@
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/request_metadata.h"
 #include "client/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -78,6 +79,11 @@ absl::Status AttributeGrids::Add(const BrickBatch& batch) try {
   return content_->voxels.Add(batch);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
+}
+
+void AttributeGrids::SetRequest(const VoxelizeRequest& request) {
+  content_->voxels.SetRequest(request);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeRequest(request, *grid);
 }
 
 void AttributeGrids::SetCertificate(const Certificate& certificate) {

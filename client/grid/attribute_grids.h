@@ -30,6 +30,10 @@ class AttributeGrids {
   // Adds the batch's voxels. Precondition: they carry these attributes. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
 
+  // Writes into the grids' metadata what was asked for: latvox_request, a JSON object with the fields of a line of
+  // `latvox batch`, and latvox_region and latvox_bounds of a request for these.
+  void SetRequest(const VoxelizeRequest& request);
+
   // Writes the certificate into the grids' metadata.
   void SetCertificate(const Certificate& certificate);
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/request_metadata.h"
 
 namespace latvox::client {
 namespace {
@@ -61,6 +62,8 @@ absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
 }
+
+void DistanceGrid::SetRequest(const VoxelizeRequest& request) { DescribeRequest(request, *content_->grid); }
 
 void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 

@@ -32,6 +32,10 @@ class DistanceGrid {
   // Adds the batch's voxels. Precondition: it has a value for each. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
 
+  // Writes into the grid's metadata what was asked for: latvox_request, a JSON object with the fields of a line of
+  // `latvox batch`, and latvox_region and latvox_bounds of a request for these.
+  void SetRequest(const VoxelizeRequest& request);
+
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);
 

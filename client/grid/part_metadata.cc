@@ -22,6 +22,7 @@ namespace {
 
 constexpr char kShard[] = "latvox_shard", kVerified[] = "latvox_verified";
 constexpr char kMinimal[] = "latvox_minimal", kWholeMinimal[] = "latvox_whole_minimal";
+constexpr const char* kPartOf[] = {"latvox_region", "latvox_bounds"};
 constexpr const char* kTrueIfAll[] = {"latvox_tunnel_free", kMinimal};
 constexpr size_t kMissingNamed = 8;
 
@@ -29,7 +30,7 @@ using Parts = std::vector<std::unique_ptr<PartFile>>;
 
 bool IsOwn(absl::string_view name) {
   return name == "latvox_digest" || name == kShard || name == kVerified || name == kTrueIfAll[0] ||
-         name == kTrueIfAll[1] || absl::StartsWith(name, "file_");
+         name == kTrueIfAll[1] || name == kPartOf[0] || name == kPartOf[1] || absl::StartsWith(name, "file_");
 }
 
 std::optional<std::string> Find(const PartFile& part, const std::string& name) {
@@ -164,6 +165,12 @@ absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
   CommonFacts common{{}, *shards};
   for (auto meta = first.metadata().beginMeta(); meta != first.metadata().endMeta(); ++meta) {
     if (!IsOwn(meta->first)) common.metadata.insertMeta(meta->first, *meta->second);
+  }
+  for (const char* name : kPartOf) {
+    const auto value = Find(first, name);
+    const auto is_same = [&](const auto& part) { return Find(*part, name) == value; };
+    if (!value || !std::all_of(parts.begin(), parts.end(), is_same)) continue;
+    common.metadata.insertMeta(name, openvdb::StringMetadata(*value));
   }
   for (const char* name : kTrueIfAll) {
     const auto is_true = [name](const auto& part) { return IsTrue(*part, name); };

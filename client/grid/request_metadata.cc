@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 
 namespace latvox::client {
 namespace {
@@ -12,6 +11,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kLattices[] = {"cartesian", "bcc", "fcc", "hexagonal"};
 constexpr const char* kAlgorithms[] = {"exact", "brute-force", "incremental", "optimized-incremental"};
+
+template <class Box>
+std::string Corners(const Box& box) {
+  Json numbers = box.min;
+  for (const auto number : box.max) numbers.push_back(number);
+  const std::string text = numbers.dump();
+  return text.substr(1, text.size() - 2);
+}
 
 void AddSolid(const Solid& solid, Json& json) {
   json["fill"] = "solid";
@@ -53,6 +60,7 @@ std::string RequestText(const VoxelizeRequest& request) {
   } else {
     json["minimal"] = request.minimal;
   }
+  for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));
   json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
   if (request.solid) AddSolid(*request.solid, json);
   if (request.verify) json["verify"] = true;
@@ -61,10 +69,8 @@ std::string RequestText(const VoxelizeRequest& request) {
 
 void DescribeRequest(const VoxelizeRequest& request, openvdb::GridBase& grid) {
   grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request)));
-  if (const auto& region = request.region) {
-    const std::string box = absl::StrCat(absl::StrJoin(region->min, ","), ",", absl::StrJoin(region->max, ","));
-    grid.insertMeta("latvox_region", openvdb::StringMetadata(box));
-  }
+  if (request.region) grid.insertMeta("latvox_region", openvdb::StringMetadata(Corners(*request.region)));
+  if (request.bounds) grid.insertMeta("latvox_bounds", openvdb::StringMetadata(Corners(*request.bounds)));
 }
 
 }  // namespace latvox::client

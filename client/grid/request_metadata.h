@@ -14,7 +14,7 @@ namespace latvox::client {
 // what the whole is. Not which part of it, and not how it travels.
 std::string RequestText(const VoxelizeRequest& request);
 
-// The metadata latvox_request, RequestText; and latvox_region of a request for one, its six numbers.
+// The metadata latvox_request, RequestText; and latvox_region, latvox_bounds of a request for these, six numbers each.
 void DescribeRequest(const VoxelizeRequest& request, openvdb::GridBase& grid);
 
 }  // namespace latvox::client

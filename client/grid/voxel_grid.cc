@@ -15,6 +15,7 @@
 #include "client/grid/grid_metadata.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
 
 namespace latvox::client {
@@ -126,6 +127,8 @@ absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
 }
+
+void VoxelGrid::SetRequest(const VoxelizeRequest& request) { DescribeRequest(request, *content_->grid); }
 
 void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 

@@ -4,9 +4,10 @@
 //   index space     lattice coordinates ijk, on every lattice
 //   world space     the grid's affine transform: origin + i*a + j*b + k*c
 //   active voxels   the voxel set; values true there, and false (the background) elsewhere
-//   metadata        latvox_lattice, latvox_separability, latvox_minimal, latvox_whole_minimal, latvox_cover, latvox_closed,
-//                   latvox_digest, latvox_voxel_size, latvox_basis (9 numbers), latvox_origin, latvox_version, ...; of a solid
-//                   latvox_fill ("solid"), latvox_interior_rule, latvox_with_surface, latvox_unbalanced_lines
+//   metadata        latvox_lattice, latvox_separability, latvox_minimal, latvox_whole_minimal, latvox_cover,
+//   latvox_closed,
+//                   latvox_digest, latvox_voxel_size, latvox_basis (9 numbers), latvox_origin, latvox_version, ...; of
+//                   a solid latvox_fill ("solid"), latvox_interior_rule, latvox_with_surface, latvox_unbalanced_lines
 #ifndef LATVOX_CLIENT_GRID_VOXEL_GRID_H_
 #define LATVOX_CLIENT_GRID_VOXEL_GRID_H_
 
@@ -38,6 +39,10 @@ class VoxelGrid {
 
   // Adds the batch's voxels. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
+
+  // Writes into the grid's metadata what was asked for: latvox_request, a JSON object with the fields of a line of
+  // `latvox batch`, and latvox_region and latvox_bounds of a request for these.
+  void SetRequest(const VoxelizeRequest& request);
 
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);

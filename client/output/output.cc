@@ -31,8 +31,11 @@ class GridOutput final : public Output {
   using NewGrid = std::function<Grid(const GridTransform&)>;
   using Write = std::function<absl::Status(Grid&, const std::string& path)>;  // a file of it
 
-  GridOutput(std::unique_ptr<AtomicFile> file, NewGrid new_grid, Write write)
-      : file_(std::move(file)), new_grid_(std::move(new_grid)), write_(std::move(write)) {}
+  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, NewGrid new_grid, Write write)
+      : file_(std::move(file)),
+        request_(std::move(request)),
+        new_grid_(std::move(new_grid)),
+        write_(std::move(write)) {}
 
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
@@ -41,6 +44,7 @@ class GridOutput final : public Output {
   }
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
+    grid_->SetRequest(request_);
     grid_->SetCertificate(summary.certificate);
     if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return Named(status);
     return file_->Sync();
@@ -56,6 +60,7 @@ class GridOutput final : public Output {
   }
 
   std::unique_ptr<AtomicFile> file_;
+  const VoxelizeRequest request_;
   const NewGrid new_grid_;
   const Write write_;
   std::optional<Grid> grid_;
@@ -63,12 +68,12 @@ class GridOutput final : public Output {
 
 VoxelGrid NewVoxelGrid(const GridTransform& grid) { return VoxelGrid(grid); }
 
-std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), NewVoxelGrid, &VoxelGrid::Write);
+std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, NewVoxelGrid, &VoxelGrid::Write);
 }
 
-std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), NewVoxelGrid, &VoxelGrid::WriteNano);
+std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, NewVoxelGrid, &VoxelGrid::WriteNano);
 }
 
 std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
@@ -77,33 +82,31 @@ std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, c
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
     return DistanceGrid(grid, width, band.is_signed, whole);
   };
-  return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), new_grid, &DistanceGrid::Write);
+  return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, new_grid, &DistanceGrid::Write);
 }
 
 std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
   const auto new_grids = [attributes = request.attributes](const GridTransform& grid) {
     return AttributeGrids(grid, attributes);
   };
-  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), new_grids, &AttributeGrids::Write);
-}
-
-std::unique_ptr<Output> NewColoredGlbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&) {
-  return NewGlbOutput(std::move(file));
+  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), request, new_grids, &AttributeGrids::Write);
 }
 
 using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const TableColumns&);
 
 template <NewTable new_table>
-std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file) {
-  return new_table(std::move(file), {});
-}
-
-template <NewTable new_table>
-std::unique_ptr<Output> NewWiderTable(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
   return new_table(std::move(file), {request.band.has_value(), request.attributes});
 }
 
-using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>);
+// One that is the same whatever was asked for.
+template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>)>
+std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&) {
+  return new_output(std::move(file));
+}
+
+using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&);
+using Formats = std::span<const std::pair<const char*, NewOutput>>;
 
 constexpr std::pair<const char*, NewOutput> kFormats[] = {
     {".vdb", NewVdbOutput},
@@ -111,31 +114,28 @@ constexpr std::pair<const char*, NewOutput> kFormats[] = {
     {".csv", NewTableOutput<NewCsvOutput>},
     {".npy", NewTableOutput<NewNpyOutput>},
     {".ply", NewTableOutput<NewPlyOutput>},
-    {".png", NewPictureOutput},
-    {".glb", NewGlbOutput},
-    {".binvox", NewBinvoxOutput},
-    {".vox", NewVoxOutput},
+    {".png", NewPlainOutput<NewPictureOutput>},
+    {".glb", NewPlainOutput<NewGlbOutput>},
+    {".binvox", NewPlainOutput<NewBinvoxOutput>},
+    {".vox", NewPlainOutput<NewVoxOutput>},
 };
 
-// Of requests for more than voxels.
-using NewWiderOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&);
-using WiderFormats = std::span<const std::pair<const char*, NewWiderOutput>>;
-
-constexpr std::pair<const char*, NewWiderOutput> kDistanceFormats[] = {
+constexpr std::pair<const char*, NewOutput> kDistanceFormats[] = {
     {".vdb", NewDistanceVdbOutput},
-    {".csv", NewWiderTable<NewCsvOutput>},
-    {".npy", NewWiderTable<NewNpyOutput>},
-    {".ply", NewWiderTable<NewPlyOutput>},
+    {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewTableOutput<NewNpyOutput>},
+    {".ply", NewTableOutput<NewPlyOutput>},
 };
 
-constexpr std::pair<const char*, NewWiderOutput> kAttributeFormats[] = {
-    {".vdb", NewAttributeVdbOutput},       {".csv", NewWiderTable<NewCsvOutput>}, {".npy", NewWiderTable<NewNpyOutput>},
-    {".ply", NewWiderTable<NewPlyOutput>}, {".glb", NewColoredGlbOutput},  // the last, for it holds colors alone
+constexpr std::pair<const char*, NewOutput> kAttributeFormats[] = {
+    {".vdb", NewAttributeVdbOutput},        {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewTableOutput<NewNpyOutput>}, {".ply", NewTableOutput<NewPlyOutput>},
+    {".glb", NewPlainOutput<NewGlbOutput>},  // the last, for it holds colors alone
 };
 
-WiderFormats FormatsFor(const std::vector<Attribute>& attributes) {
+Formats FormatsFor(const std::vector<Attribute>& attributes) {
   const bool color_alone = attributes == std::vector<Attribute>{Attribute::kColor};
-  return WiderFormats(kAttributeFormats).first(std::size(kAttributeFormats) - (color_alone ? 0 : 1));
+  return Formats(kAttributeFormats).first(std::size(kAttributeFormats) - (color_alone ? 0 : 1));
 }
 
 std::string ExtensionOf(const std::string& path) {
@@ -147,21 +147,10 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
       absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", absl::StrJoin(extensions, " ")));
 }
 
-std::vector<std::string> ExtensionsOf(WiderFormats formats) {
+std::vector<std::string> ExtensionsOf(Formats formats) {
   std::vector<std::string> extensions;
   for (const auto& [extension, unused] : formats) extensions.push_back(extension);
   return extensions;
-}
-
-absl::StatusOr<std::unique_ptr<Output>> OpenWiderOutput(const std::string& path, const VoxelizeRequest& request,
-                                                        WiderFormats formats) {
-  for (const auto& [extension, new_output] : formats) {
-    if (ExtensionOf(path) != extension) continue;
-    auto file = AtomicFile::Create(path);
-    if (!file.ok()) return file.status();
-    return new_output(*std::move(file), request);
-  }
-  return WrongExtension(path, ExtensionsOf(formats));
 }
 
 }  // namespace
@@ -177,27 +166,25 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 }
 
 const std::vector<std::string>& OutputExtensions() {
-  static const auto* const kExtensions = [] {
-    auto* extensions = new std::vector<std::string>;
-    for (const auto& [extension, unused] : kFormats) extensions->push_back(extension);
-    return extensions;
-  }();
+  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsOf(kFormats));
   return *kExtensions;
 }
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,
                                                    const OutputOptions& options) {
-  if (request.band) return OpenWiderOutput(path, request, kDistanceFormats);
-  if (!request.attributes.empty()) return OpenWiderOutput(path, request, FormatsFor(request.attributes));
+  const bool carries = !request.attributes.empty();
+  const Formats formats = request.band ? kDistanceFormats
+                          : carries    ? FormatsFor(request.attributes)
+                                       : Formats(kFormats);
   const std::string wanted = ExtensionOf(path);
-  for (const auto& [extension, new_output] : kFormats) {
+  for (const auto& [extension, new_output] : formats) {
     if (wanted != extension) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
-    if (options.dense_npy && wanted == ".npy") return NewDenseNpyOutput(*std::move(file));
-    return new_output(*std::move(file));
+    if (options.dense_npy && wanted == ".npy" && !request.band && !carries) return NewDenseNpyOutput(*std::move(file));
+    return new_output(*std::move(file), request);
   }
-  return WrongExtension(path, OutputExtensions());
+  return WrongExtension(path, ExtensionsOf(formats));
 }
 
 }  // namespace latvox::client

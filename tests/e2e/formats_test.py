@@ -74,6 +74,34 @@ class Formats(Case):
         text = run("vdb_print", "-m", self.dir / "a.vdb")
         self.assertIn(summary["digest"], text)
 
+    def test_a_vdb_tells_the_request_which_repeats_it(self):
+        """latvox_request is a line of `latvox batch`, but for the mesh."""
+        for n, options in enumerate((
+            [*BCC, "--no-minimal"],
+            ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3", "--separability", "1"],
+            ["--lattice", "fcc", "--resolution", "9", "--fill", "solid", "--interior-rule", "winding", "--without-surface"],
+            ["--voxel-size", "0.1", "--cover", "supercover"],
+            ["--voxel-size", "0.1", "--band", "2v", "--signed"],
+            ["--resolution", "20", "--algorithm", "incremental", "--verify"],
+        )):
+            with self.subTest(options):
+                summary = self.voxelize(BUNNY, *options, out=f"{n}.vdb")
+                (grid,), _ = pyopenvdb.readAll(str(self.dir / f"{n}.vdb"))
+                line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | json.loads(grid["latvox_request"])
+                (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
+                done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / f"out{n}")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                (again,), _ = pyopenvdb.readAll(str(self.dir / f"out{n}" / f"again{n}.vdb"))
+                self.assertEqual(again["latvox_digest"], summary["digest"])
+                self.assertEqual(again["latvox_request"], grid["latvox_request"])
+
+    def test_a_vdb_tells_which_part_it_is(self):
+        self.write(["a.vdb"], *BCC, "--region=-3,-4,-5,6,7,8", "--bounds=-1,-1,-1,0.5,1,1")
+        (grid,), _ = pyopenvdb.readAll(str(self.dir / "a.vdb"))
+        self.assertEqual(grid["latvox_region"], "-3,-4,-5,6,7,8")
+        self.assertEqual([float(x) for x in grid["latvox_bounds"].split(",")], [-1, -1, -1, 0.5, 1, 1])
+        self.assertNotIn("region", grid["latvox_request"])
+
     def test_info_tells_what_a_vdb_holds(self):
         summary, voxels = self.write(["a.vdb"], *BCC)
         done = latvox("info", self.dir / "a.vdb")
