@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/algorithm/container.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -22,7 +23,7 @@ namespace {
 
 constexpr char kShard[] = "latvox_shard", kVerified[] = "latvox_verified";
 constexpr char kMinimal[] = "latvox_minimal", kWholeMinimal[] = "latvox_whole_minimal";
-constexpr const char* kPartOf[] = {"latvox_region", "latvox_bounds"};
+constexpr const char* kKeptIfSame[] = {"latvox_region", "latvox_bounds", "latvox_request"};
 constexpr const char* kTrueIfAll[] = {"latvox_tunnel_free", kMinimal};
 constexpr size_t kMissingNamed = 8;
 
@@ -30,7 +31,7 @@ using Parts = std::vector<std::unique_ptr<PartFile>>;
 
 bool IsOwn(absl::string_view name) {
   return name == "latvox_digest" || name == kShard || name == kVerified || name == kTrueIfAll[0] ||
-         name == kTrueIfAll[1] || name == kPartOf[0] || name == kPartOf[1] || absl::StartsWith(name, "file_");
+         name == kTrueIfAll[1] || absl::c_linear_search(kKeptIfSame, name) || absl::StartsWith(name, "file_");
 }
 
 std::optional<std::string> Find(const PartFile& part, const std::string& name) {
@@ -166,7 +167,7 @@ absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
   for (auto meta = first.metadata().beginMeta(); meta != first.metadata().endMeta(); ++meta) {
     if (!IsOwn(meta->first)) common.metadata.insertMeta(meta->first, *meta->second);
   }
-  for (const char* name : kPartOf) {
+  for (const char* name : kKeptIfSame) {
     const auto value = Find(first, name);
     const auto is_same = [&](const auto& part) { return Find(*part, name) == value; };
     if (!value || !std::all_of(parts.begin(), parts.end(), is_same)) continue;

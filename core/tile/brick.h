@@ -33,8 +33,8 @@ struct TileBricks {
   Vec3i tile_ijk;
   std::vector<Brick> bricks;  // lexicographic order of brick_ijk; never empty
   uint64_t voxels = 0;
-  double progress = 0;             // estimated share of the whole work done with this tile, 0 to 1
-  std::vector<float> values = {};  // of a band: the distance of each voxel, brick by brick, in the masks' order
+  double progress = 0;                    // estimated share of the whole work done with this tile, 0 to 1
+  std::vector<float> values = {};         // of a band: the distance of each voxel, brick by brick, in the masks' order
   std::vector<uint32_t> attributes = {};  // if asked for: those of each voxel, in the same order
 };
 
