@@ -21,6 +21,11 @@ std::filesystem::path Place(const std::string& path) {
   return error ? std::filesystem::path(path) : place;
 }
 
+const Names<UpAxis>& UpNames() {
+  static const auto* const kNames = new Names<UpAxis>{{"z", UpAxis::kZ}, {"x", UpAxis::kX}, {"y", UpAxis::kY}};
+  return *kNames;
+}
+
 std::string CheckPositive(const std::string& text) {
   double number = 0;
   if (ParseNumber(text, number) && number > 0) return "";

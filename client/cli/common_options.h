@@ -21,6 +21,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
 #include "client/cli/session.h"
+#include "client/mesh/up_axis.h"
 #include "client/types.h"
 
 namespace latvox::client {
@@ -88,6 +89,8 @@ T ValueNamed(const Names<T>& names, const std::string& word) {
   }
   return names.front().second;
 }
+
+const Names<UpAxis>& UpNames();
 
 // What Interpret does with words that do not go together: throws CLI::ValidationError.
 template <class... Parts>

@@ -176,6 +176,9 @@ ExitStatus Main(int argc, char** argv) {
   } catch (const CLI::Success& wanted) {  // --help, --version
     commands.app.exit(wanted);
     return ExitStatus::kDone;
+  } catch (const CLI::ExtrasError& error) {
+    Tell(absl::StrCat(error.what(), "; see latvox --help, latvox COMMAND --help"));
+    return ExitStatus::kWrongUsage;
   } catch (const CLI::ParseError& error) {
     Tell(error.what());
     return ExitStatus::kWrongUsage;

@@ -47,9 +47,10 @@ void AddRenderOptions(CLI::App& command, RenderWords& words) {
   command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
   AddOutputOption(command, {".png"}, words.outputs);
   AddSizeOption(command, "pixels of each side", words.picture.side);
+  command.add_option("--up", words.up, "the axis that points up (default: y)")->check(OneOf(UpNames()));
   command
       .add_option("--view", words.view,
-                  "where the viewer is, degrees: from z towards x, and above; y is up (default: 30,22)")
+                  "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)")
       ->type_name("AZIMUTH,ELEVATION")
       ->check(CheckView);
   command.add_option("--color", words.color, "of the surface (default: 769ed2)")
@@ -61,6 +62,7 @@ PictureOptions Interpret(const RenderWords& words) {
   if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
   CheckOutputs(words.outputs, words.input, "file");
   PictureOptions options = words.picture;
+  if (!words.up.empty()) options.up = ValueNamed(UpNames(), words.up);
   if (std::array<double, 2> view; ParseNumbers(words.view, view)) {
     options.azimuth = view[0];
     options.elevation = view[1];

@@ -68,7 +68,7 @@ std::vector<FieldDifference> CompareFields(const GridFileInfo& a, const GridFile
   const auto fields = [](const GridFileInfo& info) {
     std::map<std::string, std::string> words(info.metadata.begin(), info.metadata.end());
     std::erase_if(words, [](const auto& word) { return absl::StartsWith(word.first, "file_"); });
-    for (const char* name : {"latvox_basis", "latvox_origin", "latvox_voxel_size"}) words.erase(name);
+    for (const char* name : {"latvox_basis", "latvox_origin", "latvox_voxel_size", "latvox_request"}) words.erase(name);
     words["step in i"] = Show(info.transform.basis.a);
     words["step in j"] = Show(info.transform.basis.b);
     words["step in k"] = Show(info.transform.basis.c);

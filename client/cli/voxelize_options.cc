@@ -51,11 +51,6 @@ const Names<BrickEncoding>& EncodingNames() {
   return *kNames;
 }
 
-const Names<UpAxis>& UpNames() {
-  static const auto* const kNames = new Names<UpAxis>{{"z", UpAxis::kZ}, {"x", UpAxis::kX}, {"y", UpAxis::kY}};
-  return *kNames;
-}
-
 std::string CheckVoxelSize(const std::string& text) {
   if (!absl::StrContains(text, ',')) return CheckPositive(text);
   Vec3d sizes;
@@ -188,7 +183,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   Group(command, "Lattice");
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: cartesian")->check(OneOf(LatticeNames()));
-  command.add_option("--basis", words.basis, "three basis vectors a, b, c of any lattice, world units")
+  command.add_option("--basis", words.basis, "three basis vectors a, b, c of any lattice, world units; only their shape, with --voxel-size or --resolution")
       ->type_name("a1,a2,a3,b1,...,c3")
       ->check(CheckNumbers<double, 9>)
       ->excludes(lattice);
@@ -247,6 +242,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->type_name("I/N")
       ->check(CheckShard)
       ->excludes(verify);
+  Group(command, "Voxels");
   CLI::Option* band =
       command
           .add_option("--band", words.band, "not a surface: all voxels up to W away, or W voxel sizes, with distances")
@@ -257,6 +253,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   }
   command.add_flag("--signed", words.is_signed, "distances are negative inside; the mesh must be closed")->needs(band);
   AddAttributesOption(command, words);
+  Group(command, "Transfer");
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
   AddMeshOptions(command, words);
@@ -310,7 +307,10 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
     Refuse("--npy: ", words.npy, " is of a .npy, and no --out is one");
   }
   options.output_options.dense_npy = words.npy == "dense";
-  if (!words.up.empty()) options.mesh.up = ValueNamed(UpNames(), words.up);
+  if (!words.up.empty()) {
+    options.mesh.up = ValueNamed(UpNames(), words.up);
+    options.output_options.picture_up = UpAxis::kZ;
+  }
   if (!words.scale.empty()) ParseNumber(words.scale, options.mesh.scale);
   if (!words.input_format.empty()) options.mesh.format = ValueNamed(MeshFormats(), words.input_format);
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);

@@ -33,7 +33,7 @@ struct Frame : openvdb::io::Archive {
     setLibraryVersion(in);
     openvdb::MetaMap().readMeta(in);
     if (const int32_t grids = readGridCount(in); grids != 1) {
-      throw std::runtime_error(absl::StrCat("it holds ", grids, " grids, not 1"));
+      throw std::runtime_error(absl::StrCat("it holds ", grids, " grids, not 1: attributes are not joined"));
     }
     grid = descriptor.read(in);
     if (grid->type() != openvdb::BoolGrid::gridType()) {
@@ -99,7 +99,8 @@ absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path
   } catch (const std::exception& error) {
     why = error.what();
   }
-  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a whole .vdb file that latvox wrote (", why, ")"));
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": is not a whole .vdb file of voxels alone that latvox wrote (", why, ")"));
 }
 
 void PartFile::Rewind() {

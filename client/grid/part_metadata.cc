@@ -23,7 +23,8 @@ namespace {
 
 constexpr char kShard[] = "latvox_shard", kVerified[] = "latvox_verified";
 constexpr char kMinimal[] = "latvox_minimal", kWholeMinimal[] = "latvox_whole_minimal";
-constexpr const char* kKeptIfSame[] = {"latvox_region", "latvox_bounds", "latvox_request"};
+constexpr char kRequest[] = "latvox_request";
+constexpr const char* kCutOut[] = {"latvox_region", "latvox_bounds"};
 constexpr const char* kTrueIfAll[] = {"latvox_tunnel_free", kMinimal};
 constexpr size_t kMissingNamed = 8;
 
@@ -31,7 +32,8 @@ using Parts = std::vector<std::unique_ptr<PartFile>>;
 
 bool IsOwn(absl::string_view name) {
   return name == "latvox_digest" || name == kShard || name == kVerified || name == kTrueIfAll[0] ||
-         name == kTrueIfAll[1] || absl::c_linear_search(kKeptIfSame, name) || absl::StartsWith(name, "file_");
+         name == kTrueIfAll[1] || name == kRequest || absl::c_linear_search(kCutOut, name) ||
+         absl::StartsWith(name, "file_");
 }
 
 std::optional<std::string> Find(const PartFile& part, const std::string& name) {
@@ -147,6 +149,21 @@ absl::StatusOr<bool> CheckShards(const Parts& parts) {
   return count.has_value();
 }
 
+// What the parts together are cut out by, several boxes with "; " between them; empty if a part is not cut. The shards
+// of a whole are all cut alike.
+absl::StatusOr<std::string> CutOut(const Parts& parts, const char* name, bool shards) {
+  const PartFile& first = *parts.front();
+  std::vector<std::string> boxes;
+  bool cut = true;
+  for (const auto& part : parts) {
+    const auto value = Find(*part, name), first_value = Find(first, name);
+    if (shards && value != first_value) return Differ(*part, name, Show(value), first, Show(first_value));
+    cut = cut && value.has_value();
+    if (value && !absl::c_linear_search(boxes, *value)) boxes.push_back(*value);
+  }
+  return cut ? absl::StrJoin(boxes, "; ") : "";
+}
+
 bool IsTrue(const PartFile& part, const char* name) {
   const auto found = part.metadata().getMetadata<openvdb::BoolMetadata>(name);
   return found && found->value();
@@ -167,12 +184,14 @@ absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
   for (auto meta = first.metadata().beginMeta(); meta != first.metadata().endMeta(); ++meta) {
     if (!IsOwn(meta->first)) common.metadata.insertMeta(meta->first, *meta->second);
   }
-  for (const char* name : kKeptIfSame) {
-    const auto value = Find(first, name);
-    const auto is_same = [&](const auto& part) { return Find(*part, name) == value; };
-    if (!value || !std::all_of(parts.begin(), parts.end(), is_same)) continue;
-    common.metadata.insertMeta(name, openvdb::StringMetadata(*value));
+  for (const char* name : kCutOut) {
+    const auto cut = CutOut(parts, name, *shards);
+    if (!cut.ok()) return cut.status();
+    if (!cut->empty()) common.metadata.insertMeta(name, openvdb::StringMetadata(*cut));
   }
+  const auto request = Find(first, kRequest);
+  const auto has_it = [&](const auto& part) { return Find(*part, kRequest) == request; };
+  if (request && absl::c_all_of(parts, has_it)) common.metadata.insertMeta(kRequest, openvdb::StringMetadata(*request));
   for (const char* name : kTrueIfAll) {
     const auto is_true = [name](const auto& part) { return IsTrue(*part, name); };
     common.metadata.insertMeta(name, openvdb::BoolMetadata(std::all_of(parts.begin(), parts.end(), is_true)));

@@ -10,13 +10,10 @@
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
 #include "client/mesh/mesh_format.h"
+#include "client/mesh/up_axis.h"
 #include "client/types.h"
 
 namespace latvox::client {
-
-// The axis that becomes z, by a quarter turn about another one: (x, y, z) goes to (x, -z, y) for kY, which leaves x,
-// and to (-z, y, x) for kX, which leaves y. Exact.
-enum class UpAxis { kX, kY, kZ };
 
 // Several meshes are one: what they enclose together is not known, their triangles are. Positions are turned, then
 // multiplied by `scale` in double and rounded to float32 once. Their parts and materials are numbered in the order of
@@ -24,6 +21,8 @@ enum class UpAxis { kX, kY, kZ };
 struct MeshSource {
   std::vector<std::string> paths;    // at least one; "-", once at most, is standard input
   std::optional<MeshFormat> format;  // of all of them; absent: by extension, of standard input by how it begins
+  // Becomes z, by a quarter turn about another axis: (x, y, z) goes to (x, -z, y) for kY, which leaves x, and to
+  // (-z, y, x) for kX, which leaves y. Exact.
   UpAxis up = UpAxis::kZ;
   double scale = 1;
   std::vector<Attribute> attributes = {};  // that each path's mesh must have, one Draco stream aside

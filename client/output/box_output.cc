@@ -37,7 +37,8 @@ class BoxOutput : public Output {
   absl::Status Begin(const Accepted& accepted) final {
     if (!IsCubic(accepted.grid.basis)) {
       return absl::InvalidArgumentError(
-          absl::StrCat(file_->target(), ": the format holds cubes along the axes only; use --lattice cartesian"));
+          absl::StrCat(file_->target(),
+                       ": the format holds cubes along the axes only; use --lattice cartesian and one --voxel-size"));
     }
     grid_ = accepted.grid;
     return absl::OkStatus();

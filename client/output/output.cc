@@ -68,15 +68,18 @@ class GridOutput final : public Output {
 
 VoxelGrid NewVoxelGrid(const GridTransform& grid) { return VoxelGrid(grid); }
 
-std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                     const OutputOptions&) {
   return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, NewVoxelGrid, &VoxelGrid::Write);
 }
 
-std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                      const OutputOptions&) {
   return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, NewVoxelGrid, &VoxelGrid::WriteNano);
 }
 
-std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                             const OutputOptions&) {
   const bool whole = !request.region && !request.bounds && !request.shard;
   const auto new_grid = [band = *request.band, whole](const GridTransform& grid) {
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
@@ -85,7 +88,8 @@ std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, c
   return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, new_grid, &DistanceGrid::Write);
 }
 
-std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                              const OutputOptions&) {
   const auto new_grids = [attributes = request.attributes](const GridTransform& grid) {
     return AttributeGrids(grid, attributes);
   };
@@ -95,26 +99,38 @@ std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, 
 using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const TableColumns&);
 
 template <NewTable new_table>
-std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request) {
+std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                       const OutputOptions&) {
   return new_table(std::move(file), {request.band.has_value(), request.attributes});
 }
 
 // One that is the same whatever was asked for.
 template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>)>
-std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&) {
+std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
   return new_output(std::move(file));
 }
 
-using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&);
+std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
+                                             const OutputOptions& options) {
+  return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewNpyOutput(std::move(file), {});
+}
+
+std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
+                                     const OutputOptions& options) {
+  return NewPictureOutput(std::move(file), options.picture_up);
+}
+
+using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
+                                              const OutputOptions&);
 using Formats = std::span<const std::pair<const char*, NewOutput>>;
 
 constexpr std::pair<const char*, NewOutput> kFormats[] = {
     {".vdb", NewVdbOutput},
     {".nvdb", NewNvdbOutput},
     {".csv", NewTableOutput<NewCsvOutput>},
-    {".npy", NewTableOutput<NewNpyOutput>},
+    {".npy", NewCoordinatesOutput},
     {".ply", NewTableOutput<NewPlyOutput>},
-    {".png", NewPlainOutput<NewPictureOutput>},
+    {".png", NewPngOutput},
     {".glb", NewPlainOutput<NewGlbOutput>},
     {".binvox", NewPlainOutput<NewBinvoxOutput>},
     {".vox", NewPlainOutput<NewVoxOutput>},
@@ -181,8 +197,7 @@ absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, cons
     if (wanted != extension) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
-    if (options.dense_npy && wanted == ".npy" && !request.band && !carries) return NewDenseNpyOutput(*std::move(file));
-    return new_output(*std::move(file), request);
+    return new_output(*std::move(file), request, options);
   }
   return WrongExtension(path, ExtensionsOf(formats));
 }

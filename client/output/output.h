@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/mesh/up_axis.h"
 #include "client/types.h"
 
 namespace latvox::client {
@@ -27,6 +28,7 @@ class Output {
 // What an extension alone does not say.
 struct OutputOptions {
   bool dense_npy = false;
+  UpAxis picture_up = UpAxis::kY;  // which axis of the world a .png shows upwards
 };
 
 // Extensions that OpenOutput knows, with the dot.

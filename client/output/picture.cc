@@ -39,14 +39,20 @@ uint8_t ToLevel(float linear) {
   return static_cast<uint8_t>(std::pow(std::clamp(linear, 0.0F, 1.0F), 1 / 2.2F) * 255 + 0.5F);
 }
 
+// A direction where y is up, turned so that another axis is: x stays on the right where z is up.
+Vec3d Turned(const Vec3d& v, UpAxis up) {
+  if (up == UpAxis::kY) return v;
+  return up == UpAxis::kZ ? Vec3d{v[0], -v[2], v[1]} : Vec3d{v[1], v[2], v[0]};
+}
+
 // View frame: x to the right, y up, z towards the viewer, in samples.
 class Renderer {
  public:
   Renderer(const VoxelScene& scene, const PictureOptions& options)
       : scene_(scene), side_(options.side), wide_(options.side * kSamples) {
     const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
-    right_ = {std::cos(a), 0, -std::sin(a)};
-    towards_ = {std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
+    right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
+    towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
     up_ = Cross(towards_, right_);
     for (size_t m = 0; m < 3; ++m) color_[m] = ToLinear(options.color[m]);
     for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));

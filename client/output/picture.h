@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "client/mesh/up_axis.h"
 #include "client/output/voxel_scene.h"
 #include "client/types.h"
 
@@ -14,7 +15,8 @@ namespace latvox::client {
 
 struct PictureOptions {
   int side = 1024;                                 // pixels
-  double azimuth = 30, elevation = 22;             // of the viewer, degrees: from z towards x, and above; y is up
+  UpAxis up = UpAxis::kY;                          // of the world
+  double azimuth = 30, elevation = 22;             // of the viewer, degrees: about `up`, from the next axis, and above
   std::array<uint8_t, 3> color = {118, 158, 210};  // of the surface, sRGB
 };
 

@@ -34,12 +34,12 @@ std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
 
 class PictureOutput final : public Output {
  public:
-  explicit PictureOutput(std::unique_ptr<AtomicFile> file) : file_(std::move(file)) {}
+  PictureOutput(std::unique_ptr<AtomicFile> file, UpAxis up) : file_(std::move(file)), options_{.up = up} {}
 
   absl::Status Begin(const Accepted& accepted) override {
     const auto [low, high] = Visible(accepted);
     const double diagonal = Length(Sum(high, -1, low)) + accepted.grid.voxel_size;
-    scene_.emplace(accepted.grid, ShiftFor(accepted.grid, diagonal, PictureOptions()));
+    scene_.emplace(accepted.grid, ShiftFor(accepted.grid, diagonal, options_));
     return absl::OkStatus();
   }
 
@@ -50,7 +50,7 @@ class PictureOutput final : public Output {
 
   absl::Status Finish(const Summary&) override {
     scene_->Seal();
-    const auto png = DrawVoxels(*scene_, PictureOptions());
+    const auto png = DrawVoxels(*scene_, options_);
     if (!png.ok()) return png.status();
     if (auto status = file_->Append(*png); !status.ok()) return status;
     return file_->Sync();
@@ -60,13 +60,14 @@ class PictureOutput final : public Output {
 
  private:
   std::unique_ptr<AtomicFile> file_;
+  const PictureOptions options_;
   std::optional<VoxelScene> scene_;
 };
 
 }  // namespace
 
-std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file) {
-  return std::make_unique<PictureOutput>(std::move(file));
+std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, UpAxis up) {
+  return std::make_unique<PictureOutput>(std::move(file), up);
 }
 
 }  // namespace latvox::client

@@ -4,12 +4,13 @@
 
 #include <memory>
 
+#include "client/mesh/up_axis.h"
 #include "client/output/atomic_file.h"
 #include "client/output/output.h"
 
 namespace latvox::client {
 
-std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file);
+std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, UpAxis up);
 
 }  // namespace latvox::client
 

@@ -15,6 +15,8 @@ class Align(Case):
             self.assertEqual(again["digest"], first["digest"], lattice)
             self.assertEqual((again["basis"], again["origin"]), (first["basis"], first["origin"]))
             self.assertEqual(again["lattice"], lattice)
+            same = latvox("compare", self.dir / "first.vdb", self.dir / "again.vdb")
+            self.assertEqual(same.returncode, 0, same.stdout)
 
     def test_another_mesh_lies_on_the_points_of_the_first(self):
         basis = "0.25,0,0,0.125,0.25,0,0,0.0625,0.5"

@@ -42,6 +42,13 @@ class Digest(Case):
         found = {self.voxelize(BUNNY, *options, n)["digest"] for n in (40, 41, 42)}
         self.assertEqual(len(found), 3)
 
+    def test_an_encoding_changes_what_travels_and_nothing_else(self):
+        found = [self.voxelize(BUNNY, "--resolution", 256, "--encoding", name, out="a.vdb") for name in ("masks", "packed", "packed-zstd")]
+        self.assertEqual(len({summary["digest"] for summary in found}), 1)
+        masks, packed, zstd = (summary["bytes"]["received"] for summary in found)
+        self.assertLess(packed, masks / 2)
+        self.assertLess(zstd, packed)
+
     def test_shards_make_the_whole(self):
         options = [*LOSSLESS, "--lattice", "fcc", "--separability", "2", "--resolution", "160"]
         whole = self.voxelize(BUNNY, *options)

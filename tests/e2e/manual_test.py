@@ -74,6 +74,8 @@ class Help(Case):
         text = help_of("voxelize")
         for group in ("Mesh", "Lattice", "Voxels", "Part of the whole", "Output", "Transfer", "Server"):
             self.assertIn(f"\n{group}:\n", text)
+        for option, group in (("--band", "Voxels"), ("--encoding", "Transfer"), ("--bounds", "Part of the whole")):
+            self.assertRegex(text, rf"\n{group}:\n(?:.+\n)*? +{option}\b")
 
     def test_the_readme_knows_the_options_and_no_others(self):
         readme = (ROOT / "README.md").read_text()

@@ -89,6 +89,28 @@ class Picture(Case):
                 brightness = lambda x, y: sum(sum(lines[y + d][x + e]) for d in range(-3, 4) for e in range(-3, 4))
                 self.assertGreater(brightness(36, 36), 1.2 * brightness(60, 60))
 
+    def test_any_axis_may_point_up(self):
+        corners = [(x, y, z) for x in (0, 1) for y in (0, 2) for z in (0, 4)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        box = self.dir / "box.obj"
+        box.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(f"f {' '.join(str(v + 1) for v in f)}\n" for f in faces))
+        self.voxelize(box, "--resolution", "33", out="box.vdb")
+
+        def extent(*options):
+            _, _, lines = self.render(self.dir / "box.vdb", "--size", 96, "--view", "0,0", *options)
+            return [max(c) - min(c) for c in zip(*self.covered(lines))]
+
+        wide = {axis: extent(*(["--up", axis] if axis else [])) for axis in ("", "x", "y", "z")}
+        self.assertEqual(wide[""], wide["y"])
+        ratio = {axis: size[0] / size[1] for axis, size in wide.items()}
+        self.assertLess(abs(ratio["y"] - 1 / 2), 0.15, wide)  # x to the right, y up
+        self.assertLess(abs(ratio["z"] - 1 / 4), 0.15, wide)
+        self.assertLess(abs(ratio["x"] - 4 / 1), 1.2, wide)  # z to the right
+
+        self.voxelize(box, "--resolution", "33", "--up", "z", out="up.png")
+        self.assertEqual(latvox("render", self.dir / "box.vdb", "-o", self.dir / "same.png", "--up", "z").returncode, OK)
+        self.assertEqual((self.dir / "up.png").read_bytes(), (self.dir / "same.png").read_bytes())
+
     def test_options_do_what_they_say(self):
         write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 9)
         size = ["--size", 64]

@@ -72,6 +72,22 @@ TEST_F(MergeErrors, PartsThatDifferInAnyFieldNameItAndBothValues) {
   }
 }
 
+TEST_F(MergeErrors, ShardsThatAreCutDifferently) {
+  for (const char* name : {"latvox_region", "latvox_bounds"}) {
+    const auto cut = [name](const std::string& shard, const std::string& box) {
+      return [=](openvdb::BoolGrid& grid) {
+        Shard(shard)(grid);
+        if (!box.empty()) grid.insertMeta(name, openvdb::StringMetadata(box));
+      };
+    };
+    const std::string a = Part("a.vdb", First(), cut("0/2", "1,2,3"));
+    for (const char* box : {"", "1,2,4"}) {
+      const std::string b = Part("b.vdb", Second(), cut("1/2", box));
+      Refuses({a, b}, AllOf(HasSubstr(b + ": " + name + " is "), HasSubstr(", but 1,2,3 in " + a)));
+    }
+  }
+}
+
 TEST_F(MergeErrors, APartGivenTwice) {
   const std::string a = Part("a.vdb", First()), b = Part("b.vdb", Second());
   Refuses({a, b, a}, HasSubstr(a + ": is given twice"));
@@ -108,7 +124,8 @@ TEST_F(MergeErrors, FilesThatLatvoxDidNotWrite) {
   Refuses({a, Path("")}, HasSubstr("is a directory"));
   Refuses({a, Write("text.vdb", "this is no grid, and long enough to be one")}, HasSubstr("text.vdb: is not a whole"));
   const auto no_digest = [](openvdb::BoolGrid& grid) { grid.removeMeta("latvox_digest"); };
-  Refuses({a, Part("b.vdb", Second(), no_digest)}, HasSubstr("b.vdb: is not a whole .vdb file that latvox wrote"));
+  Refuses({a, Part("b.vdb", Second(), no_digest)},
+          HasSubstr("b.vdb: is not a whole .vdb file of voxels alone that latvox wrote"));
   openvdb::io::File(Path("float.vdb")).write({openvdb::FloatGrid::create(0)});
   Refuses({a, Path("float.vdb")}, HasSubstr("its grid is a Tree_float_5_4_3"));
   openvdb::io::File(Path("two.vdb")).write({openvdb::BoolGrid::create(), openvdb::BoolGrid::create()});

@@ -147,6 +147,22 @@ TEST_F(Merge, ShardsAreMinimalTogetherIfTheWholeIsAndOtherPartsMayNotBeAll) {
   }
 }
 
+TEST_F(Merge, WhatIsCutOutOfTheWholeIsToldOfAllPartsAndTheRequestIfItIsTheSame) {
+  const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({1, 0, 0})};
+  const auto with = [](const std::string& region, const std::string& request) {
+    return [=](openvdb::BoolGrid& grid) {
+      if (!region.empty()) grid.insertMeta("latvox_region", openvdb::StringMetadata(region));
+      if (!request.empty()) grid.insertMeta("latvox_request", openvdb::StringMetadata(request));
+    };
+  };
+  const auto part = [&](const char* name, size_t n, const std::string& region, const std::string& request) {
+    return Part(name, {bricks[n]}, with(region, request));
+  };
+  Check({part("a.vdb", 0, "1,2", "x"), part("b.vdb", 1, "3,4", "x")}, bricks, with("1,2; 3,4", "x"));
+  Check({part("a.vdb", 0, "1,2", "x"), part("b.vdb", 1, "1,2", "y")}, bricks, with("1,2", ""));
+  Check({part("a.vdb", 0, "1,2", "x"), part("b.vdb", 1, "", "x")}, bricks, with("", "x"));
+}
+
 TEST_F(Merge, ProgressGrowsToItsEndAndCancellingStops) {
   Bricks bricks;
   for (int n = 0; n < 20000; ++n) bricks.push_back(MakeBrick({n / 400, n / 20 % 20, n % 20}));

@@ -1,0 +1,11 @@
+#ifndef LATVOX_CLIENT_MESH_UP_AXIS_H_
+#define LATVOX_CLIENT_MESH_UP_AXIS_H_
+
+namespace latvox::client {
+
+// Which axis points up.
+enum class UpAxis { kX, kY, kZ };
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_UP_AXIS_H_
