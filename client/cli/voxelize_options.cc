@@ -183,7 +183,10 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   Group(command, "Lattice");
   CLI::Option* lattice =
       command.add_option("--lattice", words.lattice, "default: cartesian")->check(OneOf(LatticeNames()));
-  command.add_option("--basis", words.basis, "three basis vectors a, b, c of any lattice, world units; only their shape, with --voxel-size or --resolution")
+  command
+      .add_option("--basis", words.basis,
+                  "three basis vectors a, b, c of any lattice, world units; only their shape, with --voxel-size or "
+                  "--resolution")
       ->type_name("a1,a2,a3,b1,...,c3")
       ->check(CheckNumbers<double, 9>)
       ->excludes(lattice);
