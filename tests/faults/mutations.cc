@@ -67,7 +67,8 @@ void SetField(Message& message, const FieldDescriptor& field, Chance& chance) {
     case FieldDescriptor::CPPTYPE_BOOL:
       return reflection.SetBool(&message, &field, chance.OneIn(2));
     case FieldDescriptor::CPPTYPE_ENUM:
-      return reflection.SetEnumValue(&message, &field, static_cast<int>(chance.Below(8)));
+      return repeated ? reflection.AddEnumValue(&message, &field, static_cast<int>(chance.Below(8)))
+                      : reflection.SetEnumValue(&message, &field, static_cast<int>(chance.Below(8)));
     case FieldDescriptor::CPPTYPE_STRING:
       return reflection.SetString(&message, &field, chance.Bytes(chance.Below(100)));
     case FieldDescriptor::CPPTYPE_MESSAGE:
