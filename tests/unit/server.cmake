@@ -18,6 +18,8 @@ target_compile_definitions(
   PRIVATE LATVOX_RESERVE_BOMB="${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/decoder_fuzz/reserve_bomb_61.drc")
 latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_computation_test SOURCES unit/server_computation_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_solid_test SOURCES unit/server_solid_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_attributes_test SOURCES unit/server_attributes_test.cc
