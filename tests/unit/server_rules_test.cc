@@ -17,7 +17,6 @@
 #include "google/rpc/status.pb.h"
 #include "server/convert.h"
 #include "server/errors.h"
-#include "tests/unit/server_meshes.h"
 
 namespace latvox {
 namespace {
