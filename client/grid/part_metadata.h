@@ -23,8 +23,8 @@ struct CommonFacts {
 //   latvox_digest                             which is each part's own
 //   latvox_shard                              "I/N": all N must be there, once
 //   latvox_tunnel_free, latvox_minimal        true of the whole if true of each part
-//   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one has none; shards' are
-//   equal latvox_request                            that of the whole if it is the same in all parts
+//   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one has none; shards' equal
+//   latvox_request                            that of the whole if it is the same in all parts
 //   latvox_whole_minimal                      the same in all; shards make the whole of which it speaks
 //   latvox_verified                           true of a single part only: nobody counted on the union
 //   file_*                                    OpenVDB's statistics, which it writes anew

@@ -11,8 +11,7 @@
 namespace latvox::client {
 
 // JSON with the fields of a line of `latvox batch`, so that such a line with the mesh repeats the request: all that
-// says what the whole is. Not which part of it, and not how mesh and voxels are read and travel (scale, quantization,
-// ...).
+// says what the whole is; not which part of it, nor how mesh and voxels are read and sent (scale, quantization, ...).
 std::string RequestText(const VoxelizeRequest& request);
 
 // The metadata latvox_request, RequestText; and latvox_region, latvox_bounds of a request for these, six numbers each.
