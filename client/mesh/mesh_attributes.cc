@@ -43,7 +43,9 @@ uint32_t NextPart(const Mesh& mesh) {
 absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh) {
   for (const Attribute attribute : attributes) {
     if (Has(mesh, attribute)) continue;
-    return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute)));
+    const bool why = attribute == Attribute::kColor && !mesh.no_color.empty();
+    return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute),
+                                                   why ? absl::StrCat(" (", mesh.no_color, ")") : ""));
   }
   return absl::OkStatus();
 }
