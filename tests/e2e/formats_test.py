@@ -75,7 +75,7 @@ class Formats(Case):
         self.assertIn(summary["digest"], text)
 
     def test_a_vdb_tells_the_request_which_repeats_it(self):
-        """latvox_request is a line of `latvox batch`, but for the mesh."""
+        """latvox_request is a line of `latvox batch`, but for the mesh's path."""
         for n, options in enumerate((
             [*BCC, "--no-minimal"],
             ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3", "--separability", "1"],
@@ -83,11 +83,17 @@ class Formats(Case):
             ["--voxel-size", "0.1", "--cover", "supercover"],
             ["--voxel-size", "0.1", "--band", "2v", "--signed"],
             ["--resolution", "20", "--algorithm", "incremental", "--verify"],
+            ["--resolution", "20", "--up", "x", "--scale", "2", "--quantization", "11"],
+            ["--voxel-size", "0.2", "--up", "z", "--scale", "2", "--quantization", "14", "--input-format", "obj"],
+            ["--voxel-size", "0.1", "--up", "y", "--scale", "0.3", "--quantization", "0", "--band", "2v"],
         )):
             with self.subTest(options):
                 summary = self.voxelize(BUNNY, *options, out=f"{n}.vdb")
                 (grid,), _ = pyopenvdb.readAll(str(self.dir / f"{n}.vdb"))
-                line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | json.loads(grid["latvox_request"])
+                request = json.loads(grid["latvox_request"])
+                for name in {"--up", "--scale", "--quantization", "--input-format"} & set(options):
+                    self.assertEqual(str(request[name[2:].replace("-", "_")]).removesuffix(".0"), options[options.index(name) + 1])
+                line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | request
                 (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
                 done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / f"out{n}")
                 self.assertEqual(done.returncode, 0, done.stderr)
