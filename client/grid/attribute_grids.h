@@ -1,7 +1,7 @@
 // Voxels that carry attributes as OpenVDB grids. No OpenVDB header is needed to use this.
 //
 //   "voxels"            the set, as client/grid/voxel_grid.h has it
-//   "part", "material"  a grid of 32-bit integers each
+//   "part", "material"  a grid of 32-bit integers each; of OpenVDB's own programs, vdb_ax reads their values
 //   "color"             a grid of three floats from 0 to 1: red, green, blue
 //
 // All have the same transform, metadata (with latvox_attributes, their names, and latvox_attributes_digest) and active
