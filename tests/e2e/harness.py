@@ -112,6 +112,24 @@ def gltf_info(path):
     return report["info"]
 
 
+def by_three(path):
+    """What three.js finds in a .glb: corners, how many triangles, colors."""
+    command = ["node", "read_glb.js", path]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True, cwd=NODE)
+    return json.loads(done.stdout)
+
+
+def read_points(path, *names):
+    """By meshio, for each point of a .ply: its position, and what it has under these names."""
+    script = (
+        "import json, meshio, sys; mesh = meshio.read(sys.argv[1]);"
+        "print(json.dumps([mesh.points.tolist(), *(mesh.point_data[name].tolist() for name in sys.argv[2:])]))"
+    )
+    command = ["/usr/bin/python3", "-c", script, path, *names]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    return list(zip(*json.loads(done.stdout), strict=True))
+
+
 # Meshes: a list of vertices (three float32-exact numbers) and a list of triangles (three indices).
 
 
