@@ -56,6 +56,7 @@ class Renderer {
     up_ = Cross(towards_, right_);
     for (size_t m = 0; m < 3; ++m) color_[m] = ToLinear(options.color[m]);
     for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));
+    MakeRims();
     const size_t samples = static_cast<size_t>(wide_) * static_cast<size_t>(wide_);
     depth_.resize(samples, kNoDepth);
     facet_.resize(samples);
@@ -149,15 +150,24 @@ class Renderer {
   uint8_t EdgeAt(const Vec3d& point, const VoxelScene::Hit& hit) const {
     constexpr float kLeast = 8;  // samples that a cell must be wide for its edges to show
     if (cell_ < kLeast) return 0;
-    const VoxelScene::Facet& facet = scene_.facets()[static_cast<size_t>(hit.facet)];
     const Vec3d at = Sum(point, -1, scene_.CenterOf(hit.cell));
     double nearest = 1;
-    for (const VoxelScene::Facet& other : scene_.facets()) {
-      const double cosine = Dot3(facet.normal, other.normal), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-      if (sine > 1e-6) nearest = std::min(nearest, (other.distance - Dot3(at, other.normal)) / sine);
+    for (const Rim& rim : rims_[static_cast<size_t>(hit.facet)]) {
+      nearest = std::min(nearest, rim.base - Dot3(at, rim.slope));
     }
     const float distance = static_cast<float>(nearest * scale_), line = std::clamp(0.02F * cell_, 0.5F, 3.0F);
     return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
+  }
+
+  // How far a point of a facet is from the plane of each other one, along the facet.
+  void MakeRims() {
+    for (const VoxelScene::Facet& facet : scene_.facets()) {
+      std::vector<Rim>& rims = rims_.emplace_back();
+      for (const VoxelScene::Facet& other : scene_.facets()) {
+        const double cosine = Dot3(facet.normal, other.normal), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+        if (sine > 1e-6) rims.push_back({other.distance / sine, Sum({}, 1 / sine, other.normal)});
+      }
+    }
   }
 
   // Of the smooth surface.
@@ -253,6 +263,12 @@ class Renderer {
     return color;
   }
 
+  // A line between two facets: base - point * slope is the distance from it.
+  struct Rim {
+    double base;
+    Vec3d slope;
+  };
+
   static constexpr int kDirections = 8, kSteps = 5;
   struct Tap {
     int dx, dy;
@@ -266,8 +282,9 @@ class Renderer {
   double scale_ = 1;            // samples per unit of the scene
   float cell_ = 1;              // a cell's edge in samples
   Rgb color_;
-  std::vector<Vec3f> normals_;         // of the cell's facets, view frame
-  std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
+  std::vector<Vec3f> normals_;          // of the cell's facets, view frame
+  std::vector<std::vector<Rim>> rims_;  // of each of them
+  std::vector<float> depth_, smooth_;   // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
   std::optional<VoxelFront> front_;
   std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
   std::vector<VoxelFront> light_fronts_;           // of each of them

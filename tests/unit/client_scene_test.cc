@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "client/output/depth_blur.h"
 #include "client/output/picture.h"
 #include "client/output/vec3.h"
 #include "client/output/voronoi_cell.h"
@@ -177,6 +178,43 @@ TEST(Picture, ScenesHoldNoMoreThanThePictureTells) {
   EXPECT_GE(shift, 3);
   EXPECT_LE(shift, 5);
   EXPECT_EQ(ShiftFor(grid, 60000, {.side = 2048}), shift - 1);
+}
+
+// Against the sums as they are defined, where windows lie over nothing, steps and edges of the picture.
+TEST(SmoothDepth, AveragesWhatIsNearInDepth) {
+  constexpr int kWide = 61;
+  std::mt19937 chance(7);
+  for (const int radius : {2, 5, 32}) {
+    std::vector<float> depth(kWide * kWide, kNoDepth);
+    for (size_t n = 0; n < depth.size(); ++n) {
+      const auto x = static_cast<float>(n % kWide), y = static_cast<float>(n / kWide);
+      if (std::hypot(x - 28, y - 33) < 27) depth[n] = y / 3 + static_cast<float>(chance() % 5) - (x > 30 ? 70.F : 0.F);
+    }
+    std::vector<float> expected = depth;
+    for (const int step : {1, kWide, 1, kWide}) {
+      const std::vector<float> in = expected;
+      for (int n = 0; n < kWide * kWide; ++n) {
+        const int along = step == 1 ? n % kWide : n / kWide;
+        const float here = in[static_cast<size_t>(n)];
+        double sum = 0, count = 0;
+        for (int d = std::max(-radius, -along); d <= std::min(radius, kWide - 1 - along); ++d) {
+          const float there = in[static_cast<size_t>(n + d * step)];
+          if (!(std::abs(there - here) < 3.0F * static_cast<float>(radius))) continue;
+          sum += there;
+          ++count;
+        }
+        if (here != kNoDepth) expected[static_cast<size_t>(n)] = static_cast<float>(sum / count);
+      }
+    }
+    const std::vector<float> found = SmoothDepth(depth, kWide, radius);
+    for (size_t n = 0; n < found.size(); ++n) {
+      if (expected[n] == kNoDepth) {
+        ASSERT_EQ(found[n], kNoDepth);
+      } else {
+        ASSERT_NEAR(found[n], expected[n], 1e-3) << radius << " " << n;
+      }
+    }
+  }
 }
 
 }  // namespace
