@@ -2,6 +2,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <cmath>
+#include <map>
 #include <optional>
 #include <random>
 #include <set>
@@ -117,6 +118,42 @@ TEST(VoxelScene, ShiftedCellsAreThoseThatHoldAVoxel) {
     scene.ForEach([&](const Vec3i& cell) { found.insert(cell); });
     EXPECT_EQ(found, expected) << "shift " << shift;
     EXPECT_NEAR(scene.cell_size(), std::cbrt(4) * (1 << shift), 1e-9);
+  }
+}
+
+// A cell has the color of one of its voxels, the same in whatever order bricks come; without a shift, there is but one.
+TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
+  std::mt19937 chance(13);
+  std::vector<Brick> bricks = Scattered(chance, 30);
+  const auto color_of = [](const Vec3i& ijk) {
+    return static_cast<uint32_t>(ijk[0] * 7 + ijk[1] * 5 + ijk[2]) & 0xFFFFFF;
+  };
+  for (int shift = 0; shift < 5; ++shift) {
+    VoxelScene one({kLattices[0], {}, 0}, shift), other = one;
+    std::map<Vec3i, std::set<uint32_t>> expected;
+    const auto add = [&](const Brick& brick, VoxelScene& scene) {
+      std::vector<uint32_t> colors;
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        Vec3i cell;
+        for (size_t m = 0; m < 3; ++m) cell[m] = (ijk[m] >> shift) - ((bricks[0].brick_ijk[m] * 8 >> shift) & ~63);
+        expected[cell].insert(color_of(ijk));
+        colors.push_back(color_of(ijk));
+      });
+      scene.Add(brick, colors);
+    };
+    add(bricks[0], one);  // the first decides where cell 0 is
+    add(bricks[0], other);
+    for (size_t n = 0; n < bricks.size(); ++n) {
+      add(bricks[n], one);
+      add(bricks[bricks.size() - 1 - n], other);
+    }
+    size_t cells = 0;
+    one.ForEach([&](const Vec3i& cell) {
+      ++cells;
+      EXPECT_TRUE(expected[cell].contains(one.ColorOf(cell))) << "shift " << shift;
+      EXPECT_EQ(one.ColorOf(cell), other.ColorOf(cell));
+    });
+    EXPECT_EQ(cells, expected.size());
   }
 }
 
