@@ -1,20 +1,17 @@
 #include "client/mesh/gltf_check.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <sstream>
+#include <set>
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
-#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh/gltf_buffers.h"
+#include "client/mesh/gltf_sparse.h"
 
 namespace latvox::client {
 namespace {
@@ -53,57 +50,21 @@ absl::StatusOr<Document> TakeApart(absl::string_view bytes) {
   return document;
 }
 
-// The buffers' bytes, each read once; nothing of those that cannot be.
-class Buffers {
- public:
-  Buffers(const Json& root, absl::string_view binary, std::filesystem::path folder)
-      : root_(root), binary_(binary), folder_(std::move(folder)) {}
-
-  absl::string_view At(size_t n) {
-    const Json& buffer = root_.at("buffers").at(n);
-    if (!buffer.contains("uri")) return n == 0 ? binary_ : absl::string_view();
-    const auto [at, is_new] = read_.try_emplace(n);
-    if (is_new) at->second = Read(buffer.at("uri").get<std::string>());
-    return at->second;
-  }
-
- private:
-  std::string Read(absl::string_view uri) const {
-    constexpr absl::string_view kBase64 = ";base64,";
-    std::string bytes;
-    if (absl::StartsWith(uri, "data:")) {
-      const size_t begin = uri.find(kBase64);
-      if (begin == absl::string_view::npos || !absl::Base64Unescape(uri.substr(begin + kBase64.size()), &bytes))
-        return "";
-      return bytes;
-    }
-    std::ifstream file(folder_ / std::string(uri), std::ios::binary);
-    std::ostringstream all;
-    all << file.rdbuf();
-    return file ? std::move(all).str() : "";
-  }
-
-  const Json& root_;
-  const absl::string_view binary_;
-  const std::filesystem::path folder_;
-  std::map<size_t, std::string> read_;
-};
-
-size_t SizeOfComponent(int type) { return type == 5121 ? 1 : type == 5123 ? 2 : type == 5125 ? 4 : 0; }
-
 // The bytes of an accessor's numbers, all of them; nothing if they are not there.
-absl::string_view BytesOf(const Json& accessor, const Json& root, Buffers& buffers) {
-  if (accessor.contains("sparse") || !accessor.contains("bufferView")) return {};
+//   changed   where they lie if it is sparse
+absl::string_view BytesOf(const Json& accessor, const Json& root, GltfBuffers& buffers, std::string& changed) {
+  if (accessor.contains("sparse")) return changed = SparseBytes(accessor, root, buffers);
+  if (!accessor.contains("bufferView")) return {};
   const Json& view = root.at("bufferViews").at(accessor.at("bufferView").get<size_t>());
   const absl::string_view buffer = buffers.At(view.at("buffer").get<size_t>());
   const size_t begin = view.value("byteOffset", size_t{0}) + accessor.value("byteOffset", size_t{0});
-  const size_t size = SizeOfComponent(accessor.at("componentType").get<int>());
+  const size_t size = GltfComponentSize(accessor.at("componentType").get<int>());
   const auto count = accessor.at("count").get<size_t>();
-  if (begin > buffer.size() || size == 0 || count > (buffer.size() - begin) / size) return {};
+  if (begin > buffer.size() || count > (buffer.size() - begin) / size) return {};
   return buffer.substr(begin, count * size);
 }
 
-absl::Status CheckIndices(const Json& primitive, const Json& root, Buffers& buffers) try {
+absl::Status CheckIndices(const Json& primitive, const Json& root, GltfBuffers& buffers) try {
   const Json& accessors = root.at("accessors");
   const Json& positions = accessors.at(primitive.at("attributes").at("POSITION").get<size_t>());
   const auto vertices = positions.at("count").get<uint64_t>();
@@ -112,8 +73,15 @@ absl::Status CheckIndices(const Json& primitive, const Json& root, Buffers& buff
   const uint64_t corners = indexed ? accessors.at(number).at("count").get<uint64_t>() : vertices;
   if (corners % 3 != 0) return Bad(corners, " corners of triangles are not a multiple of 3");
   if (!indexed) return absl::OkStatus();
-  const absl::string_view bytes = BytesOf(accessors.at(number), root, buffers);
-  const size_t size = bytes.size() / std::max<uint64_t>(corners, 1);
+  const Json& accessor = accessors.at(number);
+  const int component = accessor.at("componentType").get<int>();
+  if (!IsGltfIndex(component) || accessor.at("type") != "SCALAR") {
+    return Bad("indices are ", accessor.at("type").dump(), " of componentType ", component,
+               ", not \"SCALAR\" of 5121, 5123 or 5125");
+  }
+  std::string changed;
+  const absl::string_view bytes = BytesOf(accessor, root, buffers, changed);
+  const size_t size = GltfComponentSize(component);
   for (size_t n = 0; n * size < bytes.size(); ++n) {
     uint32_t index = 0;
     std::memcpy(&index, bytes.data() + n * size, size);  // little-endian, as this machine is
@@ -126,7 +94,7 @@ absl::Status CheckIndices(const Json& primitive, const Json& root, Buffers& buff
 }
 
 // Errors: also the JSON library's exceptions.
-absl::Status CheckPrimitives(const Json& root, Buffers& buffers) {
+absl::Status CheckPrimitives(const Json& root, GltfBuffers& buffers) {
   const Json none = Json::array();
   size_t mesh = 0;
   for (const Json& each : root.value("meshes", none)) {
@@ -144,21 +112,40 @@ absl::Status CheckPrimitives(const Json& root, Buffers& buffers) {
   return absl::OkStatus();
 }
 
+// Errors: also the JSON library's exceptions. A name that stands twice in an object would be one value here and another
+// for assimp.
+absl::StatusOr<Json> ParseDocument(absl::string_view text) {
+  std::vector<std::set<std::string>> open;  // names so far in each object that has not ended
+  std::string twice;
+  const auto see = [&](int, Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event != Json::parse_event_t::key) return true;
+    if (!open.back().insert(parsed.get<std::string>()).second) twice = parsed.get<std::string>();
+    return true;
+  };
+  Json root = Json::parse(text, see);
+  if (!twice.empty()) return Bad("JSON: \"", twice, "\" stands twice in an object");
+  return root;
+}
+
 }  // namespace
 
 absl::Status CheckGltf(absl::string_view bytes, const std::filesystem::path& folder) {
   const auto document = TakeApart(bytes);
   if (!document.ok()) return document.status();
-  Json root;
+  absl::StatusOr<Json> root;
   try {
-    root = Json::parse(document->text);
+    root = ParseDocument(document->text);
   } catch (const Json::exception& error) {
     const absl::string_view what = error.what();  // "[json.exception.parse_error.101] parse error at line 2, ..."
     return Bad("JSON: ", what.substr(what.find("] ") + 2));
   }
+  if (!root.ok()) return root.status();
+  GltfBuffers buffers(*root, document->binary, folder);
+  if (absl::Status status = CheckSparse(*root, buffers); !status.ok()) return status;
   try {
-    Buffers buffers(root, document->binary, folder);
-    return CheckPrimitives(root, buffers);
+    return CheckPrimitives(*root, buffers);
   } catch (const Json::exception&) {
     return absl::OkStatus();  // likewise
   }

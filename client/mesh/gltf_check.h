@@ -9,13 +9,14 @@
 
 namespace latvox::client {
 
-// Looks at the JSON, and at the vertex indices of every primitive of triangles: assimp would leave out those with an
-// index beyond their vertices, and what is left over where their number is no multiple of 3. What else may be wrong, or
-// cannot be read here, is left to assimp, which refuses it: accessors, views and buffers that are missing or too short.
-// Not looked at: indices of sparse accessors.
+// Looks at the JSON, at sparse accessors (see CheckSparse), and at the vertex indices of every primitive of triangles:
+// assimp would leave out those with an index beyond their vertices, and what is left over where their number is no
+// multiple of 3. What else may be wrong, or cannot be read here, is left to assimp, which refuses it: accessors, views
+// and buffers that are missing or too short.
 //   bytes    of a .glb or a .gltf
 //   folder   of the files that it refers to; empty: the working directory
-// Errors: INVALID_ARGUMENT, without the path, naming the byte in the JSON, or mesh, primitive, index and limit.
+// Errors: INVALID_ARGUMENT, without the path, naming the byte in the JSON, or mesh, primitive, index and limit, or
+// as CheckSparse.
 absl::Status CheckGltf(absl::string_view bytes, const std::filesystem::path& folder);
 
 }  // namespace latvox::client

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace latvox::client {
@@ -29,6 +30,7 @@ struct Mesh {
   std::vector<Stretch> stretches = {};  // in order, parts ascending; none: all are part 0, without a material
   uint32_t materials = 0;               // that stretches name
   std::vector<Color> colors = {};       // of each position; of fewer: some have none
+  std::string no_color = {};            // why some of the file's colors are not among these; empty: it has no others
 };
 
 }  // namespace latvox::client

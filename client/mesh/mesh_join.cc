@@ -61,6 +61,7 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
   if (mesh.colors.size() == base && part.colors.size() == part.positions.size()) {
     mesh.colors.insert(mesh.colors.end(), part.colors.begin(), part.colors.end());
   }
+  if (mesh.no_color.empty()) mesh.no_color = part.no_color;
   AppendStretches(part, mesh);
   mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
   for (auto triangle : part.triangles) {

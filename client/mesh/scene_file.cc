@@ -1,5 +1,6 @@
 #include "client/mesh/scene_file.h"
 
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -7,6 +8,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
+#include <optional>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -28,8 +30,31 @@ Color ToColor(const aiColor4D& color) {
   return {byte(color.r), byte(color.g), byte(color.b)};
 }
 
+// The color that all of a part has: the factor of its material, where that is in the file and has no texture, which
+// would change it. Where there is none, nothing; and why in no_color, if there is something that is not read.
+std::optional<Color> BaseColorOf(const aiScene& scene, const aiMesh& part, std::string& no_color) {
+  if (part.mMaterialIndex + 1 >= scene.mNumMaterials) return std::nullopt;  // assimp's own, for what has none
+  const aiMaterial& material = *scene.mMaterials[part.mMaterialIndex];
+  if (material.GetTextureCount(aiTextureType_BASE_COLOR) + material.GetTextureCount(aiTextureType_DIFFUSE) > 0) {
+    no_color =
+        absl::StrCat("material \"", material.GetName().C_Str(), "\" has a texture, and textures are not sampled");
+    return std::nullopt;
+  }
+  aiColor4D factor;
+  if (material.Get(AI_MATKEY_COLOR_DIFFUSE, factor) != aiReturn_SUCCESS) return std::nullopt;
+  return ToColor(factor);
+}
+
+void AppendColors(const aiScene& scene, const aiMesh& part, Mesh& mesh) {
+  if (part.mColors[0] != nullptr) {
+    for (unsigned v = 0; v < part.mNumVertices; ++v) mesh.colors.push_back(ToColor(part.mColors[0][v]));
+  } else if (const auto color = BaseColorOf(scene, part, mesh.no_color)) {
+    mesh.colors.insert(mesh.colors.end(), part.mNumVertices, *color);
+  }
+}
+
 // `number`: of the part.
-absl::Status AppendMesh(const aiMesh& part, uint32_t number, const Affine& to_world, Mesh& mesh) {
+absl::Status AppendMesh(const aiScene& scene, const aiMesh& part, uint32_t number, const Affine& to_world, Mesh& mesh) {
   const size_t base = mesh.positions.size();
   if (base + part.mNumVertices > UINT32_MAX) {
     return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
@@ -43,9 +68,7 @@ absl::Status AppendMesh(const aiMesh& part, uint32_t number, const Affine& to_wo
     }
     mesh.positions.push_back(position);
   }
-  if (part.mColors[0] != nullptr && mesh.colors.size() == base) {
-    for (unsigned v = 0; v < part.mNumVertices; ++v) mesh.colors.push_back(ToColor(part.mColors[0][v]));
-  }
+  if (mesh.colors.size() == base) AppendColors(scene, part, mesh);
   BeginStretch(number, part.mMaterialIndex, mesh);
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
@@ -72,7 +95,7 @@ absl::Status AppendNode(const aiScene& scene, const aiNode& node, const Affine& 
   const uint32_t number = NextPart(mesh);
   for (unsigned n = 0; n < node.mNumMeshes; ++n) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[n]];
-    if (auto status = AppendMesh(part, number, to_world, mesh); !status.ok()) return status;
+    if (auto status = AppendMesh(scene, part, number, to_world, mesh); !status.ok()) return status;
   }
   for (unsigned n = 0; n < node.mNumChildren; ++n) {
     if (auto status = AppendNode(scene, *node.mChildren[n], to_world, mesh); !status.ok()) return status;

@@ -11,7 +11,8 @@
 namespace latvox::client {
 
 // All triangles of the scene in world coordinates. Each node with a mesh is a part; materials are numbered in the order
-// in which they are first used, and what has none has the number after them; colors are those of vertices alone. Of
+// in which they are first used, and what has none has the number after them; colors are those of vertices, or else the
+// base color factor of the material, as they are (linear); a texture is not sampled, and then there is no color. Of
 // glTF, assimp leaves out triangles with an index out of range without a word: see CheckGltf. Errors: INVALID_ARGUMENT
 // naming what is wrong, without the path.
 absl::StatusOr<Mesh> ReadSceneFile(const std::string& path);

@@ -1,4 +1,5 @@
-// Foreign meshes: whatever comes, a clean status, or finite positions with triangles among them.
+// Foreign meshes: whatever comes, a clean status, or finite positions with triangles among them. Of glTF, what is held
+// against the rules before assimp reads it.
 #include <zip.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "client/mesh/gltf_check.h"
 #include "client/mesh/mesh_format.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
@@ -22,6 +24,7 @@ void Check(const absl::StatusOr<latvox::client::Mesh>& mesh) {
   for (const auto& [x, y, z] : mesh->positions) {
     if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) std::abort();
   }
+  if (mesh->colors.size() > mesh->positions.size()) std::abort();
   for (const auto& triangle : mesh->triangles) {
     for (const uint32_t vertex : triangle) {
       if (vertex >= mesh->positions.size()) std::abort();
@@ -67,5 +70,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Check(latvox::client::ParseStl(bytes));
   Check(latvox::client::Parse3mf(bytes));
   Check(latvox::client::Parse3mf(Archive(bytes)));
+  latvox::client::CheckGltf(bytes, "/nowhere").IgnoreError();
   return 0;
 }
