@@ -21,8 +21,11 @@
       "\"\n" #name "_end:\n.popsection\n");                                                                            \
   extern "C" const char name[], name##_end[]
 LATVOX_EMBED(latvox_view_page, "/page.html");
-LATVOX_EMBED(latvox_view_script, "/view.js");
 LATVOX_EMBED(latvox_view_three, "/three.js");
+LATVOX_EMBED(latvox_view_voxels, "/voxels.js");
+LATVOX_EMBED(latvox_view_surface, "/surface.js");
+LATVOX_EMBED(latvox_view_view, "/view.js");
+LATVOX_EMBED(latvox_view_controls, "/controls.js");
 
 namespace latvox::client {
 namespace {
@@ -51,6 +54,16 @@ Json FacetsOf(const Basis& basis) {
     facets.push_back({{"step", w}, {"normal", Unit(to)}, {"corners", corners}});
   }
   return facets;
+}
+
+// A direction of the world as the viewer has it, y up: x stays on the right where z is up.
+Vec3d Turned(const Vec3d& v, UpAxis up) {
+  if (up == UpAxis::kY) return v;
+  return up == UpAxis::kZ ? Vec3d{v[0], v[2], -v[1]} : Vec3d{v[2], v[0], v[1]};
+}
+
+Basis TurnedBasis(const Basis& basis, UpAxis up) {
+  return {Turned(basis.a, up), Turned(basis.b, up), Turned(basis.c, up)};
 }
 
 // Where the voxels are drawn: within 1 of 0.
@@ -97,27 +110,29 @@ std::string Bytes(const std::vector<Brick>& bricks) {
 
 }  // namespace
 
-absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& title) {
+absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& title, UpAxis up) {
+  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or less finely (--resolution, --voxel-size)";
   if (file.info.active_voxels > kMaxPageVoxels) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ", kMaxPageVoxels, " of a page"));
+    return absl::ResourceExhaustedError(absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ",
+                                                     kMaxPageVoxels, " of a page", kRemedy));
   }
   const IndexBox box = file.info.active_box.value_or(IndexBox{{0, 0, 0}, {1, 1, 1}});
   for (size_t m = 0; m < 3; ++m) {
     if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
       return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
-                                                       " are over the ", kMaxSide, " of a page"));
+                                                       " are over the ", kMaxSide, " of a page", kRemedy));
     }
   }
   const Placement placement = PlacementOf(file, box);
-  const auto& [a, b, c] = placement.basis;
+  const Basis basis = TurnedBasis(placement.basis, up);
   const Json data = {{"title", title},
                      {"metadata", MetadataOf(file.info)},
                      {"low", box.min},
                      {"high", box.max},
-                     {"basis", {a, b, c}},
+                     {"axes", {Turned({1, 0, 0}, up), Turned({0, 1, 0}, up), Turned({0, 0, 1}, up)}},
+                     {"basis", {basis.a, basis.b, basis.c}},
                      {"middle", placement.middle},
-                     {"facets", FacetsOf(placement.basis)}};
+                     {"facets", FacetsOf(basis)}};
   // No tag can begin within the JSON.
   const std::string json =
       absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
@@ -125,7 +140,10 @@ absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& ti
                              {{"{{data}}", json},
                               {"{{bricks}}", absl::Base64Escape(Bytes(file.bricks))},
                               {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
-                              {"{{view}}", Embedded(latvox_view_script, latvox_view_script_end)}});
+                              {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
+                              {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},
+                              {"{{view}}", Embedded(latvox_view_view, latvox_view_view_end)},
+                              {"{{controls}}", Embedded(latvox_view_controls, latvox_view_controls_end)}});
 }
 
 }  // namespace latvox::client
