@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/common_options.h"
-#include "client/grid/voxel_grid.h"
+#include "client/grid/grid_content.h"
 #include "client/output/atomic_file.h"
 #include "client/view/page.h"
 
@@ -38,14 +38,14 @@ void Check(const ViewWords& words) {
 
 absl::StatusOr<std::string> RunView(const ViewWords& words) {
   const std::string& output = words.outputs.front();
-  const auto file = ReadGridFile(words.input);
-  if (!file.ok()) return file.status();
-  const UpAxis up = words.up.empty() ? UpOf(file->info) : ValueNamed(UpNames(), words.up);
-  const auto page = ViewPage(*file, std::filesystem::path(words.input).filename().string(), up);
+  const auto content = ReadGridContent(words.input);
+  if (!content.ok()) return content.status();
+  const GridFileInfo& info = content->file.info;
+  const UpAxis up = words.up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.up);
+  const auto page = ViewPage(*content, std::filesystem::path(words.input).filename().string(), up);
   if (!page.ok()) return page.status();
   if (auto status = WriteAtomically(output, *page); !status.ok()) return status;
-  return absl::StrCat(words.input, ": ", file->info.active_voxels, " voxels\nwrote ", output, ", ", page->size(),
-                      " bytes\n");
+  return absl::StrCat(words.input, ": ", info.active_voxels, " voxels\nwrote ", output, ", ", page->size(), " bytes\n");
 }
 
 }  // namespace latvox::client

@@ -14,6 +14,7 @@
 #include "client/output/vec3.h"
 #include "client/output/voronoi_cell.h"
 #include "client/output/voxel_walk.h"
+#include "client/view/paints.h"
 
 // The files of this folder, as they are.
 #define LATVOX_EMBED(name, file)                                                                                       \
@@ -108,9 +109,18 @@ std::string Bytes(const std::vector<Brick>& bricks) {
   return bytes;
 }
 
+Json Describe(const std::vector<Paint>& paints) {
+  Json described = Json::array();
+  for (const Paint& paint : paints) {
+    described.push_back({{"name", paint.name}, {"ramp", paint.is_ramp}, {"legend", paint.legend}});
+  }
+  return described;
+}
+
 }  // namespace
 
-absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& title, UpAxis up) {
+absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up) {
+  const GridFile& file = content.file;
   constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or less finely (--resolution, --voxel-size)";
   if (file.info.active_voxels > kMaxPageVoxels) {
     return absl::ResourceExhaustedError(absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ",
@@ -123,6 +133,10 @@ absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& ti
                                                        " are over the ", kMaxSide, " of a page", kRemedy));
     }
   }
+  const auto paints = PaintsOf(content);
+  if (!paints.ok()) return paints.status();
+  std::string colors;
+  for (const Paint& paint : *paints) colors += paint.bytes;
   const Placement placement = PlacementOf(file, box);
   const Basis basis = TurnedBasis(placement.basis, up);
   const Json data = {{"title", title},
@@ -132,13 +146,16 @@ absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& ti
                      {"axes", {Turned({1, 0, 0}, up), Turned({0, 1, 0}, up), Turned({0, 0, 1}, up)}},
                      {"basis", {basis.a, basis.b, basis.c}},
                      {"middle", placement.middle},
-                     {"facets", FacetsOf(basis)}};
+                     {"facets", FacetsOf(basis)},
+                     {"paints", Describe(*paints)},
+                     {"band", content.band.has_value()}};
   // No tag can begin within the JSON.
   const std::string json =
       absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
   return absl::StrReplaceAll(Embedded(latvox_view_page, latvox_view_page_end),
                              {{"{{data}}", json},
                               {"{{bricks}}", absl::Base64Escape(Bytes(file.bricks))},
+                              {"{{colors}}", absl::Base64Escape(colors)},
                               {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
                               {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
                               {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},

@@ -4,13 +4,15 @@
 
 const LOT = 1 << 15, ROW = 2048; // facets of one call; texels of a row
 
-// Lit from above on the left of the viewer. `normal`: of the view.
+// Lit from above on the left of the viewer; what is plain has the color that its legend says. `normal`: of the view.
 const LIGHT = `
   varying vec3 tone, smooth_normal;
+  varying float plain;
   vec3 lit(vec3 normal, float line) {
     float key = max(0.0, dot(normal, normalize(vec3(-0.5, 0.65, 0.55))));
     float fill = max(0.0, dot(normal, normalize(vec3(0.8, 0.1, 0.6))));
-    vec3 linear = tone * (0.24 + 0.12 * normal.y + 0.15 * fill + 0.95 * key) * (1.0 - 0.45 * line);
+    float light = mix(0.24 + 0.12 * normal.y + 0.15 * fill + 0.95 * key, 1.0, plain);
+    vec3 linear = tone * light * (1.0 - 0.45 * line);
     return pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2));
   }`;
 
@@ -19,6 +21,7 @@ const CELL = `
   uniform vec3 middle, color, mark;
   uniform vec4 layer;
   varying vec3 tone, smooth_normal;
+  varying float plain;
   bool in_layer(vec3 cell) { return abs(dot(layer.xyz, cell) - layer.w) < 0.5; }
   vec3 unpacked(float bits) {
     vec2 uv = vec2(mod(bits, 256.0), floor(bits / 256.0)) / 127.0 - 1.0;
@@ -43,8 +46,10 @@ const FACET_VERTEX = `${CELL}
     vec4 cell = vec4(texelFetch(cells, texel, 0));
     #ifdef PAINTED
     tone = pow(texelFetch(paints, texel, 0).rgb, vec3(2.2));
+    plain = in_layer(cell.xyz) ? 1.0 : 0.0;
     #else
     tone = in_layer(cell.xyz) ? mark : color;
+    plain = 0.0;
     #endif
     facet_normal = mat3(viewMatrix) * facing;
     smooth_normal = unpacked(cell.w);
@@ -75,8 +80,10 @@ const POINT_VERTEX = `${CELL}
   void main() {
     #ifdef PAINTED
     tone = pow(paint, vec3(2.2));
+    plain = in_layer(cell.xyz) ? 1.0 : 0.0;
     #else
     tone = in_layer(cell.xyz) ? mark : color;
+    plain = 0.0;
     #endif
     smooth_normal = cell.w == 65535.0 ? vec3(0.0, 0.0, 1.0) : unpacked(cell.w);
     if (smooth_normal.z < 0.0) smooth_normal = -smooth_normal;

@@ -26,14 +26,20 @@ function readVoxels() {
 
 // The voxels that are shown: all, those up to a layer, or a layer.
 class Shape {
-  constructor(set, paints) {
+  constructor(set) {
     this.set = set;
-    this.paints = paints;
     this.outside = Outside.of(set, steps)?.rowsOf ?? null;
     this.normals = findNormals(set, data.facets, this.outside);
     this.layer = new THREE.Vector4();
-    this.cloud = new Cloud(data, scatter(set, data.low, this.normals), paints, this.layer);
+    this.scattered = scatter(set, data.low, this.normals);
     this.buildTime = 0;
+  }
+
+  // `paints`: red, green and blue of each voxel, or null.
+  paint(paints) {
+    this.cloud?.dispose();
+    this.paints = paints;
+    this.cloud = new Cloud(data, this.scattered, paints, this.layer);
   }
 
   cut(axis, layer, only) {
@@ -76,7 +82,7 @@ class Shape {
 }
 
 class View {
-  constructor(set, paints) {
+  constructor(set) {
     const canvas = document.createElement("canvas");
     const context = contextOf(canvas);
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
@@ -86,7 +92,7 @@ class View {
     canvas.addEventListener("webglcontextlost", () => tell("The graphics device is lost; waiting until it is back."));
     canvas.addEventListener("webglcontextrestored", () => (tell(""), this.change()));
     canvas.addEventListener("keydown", (event) => this.press(event));
-    this.shape = new Shape(set, paints);
+    this.shape = new Shape(set);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
@@ -98,7 +104,8 @@ class View {
     this.waiting = false;
   }
 
-  cut(axis, layer, only) {
+  show(paints, axis, layer, only) {
+    if (paints !== this.shape.paints) this.shape.paint(paints);
     this.shape.cut(axis, layer, only);
     this.change();
   }

@@ -15,7 +15,7 @@ class VoxelSet {
     this.first = low.map((n) => (n >> 3) - 1); // brick of key 0
     this.size = high.map((n, m) => ((n - 1) >> 3) - this.first[m] + 2);
     this.strides = [this.size[1] * this.size[2], this.size[2], 1];
-    this.bricks = new Map(); // key -> { corner, rows, voxel }; voxel: the number of its first
+    this.bricks = new Map(); // key -> { corner, rows, voxel, all }; voxel: the number of the first of `all`
   }
 
   keyOf(i, j, k) {
@@ -40,10 +40,11 @@ class VoxelSet {
 
   // Calls visit(i, j, k, number of the voxel).
   forEach(visit) {
-    for (const { corner: [i, j, k], rows, voxel } of this.bricks.values()) {
-      for (let row = 0, n = voxel; row < 64; ++row) {
-        for (let bits = rows[row]; bits !== 0; bits &= bits - 1, ++n) {
-          visit(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(bits & -bits), n);
+    for (const { corner: [i, j, k], rows, all = rows, voxel } of this.bricks.values()) {
+      for (let row = 0, before = voxel; row < 64; before += BITS[all[row]], ++row) {
+        for (let bits = rows[row]; bits !== 0; bits &= bits - 1) {
+          const low = bits & -bits;
+          visit(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(low), before + BITS[all[row] & (low - 1)]);
         }
       }
     }

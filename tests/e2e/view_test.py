@@ -1,5 +1,6 @@
 """`latvox view`: the page shows in Chromium, without a network, what the file holds."""
 
+import csv
 import filecmp
 import itertools
 import json
@@ -15,7 +16,7 @@ import numpy
 import pyopenvdb
 
 from browser import Browser, Tab
-from harness import BUNNY, PATIENCE, Case, children, latvox, rows
+from harness import BUNNY, PATIENCE, Case, children, latvox, octahedron, rows, write_obj
 from picture_test import LATTICES, write_octahedron
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -28,6 +29,12 @@ CELLS = {
     "fcc": [*itertools.product((-0.4, 0.4), repeat=3), *itertools.permutations((0.8, 0, 0)), *itertools.permutations((-0.8, 0, 0))],
     "hexagonal": [(math.sin(n * math.pi / 3) / 3**0.5, math.cos(n * math.pi / 3) / 3**0.5, z) for n in range(6) for z in (-0.5, 0.5)],
 }  # fmt: skip
+NORMAL = (-45, 35.264)  # azimuth and elevation; against it, nothing below a layer across k of FCC hides any of it
+PLACE = f"#axis=k&azimuth={NORMAL[0]}&elevation={NORMAL[1]}"
+
+
+def rgb(color):
+    return numpy.array([int(color[n : n + 2], 16) for n in (1, 3, 5)])
 
 
 def write_shape(path, basis, **metadata):
@@ -62,9 +69,9 @@ def hull(points):
     return half(points) + half(points[::-1])
 
 
-def silhouette(cells, basis, corners, page, size, azimuth, elevation, up="y", distance=1.0):
-    """The pixels of a canvas of that size that these cells cover, by geometry alone; where the page puts its middle, and
-    how large it shows the world, is in its data."""
+def places(cells, basis, corners, page, size, azimuth, elevation, up="y", distance=1.0):
+    """Where on a canvas of that size corners of these cells are, by geometry alone; where the page puts its middle, and how
+    large it shows the world, is in its data."""
     width, height = size
     turn = lambda v: numpy.array(TURNS[up](*v))
     scale = numpy.linalg.norm(page["basis"][0]) / numpy.linalg.norm(basis[0])
@@ -73,15 +80,20 @@ def silhouette(cells, basis, corners, page, size, azimuth, elevation, up="y", di
     towards = numpy.array((math.cos(e) * math.sin(a), math.sin(e), math.cos(e) * math.cos(a)))
     right = numpy.array((math.cos(a), 0, -math.sin(a)))
     view = numpy.array((right, numpy.cross(towards, right), towards))
-    distance *= 4 / min(1, width / height)
     focus = height / 2 / math.tan(math.radians(15))
     offsets = numpy.array([view @ turn(corner) * scale for corner in corners])
-    mask = numpy.zeros((height, width), bool)
     for ijk in cells:
         world = sum((n - m) * numpy.array(vector) for n, m, vector in zip(ijk, middle, basis))
         at = view @ turn(world) * scale + offsets
-        depth = distance - at[:, 2]
-        polygon = hull(numpy.stack((width / 2 + focus * at[:, 0] / depth, height / 2 - focus * at[:, 1] / depth), 1))
+        depth = 4 * distance / min(1, width / height) - at[:, 2]
+        yield numpy.stack((width / 2 + focus * at[:, 0] / depth, height / 2 - focus * at[:, 1] / depth), 1)
+
+
+def silhouette(cells, basis, corners, page, size, *view, **how):
+    """The pixels that the cells cover."""
+    mask = numpy.zeros(size[::-1], bool)
+    for place in places(cells, basis, corners, page, size, *view, **how):
+        polygon = hull(place)
         low, high = (numpy.array(f(polygon, 0), int) for f in (numpy.min, numpy.max))
         x, y = numpy.meshgrid(*(numpy.arange(max(0, low[m]), min(size[m], high[m] + 1)) for m in (0, 1)))
         inside = numpy.ones(x.shape, bool)
@@ -141,10 +153,19 @@ class View(Case):
 
     def assert_shows(self, cells, lattice, azimuth, elevation, seen=None, error=0.02, **how):
         seen = self.canvas()[1] if seen is None else seen
-        page = json.loads(self.text("data") or self.tab.run("JSON.stringify(data)"))
-        expected = silhouette(cells, LATTICES[lattice], CELLS[lattice], page, seen.shape[::-1], azimuth, elevation, **how)
+        page, size = json.loads(self.tab.run("JSON.stringify(data)")), seen.shape[::-1]
+        expected = silhouette(cells, LATTICES[lattice], CELLS[lattice], page, size, azimuth, elevation, **how)
         self.assertGreater(expected.sum(), 500)
         self.assertLess((seen != expected).sum() / expected.sum(), error)
+
+    def assert_colors(self, colors, error=0.1):
+        """`colors`: cell -> red, green, blue, of a layer across k of FCC, seen along its normal."""
+        pixels, seen = self.canvas()
+        page = json.loads(self.tab.run("JSON.stringify(data)"))
+        at = places(colors, LATTICES["fcc"], [(0, 0, 0)], page, seen.shape[::-1], *NORMAL)
+        wrong = sum(abs(pixels[int(y), int(x)] - wanted).max() > 8 for ((x, y),), wanted in zip(at, colors.values()))
+        self.assertGreater(len(colors), 30)
+        self.assertLess(wrong / len(colors), error)
 
     def test_every_lattice_shows_its_cells(self):
         for lattice, basis in LATTICES.items():
@@ -188,8 +209,7 @@ class View(Case):
 
     def test_a_layer_is_that_of_latvox_slice(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"])
-        # Against this layer's normal nothing of what is below hides it.
-        place = "#axis=k&layer=1&azimuth=-45&elevation=35.264"
+        place = PLACE + "&layer=1"
         self.view(self.dir / "a.vdb", place=place + "&which=only")
         command = self.text("slice").split()
         self.assertEqual(command, "latvox slice --axis z --index 1".split())
@@ -198,17 +218,64 @@ class View(Case):
         layer = list(rows(self.dir / "slice.csv"))
         for name in ("inlayer", "shown"):
             self.assertEqual(self.text(name), str(len(layer)))
-        self.assert_shows(layer, "fcc", -45, 35.264)
+        self.assert_shows(layer, "fcc", *NORMAL)
 
         self.open(place)
         below = [ijk for ijk in cells if ijk[2] <= 1]
         self.assertEqual(self.text("shown"), str(len(below)))
-        self.assert_shows(below, "fcc", -45, 35.264)
+        self.assert_shows(below, "fcc", *NORMAL)
         for detail in ("facets", "points"):
             self.tab.run(f"view.draw('{detail}')")
             pixels, _ = self.canvas()
             marked = pixels[..., 0] > pixels[..., 2] + 20
-            self.assert_shows(layer, "fcc", -45, 35.264, seen=marked, error=0.03 if detail == "facets" else 0.4)
+            self.assert_shows(layer, "fcc", *NORMAL, seen=marked, error=0.03 if detail == "facets" else 0.4)
+
+    def test_a_band_is_cut_open_and_colored_by_distance(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 16, "--band", "3v", "--signed", out="a.vdb")
+        self.view(self.dir / "a.vdb", place=PLACE)
+        grid = pyopenvdb.readAll(str(self.dir / "a.vdb"))[0][0]
+        values = {tuple(item.min): item.value for item in grid.citerOnValues()}
+        layer = int(self.text("at").partition("= ")[2])
+        self.assertEqual(layer, (min(k for _, _, k in values) + max(k for _, _, k in values) + 1) // 2)
+        low, zero, high = map(float, self.text("legend").split())
+        self.assertEqual((low, zero), (-high, 0))
+        self.assertAlmostEqual(high, grid.metadata["latvox_band_width"], delta=1e-3 * high)
+        ramp = numpy.array([rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[0].legend)"))])
+        self.assertGreater(ramp[0, 2], 2 * ramp[0, 0], "blue inside")
+        self.assertGreater(ramp[-1, 0], 2 * ramp[-1, 2], "red outside")
+        shade = lambda value: [numpy.interp(value, numpy.linspace(low, high, len(ramp)), ramp[:, m]) for m in range(3)]
+        colors = {ijk: shade(value) for ijk, value in values.items() if ijk[2] == layer}
+        self.assert_colors(colors)
+        self.tab.run("view.draw('points')")
+        self.assert_colors(colors, error=0.3)
+
+    def test_attributes_are_colors(self):
+        parts = []
+        for n, (move, tint) in enumerate([(0, "1 0 0"), (1.2, "0 1 0")]):
+            vertices, triangles = octahedron()
+            lines = [f"v {x + move} {y} {z} {tint}" for x, y, z in vertices]
+            parts.append(self.dir / f"{n}.obj")
+            parts[-1].write_text("\n".join(lines + ["f " + " ".join(str(1 + v) for v in t) for t in triangles]) + "\n")
+        options = ["--lattice", "fcc", "--resolution", 24, "--attributes", "part,color", "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv"]
+        self.assertEqual(latvox("voxelize", *parts, *options).returncode, OK)
+        with open(self.dir / "a.csv") as lines:
+            numbers = {tuple(int(row[n]) for n in "ijk"): int(row["part"]) for row in csv.DictReader(lines)}
+        layer = sorted(k for _, _, k in numbers)[len(numbers) // 2]
+        cut = {ijk: part for ijk, part in numbers.items() if ijk[2] == layer}
+        self.view(self.dir / "a.vdb", place=f"{PLACE}&layer={layer}")
+        self.assertEqual(self.tab.run("[...document.getElementById('by').options].map((it) => it.text)"), ["color", "part", "none"])
+        self.assert_colors({ijk: [(255, 0, 0), (0, 255, 0)][part] for ijk, part in cut.items()})
+        self.open(f"{PLACE}&layer={layer}&by=part")
+        counts = [list(numbers.values()).count(part) for part in (0, 1)]
+        self.assertEqual(self.text("legend").splitlines(), [f"part {n}: {count} voxels" for n, count in enumerate(counts)])
+        shown = [rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[1].legend)"))]
+        self.assertGreater(abs(numpy.subtract(*shown)).max(), 64)
+        self.assert_colors({ijk: shown[part] for ijk, part in cut.items()})
+        self.open(f"{PLACE}&layer={layer}&by=none")
+        self.assertEqual(self.text("legend"), "")
+        pixels, seen = self.canvas()
+        self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
 
     def test_keys_turn_and_come_nearer(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["hexagonal"])

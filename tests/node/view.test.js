@@ -102,6 +102,9 @@ test('a part of a set keeps its numbers', () => {
     assert.ok(ijk[2] <= -3);
   }));
   assert.ok(of.flat().length > 0);
+  let seen = 0;
+  part.forEach((i, j, k, number) => (assert.equal([i, j, k].join(), numbers[number]), ++seen));
+  assert.equal(seen, [...voxels.values()].filter(([, , k]) => k <= -3).length);
 });
 
 test('points are all that is seen, each once, with a direction outwards', () => {
