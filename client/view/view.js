@@ -6,7 +6,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 const steps = data.facets.map(({ step }) => step);
-const IN_TIME = 50, AT_REST = 250; // milliseconds: of a frame; after the last movement
+const IN_TIME = 50; // milliseconds of a frame
 const FEWEST = 20000; // points
 
 function bytesOf(id) {
@@ -83,8 +83,9 @@ class Shape {
 
 class View {
   constructor(set) {
-    const canvas = document.createElement("canvas");
-    const context = contextOf(canvas);
+    const canvas = document.createElement("canvas"), slow = drawsInSoftware();
+    const context = canvas.getContext("webgl2", { alpha: true, antialias: !slow });
+    if (context === null) throw new Error("WebGL 2 is switched off, or this browser or its graphics driver has none");
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     byId("scene").append(canvas);
     canvas.tabIndex = 0;
@@ -99,7 +100,7 @@ class View {
     Object.assign(this.controls, { zoomToCursor: true, minDistance: 0.02, maxDistance: 40 });
     this.controls.addEventListener("change", () => this.change());
     new ResizeObserver(() => this.resize()).observe(byId("scene"));
-    this.cost = 0; // of drawing all facets, milliseconds
+    this.cost = slow ? set.count() / 400 : 0; // of drawing all facets, milliseconds
     this.most = 10 * FEWEST; // points
     this.waiting = false;
   }
@@ -142,8 +143,9 @@ class View {
   }
 
   resize() {
-    const { clientWidth: width, clientHeight: height } = byId("scene");
-    if (width === 0 || height === 0) return;
+    const { clientWidth: width, clientHeight: height } = byId("scene"), size = `${width} ${height} ${devicePixelRatio}`;
+    if (width === 0 || height === 0 || size === this.size) return;
+    this.size = size;
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
@@ -175,7 +177,7 @@ class View {
     }
     if (this.stale) {
       this.draw(this.cost + (this.shape.isBuilt ? 0 : this.shape.buildTime) <= IN_TIME ? "facets" : "points");
-    } else if (this.drawn === "points" && now - this.changed > AT_REST) {
+    } else if (this.drawn === "points" && now - this.changed > Math.max(250, this.cost / 2)) {
       this.draw("facets");
     }
     if (this.fence || this.drawn === "points") this.wake();
@@ -217,18 +219,12 @@ class View {
   }
 }
 
-// Whether there is no graphics device: smooth edges would take most of the time.
+// Whether there is no graphics device. Smooth edges would take most of the time, then.
 function drawsInSoftware() {
   const gl = document.createElement("canvas").getContext("webgl2"), info = gl?.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl?.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
-}
-
-function contextOf(canvas) {
-  const context = canvas.getContext("webgl2", { alpha: true, antialias: !drawsInSoftware() });
-  if (context === null) throw new Error("WebGL 2 is switched off, or this browser or its graphics driver has none");
-  return context;
 }
 
 // The world's axes, and the step from one layer to the next.
