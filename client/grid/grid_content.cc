@@ -40,16 +40,16 @@ Band BandOf(const openvdb::GridBase& grid, const std::vector<float>& distances) 
   return band;
 }
 
-absl::StatusOr<GridContent> ReadBand(const openvdb::FloatGrid& grid, const std::string& path) {
+absl::StatusOr<GridContent> ReadBand(const openvdb::FloatGrid& grid, const std::string& path, bool values) {
   if (auto status = CheckTransform(grid, path); !status.ok()) return status;
   const auto leaves = SortedLeaves(grid.tree(), path);
   if (!leaves.ok()) return leaves.status();
   GridContent content{{Describe(grid), {}}};
   content.file.bricks.reserve(leaves->size());
-  content.distances.reserve(content.file.info.active_voxels);
+  if (values) content.distances.reserve(content.file.info.active_voxels);
   for (const auto* leaf : *leaves) {
     content.file.bricks.push_back(ToBrick(*leaf));
-    ForEachValue(*leaf, [&](float distance) { content.distances.push_back(distance); });
+    if (values) ForEachValue(*leaf, [&](float distance) { content.distances.push_back(distance); });
   }
   if (!std::all_of(content.distances.begin(), content.distances.end(), [](float d) { return std::isfinite(d); })) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": has distances that are not finite"));
@@ -100,11 +100,11 @@ absl::Status ReadNumbers(const openvdb::GridBase& base, const std::string& path,
   return good ? absl::OkStatus() : wrong("has values that are no colors from 0 to 1");
 }
 
-absl::StatusOr<GridContent> ReadSet(openvdb::io::File& file, const std::string& path) {
+absl::StatusOr<GridContent> ReadSet(openvdb::io::File& file, const std::string& path, bool values) {
   auto set = ReadGridFile(path);
   if (!set.ok()) return set.status();
   GridContent content{*std::move(set)};
-  if (content.file.info.name != "voxels") return content;
+  if (!values || content.file.info.name != "voxels") return content;
   for (const Attribute attribute : kAttributes) {
     if (file.hasGrid(NameOf(attribute))) content.attributes.push_back(attribute);
   }
@@ -121,14 +121,14 @@ absl::StatusOr<GridContent> ReadSet(openvdb::io::File& file, const std::string& 
 
 }  // namespace
 
-absl::StatusOr<GridContent> ReadGridContent(const std::string& path) {
+absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values) {
   return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridContent> {
     const auto name = file.beginName();
     if (name != file.endName() && *name == "distance" && !file.hasGrid("voxels")) {
       const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(*name));
-      if (grid) return ReadBand(*grid, path);
+      if (grid) return ReadBand(*grid, path, values);
     }
-    return ReadSet(file, path);
+    return ReadSet(file, path, values);
   });
 }
 

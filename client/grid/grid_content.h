@@ -31,7 +31,8 @@ struct GridContent {
 // client/grid/distance_grid.h). What the metadata do not say of a band is found in its distances. Memory: that of
 // ReadGridFile, 4 bytes for each number, and a grid at a time while it reads: see DistanceGrid, AttributeGrids. Errors:
 // as ReadGridFile; INVALID_ARGUMENT: a grid that has other voxels than the set; values that latvox does not write.
-absl::StatusOr<GridContent> ReadGridContent(const std::string& path);
+//   values   false: distances and attributes are left out
+absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
 
 }  // namespace latvox::client
 
