@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
 #include "client/output/vec3.h"
@@ -35,6 +37,7 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little && sizeof(Brick::brick_ijk) + sizeof(Brick::mask) == 76);
 
 constexpr int64_t kMaxSide = 65536;
+constexpr int32_t kMaxStep = 8;  // what voxels.js reaches
 
 Json MetadataOf(const GridFileInfo& info) {
   Json metadata = Json::array();
@@ -44,8 +47,19 @@ Json MetadataOf(const GridFileInfo& info) {
   return metadata;
 }
 
-Json FacetsOf(const Basis& basis) {
-  const VoronoiCell cell = VoronoiCellOf(basis);
+absl::Status CheckSteps(const VoronoiCell& cell, const std::string& title) {
+  for (const CellFace& face : cell.faces) {
+    for (const int32_t n : face.neighbor) {
+      if (std::abs(n) <= kMaxStep) continue;
+      return absl::ResourceExhaustedError(absl::StrCat(title, ": the step ", absl::StrJoin(face.neighbor, ","),
+                                                       " to a neighbour is over the ", kMaxStep,
+                                                       " of a page; a less skew basis has the same lattice"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+Json FacetsOf(const VoronoiCell& cell, const Basis& basis) {
   Json facets = Json::array();
   for (const CellFace& face : cell.faces) {
     const Vec3i& w = face.neighbor;
@@ -139,6 +153,8 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
   for (const Paint& paint : *paints) colors += paint.bytes;
   const Placement placement = PlacementOf(file, box);
   const Basis basis = TurnedBasis(placement.basis, up);
+  const VoronoiCell cell = VoronoiCellOf(basis);
+  if (auto status = CheckSteps(cell, title); !status.ok()) return status;
   const Json data = {{"title", title},
                      {"metadata", MetadataOf(file.info)},
                      {"low", box.min},
@@ -146,7 +162,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                      {"axes", {Turned({1, 0, 0}, up), Turned({0, 1, 0}, up), Turned({0, 0, 1}, up)}},
                      {"basis", {basis.a, basis.b, basis.c}},
                      {"middle", placement.middle},
-                     {"facets", FacetsOf(basis)},
+                     {"facets", FacetsOf(cell, basis)},
                      {"paints", Describe(*paints)},
                      {"band", content.band.has_value()}};
   // No tag can begin within the JSON.

@@ -22,7 +22,8 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //   bricks  base64: brick_ijk and mask of each, 76 bytes, little-endian
 //   colors  base64: for each of the paints, red, green and blue of each voxel
 //
-// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536.
+// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; a basis so skew that a step
+// to a neighbour is more than 8 along an axis.
 absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up);
 
 }  // namespace latvox::client

@@ -277,6 +277,42 @@ class View(Case):
         pixels, seen = self.canvas()
         self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
 
+    def test_what_takes_too_long_is_points_until_it_rests(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["bcc"])
+        self.view(self.dir / "a.vdb")
+        drawn = """(async () => {
+          view.cost = 400;  // milliseconds
+          const seen = new Set();
+          for (let n = 0; n < 5; ++n) {
+            view.look(10 * n, 22, view.controls.getDistance());
+            await new Promise(requestAnimationFrame);
+            seen.add(view.drawn);
+          }
+          return [...seen];
+        })()"""
+        self.assertEqual(self.tab.run(drawn)[-1], "points")
+        self.tab.rest()
+        self.assertEqual(self.tab.run("view.drawn"), "facets")
+        self.assert_shows(cells, "bcc", 40, 22)
+        self.assertEqual(self.tab.run("(view.cost = 1, view.change(), new Promise(requestAnimationFrame).then(() => view.drawn))"), "facets")
+
+    def test_a_device_that_is_lost_comes_back(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"])
+        self.view(self.dir / "a.vdb")
+        event = "new Promise((resolve) => view.renderer.domElement.addEventListener('webglcontext%s', resolve))"
+        for does, name, told in [("Loss", "lost", "lost; waiting"), ("Restore", "restored", "^$")]:
+            self.tab.run(f"(() => {{ const done = {event % name}; view.renderer.forceContext{does}(); return done.then(() => 1); }})()")
+            self.tab.rest()
+            self.assertRegex(self.text("error"), told)
+        self.assert_shows(cells, "fcc", 30, 22)
+        self.assertEqual(len(self.tab.complaints()), 2)  # three.js says so, too
+
+    def test_no_voxel_is_an_empty_page(self):
+        pyopenvdb.write(str(self.dir / "a.vdb"), grids=[pyopenvdb.BoolGrid()])
+        self.view(self.dir / "a.vdb")
+        self.assertEqual((self.text("voxels"), self.text("facets")), ("0", "0"))
+        self.assertFalse(self.canvas()[1].any())
+
     def test_keys_turn_and_come_nearer(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["hexagonal"])
         self.view(self.dir / "a.vdb", place="#azimuth=10&elevation=20")
@@ -369,13 +405,18 @@ class Page(Case):
         many = pyopenvdb.BoolGrid()
         many.copyFromArray(numpy.indices((200, 200, 201)).sum(axis=0) % 2 == 0)
         pyopenvdb.write(str(self.dir / "many.vdb"), grids=[many])
-        for name, pattern in [("far", "70001 voxels on axis j are over the 65536 of a page; .*--bounds"),
+        skew = pyopenvdb.BoolGrid()
+        skew.getAccessor().setValueOn((0, 0, 0), True)
+        skew.transform = pyopenvdb.createLinearTransform([[1, 0, 0, 0], [0, 1, 0, 0], [9.3, 0, 1, 0], [0, 0, 0, 1]])
+        pyopenvdb.write(str(self.dir / "skew.vdb"), grids=[skew])
+        for name, pattern in [("skew", "the step -?9,0,-?1 to a neighbour is over the 8 of a page"),
+                              ("far", "70001 voxels on axis j are over the 65536 of a page; .*--bounds"),
                               ("many", "4020000 voxels are over the 4000000 of a page; .*--bounds.*--resolution")]:  # fmt: skip
             done = latvox("view", self.dir / f"{name}.vdb", "-o", page)
             self.assertEqual(done.returncode, REFUSED, done.stderr)
             self.assertRegex(done.stderr, f"{name}.vdb: {pattern}")
         self.assertEqual(page.read_text(), "old")
-        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "many.vdb", "page.html"])
+        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "many.vdb", "page.html", "skew.vdb"])
 
     def test_nothing_is_loaded_from_elsewhere(self):
         write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 3)
