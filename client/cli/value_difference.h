@@ -12,15 +12,15 @@
 
 namespace latvox::client {
 
+struct DistanceDifference {
+  uint64_t differ = 0;      // how many
+  double greatest = 0;      // difference, world units
+  std::optional<Vec3i> at;  // the first voxel of that one, in the order of bricks
+};
+
 // Of the voxels that both have.
 struct ValueDifference {
-  struct Distances {
-    uint64_t differ = 0;      // how many
-    double greatest = 0;      // difference, world units
-    std::optional<Vec3i> at;  // the first voxel of that one, in the order of bricks
-  };
-
-  std::optional<Distances> distances;                      // of two bands
+  std::optional<DistanceDifference> distances;             // of two bands
   std::vector<std::pair<Attribute, uint64_t>> attributes;  // those that both have; how many numbers differ
 
   bool equal() const;
