@@ -59,6 +59,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& h
   if (!read.ok()) return read.status();
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
   const Mesh& mesh = std::get<Mesh>(*read);
+  for (const std::string& warning : mesh.warnings) hooks.say(warning);
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));

@@ -1,6 +1,7 @@
 #include "client/mesh/mesh_attributes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
@@ -40,6 +41,14 @@ uint32_t NextPart(const Mesh& mesh) {
   if (mesh.stretches.empty()) return 1;
   const Stretch& last = mesh.stretches.back();
   return last.first < mesh.triangles.size() ? last.part + 1 : last.part;
+}
+
+Color ToColor(const float* rgb) {
+  Color color;
+  for (size_t n = 0; n < color.size(); ++n) {
+    color[n] = static_cast<uint8_t>(std::nearbyint(std::min(std::max(0.0F, rgb[n]), 1.0F) * 255));
+  }
+  return color;
 }
 
 void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh) {

@@ -20,6 +20,9 @@ void BeginStretch(uint32_t part, std::optional<uint32_t> material, Mesh& mesh);
 // The part to give to a further object: the one after the last that has triangles.
 uint32_t NextPart(const Mesh& mesh);
 
+// Red, green and blue as bytes, from numbers between 0 and 1; beyond these there are no colors.
+Color ToColor(const float* rgb);
+
 // Gives the mesh colors, those of each triangle's corners. A vertex with several becomes several in one place.
 void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh);
 

@@ -12,7 +12,7 @@
 #include "client/mesh/ply_header.h"
 #include "client/mesh/polygon.h"
 
-// Why not assimp, which reads glTF: on a file cut short its PLY importer crashes or does not return, and it
+// Why not assimp: on a file cut short its PLY importer crashes or does not return, and it
 // triangulates polygons before anyone could have checked their indices.
 namespace latvox::client {
 namespace {
@@ -31,6 +31,7 @@ void SkipProperty(const PlyProperty& property, PlyBody& body) {
   for (; body.ok() && count >= 1; --count) body.TakeNumber(property.type);
 }
 
+using Triangle = std::array<uint32_t, 3>;
 using Names = std::array<const char*, 3>;
 
 // Which of the names a single number of a vertex has.
@@ -115,6 +116,13 @@ bool IsCorners(const PlyProperty& property) {
   return property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
+// A vertex that an element of that kind, number n, names.
+absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n, size_t vertices) {
+  if (index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index))
+    return static_cast<uint32_t>(index);
+  return Bad("vertex index ", index, " of ", element, " ", n, " is not within the ", vertices, " vertices");
+}
+
 // The corners of face n.
 absl::Status TakeCorners(const PlyProperty& property, uint64_t n, size_t vertices, PlyBody& body,
                          std::vector<uint32_t>& corners) {
@@ -122,10 +130,9 @@ absl::Status TakeCorners(const PlyProperty& property, uint64_t n, size_t vertice
   for (double count = body.TakeNumber(*property.count_type); body.ok() && count >= 1; --count) {
     const double index = body.TakeNumber(property.type);
     if (!body.ok()) break;
-    if (!(index >= 0 && index < static_cast<double>(vertices)) || index != std::floor(index)) {
-      return Bad("vertex index ", index, " of face ", n, " is not within the ", vertices, " vertices");
-    }
-    corners.push_back(static_cast<uint32_t>(index));
+    const auto vertex = ToVertex(index, "face", n, vertices);
+    if (!vertex.ok()) return vertex.status();
+    corners.push_back(*vertex);
   }
   return absl::OkStatus();
 }
@@ -155,6 +162,46 @@ absl::Status ReadFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   return absl::OkStatus();
 }
 
+// Those of one list: every vertex but the first two of a strip makes a triangle with the two before it; -1 ends a
+// strip.
+absl::Status TakeStrips(const PlyProperty& property, uint64_t n, PlyBody& body, Mesh& mesh) {
+  std::array<uint32_t, 2> before{};
+  size_t length = 0;  // of the strip so far
+  for (double count = body.TakeNumber(*property.count_type); body.ok() && count >= 1; --count) {
+    const double index = body.TakeNumber(property.type);
+    if (!body.ok()) break;
+    if (index == -1) {
+      length = 0;
+      continue;
+    }
+    const auto vertex = ToVertex(index, "tristrips", n, mesh.positions.size());
+    if (!vertex.ok()) return vertex.status();
+    const auto [a, b] = before;
+    // One sense of rotation, whichever side of the strip it is on.
+    if (length >= 2) mesh.triangles.push_back(length % 2 == 0 ? Triangle{a, b, *vertex} : Triangle{b, a, *vertex});
+    before = {b, *vertex};
+    ++length;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+  if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
+    return Bad("PLY header: element tristrips has no list vertex_indices");
+  }
+  for (uint64_t n = 0; n < element.count; ++n) {
+    for (const PlyProperty& property : element.properties) {
+      if (!IsCorners(property)) {
+        SkipProperty(property, body);
+      } else if (auto status = TakeStrips(property, n, body, mesh); !status.ok()) {
+        return status;
+      }
+    }
+    if (!body.ok()) return EndsEarly(element, n);
+  }
+  return absl::OkStatus();
+}
+
 absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
   if (element.properties.empty()) return absl::OkStatus();
   for (uint64_t n = 0; n < element.count; ++n) {
@@ -173,9 +220,10 @@ absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
   PlyBody body(bytes, header->format);
   Mesh mesh;
   for (const PlyElement& element : header->elements) {
-    absl::Status status = element.name == "vertex" ? ReadVertices(element, body, mesh)
-                          : element.name == "face" ? ReadFaces(element, body, mesh)
-                                                   : SkipElement(element, body);
+    absl::Status status = element.name == "vertex"      ? ReadVertices(element, body, mesh)
+                          : element.name == "face"      ? ReadFaces(element, body, mesh)
+                          : element.name == "tristrips" ? ReadStrips(element, body, mesh)
+                                                        : SkipElement(element, body);
     if (!status.ok()) return status;
   }
   return mesh;

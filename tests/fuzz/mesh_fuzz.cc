@@ -1,5 +1,4 @@
-// Foreign meshes: whatever comes, a clean status, or finite positions with triangles among them. Of glTF, what is held
-// against the rules before assimp reads it.
+// Foreign meshes: whatever comes, a clean status, or finite positions with triangles among them.
 #include <zip.h>
 
 #include <cmath>
@@ -7,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "client/mesh/gltf_check.h"
+#include "client/mesh/gltf_file.h"
 #include "client/mesh/mesh_format.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
@@ -70,6 +69,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Check(latvox::client::ParseStl(bytes));
   Check(latvox::client::Parse3mf(bytes));
   Check(latvox::client::Parse3mf(Archive(bytes)));
-  latvox::client::CheckGltf(bytes, "/nowhere").IgnoreError();
+  Check(latvox::client::ParseGltf(bytes, "/nowhere"));
   return 0;
 }

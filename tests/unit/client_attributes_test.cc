@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "client/mesh/gltf_file.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_join.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
-#include "client/mesh/scene_file.h"
 #include "client/mesh/stl_file.h"
 
 namespace latvox::client {
@@ -122,7 +122,7 @@ TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
   const std::string buffer =  // (0,0,0) (1,0,0) (0,1,0) as positions; the same as colors
       "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
   const std::string primitive = R"({"attributes": {"POSITION": 0, "COLOR_0": 0}, "material": )";
-  const auto mesh = ParseScene(
+  const auto mesh = ParseGltf(
       R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "materials": [{}, {}],
           "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [5, 0, 0]}], "meshes": [{"primitives": [)" +
           primitive + "1}, " + primitive + R"(0}]}],
@@ -130,7 +130,7 @@ TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
                          "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
           "buffers": [{"byteLength": 36, "uri": ")" +
           buffer + "\"}]}",
-      "gltf");
+      "");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_THAT(NumbersOf(*mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
   EXPECT_THAT(NumbersOf(*mesh, Attribute::kMaterial), ElementsAre(0, 1, 0, 1));
