@@ -12,8 +12,8 @@
 #include "client/mesh/ply_header.h"
 #include "client/mesh/polygon.h"
 
-// Why not assimp: on a file cut short its PLY importer crashes or does not return, and it
-// triangulates polygons before anyone could have checked their indices.
+// Why not assimp: on a file cut short its PLY importer crashes or does not return, and it triangulates polygons before
+// anyone could have checked their indices.
 namespace latvox::client {
 namespace {
 
