@@ -26,6 +26,7 @@
 LATVOX_EMBED(latvox_view_page, "/page.html");
 LATVOX_EMBED(latvox_view_three, "/three.js");
 LATVOX_EMBED(latvox_view_voxels, "/voxels.js");
+LATVOX_EMBED(latvox_view_facets, "/facets.js");
 LATVOX_EMBED(latvox_view_surface, "/surface.js");
 LATVOX_EMBED(latvox_view_view, "/view.js");
 LATVOX_EMBED(latvox_view_controls, "/controls.js");
@@ -174,6 +175,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                               {"{{colors}}", absl::Base64Escape(colors)},
                               {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
                               {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
+                              {"{{facets}}", Embedded(latvox_view_facets, latvox_view_facets_end)},
                               {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},
                               {"{{view}}", Embedded(latvox_view_view, latvox_view_view_end)},
                               {"{{controls}}", Embedded(latvox_view_controls, latvox_view_controls_end)}});
