@@ -68,7 +68,8 @@ function useLayers(set, view, paints, wanted) {
     byId("at").textContent = `${axis.value} = ${n}`;
     byId("inlayer").textContent = inLayer;
     byId("slice").textContent = `latvox slice --axis ${"xyz"[m]} --index ${n}`;
-    byId("shown").textContent = only ? inLayer : counts[m].subarray(0, n - data.low[m] + 1).reduce((sum, of) => sum + of, 0);
+    const below = counts[m].subarray(0, n - data.low[m] + 1);
+    byId("shown").textContent = only ? inLayer : below.reduce((sum, of) => sum + of, 0);
     view.show(paints(), m, n, only);
   };
   const range = (value) => {

@@ -26,6 +26,7 @@
 LATVOX_EMBED(latvox_view_page, "/page.html");
 LATVOX_EMBED(latvox_view_three, "/three.js");
 LATVOX_EMBED(latvox_view_voxels, "/voxels.js");
+LATVOX_EMBED(latvox_view_facets, "/facets.js");
 LATVOX_EMBED(latvox_view_surface, "/surface.js");
 LATVOX_EMBED(latvox_view_view, "/view.js");
 LATVOX_EMBED(latvox_view_controls, "/controls.js");
@@ -45,6 +46,21 @@ Json MetadataOf(const GridFileInfo& info) {
     if (absl::StartsWith(name, "latvox_")) metadata.push_back({name.substr(7), value});
   }
   return metadata;
+}
+
+absl::Status CheckSize(const GridFileInfo& info, const IndexBox& box, const std::string& title) {
+  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or less finely (--resolution, --voxel-size)";
+  if (info.active_voxels > kMaxPageVoxels) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(title, ": ", info.active_voxels, " voxels are over the ", kMaxPageVoxels, " of a page", kRemedy));
+  }
+  for (size_t m = 0; m < 3; ++m) {
+    if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
+      return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
+                                                       " are over the ", kMaxSide, " of a page", kRemedy));
+    }
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckSteps(const VoronoiCell& cell, const std::string& title) {
@@ -135,18 +151,8 @@ Json Describe(const std::vector<Paint>& paints) {
 
 absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up) {
   const GridFile& file = content.file;
-  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or less finely (--resolution, --voxel-size)";
-  if (file.info.active_voxels > kMaxPageVoxels) {
-    return absl::ResourceExhaustedError(absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ",
-                                                     kMaxPageVoxels, " of a page", kRemedy));
-  }
   const IndexBox box = file.info.active_box.value_or(IndexBox{{0, 0, 0}, {1, 1, 1}});
-  for (size_t m = 0; m < 3; ++m) {
-    if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
-      return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
-                                                       " are over the ", kMaxSide, " of a page", kRemedy));
-    }
-  }
+  if (auto status = CheckSize(file.info, box, title); !status.ok()) return status;
   const auto paints = PaintsOf(content);
   if (!paints.ok()) return paints.status();
   std::string colors;
@@ -174,6 +180,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                               {"{{colors}}", absl::Base64Escape(colors)},
                               {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
                               {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
+                              {"{{facets}}", Embedded(latvox_view_facets, latvox_view_facets_end)},
                               {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},
                               {"{{view}}", Embedded(latvox_view_view, latvox_view_view_end)},
                               {"{{controls}}", Embedded(latvox_view_controls, latvox_view_controls_end)}});

@@ -141,8 +141,8 @@ function painted(numbers, paints) {
   return colors;
 }
 
-// The facets that findFacets tells, for each direction in lots. Vertices are made of the voxel, which a texture has, and
-// the corner: no instances, of which drawing in software makes a call each, and no vertex in memory.
+// The facets that findFacets tells, for each direction in lots. Vertices are made of the voxel, which a texture has,
+// and the corner: no instances, of which drawing in software makes a call each, and no vertex in memory.
 class Surface extends THREE.Group {
   //   data     the page's; see client/view/page.h
   //   paints   red, green and blue of each voxel, or null
@@ -215,22 +215,28 @@ class Surface extends THREE.Group {
 // The voxels that scatter tells, as points.
 class Cloud extends THREE.Points {
   // As of Surface.
-  constructor(data, { cells, numbers }, paints, layer) {
+  constructor(data, { cells, numbers, ends }, paints, layer) {
     const uniforms = { ...cellUniforms(data, layer), size: { value: 1 }, below: { value: Infinity } };
-    super(new THREE.BufferGeometry(), new THREE.ShaderMaterial({
-      vertexShader: POINT_VERTEX, fragmentShader: POINT_FRAGMENT, defines: paints === null ? {} : { PAINTED: "" }, uniforms,
-    }));
+    const defines = paints === null ? {} : { PAINTED: "" };
+    const [vertexShader, fragmentShader] = [POINT_VERTEX, POINT_FRAGMENT];
+    super(new THREE.BufferGeometry(), new THREE.ShaderMaterial({ vertexShader, fragmentShader, defines, uniforms }));
     this.geometry.setAttribute("cell", new THREE.BufferAttribute(cells, 4));
-    if (paints !== null) this.geometry.setAttribute("paint", new THREE.BufferAttribute(painted(numbers, paints), 4, true));
+    if (paints !== null) {
+      this.geometry.setAttribute("paint", new THREE.BufferAttribute(painted(numbers, paints), 4, true));
+    }
     this.frustumCulled = false;
     this.count = numbers.length;
+    this.ends = ends;
   }
 
-  // Shows up to `most`, as much larger as they are fewer; `pixels`: of a cell at distance 1.
+  // Shows up to `most`, large enough to stand for the others, too; `pixels`: of a cell at distance 1.
   prepare(most, pixels) {
-    const shown = Math.min(this.count, most);
+    const shown = Math.min(this.count, most), level = this.ends.findIndex((end) => end <= shown);
+    const coarser = level < 0 ? this.ends.length : level;
+    const from = this.ends[coarser] ?? 0, to = this.ends[coarser - 1] ?? Infinity;
+    const share = (shown - from) / (to - from); // of those that are finer
     this.geometry.setDrawRange(0, shown);
-    this.material.uniforms.size.value = 1.3 * pixels * Math.sqrt(this.count / Math.max(1, shown));
+    this.material.uniforms.size.value = 1.3 * pixels * 2 ** coarser * (1 - 0.4 * share);
   }
 
   // Leaves out the cells of which the layer's coordinate is more than this.

@@ -64,7 +64,8 @@ class Shape {
   facets() {
     if (this.surface === null) {
       const start = performance.now(), { set, all, keep, outside, normals, paints } = this;
-      const found = findFacets(all ? set : set.filter(keep), steps, data.low, all ? outside : null, normals, paints !== null);
+      const shown = all ? set : set.filter(keep);
+      const found = findFacets(shown, steps, data.low, all ? outside : null, normals, paints !== null);
       this.surface = new Surface(data, found, paints, this.layer);
       this.buildTime = performance.now() - start;
     }
@@ -73,9 +74,9 @@ class Shape {
 
   points() {
     if (this.layerCloud === null) {
-      const flat = new Uint16Array(this.normals.length); // all with some normal, so that none is left out
-      const found = this.all ? { cells: new Uint16Array(0), numbers: [] } : scatter(this.set.filter(this.inLayer), data.low, flat);
-      this.layerCloud = new Cloud(data, found, this.paints, this.layer);
+      const some = new Uint16Array(this.normals.length); // normals, so that none is left out
+      const layer = this.set.filter(this.all ? () => false : this.inLayer);
+      this.layerCloud = new Cloud(data, scatter(layer, data.low, some), this.paints, this.layer);
     }
     return [this.cloud, this.layerCloud];
   }
@@ -221,7 +222,8 @@ class View {
 
 // Whether there is no graphics device. Smooth edges would take most of the time, then.
 function drawsInSoftware() {
-  const gl = document.createElement("canvas").getContext("webgl2"), info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl?.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);

@@ -1,4 +1,4 @@
-// Sets of voxels, and which facets of theirs there are to be seen. Needs no browser.
+// Sets of voxels, and what is outside of them. Needs no browser.
 //
 //   brick   8 x 8 x 8 lattice points as 64 rows, bytes: bit z of row x << 3 | y
 //   key     of a brick: its place in the box of all bricks, which has one more on every side, all empty
@@ -73,30 +73,6 @@ class VoxelSet {
   }
 }
 
-// Numbers of a typed array, more and more.
-class Growing {
-  constructor(Type) {
-    this.array = new Type(1024);
-    this.length = 0;
-  }
-
-  push(a, b, c, d) {
-    if (this.length + 4 > this.array.length) {
-      const longer = new this.array.constructor(2 * this.array.length);
-      longer.set(this.array);
-      this.array = longer;
-    }
-    this.array[this.length++] = a;
-    this.array[this.length++] = b;
-    this.array[this.length++] = c;
-    this.array[this.length++] = d;
-  }
-
-  values() {
-    return this.array.slice(0, this.length);
-  }
-}
-
 // The rows about a brick, and how to look along a step in them: the row where a step leads is `along[f]` farther on,
 // and shifted by `bits[f]` to the right its bit z is what the step from z leads to.
 class Window {
@@ -127,7 +103,8 @@ class Window {
     for (let x = -reach, n = 0; x < 8 + reach; ++x) {
       for (let y = -reach; y < 8 + reach; ++y, ++n) {
         const at = 9 * ((x >> 3) + 1) + 3 * ((y >> 3) + 1), row = ((x & 7) << 3) | (y & 7);
-        rows[n] = (near[at][row] >> (8 - reach)) | (near[at + 1][row] << reach) | ((near[at + 2][row] & mask) << (8 + reach));
+        const before = near[at][row] >> (8 - reach), after = (near[at + 2][row] & mask) << (8 + reach);
+        rows[n] = before | (near[at + 1][row] << reach) | after;
       }
     }
     return side;
@@ -220,79 +197,4 @@ class Outside {
     }
     return grown;
   }
-}
-
-// Calls see(i, j, k, voxel, f) for each facet, that of steps[f], of each voxel of the set; of facets towards voxels of
-// the set for none. `outside`: the rows, by key, of what facets must lie towards; null: of all that is empty.
-function forEachFacet(set, steps, outside, see) {
-  const window = new Window(set, steps), turned = outside === null ? 255 : 0;
-  const rowsOf = outside ?? ((key) => set.bricks.get(key)?.rows ?? NONE);
-  for (const [key, { corner: [i, j, k], rows, all = rows, voxel }] of set.bricks) {
-    window.fill(key, rowsOf);
-    for (let row = 0, before = voxel; row < 64; before += BITS[all[row]], ++row) {
-      if (rows[row] === 0) continue;
-      const at = window.middle + (row >> 3) * window.side + (row & 7);
-      for (let f = 0; f < steps.length; ++f) {
-        let bits = rows[row] & ((window.rows[at + window.along[f]] >> window.bits[f]) ^ turned);
-        for (; bits !== 0; bits &= bits - 1) {
-          const low = bits & -bits;
-          see(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(low), before + BITS[all[row] & (low - 1)], f);
-        }
-      }
-    }
-  }
-}
-
-// Directions as 16 bits: the octahedron unfolded to a square of 255 by 255 places.
-const NO_NORMAL = 65535;
-function packed(x, y, z) {
-  const sum = Math.abs(x) + Math.abs(y) + Math.abs(z);
-  if (sum < 1e-6) return NO_NORMAL;
-  const fold = (u, v) => (z < 0 ? (1 - Math.abs(v)) * (u < 0 ? -1 : 1) : u);
-  const [u, v] = [x / sum, y / sum];
-  return Math.round(127 * (1 + fold(u, v))) | (Math.round(127 * (1 + fold(v, u))) << 8);
-}
-
-// Where the surface faces at each voxel, packed: the sum of what its facets do. NO_NORMAL: none of them is seen.
-function findNormals(set, facets, outside) {
-  const sums = new Float32Array(3 * set.count());
-  forEachFacet(set, facets.map(({ step }) => step), outside, (i, j, k, voxel, f) => {
-    for (let m = 0; m < 3; ++m) sums[3 * voxel + m] += facets[f].normal[m];
-  });
-  return Uint16Array.from({ length: sums.length / 3 }, (_, n) => packed(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]));
-}
-
-// For each step, the voxels that show the facet there: four numbers each, their coordinates from `origin` on and their
-// normals; and, if `numbered`, their numbers.
-function findFacets(set, steps, origin, outside, normals, numbered) {
-  const cells = steps.map(() => new Growing(Uint16Array)), numbers = steps.map(() => []);
-  forEachFacet(set, steps, outside, (i, j, k, voxel, f) => {
-    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
-    if (numbered) numbers[f].push(voxel);
-  });
-  return { cells: cells.map((of) => of.values()), numbers };
-}
-
-// The voxels with a normal, in an order in which the first few are spread evenly: as findFacets has them.
-function scatter(set, origin, normals) {
-  const found = new Growing(Uint16Array), of = [];
-  set.forEach((i, j, k, voxel) => {
-    if (normals[voxel] === NO_NORMAL) return;
-    found.push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
-    of.push(voxel);
-  });
-  const cells = new Uint16Array(found.length), numbers = new Uint32Array(of.length), stride = coprime(of.length);
-  for (let n = 0, at = 0; n < of.length; ++n, at = (at + stride) % of.length) {
-    cells.set(found.array.subarray(4 * at, 4 * at + 4), 4 * n);
-    numbers[n] = of[at];
-  }
-  return { cells, numbers };
-}
-
-// A number near the golden part of `count` that has no divisor with it.
-function coprime(count) {
-  const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
-  let stride = Math.max(1, Math.round(0.618034 * count));
-  while (divisor(count, stride) > 1) ++stride;
-  return stride;
 }

@@ -185,7 +185,6 @@ class View(Case):
             (["--up", "x"], {}, "x"),
             (["--up", "z"], {}, "z"),
             ([], {"latvox_request": '{"lattice":"fcc","up":"y"}'}, "z"),
-            ([], {"latvox_request": '{"lattice":"fcc"}'}, "y"),
             (["--up", "y"], {"latvox_request": '{"lattice":"fcc","up":"y"}'}, "y"),
         ]:
             with self.subTest(options=options, **metadata):
@@ -194,6 +193,13 @@ class View(Case):
                 self.assert_shows(cells, "fcc", 0, 20, up=up)
                 upright = self.tab.run("'xyz'[data.axes.findIndex(([x, y, z]) => y === 1)]")
                 self.assertEqual(upright, up)
+
+    def test_a_mesh_that_was_turned_stands_upright(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        for options, up in [(["--up", "y"], "z"), ([], "y")]:
+            self.voxelize(mesh, "--resolution", 6, *options, out="a.vdb")
+            self.view(self.dir / "a.vdb")
+            self.assertEqual(self.tab.run("'xyz'[data.axes.findIndex(([x, y, z]) => y === 1)]"), up)
 
     def test_counts_and_certificate_are_those_of_the_file(self):
         summary = self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", 24, out="a.vdb")

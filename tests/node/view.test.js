@@ -3,9 +3,9 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
-const source = readFileSync(new URL('../../client/view/voxels.js', import.meta.url), 'utf8');
+const source = ['voxels', 'facets'].map((name) => readFileSync(new URL(`../../client/view/${name}.js`, import.meta.url), 'utf8'));
 const { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL } = new Function(
-  `${source}; return { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL };`)();
+  `${source.join('')}; return { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL };`)();
 
 const both = (steps) => steps.flatMap((step) => [step, step.map((n) => -n)]);
 const STEPS = {
@@ -111,7 +111,7 @@ test('points are all that is seen, each once, with a direction outwards', () => 
   const { voxels, low, high } = shapeOf(randomOf(5), false), { set, numbers } = setOf(voxels.values(), low, high);
   const facets = STEPS.cartesian.map((step) => ({ step, normal: step }));
   const normals = findNormals(set, facets, Outside.of(set, STEPS.cartesian).rowsOf);
-  const { cells, numbers: of } = scatter(set, low, normals);
+  const { cells, numbers: of, ends } = scatter(set, low, normals);
   const rim = [...voxels.values()].filter((ijk) => ijk.some((n, m) => n === low[m] || n === high[m] - 1));
   assert.deepEqual([...of].map((number) => numbers[number]).sort(), rim.map((ijk) => ijk.join()).sort());
   of.forEach((number, n) => {
@@ -126,4 +126,12 @@ test('points are all that is seen, each once, with a direction outwards', () => 
       assert.ok(Math.abs(Math.sign(Math.abs(to) < 0.02 ? 0 : to) - wanted) < 1e-9, `${ijk}: ${[x, y, z]}`);
     });
   });
+  // The first few have one in each larger cube that has any.
+  const cubes = (some, shift) => new Set(some.map((ijk) => ijk.map((n) => n >> shift).join()));
+  const points = [...of].map((number) => numbers[number].split(',').map(Number));
+  assert.equal(ends[0], points.length);
+  for (const shift of [1, 2, 3]) {
+    assert.deepEqual(cubes(points.slice(0, ends[shift]), shift), cubes(points, shift));
+    assert.equal(ends[shift], cubes(points, shift).size);
+  }
 });

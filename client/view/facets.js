@@ -1,0 +1,133 @@
+// The facets of voxels' cells that there are to be seen, and points that stand for them. Needs voxels.js, no browser.
+"use strict";
+
+// Numbers of a typed array, more and more.
+class Growing {
+  constructor(Type) {
+    this.array = new Type(1024);
+    this.length = 0;
+  }
+
+  push(a, b, c, d) {
+    if (this.length + 4 > this.array.length) {
+      const longer = new this.array.constructor(2 * this.array.length);
+      longer.set(this.array);
+      this.array = longer;
+    }
+    this.array[this.length++] = a;
+    this.array[this.length++] = b;
+    this.array[this.length++] = c;
+    this.array[this.length++] = d;
+  }
+
+  values() {
+    return this.array.slice(0, this.length);
+  }
+}
+
+// Calls see(i, j, k, voxel, f) for each facet, that of steps[f], of each voxel of the set; of facets towards voxels of
+// the set for none. `outside`: the rows, by key, of what facets must lie towards; null: of all that is empty.
+function forEachFacet(set, steps, outside, see) {
+  const window = new Window(set, steps), turned = outside === null ? 255 : 0;
+  const rowsOf = outside ?? ((key) => set.bricks.get(key)?.rows ?? NONE);
+  for (const [key, { corner: [i, j, k], rows, all = rows, voxel }] of set.bricks) {
+    window.fill(key, rowsOf);
+    for (let row = 0, before = voxel; row < 64; before += BITS[all[row]], ++row) {
+      if (rows[row] === 0) continue;
+      const at = window.middle + (row >> 3) * window.side + (row & 7);
+      for (let f = 0; f < steps.length; ++f) {
+        let bits = rows[row] & ((window.rows[at + window.along[f]] >> window.bits[f]) ^ turned);
+        for (; bits !== 0; bits &= bits - 1) {
+          const low = bits & -bits;
+          see(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(low), before + BITS[all[row] & (low - 1)], f);
+        }
+      }
+    }
+  }
+}
+
+// Directions as 16 bits: the octahedron unfolded to a square of 255 by 255 places.
+const NO_NORMAL = 65535;
+function packed(x, y, z) {
+  const sum = Math.abs(x) + Math.abs(y) + Math.abs(z);
+  if (sum < 1e-6) return NO_NORMAL;
+  const fold = (u, v) => (z < 0 ? (1 - Math.abs(v)) * (u < 0 ? -1 : 1) : u);
+  const [u, v] = [x / sum, y / sum];
+  return Math.round(127 * (1 + fold(u, v))) | (Math.round(127 * (1 + fold(v, u))) << 8);
+}
+
+// Where the surface faces at each voxel, packed: the sum of what its facets do. NO_NORMAL: none of them is seen.
+function findNormals(set, facets, outside) {
+  const sums = new Float32Array(3 * set.count());
+  forEachFacet(set, facets.map(({ step }) => step), outside, (i, j, k, voxel, f) => {
+    for (let m = 0; m < 3; ++m) sums[3 * voxel + m] += facets[f].normal[m];
+  });
+  return Uint16Array.from({ length: sums.length / 3 }, (_, n) => packed(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]));
+}
+
+// For each step, the voxels that show the facet there: four numbers each, their coordinates from `origin` on and their
+// normals; and, if `numbered`, their numbers.
+function findFacets(set, steps, origin, outside, normals, numbered) {
+  const cells = steps.map(() => new Growing(Uint16Array)), numbers = steps.map(() => []);
+  forEachFacet(set, steps, outside, (i, j, k, voxel, f) => {
+    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
+    if (numbered) numbers[f].push(voxel);
+  });
+  return { cells: cells.map((of) => of.values()), numbers };
+}
+
+// Tells for voxels, brick after brick, the largest cubes, of 2^shift a side, of which they are the first.
+const COARSEST = 3; // a brick
+class Cubes {
+  constructor() {
+    this.taken = Array.from({ length: COARSEST + 1 }, (_, shift) => new Int32Array(512 >> (3 * shift)));
+    this.brick = 0;
+    this.place = [];
+  }
+
+  shiftOf(i, j, k) {
+    const place = [i >> 3, j >> 3, k >> 3];
+    if (place.some((n, m) => n !== this.place[m])) (this.place = place), ++this.brick;
+    let first = 0;
+    for (let shift = 1; shift <= COARSEST; ++shift) {
+      const [x, y, z] = [i, j, k].map((n) => (n & 7) >> shift), bits = 3 - shift;
+      const cube = (((x << bits) | y) << bits) | z;
+      if (this.taken[shift][cube] !== this.brick) first = shift;
+      this.taken[shift][cube] = this.brick;
+    }
+    return first;
+  }
+}
+
+// The voxels with a normal, as findFacets has them, so that the first few stand for all: first one of each 8 x 8 x 8,
+// then of each 4 x 4 x 4 that has none yet, and so on; ends[n]: how many are of 2^n and more.
+function scatter(set, origin, normals) {
+  const cubes = new Cubes();
+  const levels = Array.from({ length: COARSEST + 1 }, () => ({ found: new Growing(Uint16Array), of: [] }));
+  set.forEach((i, j, k, voxel) => {
+    if (normals[voxel] === NO_NORMAL) return;
+    const level = levels[cubes.shiftOf(i, j, k)];
+    level.found.push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
+    level.of.push(voxel);
+  });
+  const count = levels.reduce((sum, { of }) => sum + of.length, 0), ends = [];
+  const cells = new Uint16Array(4 * count), numbers = new Uint32Array(count);
+  let n = 0;
+  for (let level = COARSEST; level >= 0; --level) {
+    const { found, of } = levels[level], stride = coprime(of.length);
+    for (let each = 0, at = 0; each < of.length; ++each, at = (at + stride) % of.length, ++n) {
+      cells.set(found.array.subarray(4 * at, 4 * at + 4), 4 * n);
+      numbers[n] = of[at];
+    }
+    ends[level] = n;
+  }
+  return { cells, numbers, ends };
+}
+
+// A number near the golden part of `count` that has no divisor with it: steps of it are spread evenly.
+function coprime(count) {
+  const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
+  let stride = Math.max(1, Math.round(0.618034 * count));
+  while (divisor(count, stride) > 1) ++stride;
+  return stride;
+}
