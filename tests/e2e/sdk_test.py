@@ -93,7 +93,7 @@ class Sdk(TlsCase):
                 self.assertEqual(done.returncode, 1)
                 line = f"{self.mesh}: {voxels} voxels"
                 self.assertRegex(done.stdout, rf"^{line}\n{box}: \d+ voxels\n{line}\n$")
-                self.assertRegex(done.stderr, rf"^{bad}: INVALID_ARGUMENT")
+                self.assertRegex(done.stderr, rf"^{bad}: INVALID_ARGUMENT: .*\nfield ")
             with self.subTest("to_vdb"):
                 summary = whole("--lattice", "fcc", "--separability", 2)
                 self.assertEqual(self.output("to_vdb", latvoxd.address, self.mesh, 200, self.dir / "out.vdb"),
@@ -102,7 +102,14 @@ class Sdk(TlsCase):
             with self.subTest("a refusal names its field"):
                 refused = self.example("hello", latvoxd.address, self.mesh, 70000)
                 self.assertEqual(refused.returncode, 1)
-                self.assertIn("field resolution, limit 65536", refused.stderr)
+                self.assertRegex(refused.stderr, r"^[A-Z_]+: .*\nfield resolution, limit 65536\n$")
+            with self.subTest("a mesh that cannot be read is named"):
+                empty = self.dir / "empty.drc"
+                empty.touch()
+                for path, wrong in (empty, "is empty"), (self.dir / "missing.drc", "cannot be opened"):
+                    refused = self.example("hello", latvoxd.address, path, 200)
+                    self.assertEqual(refused.returncode, 1)
+                    self.assertRegex(refused.stderr, rf"^[A-Z_]+: {path}: {wrong}.*\n$")
 
     def test_a_program_is_tested_without_a_server(self):
         self.assertEqual(self.output("fake_server"), "passed\n")
