@@ -11,6 +11,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/common_options.h"
 #include "client/cli/compare_command.h"
+#include "client/cli/encode_command.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/merge_command.h"
@@ -77,6 +78,7 @@ struct Commands {
   VoxelizeWords words;
   BatchWords batch_words;
   PixelizeWords pixelize_words;
+  EncodeWords encode_words;
   MergeWords merge_words;
   RenderWords render_words;
   SliceWords slice_words;
@@ -88,6 +90,7 @@ struct Commands {
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
   CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
+  CLI::App* encode = app.add_subcommand("encode", "write mesh files as one Draco file, as servers take it");
   CLI::App* merge =
       app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region, --bounds or --shard");
   CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
@@ -106,6 +109,7 @@ struct Commands {
     AddVoxelizeOptions(*voxelize, words);
     AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
+    AddEncodeOptions(*encode, encode_words);
     AddMergeOptions(*merge, merge_words);
     AddRenderOptions(*render, render_words);
     AddSliceOptions(*slice, slice_words);
@@ -144,6 +148,11 @@ ExitStatus Run(const Commands& commands) {
     const PixelizeOptions options = Interpret(commands.pixelize_words);
     const Interrupt interrupt(cancellation);
     return Print(Pixelize(options, cancellation));
+  }
+  if (*commands.encode) {
+    const MeshSource source = Interpret(commands.encode_words);
+    const Interrupt interrupt(cancellation);
+    return Print(RunEncode(commands.encode_words, source, cancellation));
   }
   if (*commands.merge) {
     Check(commands.merge_words);

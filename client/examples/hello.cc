@@ -1,4 +1,5 @@
-// The shortest way from a mesh to voxels: all of them, in memory.
+// The shortest way from a mesh to voxels: all of them, in memory. A mesh to begin with:
+//   latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
 #include "client/client.h"
 #include "example.h"
 

@@ -3,6 +3,7 @@
 
 Needs python3-grpcio, python3-protobuf and, made once in the folder it is called from or in $PYTHONPATH:
     protoc -I proto --python_out=. latvox/v1/voxelizer.proto
+A mesh to begin with: latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
 Usage: client/examples/voxelize.py ADDRESS MESH.drc RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
 """
 

@@ -40,7 +40,8 @@ class Sdk(TlsCase):
 
     def setUp(self):
         super().setUp()
-        self.mesh = encode_drc(self.dir / "bunny.drc", BUNNY)
+        self.mesh = self.dir / "bunny.drc"  # as a newcomer makes it
+        self.assertEqual(latvox("encode", BUNNY, "-o", self.mesh).returncode, 0)
 
     def example(self, name, *arguments):
         words = [self.sdk / "build" / name, *map(str, arguments)]
@@ -75,6 +76,11 @@ class Sdk(TlsCase):
                 summary = whole("--lattice", "bcc")
                 expected = (str(summary["voxels"]), str(summary["bricks"]), summary["digest"])
                 self.assertEqual(found.groups(), expected)
+            with self.subTest("own_mesh"):
+                octahedron = harness.write_obj(self.dir / "octahedron.obj", harness.octahedron())
+                summary = self.voxelize(octahedron, "--resolution", 90, "--server", latvoxd.address)
+                self.assertEqual(self.output("own_mesh", latvoxd.address, 90),
+                                 f"{summary['voxels']} voxels, digest {summary['digest']}\n")
             with self.subTest("shards"):
                 voxels = whole()["voxels"]
                 self.assertEqual(self.output("shards", latvoxd.address, self.mesh, 200, 5), f"{voxels} voxels in 5 parts\n")
