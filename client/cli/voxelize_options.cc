@@ -9,6 +9,7 @@
 #include "client/cli/attributes_option.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
+#include "client/output/box_output.h"
 #include "client/output/output.h"
 #include "client/stretched.h"
 
@@ -109,6 +110,16 @@ void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
     request.voxel_size = sizes[0];
   } else {
     request.lattice = Stretched(std::get<NamedLattice>(request.lattice), sizes);
+  }
+}
+
+// Of a grid to align to, the lattice is known only once its file is read.
+void CheckCubes(const VoxelizeOptions& options) {
+  const std::variant<NamedLattice, Basis>& lattice = options.request.lattice;
+  const Basis* basis = std::get_if<Basis>(&lattice);
+  if (basis != nullptr ? IsCubic(*basis) : std::get<NamedLattice>(lattice) == NamedLattice::kCartesian) return;
+  for (const std::string& output : options.outputs) {
+    if (HasExtension(output, {".binvox", ".vox"})) Refuse("--out: ", output, ": ", kCubesOnly);
   }
 }
 
@@ -273,11 +284,15 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (request.cover == Cover::kSupercover && request.algorithm != Algorithm::kExact) {
     Refuse("--cover supercover excludes --algorithm ", words.algorithm);
   }
+  if (words.minimal == true && request.algorithm != Algorithm::kExact) {
+    Refuse("--minimal excludes --algorithm ", words.algorithm, ", which is not thinned");
+  }
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
   request.solid = InterpretSolid(words);
   if (request.solid && request.algorithm != Algorithm::kExact) Refuse("--fill: solid is for --algorithm exact");
   request.separability = InterpretSeparability(words.separability, request.lattice);
   InterpretVoxelSize(words, request);
+  CheckCubes(options);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());
   if (!words.region.empty()) {
