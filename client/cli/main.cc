@@ -65,8 +65,9 @@ ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) 
   return printed == ExitStatus::kDone ? report->status : printed;
 }
 
-ExitStatus Compare(const CompareWords& words) {
+ExitStatus Compare(const CompareWords& words, const Cancellation& cancellation) {
   const auto comparison = RunCompare(words);
+  if (cancellation.cancelled()) return Fail(absl::CancelledError("cancelled"));
   if (!comparison.ok()) return Fail(comparison.status());
   const ExitStatus printed = Print(comparison->text);
   return printed == ExitStatus::kDone && !comparison->equal ? ExitStatus::kOther : printed;
@@ -159,17 +160,24 @@ ExitStatus Run(const Commands& commands) {
     const Interrupt interrupt(cancellation);
     return Print(RunMerge(commands.merge_words, cancellation));
   }
-  if (*commands.render) return Print(RunRender(commands.render_words, Interpret(commands.render_words)));
+  if (*commands.render) {
+    PictureOptions options = Interpret(commands.render_words);
+    options.cancellation = cancellation;
+    const Interrupt interrupt(cancellation);
+    return Print(RunRender(commands.render_words, options));
+  }
   if (*commands.slice) {
     Check(commands.slice_words);
-    return Print(RunSlice(commands.slice_words));
+    const Interrupt interrupt(cancellation);
+    return Print(RunSlice(commands.slice_words, cancellation));
   }
   if (*commands.view) {
     Check(commands.view_words);
-    return Print(RunView(commands.view_words));
+    const Interrupt interrupt(cancellation);
+    return Print(RunView(commands.view_words, cancellation));
   }
-  if (*commands.compare) return Compare(commands.compare_words);
   const Interrupt interrupt(cancellation);
+  if (*commands.compare) return Compare(commands.compare_words, cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
   if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));
   return Print(Introduction());

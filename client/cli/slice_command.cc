@@ -122,7 +122,7 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
   return layer;
 }
 
-absl::StatusOr<std::string> RunSlice(const SliceWords& words) {
+absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
   const size_t axis = ValueNamed(kAxes, words.axis);
   const auto file = ReadGridFile(words.input);
   if (!file.ok()) return file.status();
@@ -145,6 +145,7 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words) {
     if (auto status = (*picture)->Sync(); !status.ok()) return status;
     pictures.push_back(*std::move(picture));
   }
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   for (const auto& list : lists) {
     if (auto status = list->Commit(); !status.ok()) return status;
   }

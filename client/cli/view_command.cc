@@ -20,12 +20,13 @@ void Check(const ViewWords& words) {
   CheckOutputs(words.outputs, words.input, "file");
 }
 
-absl::StatusOr<std::string> RunView(const ViewWords& words) {
+absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation) {
   const std::string& output = words.outputs.front();
   const auto file = ReadGridFile(words.input);
   if (!file.ok()) return file.status();
   const auto page = ViewPage(*file, std::filesystem::path(words.input).filename().string());
   if (!page.ok()) return page.status();
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = WriteAtomically(output, *page); !status.ok()) return status;
   return absl::StrCat(words.input, ": ", file->info.active_voxels, " voxels\nwrote ", output, ", ", page->size(),
                       " bytes\n");

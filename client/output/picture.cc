@@ -49,7 +49,7 @@ Vec3d Turned(const Vec3d& v, UpAxis up) {
 class Renderer {
  public:
   Renderer(const VoxelScene& scene, const PictureOptions& options)
-      : scene_(scene), side_(options.side), wide_(options.side * kSamples) {
+      : scene_(scene), cancellation_(options.cancellation), side_(options.side), wide_(options.side * kSamples) {
     const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
     right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
     towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
@@ -89,8 +89,10 @@ class Renderer {
 
  private:
   template <class Row>
-  static void ForRows(int rows, const Row& row) {
-    tbb::parallel_for(0, rows, row);
+  void ForRows(int rows, const Row& row) const {
+    tbb::parallel_for(0, rows, [&](int y) {
+      if (!cancellation_.cancelled()) row(y);
+    });
   }
 
   Vec3f ToView(const Vec3d& v) const {
@@ -260,6 +262,7 @@ class Renderer {
   };
 
   const VoxelScene& scene_;
+  const Cancellation cancellation_;
   const int side_, wide_;       // pixels, samples
   Vec3d right_, up_, towards_;  // the view frame's axes in the scene
   Vec3d eye_{};                 // before the middle of the picture
@@ -284,7 +287,9 @@ int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& o
 }
 
 absl::StatusOr<std::string> DrawVoxels(const VoxelScene& scene, const PictureOptions& options) {
-  return EncodePng(options.side, options.side, Renderer(scene, options).Draw());
+  const std::vector<uint8_t> pixels = Renderer(scene, options).Draw();
+  if (options.cancellation.cancelled()) return absl::CancelledError("cancelled");
+  return EncodePng(options.side, options.side, pixels);
 }
 
 }  // namespace latvox::client
