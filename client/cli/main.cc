@@ -117,6 +117,7 @@ struct Commands {
     AddViewOptions(*view, view_words);
     AddCompareOptions(*compare, compare_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
+    info->add_flag("--json", json, "as a JSON object");
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
     limits->add_flag("--json", json, "as a JSON object");
@@ -134,7 +135,7 @@ ExitStatus Run(const Commands& commands) {
   const Cancellation cancellation;
   if (*commands.completions) return Print(Completions(commands.app, commands.shell));
   if (*commands.man) return Print(ManPageOf(commands.app));
-  if (*commands.info) return Print(RunInfo(commands.info_path));
+  if (*commands.info) return Print(RunInfo(commands.info_path, commands.json));
   if (*commands.voxelize) {
     const VoxelizeOptions options = Interpret(commands.words);
     const Interrupt interrupt(cancellation);
