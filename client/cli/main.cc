@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "client/cli/batch_command.h"
 #include "client/cli/batch_options.h"
@@ -184,12 +185,22 @@ ExitStatus Run(const Commands& commands) {
   return Print(Introduction());
 }
 
+// The words after the program's name, the last first, as CLI11 wants vectors; "help COMMAND" is "COMMAND --help".
+std::vector<std::string> Words(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  return {words.rbegin(), words.rend()};
+}
+
 ExitStatus Main(int argc, char** argv) {
   // Writing to a pipe that nobody reads is an error of that write, not the end.
   signal(SIGPIPE, SIG_IGN);
   Commands commands;
   try {
-    commands.app.parse(argc, argv);
+    commands.app.parse(Words(argc, argv));
     return Run(commands);
   } catch (const CLI::Success& wanted) {  // --help, --version
     commands.app.exit(wanted);

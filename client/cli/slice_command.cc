@@ -22,7 +22,7 @@
 namespace latvox::client {
 namespace {
 
-const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}};
+const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}, {"i", 0}, {"j", 1}, {"k", 2}};
 
 // The coordinates within a layer, in their order.
 std::pair<size_t, size_t> Others(size_t axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
@@ -93,7 +93,9 @@ absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_
 void AddSliceOptions(CLI::App& command, SliceWords& words) {
   command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
   AddOutputOption(command, {".png", ".csv"}, words.outputs);
-  command.add_option("--axis", words.axis, "across which the layer lies: x, y, z for lattice coordinate i, j, k")
+  command
+      .add_option("--axis", words.axis,
+                  "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these")
       ->type_name("AXIS")
       ->required()
       ->check(OneOf(kAxes));

@@ -57,9 +57,8 @@ def voxels(packed):
 
 
 def main(address, path, resolution, lattice="cartesian"):
-    with open(path, "rb") as file:
+    with open(path, "rb") as file, grpc.insecure_channel(address) as channel:
         mesh = file.read()
-    with grpc.insecure_channel(address) as channel:
         call = channel.stream_stream(
             "/latvox.v1.Voxelizer/Voxelize",
             request_serializer=pb.VoxelizeRequest.SerializeToString,
@@ -74,4 +73,7 @@ def main(address, path, resolution, lattice="cartesian"):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    words = [*sys.argv[1:], "cartesian"][:4]
+    if not (3 < len(sys.argv) < 6 and words[2].isdecimal() and words[3] in "cartesian bcc fcc hexagonal".split()):
+        sys.exit(__doc__[__doc__.index("Usage") :].strip())
+    main(*words)

@@ -70,6 +70,10 @@ class Help(Case):
         wanted = {"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "bunny.drc", "voxels", "star.png", "whole.vdb"}
         self.assertLessEqual(wanted, made)
 
+    def test_help_is_a_command_too(self):
+        self.assertEqual(latvox("help").stdout, help_of())
+        self.assertEqual(latvox("help", "slice").stdout, help_of("slice"))
+
     def test_options_are_in_groups(self):
         text = help_of("voxelize")
         for group in ("Mesh", "Lattice", "Voxels", "Part of the whole", "Output", "Transfer", "Server"):
