@@ -38,12 +38,6 @@ Vec3i TileOf(const Vec3i& brick_ijk) {
   return {brick_ijk[0] >> kTileBitsInBricks, brick_ijk[1] >> kTileBitsInBricks, brick_ijk[2] >> kTileBitsInBricks};
 }
 
-size_t CountVoxels(const std::vector<Brick>& bricks) {
-  size_t voxels = 0;
-  for (const Brick& brick : bricks) voxels += CountVoxels(brick);
-  return voxels;
-}
-
 // Adds each brick with its part of the values, of which there are `each` for a voxel.
 template <class T>
 void AddValues(const std::vector<Brick>& bricks, std::span<const T> values, size_t each, Digest& digest) {
@@ -122,11 +116,13 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
   reported_ = std::max(reported_, progress_);
   const bool packed = !message.packed().empty() || message.packed_bytes() != 0;
   if (absl::Status status = packed ? TakePacked(message) : TakeMasks(message); !status.ok()) return status;
+  const uint64_t voxels_before = stretch_.voxels;
   for (size_t n = 0; n < batch_.size(); ++n) {
     if (auto status = CheckBrick(batch_[n], n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
-  if (absl::Status status = TakeValues(message.values()); !status.ok()) return status;
-  if (absl::Status status = TakeAttributes(message.attributes()); !status.ok()) return status;
+  const uint64_t voxels = stretch_.voxels - voxels_before;
+  if (absl::Status status = TakeValues(message.values(), voxels); !status.ok()) return status;
+  if (absl::Status status = TakeAttributes(message.attributes(), voxels); !status.ok()) return status;
   if (handlers_.on_bricks) {
     if (auto status = handlers_.on_bricks({batch_, reported_, values_, attributes_}); !status.ok()) return status;
   }
@@ -189,9 +185,8 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
   return absl::OkStatus();
 }
 
-// Of batch_, which has been checked.
-absl::Status AnswerCheck::TakeValues(std::string_view bytes) {
-  const size_t voxels = CountVoxels(batch_);
+// Of batch_, which has been checked, and has so many voxels.
+absl::Status AnswerCheck::TakeValues(std::string_view bytes, size_t voxels) {
   const size_t expected = band_ ? voxels * sizeof(float) : 0;
   if (bytes.size() != expected) {
     return Broken("values has ", bytes.size(), " bytes for ", voxels, " voxels", band_ ? "" : " without a band",
@@ -207,8 +202,8 @@ absl::Status AnswerCheck::TakeValues(std::string_view bytes) {
   return absl::OkStatus();
 }
 
-absl::Status AnswerCheck::TakeAttributes(std::string_view bytes) {
-  const size_t voxels = CountVoxels(batch_), numbers = voxels * asked_.size();
+absl::Status AnswerCheck::TakeAttributes(std::string_view bytes, size_t voxels) {
+  const size_t numbers = voxels * asked_.size();
   if (bytes.size() != numbers * sizeof(uint32_t)) {
     return Broken("attributes has ", bytes.size(), " bytes for ", asked_.size(), " each of ", voxels, " voxels, not ",
                   numbers * sizeof(uint32_t));

@@ -45,8 +45,8 @@ class AnswerCheck {
   absl::Status TakeBricks(const v1::BrickBatch& message);
   absl::Status TakeMasks(const v1::BrickBatch& message);
   absl::Status TakePacked(const v1::BrickBatch& message);
-  absl::Status TakeValues(std::string_view bytes);
-  absl::Status TakeAttributes(std::string_view bytes);
+  absl::Status TakeValues(std::string_view bytes, size_t voxels);
+  absl::Status TakeAttributes(std::string_view bytes, size_t voxels);
   absl::Status CheckValue(float value) const;
   absl::Status TakeSummary(const v1::Summary& message);
   absl::Status CheckBand(const std::optional<BandCertificate>& band) const;

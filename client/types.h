@@ -241,7 +241,7 @@ struct Certificate {
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.
 struct ServerTimings {
   double upload_ms = 0;    // from the first to the last byte of the mesh
-  double decode_ms = 0;    // Draco decoding and checking
+  double decode_ms = 0;    // Draco decoding and checking; 0 if its result was kept
   double voxelize_ms = 0;  // snapping, digitizing, thinning and, if asked for, verifying
   double stream_ms = 0;    // waiting for the client to take bricks
 };

@@ -96,6 +96,7 @@ absl::Status Computation::TakeMesh(MeshUpload upload) {
       std::optional<absl::Cord> kept = environment_.meshes.Find(*spec_.mesh_digest);
       if (!kept) return UnknownMesh();
       mesh_ = *std::move(kept);
+      mesh_comes_again_ = true;
       mesh_bytes_ = mesh_.size();
       const uint64_t limit = environment_.limits.max_mesh_bytes;
       if (mesh_bytes_ > limit) return LimitExceeded("mesh_bytes", mesh_bytes_, limit);
@@ -107,12 +108,13 @@ absl::Status Computation::TakeMesh(MeshUpload upload) {
     const std::optional<MeshDigest> digest = DigestOf(mesh_, cancelled_);
     if (!digest) return CheckCancelled();
     if (*digest != *spec_.mesh_digest) return WrongMeshDigest();
-    environment_.meshes.Put(*spec_.mesh_digest, mesh_);
+    mesh_comes_again_ = environment_.meshes.Put(*spec_.mesh_digest, mesh_);
     return absl::OkStatus();
   });
 }
 
 void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
+  if (FindDecoded()) return decoded(ReserveForJob(kept_->mesh));
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
@@ -125,6 +127,19 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
         decoded(TakeDecoded(std::move(mesh)));
       });
   if (cancelled_) decoding_->Cancel();
+}
+
+// What is over this caller's limits is left to the decoder to refuse.
+bool Computation::FindDecoded() {
+  if (!mesh_comes_again_) return false;
+  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.attributes);
+  const Limits& limits = environment_.limits;
+  if (kept_ &&
+      (kept_->mesh.triangles.size() > limits.max_triangles || kept_->mesh.vertices.size() > limits.max_vertices)) {
+    kept_.reset();
+  }
+  if (kept_) mesh_.Clear();
+  return kept_ != nullptr;
 }
 
 // Of a job with such a mesh.
@@ -149,14 +164,19 @@ void Computation::Free() {
   voxels_ = {};
   mesh_.Clear();
   decoded_ = {};
+  kept_.reset();
   memory_.Shrink(0);
 }
 
 absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
   if (!mesh.ok()) return mesh.status();
-  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-  const uint64_t triangles = mesh->mesh.triangles.size(), vertices = mesh->mesh.vertices.size();
   decoded_ = *std::move(mesh);
+  return ReserveForJob(decoded_.mesh);
+}
+
+absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
+  if (absl::Status status = CheckCancelled(); !status.ok()) return status;
+  const uint64_t triangles = mesh.triangles.size(), vertices = mesh.vertices.size();
   large_ = LastsLong(triangles, 0);
   job_bytes_ = BytesOf(triangles, vertices);
   memory_.Shrink(job_bytes_);
@@ -174,9 +194,16 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
   return memory_.Grow(job_bytes_);
 }
 
+// Once. Keeps what is asked for a second time: most meshes come once.
+DecodedMesh Computation::TheMesh() {
+  if (kept_) return *std::exchange(kept_, nullptr);
+  if (mesh_comes_again_) environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, decoded_);
+  return std::move(decoded_);
+}
+
 absl::Status Computation::CreateJob() {
   const Stopwatch stopwatch(facts_.voxelize_ms);
-  DecodedMesh decoded = std::move(decoded_);
+  DecodedMesh decoded = TheMesh();
   facts_.triangles = decoded.mesh.triangles.size();
   source_ = {BoundsOf(decoded.mesh, cancelled_), decoded.quantization_bits};
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;

@@ -48,8 +48,8 @@ class Computation {
   // Once. Errors: INVALID_ARGUMENT; NOT_FOUND if there is no such mesh.
   absl::Status TakeMesh(MeshUpload upload);
 
-  // Has the mesh decoded, and returns at once. `decoded` is called exactly once, as MeshDecoder::Done; the computation
-  // has to live until then. Once. Errors: as there.
+  // Has the mesh decoded, unless what it decodes to is kept, and returns at once. `decoded` is called exactly once, as
+  // MeshDecoder::Done, or before this returns; the computation has to live until then. Once. Errors: as there.
   void Decode(std::function<void(const absl::Status&)> decoded);
 
   // Whether what follows will take long. After a decode that went well.
@@ -78,7 +78,10 @@ class Computation {
 
   absl::Status CheckCancelled() const;
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
+  bool FindDecoded();
   absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
+  absl::Status ReserveForJob(const TriangleMesh& mesh);
+  DecodedMesh TheMesh();
   uint64_t BytesOfSolid(const TriangleMesh& mesh) const;
   absl::Status TakeEstimate(double voxels, double visits);
   absl::Status CreateJob();
@@ -99,8 +102,10 @@ class Computation {
   std::shared_ptr<MeshDecoder::Decoding> decoding_;  // for Cancel; guarded by decoding_mu_
   std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel
   Clock::time_point decode_began_;
-  absl::Cord mesh_;      // encoded, until it is decoded
-  DecodedMesh decoded_;  // until Start
+  absl::Cord mesh_;                          // encoded, until it is decoded
+  bool mesh_comes_again_ = false;            // it was kept before this request
+  std::shared_ptr<const DecodedMesh> kept_;  // until Start
+  DecodedMesh decoded_;                      // until Start, if none was kept
   bool large_ = false;
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;

@@ -1,8 +1,8 @@
 // Draco in processes of their own, which can do nothing but decode.
 //
 // What a hostile file can do to one: use up its memory or its time, or take it over. Then it ends, and its decode with
-// an error; or it sends a mesh that the file does not hold, for this request or, as a process serves many, for later
-// ones. It can not reach files, the network, other processes or the server's memory.
+// an error; or it sends a mesh that the file does not hold, for this request or, as a process serves many and meshes
+// are kept, for later ones. It can not reach files, the network, other processes or the server's memory.
 #ifndef LATVOX_SERVER_DECODER_POOL_H_
 #define LATVOX_SERVER_DECODER_POOL_H_
 

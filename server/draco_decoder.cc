@@ -2,10 +2,12 @@
 
 #include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
+#include <draco/core/quantization_utils.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
@@ -45,34 +47,73 @@ absl::Status SendPieces(uint32_t count, const Make& make, const Send& send) {
   return absl::OkStatus();
 }
 
-// Sends one position for each point, of whatever number type the attribute has.
-absl::Status SendVertices(const draco::PointAttribute& positions, uint32_t points, MeshSink& sink) {
-  const auto read = [&](uint32_t p, Vec3f& out) {
-    const draco::AttributeValueIndex value = positions.mapped_index(draco::PointIndex(p));
-    if (value.value() >= positions.size()) return CorruptDraco(absl::StrCat("vertex ", p, " has no position"));
-    const bool converted = positions.ConvertValue<float>(value, 3, out.data());
-    if (!converted || !std::isfinite(out[0]) || !std::isfinite(out[1]) || !std::isfinite(out[2])) {
-      return BadMesh(absl::StrCat("vertex ", p, " is not finite"));
-    }
-    return absl::OkStatus();
-  };
-  return SendPieces<Vec3f>(points, read, [&](absl::Span<const Vec3f> piece) { sink.Vertices(piece); });
+bool IsQuantized(const draco::PointAttribute& attribute) {
+  const draco::AttributeTransformData* transform = attribute.GetAttributeTransformData();
+  return transform != nullptr && transform->transform_type() == draco::ATTRIBUTE_QUANTIZATION_TRANSFORM;
 }
 
-// The step that Draco's decoder was told to skip, by its own code: the same floats. Returns the bits.
-absl::StatusOr<uint32_t> Dequantize(const draco::PointAttribute& positions, draco::PointAttribute& out) {
-  draco::AttributeQuantizationTransform quantization;
-  if (!IsBacked(positions) || !quantization.InitFromAttribute(positions)) return CorruptDraco("quantization");
-  out.Init(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, false, positions.size());
-  if (!quantization.InverseTransformAttribute(positions, &out)) return CorruptDraco("quantization");
-  if (!positions.is_mapping_identity()) {
-    out.SetExplicitMapping(positions.indices_map_size());
-    for (uint32_t p = 0; p < positions.indices_map_size(); ++p) {
-      out.SetPointMapEntry(draco::PointIndex(p), positions.mapped_index(draco::PointIndex(p)));
+// The positions of points, of whatever number type the attribute has. Undoes quantization, the step that Draco's
+// decoder was told to skip, as it does: without another copy of them all, and for all architectures alike.
+class PositionReader {
+ public:
+  static absl::StatusOr<PositionReader> Create(const draco::PointAttribute& positions, uint32_t points) {
+    PositionReader reader(positions);
+    if (absl::Status status = CheckValues(positions, points, "POSITION"); !status.ok()) return status;
+    const bool side_by_side = positions.byte_stride() == sizeof(Vec3f);
+    if (IsQuantized(positions)) {
+      if (!side_by_side || !reader.InitQuantization()) return CorruptDraco("quantization");
+    } else if (side_by_side && positions.data_type() == draco::DT_FLOAT32) {
+      reader.form_ = Form::kFloats;
     }
+    return reader;
   }
-  return static_cast<uint32_t>(quantization.quantization_bits());
-}
+
+  uint32_t quantization_bits() const { return bits_; }
+
+  absl::Status Read(uint32_t point, Vec3f& out) const {
+    const draco::AttributeValueIndex value = positions_.mapped_index(draco::PointIndex(point));
+    if (value.value() >= positions_.size()) return CorruptDraco(absl::StrCat("vertex ", point, " has no position"));
+    if (!Convert(value, out) || !std::isfinite(out[0]) || !std::isfinite(out[1]) || !std::isfinite(out[2])) {
+      return BadMesh(absl::StrCat("vertex ", point, " is not finite"));
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  enum class Form { kFloats, kQuantized, kOther };
+
+  explicit PositionReader(const draco::PointAttribute& positions) : positions_(positions) {}
+
+  bool InitQuantization() {
+    draco::AttributeQuantizationTransform quantization;
+    if (!quantization.InitFromAttribute(positions_)) return false;
+    const int bits = quantization.quantization_bits();
+    if (bits < 1 || bits > 30 || quantization.min_values().size() != least_.size()) return false;
+    std::copy_n(quantization.min_values().begin(), least_.size(), least_.begin());
+    bits_ = static_cast<uint32_t>(bits);
+    form_ = Form::kQuantized;
+    return dequantizer_.Init(quantization.range(), (1 << bits) - 1);
+  }
+
+  bool Convert(draco::AttributeValueIndex value, Vec3f& out) const {
+    if (form_ == Form::kOther) return positions_.ConvertValue<float>(value, 3, out.data());
+    const uint8_t* const from = positions_.GetAddress(value);
+    if (form_ == Form::kFloats) {
+      std::memcpy(out.data(), from, sizeof(out));
+      return true;
+    }
+    Vec3i steps;
+    std::memcpy(steps.data(), from, sizeof(steps));
+    for (size_t m = 0; m < 3; ++m) out[m] = dequantizer_.DequantizeFloat(steps[m]) + least_[m];
+    return true;
+  }
+
+  const draco::PointAttribute& positions_;
+  Form form_ = Form::kOther;
+  draco::Dequantizer dequantizer_;
+  Vec3f least_{};
+  uint32_t bits_ = 0;
+};
 
 absl::StatusOr<draco::PointAttribute*> PositionsOf(draco::Mesh& mesh) {
   const int id = mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
@@ -84,11 +125,6 @@ absl::StatusOr<draco::PointAttribute*> PositionsOf(draco::Mesh& mesh) {
   const int components = positions->num_components();
   if (components != 3) return BadMesh(absl::StrCat("POSITION has ", components, " components, not 3"));
   return positions;
-}
-
-bool IsQuantized(const draco::PointAttribute& attribute) {
-  const draco::AttributeTransformData* transform = attribute.GetAttributeTransformData();
-  return transform != nullptr && transform->transform_type() == draco::ATTRIBUTE_QUANTIZATION_TRANSFORM;
 }
 
 // Draco does not promise that indices are in range.
@@ -132,22 +168,17 @@ absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, const 
   const absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
   if (!mesh.ok()) return mesh.status();
   if (absl::Status status = CheckCounts(**mesh, limits, wanted); !status.ok()) return status;
-  const absl::StatusOr<draco::PointAttribute*> encoded = PositionsOf(**mesh);
-  if (!encoded.ok()) return encoded.status();
-  const draco::PointAttribute* positions = *encoded;
-  draco::PointAttribute dequantized;
-  MeshSize size{(*mesh)->num_points(), (*mesh)->num_faces(), 0};
-  if (IsQuantized(*positions)) {
-    const absl::StatusOr<uint32_t> bits = Dequantize(*positions, dequantized);
-    if (!bits.ok()) return bits.status();
-    size.quantization_bits = *bits;
-    positions = &dequantized;
-  }
-  if (absl::Status status = CheckValues(*positions, size.vertices, "POSITION"); !status.ok()) return status;
+  const absl::StatusOr<draco::PointAttribute*> attribute = PositionsOf(**mesh);
+  if (!attribute.ok()) return attribute.status();
+  const absl::StatusOr<PositionReader> positions = PositionReader::Create(**attribute, (*mesh)->num_points());
+  if (!positions.ok()) return positions.status();
+  const MeshSize size{(*mesh)->num_points(), (*mesh)->num_faces(), positions->quantization_bits()};
   const absl::StatusOr<DracoAttributes> attributes = DracoAttributes::Find(**mesh, wanted);
   if (!attributes.ok()) return attributes.status();
   sink.Begin(size);
-  if (absl::Status status = SendVertices(*positions, size.vertices, sink); !status.ok()) return status;
+  const auto read = [&](uint32_t point, Vec3f& out) { return positions->Read(point, out); };
+  const auto send = [&](absl::Span<const Vec3f> piece) { sink.Vertices(piece); };
+  if (absl::Status status = SendPieces<Vec3f>(size.vertices, read, send); !status.ok()) return status;
   if (absl::Status status = SendAttributes(*attributes, size.vertices, sink); !status.ok()) return status;
   return SendTriangles(**mesh, sink);
 }

@@ -16,7 +16,7 @@ struct Limits {
   uint32_t max_jobs_per_client = 128;                // at work or queued, of one client
   uint64_t max_voxels = uint64_t{1} << 36;           // in one job, as EstimateVoxels has it
   uint64_t memory_budget_bytes = uint64_t{4} << 30;  // of all jobs together
-  uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests
+  uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, also decoded
   uint64_t max_message_bytes = uint64_t{4} << 20;    // one message, either direction
 
   // Those of Pixelize follow from its one message each way.

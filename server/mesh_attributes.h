@@ -29,6 +29,7 @@ struct MeshAttributes {
   uint32_t count = 0;
   std::array<MeshAttribute, kMaxAttributes> kinds{};
 
+  bool operator==(const MeshAttributes&) const = default;
   absl::Span<const MeshAttribute> view() const { return absl::MakeConstSpan(kinds).first(count); }
 };
 

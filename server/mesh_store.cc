@@ -3,11 +3,10 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 #include <memory>
 #include <new>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
@@ -46,43 +45,61 @@ absl::StatusOr<MeshDigest> MeshDigestFrom(absl::string_view field) {
   return digest;
 }
 
-size_t MeshStore::Hash::operator()(const MeshDigest& digest) const {
-  size_t hash = 0;
-  std::memcpy(&hash, digest.data(), sizeof(hash));
-  return hash;
-}
-
 std::optional<absl::Cord> MeshStore::Find(const MeshDigest& digest) {
   const std::lock_guard lock(mu_);
-  const auto found = index_.find(digest);
-  if (found == index_.end()) return std::nullopt;
-  entries_.splice(entries_.begin(), entries_, found->second);
-  return found->second->mesh;
+  const absl::Cord* const mesh = encoded_.Find(digest);
+  return mesh ? std::optional(*mesh) : std::nullopt;
 }
 
-void MeshStore::Put(const MeshDigest& digest, const absl::Cord& mesh) {
-  if (mesh.size() > capacity_) return;
-  std::vector<absl::Cord> dropped;  // die after the lock is released
+bool MeshStore::Put(const MeshDigest& digest, const absl::Cord& mesh) {
+  if (mesh.size() > capacity_) return false;
+  Dropped dropped;
   const std::lock_guard lock(mu_);
-  if (const auto found = index_.find(digest); found != index_.end()) {
-    entries_.splice(entries_.begin(), entries_, found->second);
-    return;
+  if (encoded_.Find(digest)) return true;
+  encoded_.Add(digest, mesh, mesh.size());
+  MakeRoomFor(0, dropped);
+  return false;
+}
+
+std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& digest, const MeshAttributes& attributes) {
+  const std::lock_guard lock(mu_);
+  const Decoded* const decoded = decoded_.Find(digest);
+  return decoded && decoded->attributes == attributes ? decoded->mesh : nullptr;
+}
+
+void MeshStore::KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes, const DecodedMesh& mesh) {
+  const auto [triangles, vertices, numbers] =
+      std::array{mesh.mesh.triangles.size(), mesh.mesh.vertices.size(), mesh.mesh.attributes.size()};
+  const uint64_t bytes = sizeof(DecodedMesh) + triangles * sizeof(mesh.mesh.triangles[0]) +
+                         vertices * sizeof(mesh.mesh.vertices[0]) + numbers * sizeof(mesh.mesh.attributes[0]);
+  const auto fits = [&] { return keeps_decoded_ && bytes <= capacity_ && encoded_.bytes() <= capacity_ - bytes; };
+  {
+    Dropped first;  // rather than after the copy: memory is short
+    const std::lock_guard lock(mu_);
+    if (!fits() || decoded_.Find(digest)) return;
+    MakeRoomFor(bytes, first);
   }
-  bytes_ += mesh.size();
-  entries_.push_front({digest, mesh});
-  index_.emplace(digest, entries_.begin());
-  while (bytes_ > capacity_) {
-    Entry& last = entries_.back();
-    bytes_ -= last.mesh.size();
-    dropped.push_back(std::move(last.mesh));
-    index_.erase(last.digest);
-    entries_.pop_back();
+  Decoded copy{attributes, std::make_shared<const DecodedMesh>(mesh)};
+  Dropped dropped;
+  const std::lock_guard lock(mu_);
+  if (!fits() || decoded_.Find(digest)) return;
+  decoded_.Add(digest, std::move(copy), bytes);
+  MakeRoomFor(0, dropped);
+}
+
+void MeshStore::MakeRoomFor(uint64_t bytes, Dropped& dropped) {
+  while (encoded_.bytes() + decoded_.bytes() + bytes > capacity_) {
+    if (decoded_.empty()) {
+      dropped.encoded.push_back(encoded_.DropLast());
+    } else {
+      dropped.decoded.push_back(decoded_.DropLast());
+    }
   }
 }
 
 uint64_t MeshStore::bytes() const {
   const std::lock_guard lock(mu_);
-  return bytes_;
+  return encoded_.bytes() + decoded_.bytes();
 }
 
 }  // namespace latvox

@@ -24,7 +24,8 @@ void AddLimits(CLI::App& app, Limits& limits) {
   Add(app, "--max-voxels", limits.max_voxels, "Most voxels in one job, estimated from the area of its surface")
       ->check(AtLeastOne());
   AddBytes(app, "--mesh-store-bytes", limits.mesh_store_bytes,
-           "Encoded meshes that are kept for later requests, at most an eighth of the memory budget");
+           "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an eighth "
+           "of the memory budget");
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 
@@ -56,7 +57,8 @@ void AddLog(CLI::App& app, ProgramOptions& options) {
                        options.log_format, "Lines of the log: key=value pairs, or JSON objects");
 }
 
-void AddDecoder(CLI::App& app, DecoderOptions& decoder) {
+void AddDecoder(CLI::App& app, ServerOptions& server) {
+  DecoderOptions& decoder = server.decoder;
   app.option_defaults()->group("Decoding");
   decoder.program = "/proc/self/exe";
   Add(app, "--decoder-processes", decoder.processes, "Processes that decode meshes; 0: one for each thread, at most 4")
@@ -66,6 +68,8 @@ void AddDecoder(CLI::App& app, DecoderOptions& decoder) {
       "most a third of the default of --memory-budget")
       ->transform(CLI::AsSizeValue(false));
   AddSeconds(app, "--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Most CPU time that decoding one mesh may take");
+  AddSwitch(app, "--decode-always", server.decode_always,
+            "Decode a mesh for each request, also one that was asked for before");
   app.add_flag("--allow-unconfined-decoders", decoder.may_be_unconfined,
                "Start also where the system does not allow to confine decoder processes (seccomp)")
       ->envname("LATVOX_ALLOW_UNCONFINED_DECODERS");
@@ -94,7 +98,7 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
       ->default_str("0");
   AddSeconds(app, "--stall-timeout", 1, options.server.stall_timeout,
              "Time after which a client that neither sends nor takes anything is given up");
-  AddDecoder(app, options.server.decoder);
+  AddDecoder(app, options.server);
   app.option_defaults()->group("Connections");
   AddSeconds(app, "--keepalive-time", 1, options.server.keepalive_time, "Silence after which a client is pinged");
   AddSeconds(app, "--keepalive-timeout", 1, options.server.keepalive_timeout, "Time a client has to answer a ping");

@@ -99,7 +99,7 @@ class Server final : public VoxelServer {
         quick_(threads_),
         bulk_(threads_),
         decoders_(std::move(decoders)),
-        meshes_(options_.limits.mesh_store_bytes),
+        meshes_(options_.limits.mesh_store_bytes, !options_.decode_always),
         memory_(options_.limits.memory_budget_bytes),
         registry_({options_.limits.max_jobs, options_.limits.max_queued_jobs, options_.limits.max_jobs_per_client}),
         access_(options_.access),
@@ -167,7 +167,7 @@ void Server::AddMetrics() {
   add("latvox_memory_limit_bytes", "Memory that the process stays below.", [this] { return options_.memory_bytes; });
   add("latvox_memory_budget_bytes", "Memory that jobs may reserve, of that.", [this] { return memory_.total(); });
   add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });
-  add("latvox_mesh_store_bytes", "Encoded meshes that are kept.", [this] { return meshes_.bytes(); });
+  add("latvox_mesh_store_bytes", "Meshes that are kept, encoded and decoded.", [this] { return meshes_.bytes(); });
   add("latvox_decoder_processes", "Processes that decode meshes.", [this] { return decoders_->facts().processes; });
   const auto count = [this](const char* name, const char* help, uint64_t DecoderFacts::*fact) {
     metrics_.AddCounter(name, help, [this, fact] { return decoders_->facts().*fact; });

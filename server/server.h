@@ -23,6 +23,8 @@ struct ServerOptions {
   std::string health_listen;   // of grpc.health.v1 alone, in plain text; empty: none
   DecoderOptions decoder;      // its `program` has to be set: the server has none of its own
 
+  bool decode_always = false;  // a mesh for each request, rather than keep what it was decoded to
+
   // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
   // quarters of what the machine, or the control group, has.
   uint64_t memory_bytes = 0;

@@ -51,6 +51,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(e2e.surface "${latvox_python};e2e/surface_test.py")
   latvox_add_system_test(e2e.terminal "${latvox_python};e2e/terminal_test.py")
   latvox_add_system_test(e2e.tls "${latvox_python};e2e/tls_test.py")
+  latvox_add_system_test(e2e.values "${latvox_python};e2e/values_test.py")
   latvox_add_system_test(e2e.view "${latvox_python};e2e/view_test.py")
   # They want both cores for themselves: their figures are of a machine that does nothing else.
   latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)

@@ -22,7 +22,9 @@ struct Comparison {
   std::string text;  // what belongs on standard output
 };
 
-// Of two .vdb files. Both are in memory: 230 bytes for each brick of the larger, 80 for each of the other.
+// Of two .vdb files: their voxels, and unless these alone are asked for, their metadata and the distances or attributes
+// of the voxels that both have. Both are in memory: see ReadGridContent. Errors: as there; INVALID_ARGUMENT: a band and
+// a set of voxels, unless voxels alone are asked for.
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words);
 
 }  // namespace latvox::client

@@ -39,7 +39,9 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
      "  latvox render bunny.vdb --view -60,10 -o side.png\n"},
     {"slice",
      "Examples:\n"
-     "  latvox slice bunny.vdb --axis z --index 40 -o slice.png\n"},
+     "  latvox slice bunny.vdb --axis z --index 40 -o slice.png\n"
+     "  latvox voxelize bunny.obj --resolution 40 --band 3v --signed -o band.vdb\n"
+     "  latvox slice band.vdb --axis z --index 10 -o distance.png -o distance.csv\n"},
     {"view",
      "Examples:\n"
      "  latvox view bunny.vdb -o bunny.html\n"},

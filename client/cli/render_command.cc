@@ -1,16 +1,21 @@
 #include "client/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client/cli/color_by_option.h"
 #include "client/cli/common_options.h"
-#include "client/grid/voxel_grid.h"
+#include "client/grid/grid_content.h"
 #include "client/output/atomic_file.h"
+#include "client/output/picture_scene.h"
 #include "client/output/vec3.h"
+#include "client/output/voxel_walk.h"
 
 namespace latvox::client {
 namespace {
@@ -27,16 +32,26 @@ std::string CheckColor(const std::string& text) {
 }
 
 // The diagonal of the box of lattice points, in world units.
-double DiagonalOf(const GridFileInfo& info) {
-  if (!info.active_box) return 0;
+double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
+  constexpr int32_t kFar = std::numeric_limits<int32_t>::max();
+  IndexBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  for (const Brick& brick : bricks) {
+    ForEachVoxel(brick, [&box](const Vec3i& ijk) {
+      for (size_t m = 0; m < 3; ++m) {
+        box.min[m] = std::min(box.min[m], ijk[m]);
+        box.max[m] = std::max(box.max[m], ijk[m] + 1);
+      }
+    });
+  }
+  if (bricks.empty()) return 0;
   double longest = 0;
   for (int corner = 0; corner < 4; ++corner) {
     Vec3d across{};
     for (size_t m = 0; m < 3; ++m) {
-      const double side = static_cast<double>(int64_t{info.active_box->max[m]} - info.active_box->min[m]);
+      const double side = static_cast<double>(int64_t{box.max[m]} - box.min[m]);
       across[m] = m < 2 && (corner >> m & 1) != 0 ? -side : side;
     }
-    longest = std::max(longest, Length(Combine(info.transform.basis, across)));
+    longest = std::max(longest, Length(Combine(grid.basis, across)));
   }
   return longest;
 }
@@ -56,6 +71,7 @@ void AddRenderOptions(CLI::App& command, RenderWords& words) {
   command.add_option("--color", words.color, "of the surface (default: 769ed2)")
       ->type_name("RRGGBB")
       ->check(CheckColor);
+  AddColorByOption(command, /*distances=*/false, words.color_by);
 }
 
 PictureOptions Interpret(const RenderWords& words) {
@@ -67,6 +83,8 @@ PictureOptions Interpret(const RenderWords& words) {
     options.azimuth = view[0];
     options.elevation = view[1];
   }
+  if (!words.color.empty() && !words.color_by.empty())
+    Refuse("--color: one color, not with --color-by ", words.color_by);
   if (!words.color.empty()) {
     const std::string bytes = absl::HexStringToBytes(words.color);
     for (size_t m = 0; m < 3; ++m) options.color[m] = static_cast<uint8_t>(bytes[m]);
@@ -77,17 +95,25 @@ PictureOptions Interpret(const RenderWords& words) {
 absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& options) {
   const absl::Time start = absl::Now();
   const std::string& output = words.outputs.front();
-  const auto grid = ReadGridFile(words.input);
-  if (!grid.ok()) return grid.status();
-  const GridTransform& transform = grid->info.transform;
-  VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(grid->info), options));
-  for (const Brick& brick : grid->bricks) scene.Add(brick);
+  const auto content = ReadGridContent(words.input);
+  if (!content.ok()) return content.status();
+  const bool plain = content->band.has_value() || !words.color.empty();
+  const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
+  const auto colors = FileColors(words.input, *content, by);
+  if (!colors.ok()) return colors.status();
+  const GridTransform& transform = content->file.info.transform;
+  std::vector<Brick> skin;
+  if (content->band) skin = SkinOf(content->Batch(), SkinDepth(transform));
+  const std::vector<Brick>& shown = content->band ? skin : content->file.bricks;
+  VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(shown, transform), options));
+  AddBricks(shown, *colors, scene);
   scene.Seal();
   const auto png = DrawVoxels(scene, options);
   if (!png.ok()) return png.status();
   if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
-  return absl::StrFormat("%s: %d voxels\nwrote %s in %.2f s\n", words.input, grid->info.active_voxels, output,
-                         absl::ToDoubleSeconds(absl::Now() - start));
+  return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
+                         content->band ? " within the band; those at its surface are drawn" : "", ColoredText(by),
+                         output, absl::ToDoubleSeconds(absl::Now() - start));
 }
 
 }  // namespace latvox::client

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/color_by_option.h"
 #include "client/cli/common_options.h"
-#include "client/grid/voxel_grid.h"
+#include "client/grid/grid_content.h"
 #include "client/output/atomic_file.h"
 #include "client/output/cell_index.h"
 #include "client/output/output.h"
@@ -27,24 +30,29 @@ const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}, {"i", 0}, {"j", 1}, {
 // The coordinates within a layer, in their order.
 std::pair<size_t, size_t> Others(size_t axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
 
-// The voxels of a layer.
-std::vector<Brick> Cut(const std::vector<Brick>& bricks, size_t axis, int32_t index) {
-  std::vector<Brick> layer;
-  for (const Brick& brick : bricks) {
-    if (brick.brick_ijk[axis] != index >> 3) continue;
+// The voxels of a layer, with what they have.
+GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
+  GridContent layer{{content.file.info, {}}, content.band, {}, content.attributes, {}};
+  const size_t count = content.attributes.size();
+  size_t voxel = 0;
+  for (const Brick& brick : content.file.bricks) {
     Brick cut{brick.brick_ijk, {}};
     uint64_t any = 0;
     ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      const size_t here = voxel++;
       if (ijk[axis] != index) return;
       any |= cut.mask[WordInBrick(ijk)] |= BitInWord(ijk);
+      if (content.band) layer.distances.push_back(content.distances[here]);
+      for (size_t n = 0; n < count; ++n) layer.numbers.push_back(content.numbers[count * here + n]);
     });
-    if (any != 0) layer.push_back(cut);
+    if (any != 0) layer.file.bricks.push_back(cut);
   }
   return layer;
 }
 
-absl::StatusOr<std::string> Draw(const GridFile& file, const std::vector<Brick>& cut, size_t axis,
-                                 const SliceWords& words) {
+// `colors`: of the cut's voxels, or none.
+absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, const std::vector<uint32_t>& colors,
+                                 size_t axis, const SliceWords& words) {
   const Layer layer = LayerOf(file.info.transform, axis, words.index);
   const auto [first, second] = Others(axis);
   constexpr double kFar = std::numeric_limits<double>::max();
@@ -59,25 +67,48 @@ absl::StatusOr<std::string> Draw(const GridFile& file, const std::vector<Brick>&
       }
     });
   }
-  std::vector<Vec2i> cells;
-  for (const Brick& brick : cut) {
+  std::vector<PictureCell> cells;
+  for (const Brick& brick : cut.file.bricks) {
     ForEachVoxel(brick, [&, first = first, second = second](const Vec3i& ijk) {
-      cells.push_back({ijk[first], ijk[second]});
+      const size_t n = cells.size();
+      PictureCell& cell = cells.emplace_back(PictureCell{{ijk[first], ijk[second]}});
+      if (!colors.empty()) cell.color = colors[n];
+      if (cut.band) cell.inside = cut.distances[n] < 0;
     });
   }
   return DrawCells(layer.grid, cells, low, high, words.size);
 }
 
-absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const GridFile& file,
-                                             const std::vector<Brick>& cut) {
-  auto output = OpenOutput(path);
+absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const GridContent& cut) {
+  VoxelizeRequest request;
+  request.band = cut.band;
+  request.attributes = cut.attributes;
+  auto output = OpenOutput(path, request);
   if (!output.ok()) return output.status();
   Accepted accepted;
-  accepted.grid = file.info.transform;
+  accepted.grid = cut.file.info.transform;
   if (auto status = (*output)->Begin(accepted); !status.ok()) return status;
-  if (auto status = (*output)->Add({cut, 1}); !status.ok()) return status;
+  if (auto status = (*output)->Add(cut.Batch()); !status.ok()) return status;
   if (auto status = (*output)->Finish({}); !status.ok()) return status;
   return output;
+}
+
+// What the colors mean.
+std::string Legend(ColorBy by, const std::optional<Band>& band) {
+  if (by != ColorBy::kDistance || !band) return ColoredText(by);
+  const std::string width = absl::StrFormat("%g", band->width);
+  return ColoredText(by) + (band->is_signed
+                                ? absl::StrCat(", from -", width, " (blue, inside) to ", width, " (red), a line at 0")
+                                : absl::StrCat(", from 0 (violet) to ", width, " (yellow)"));
+}
+
+// A file that appears in Commit.
+absl::StatusOr<std::unique_ptr<AtomicFile>> WritePicture(const std::string& path, const std::string& png) {
+  auto picture = AtomicFile::Create(path);
+  if (!picture.ok()) return picture.status();
+  if (auto status = (*picture)->Append(png); !status.ok()) return status;
+  if (auto status = (*picture)->Sync(); !status.ok()) return status;
+  return picture;
 }
 
 absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_t axis) {
@@ -104,6 +135,7 @@ void AddSliceOptions(CLI::App& command, SliceWords& words) {
       ->required()
       ->check(Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
   AddSizeOption(command, "pixels of the picture's longer side", words.size);
+  AddColorByOption(command, /*distances=*/true, words.color_by);
 }
 
 void Check(const SliceWords& words) { CheckOutputs(words.outputs, words.input, "file"); }
@@ -126,25 +158,26 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
 
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
   const size_t axis = ValueNamed(kAxes, words.axis);
-  const auto file = ReadGridFile(words.input);
-  if (!file.ok()) return file.status();
-  if (auto status = CheckIndex(words, file->info, axis); !status.ok()) return status;
-  const std::vector<Brick> cut = Cut(file->bricks, axis, words.index);
+  const auto content = ReadGridContent(words.input);
+  if (!content.ok()) return content.status();
+  if (auto status = CheckIndex(words, content->file.info, axis); !status.ok()) return status;
+  const GridContent cut = Cut(*content, axis, words.index);
+  const ColorBy by = ColorByOf(words.color_by, /*distances=*/true, cut);
+  const auto colors = FileColors(words.input, cut, by);
+  if (!colors.ok()) return colors.status();
   std::vector<std::unique_ptr<Output>> lists;
   std::vector<std::unique_ptr<AtomicFile>> pictures;
   for (const std::string& path : words.outputs) {
     if (absl::EndsWithIgnoreCase(path, ".csv")) {
-      auto list = List(path, *file, cut);
+      auto list = List(path, cut);
       if (!list.ok()) return list.status();
       lists.push_back(*std::move(list));
       continue;
     }
-    auto picture = AtomicFile::Create(path);
-    if (!picture.ok()) return picture.status();
-    const auto png = Draw(*file, cut, axis, words);
+    const auto png = Draw(content->file, cut, *colors, axis, words);
     if (!png.ok()) return png.status();
-    if (auto status = (*picture)->Append(*png); !status.ok()) return status;
-    if (auto status = (*picture)->Sync(); !status.ok()) return status;
+    auto picture = WritePicture(path, *png);
+    if (!picture.ok()) return picture.status();
     pictures.push_back(*std::move(picture));
   }
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
@@ -155,9 +188,10 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
     if (auto status = picture->Commit(); !status.ok()) return status;
   }
   uint64_t voxels = 0;
-  for (const Brick& brick : cut) ForEachVoxel(brick, [&](const Vec3i&) { ++voxels; });
-  return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", words.index, "\nwrote ",
-                      absl::StrJoin(words.outputs, ", "), "\n");
+  for (const Brick& brick : cut.file.bricks) ForEachVoxel(brick, [&](const Vec3i&) { ++voxels; });
+  return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", words.index,
+                      pictures.empty() ? "" : Legend(by, cut.band), "\nwrote ", absl::StrJoin(words.outputs, ", "),
+                      "\n");
 }
 
 }  // namespace latvox::client

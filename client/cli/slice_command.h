@@ -16,7 +16,7 @@ namespace latvox::client {
 
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct SliceWords {
-  std::string input, axis;
+  std::string input, axis, color_by;
   int index = 0, size = kPixelPictureSide;
   std::vector<std::string> outputs;
 };
@@ -34,9 +34,10 @@ struct Layer {
 };
 Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index);
 
-// Draws or lists the layer; returns what belongs on standard output. All layers across one axis show the same part of
-// the world. The outputs appear only if everything succeeded. Errors: INVALID_ARGUMENT: the index is outside the box of
-// the file's voxels.
+// Draws or lists the layer; returns what belongs on standard output. Of a band, lists have its distances, and pictures
+// are colored by them, with a line where the sign changes; of attributes, lists have these, and pictures are colored by
+// the one that --color-by names. All layers across one axis show the same part of the world. The outputs appear only if
+// everything succeeded. Errors: INVALID_ARGUMENT: the index is outside the box of the file's voxels.
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client

@@ -6,6 +6,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/brick_pairs.h"
 #include "client/output/voxel_walk.h"
 
 namespace latvox::client {
@@ -52,15 +53,9 @@ double VoxelDifference::Jaccard() const {
 VoxelDifference CompareVoxels(std::span<const Brick> a, std::span<const Brick> b) {
   constexpr Mask kNone{};
   Comparison comparison;
-  auto at_a = a.begin(), at_b = b.begin();
-  while (at_a != a.end() || at_b != b.end()) {
-    const bool take_a = at_b == b.end() || (at_a != a.end() && at_a->brick_ijk <= at_b->brick_ijk);
-    const bool take_b = at_a == a.end() || (at_b != b.end() && at_b->brick_ijk <= at_a->brick_ijk);
-    comparison.Add(take_a ? at_a->brick_ijk : at_b->brick_ijk, take_a ? at_a->mask : kNone,
-                   take_b ? at_b->mask : kNone);
-    at_a += take_a;
-    at_b += take_b;
-  }
+  ForEachPair(a, b, [&](const Brick* of_a, const Brick* of_b) {
+    comparison.Add((of_a ? of_a : of_b)->brick_ijk, of_a ? of_a->mask : kNone, of_b ? of_b->mask : kNone);
+  });
   return comparison.found();
 }
 

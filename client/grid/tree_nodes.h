@@ -38,11 +38,14 @@ inline void AddMask(const std::array<uint64_t, 8>& mask, Leaf& leaf) {
   for (openvdb::Index word = 0; word < 8; ++word) leaf.buffer().data()[word] = all.getWord<openvdb::Index64>(word);
 }
 
-inline Brick ToBrick(const Leaf& leaf) {
+// Of a leaf of any tree of this shape: where its active voxels are.
+template <class AnyLeaf>
+Brick ToBrick(const AnyLeaf& leaf) {
+  static_assert(AnyLeaf::LOG2DIM == Leaf::LOG2DIM);
   const openvdb::Coord ijk = leaf.origin() >> Leaf::LOG2DIM;
   Brick brick{{ijk[0], ijk[1], ijk[2]}, {}};
   for (openvdb::Index word = 0; word < 8; ++word) {
-    brick.mask[word] = leaf.getValueMask().getWord<openvdb::Index64>(word);
+    brick.mask[word] = leaf.getValueMask().template getWord<openvdb::Index64>(word);
   }
   return brick;
 }

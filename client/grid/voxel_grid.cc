@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <filesystem>
 #include <new>
-#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -13,6 +11,7 @@
 #include "client/error.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/grid_reading.h"
 #include "client/grid/nano_file.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/request_metadata.h"
@@ -21,72 +20,18 @@
 namespace latvox::client {
 namespace {
 
-GridTransform FromTransform(const openvdb::math::Transform& transform) {
-  const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
-  GridTransform out;
-  out.basis = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
-  out.origin = {m[3][0], m[3][1], m[3][2]};
-  out.voxel_size = std::cbrt(std::abs(m.getMat3().det()));
-  return out;
-}
-
-// What read(file) returns of the file, opened without its voxels.
-template <class Read>
-auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<openvdb::io::File&>())) try {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  openvdb::initialize();
-  openvdb::io::File file(path);
-  file.open(/*delayLoad=*/false);
-  return read(file);
-} catch (const std::exception& error) {
-  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
-}
-
-GridFileInfo Describe(const openvdb::GridBase& grid) {
-  GridFileInfo info;
-  info.name = grid.getName();
-  info.value_type = grid.valueType();
-  info.transform = FromTransform(grid.transform());
-  info.active_voxels = grid.activeVoxelCount();
-  if (info.active_voxels > 0) {
-    const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-    const openvdb::Coord end = box.max().offsetBy(1);
-    info.active_box = IndexBox{{box.min()[0], box.min()[1], box.min()[2]}, {end[0], end[1], end[2]}};
-  }
-  for (auto meta = grid.beginMeta(); meta != grid.endMeta(); ++meta) {
-    if (meta->second) info.metadata.emplace_back(meta->first, MetadataText(*meta->second));
-  }
-  return info;
-}
-
-bool IsFinite(const GridTransform& transform) {
-  double sum = transform.voxel_size;
-  for (const Vec3d& v : {transform.basis.a, transform.basis.b, transform.basis.c, transform.origin}) {
-    for (const double x : v) sum += std::abs(x);
-  }
-  return std::isfinite(sum);
-}
-
 absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std::string& path) {
   const auto grid = openvdb::gridPtrCast<openvdb::BoolGrid>(first);
   if (!grid) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", first->getName(), "\" is a ", first->type(),
                                                    ", not a ", openvdb::BoolGrid::gridType()));
   }
-  if (const auto tiles = grid->tree().activeTileCount(); tiles > 0) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": has ", tiles, " active tiles, not voxels alone"));
-  }
-  if (!grid->transform().isLinear() || !IsFinite(FromTransform(grid->transform()))) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid's transform is not affine and finite"));
-  }
+  if (auto status = CheckTransform(*grid, path); !status.ok()) return status;
+  const auto leaves = SortedLeaves(grid->tree(), path);
+  if (!leaves.ok()) return leaves.status();
   GridFile file{Describe(*grid), {}};
-  file.bricks.reserve(grid->tree().leafCount());
-  for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
-    if (!leaf->isEmpty()) file.bricks.push_back(ToBrick(*leaf));
-  }
-  std::sort(file.bricks.begin(), file.bricks.end(),
-            [](const Brick& a, const Brick& b) { return a.brick_ijk < b.brick_ijk; });
+  file.bricks.reserve(leaves->size());
+  for (const Leaf* leaf : *leaves) file.bricks.push_back(ToBrick(*leaf));
   return file;
 }
 

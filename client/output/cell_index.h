@@ -22,10 +22,13 @@ inline Vec3i Rounded(const Vec3d& v) {
   return out;
 }
 
-// Which of the 512 bricks of its tile a brick is.
-inline size_t BrickInTile(const Vec3i& brick_ijk) {
-  return static_cast<size_t>((brick_ijk[0] & 7) << 6 | (brick_ijk[1] & 7) << 3 | (brick_ijk[2] & 7));
+// Which of the 512 voxels of its brick a voxel is.
+inline size_t VoxelInBrick(const Vec3i& ijk) {
+  return static_cast<size_t>((ijk[0] & 7) << 6 | (ijk[1] & 7) << 3 | (ijk[2] & 7));
 }
+
+// Which of the 512 bricks of its tile a brick is.
+inline size_t BrickInTile(const Vec3i& brick_ijk) { return VoxelInBrick(brick_ijk); }
 
 // Bit (y << 3 | z) of word x: a voxel in its brick's mask.
 inline uint64_t BitInWord(const Vec3i& ijk) { return uint64_t{1} << ((ijk[1] & 7) << 3 | (ijk[2] & 7)); }

@@ -115,9 +115,9 @@ std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, c
   return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewNpyOutput(std::move(file), {});
 }
 
-std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
+std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
                                      const OutputOptions& options) {
-  return NewPictureOutput(std::move(file), options.picture_up);
+  return NewPictureOutput(std::move(file), request, options.picture_up);
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
@@ -141,11 +141,15 @@ constexpr std::pair<const char*, NewOutput> kDistanceFormats[] = {
     {".csv", NewTableOutput<NewCsvOutput>},
     {".npy", NewTableOutput<NewNpyOutput>},
     {".ply", NewTableOutput<NewPlyOutput>},
+    {".png", NewPngOutput},
 };
 
 constexpr std::pair<const char*, NewOutput> kAttributeFormats[] = {
-    {".vdb", NewAttributeVdbOutput},        {".csv", NewTableOutput<NewCsvOutput>},
-    {".npy", NewTableOutput<NewNpyOutput>}, {".ply", NewTableOutput<NewPlyOutput>},
+    {".vdb", NewAttributeVdbOutput},
+    {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewTableOutput<NewNpyOutput>},
+    {".ply", NewTableOutput<NewPlyOutput>},
+    {".png", NewPngOutput},
     {".glb", NewPlainOutput<NewGlbOutput>},  // the last, for it holds colors alone
 };
 

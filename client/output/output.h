@@ -34,7 +34,8 @@ struct OutputOptions {
 // Extensions that OpenOutput knows, with the dot.
 const std::vector<std::string>& OutputExtensions();
 
-// Those of them that hold a band's distances, or what voxels carry.
+// Those of them that a band, or voxels with attributes, can be written to: they hold the distances or attributes, but
+// for pictures.
 std::vector<std::string> DistanceExtensions();
 std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes);
 
@@ -55,11 +56,13 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 //   .csv   a column more, distance, with 9 significant digits
 //   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
 //   .ply   a property more, float distance
+//   .png   picture of the voxels that are nearest to the surface, see client/output/picture_scene.h
 // Of a request for attributes, one of AttributeExtensions:
 //   .vdb   a further grid each, see client/grid/attribute_grids.h
 //   .csv   columns part, material; red, green, blue, 0 to 255
 //   .npy   structured array: fields part and material, int32; color, three uint8
 //   .ply   properties int part, material; uchar red, green, blue
+//   .png   picture of voxels in their colors; without any, in one for each material, or else part
 //   .glb   colors of the surface's vertices: color alone
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
 // voxels, .vdb, .nvdb, dense .npy, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension);

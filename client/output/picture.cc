@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "client/output/depth_blur.h"
+#include "client/output/facet_rims.h"
 #include "client/output/png.h"
+#include "client/output/srgb.h"
 #include "client/output/vec3.h"
 #include "client/output/voxel_front.h"
 
@@ -34,11 +36,6 @@ Vec3f Unit(const Vec3f& v) {
 
 float Share(float x, float none, float all) { return std::clamp((x - none) / (all - none), 0.0F, 1.0F); }
 
-float ToLinear(uint8_t level) { return std::pow(static_cast<float>(level) / 255, 2.2F); }
-uint8_t ToLevel(float linear) {
-  return static_cast<uint8_t>(std::pow(std::clamp(linear, 0.0F, 1.0F), 1 / 2.2F) * 255 + 0.5F);
-}
-
 // A direction where y is up, turned so that another axis is: x stays on the right where z is up.
 Vec3d Turned(const Vec3d& v, UpAxis up) {
   if (up == UpAxis::kY) return v;
@@ -49,17 +46,23 @@ Vec3d Turned(const Vec3d& v, UpAxis up) {
 class Renderer {
  public:
   Renderer(const VoxelScene& scene, const PictureOptions& options)
-      : scene_(scene), cancellation_(options.cancellation), side_(options.side), wide_(options.side * kSamples) {
+      : scene_(scene),
+        cancellation_(options.cancellation),
+        rims_(scene.facets()),
+        side_(options.side),
+        wide_(options.side * kSamples) {
     const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
     right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
     towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
     up_ = Cross(towards_, right_);
-    for (size_t m = 0; m < 3; ++m) color_[m] = ToLinear(options.color[m]);
+    for (size_t level = 0; level < linear_.size(); ++level) linear_[level] = ToLinear(static_cast<uint8_t>(level));
+    for (size_t m = 0; m < 3; ++m) color_[m] = linear_[options.color[m]];
     for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));
     const size_t samples = static_cast<size_t>(wide_) * static_cast<size_t>(wide_);
     depth_.resize(samples, kNoDepth);
     facet_.resize(samples);
     edge_.resize(samples);
+    if (scene.colored()) colors_.resize(samples);
     MakeTaps();
     constexpr float kSpread = 0.06F;  // for soft shadows
     for (int phase = 0; phase < kSamples * kSamples; ++phase) {
@@ -139,6 +142,7 @@ class Renderer {
       depth_[At(x, y)] = static_cast<float>((front - hit->t) * scale_);
       facet_[At(x, y)] = static_cast<uint8_t>(hit->facet);
       edge_[At(x, y)] = EdgeAt(Sum(ray.from, hit->t, back), *hit);
+      if (!colors_.empty()) colors_[At(x, y)] = scene_.ColorOf(hit->cell);
     }
   }
 
@@ -151,14 +155,9 @@ class Renderer {
   uint8_t EdgeAt(const Vec3d& point, const VoxelScene::Hit& hit) const {
     constexpr float kLeast = 8;  // samples that a cell must be wide for its edges to show
     if (cell_ < kLeast) return 0;
-    const VoxelScene::Facet& facet = scene_.facets()[static_cast<size_t>(hit.facet)];
     const Vec3d at = Sum(point, -1, scene_.CenterOf(hit.cell));
-    double nearest = 1;
-    for (const VoxelScene::Facet& other : scene_.facets()) {
-      const double cosine = Dot3(facet.normal, other.normal), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-      if (sine > 1e-6) nearest = std::min(nearest, (other.distance - Dot3(at, other.normal)) / sine);
-    }
-    const float distance = static_cast<float>(nearest * scale_), line = std::clamp(0.02F * cell_, 0.5F, 3.0F);
+    const float distance = static_cast<float>(rims_.Distance(at, hit.facet) * scale_),
+                line = std::clamp(0.02F * cell_, 0.5F, 3.0F);
     return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
   }
 
@@ -236,6 +235,12 @@ class Renderer {
     return sum;
   }
 
+  Rgb ColorAt(size_t sample) const {
+    if (colors_.empty()) return color_;
+    const uint32_t color = colors_[sample];
+    return {linear_[color >> 16], linear_[color >> 8 & 0xFF], linear_[color & 0xFF]};
+  }
+
   Rgb Shade(int x, int y) const {
     const size_t at = At(x, y);
     if (depth_[at] == kNoDepth) return kBackground;
@@ -250,8 +255,8 @@ class Renderer {
     const float fill = std::max(0.0F, Dot(normal, Unit({0.8F, 0.1F, 0.6F})));
     const float value = (open * open * (0.13F + 0.22F * sky + 0.16F * fill) + 1.05F * key) *
                         (1 - 0.45F * static_cast<float>(edge_[at]) / 255);
-    Rgb color;
-    for (size_t m = 0; m < 3; ++m) color[m] = color_[m] * value;
+    Rgb color = ColorAt(at);
+    for (float& component : color) component *= value;
     return color;
   }
 
@@ -263,11 +268,13 @@ class Renderer {
 
   const VoxelScene& scene_;
   const Cancellation cancellation_;
-  const int side_, wide_;       // pixels, samples
-  Vec3d right_, up_, towards_;  // the view frame's axes in the scene
-  Vec3d eye_{};                 // before the middle of the picture
-  double scale_ = 1;            // samples per unit of the scene
-  float cell_ = 1;              // a cell's edge in samples
+  const FacetRims rims_;
+  const int side_, wide_;            // pixels, samples
+  Vec3d right_, up_, towards_;       // the view frame's axes in the scene
+  Vec3d eye_{};                      // before the middle of the picture
+  double scale_ = 1;                 // samples per unit of the scene
+  float cell_ = 1;                   // a cell's edge in samples
+  std::array<float, 256> linear_{};  // of sRGB's levels
   Rgb color_;
   std::vector<Vec3f> normals_;         // of the cell's facets, view frame
   std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
@@ -275,6 +282,7 @@ class Renderer {
   std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
   std::vector<VoxelFront> light_fronts_;           // of each of them
   std::vector<uint8_t> facet_, edge_;
+  std::vector<uint32_t> colors_;  // of the samples; none: all are color_
   std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};
 };
 

@@ -18,7 +18,7 @@ struct PictureOptions {
   int side = 1024;                                 // pixels
   UpAxis up = UpAxis::kY;                          // of the world
   double azimuth = 30, elevation = 22;             // of the viewer, degrees: about `up`, from the next axis, and above
-  std::array<uint8_t, 3> color = {118, 158, 210};  // of the surface, sRGB
+  std::array<uint8_t, 3> color = {118, 158, 210};  // of the surface, sRGB, unless the scene has colors
   Cancellation cancellation = {};                  // ends drawing within some rows
 };
 
@@ -29,8 +29,8 @@ int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& o
 
 // The bytes of a PNG file: an orthographic view of the voxels' Voronoi cells, lit from above on the left, with shadows
 // and with what is hollow darker. Cells that are large enough show facets and edges, smaller ones the shape that they
-// make up. The bytes are the same for any number of threads. Memory: 60 bytes a pixel. Errors: CANCELLED, INTERNAL
-// (libpng).
+// make up. The bytes are the same for any number of threads. Memory: 60 bytes a pixel, 76 of a colored scene. Errors:
+// CANCELLED, INTERNAL (libpng).
 absl::StatusOr<std::string> DrawVoxels(const VoxelScene& scene, const PictureOptions& options);
 
 }  // namespace latvox::client

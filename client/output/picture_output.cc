@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "client/output/picture.h"
+#include "client/output/picture_scene.h"
 #include "client/output/vec3.h"
+#include "client/output/voxel_colors.h"
 
 namespace latvox::client {
 namespace {
@@ -34,18 +36,25 @@ std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
 
 class PictureOutput final : public Output {
  public:
-  PictureOutput(std::unique_ptr<AtomicFile> file, UpAxis up) : file_(std::move(file)), options_{.up = up} {}
+  PictureOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, UpAxis up)
+      : file_(std::move(file)), traits_{request.attributes}, is_band_(request.band), options_{.up = up} {}
 
   absl::Status Begin(const Accepted& accepted) override {
     const auto [low, high] = Visible(accepted);
     const double diagonal = Length(Sum(high, -1, low)) + accepted.grid.voxel_size;
+    skin_depth_ = SkinDepth(accepted.grid);
     scene_.emplace(accepted.grid, ShiftFor(accepted.grid, diagonal, options_));
     return absl::OkStatus();
   }
 
   absl::Status Add(const BrickBatch& batch) override {
-    for (const Brick& brick : batch.bricks) scene_->Add(brick);
-    return absl::OkStatus();
+    if (is_band_) {
+      AddBricks(SkinOf(batch, skin_depth_), {}, *scene_);
+      return absl::OkStatus();
+    }
+    const auto colors = ColorsOf(batch, traits_, DefaultColorBy(traits_));
+    if (colors.ok()) AddBricks(batch.bricks, *colors, *scene_);
+    return colors.status();
   }
 
   absl::Status Finish(const Summary&) override {
@@ -60,14 +69,17 @@ class PictureOutput final : public Output {
 
  private:
   std::unique_ptr<AtomicFile> file_;
+  const VoxelTraits traits_;
+  const bool is_band_;
   const PictureOptions options_;
+  double skin_depth_ = 0;  // of a band
   std::optional<VoxelScene> scene_;
 };
 
 }  // namespace
 
-std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, UpAxis up) {
-  return std::make_unique<PictureOutput>(std::move(file), up);
+std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, UpAxis up) {
+  return std::make_unique<PictureOutput>(std::move(file), request, up);
 }
 
 }  // namespace latvox::client

@@ -10,7 +10,9 @@
 
 namespace latvox::client {
 
-std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, UpAxis up);
+// The voxels in their own colors, if they carry any, or by what else they carry; of a band, its skin: see
+// client/output/picture_scene.h.
+std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, UpAxis up);
 
 }  // namespace latvox::client
 

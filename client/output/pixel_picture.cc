@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_set.h"
+#include "absl/container/flat_hash_map.h"
 #include "client/output/png.h"
 
 namespace latvox::client {
@@ -21,14 +21,19 @@ using Rgb = std::array<float, 3>;
 
 constexpr Rgb kBackground = {0.97F, 0.97F, 0.96F};
 constexpr Rgb kEmptyBorder = {0.90F, 0.90F, 0.89F};
-constexpr Rgb kCell = {0.60F, 0.71F, 0.85F};
 constexpr Rgb kCellBorder = {0.33F, 0.47F, 0.66F};
 constexpr Rgb kCurve = {0.82F, 0.27F, 0.16F};
+constexpr Rgb kContour = {0, 0, 0};
 
 Rgb Mix(const Rgb& a, const Rgb& b, float share_of_b) {
   Rgb out;
   for (size_t m = 0; m < 3; ++m) out[m] = a[m] + (b[m] - a[m]) * share_of_b;
   return out;
+}
+
+Rgb ToRgb(uint32_t color) {
+  const auto part = [color](int shift) { return static_cast<float>(color >> shift & 0xFF) / 255; };
+  return {part(16), part(8), part(0)};
 }
 
 Vec2d operator-(const Vec2d& a, const Vec2d& b) { return {a[0] - b[0], a[1] - b[1]}; }
@@ -104,8 +109,9 @@ class CellFinder {
 
 class PixelPicture {
  public:
-  PixelPicture(const PlaneTransform& grid, const std::vector<Vec2i>& pixels)
-      : grid_(grid), finder_(grid), filled_(pixels.begin(), pixels.end()) {}
+  PixelPicture(const PlaneTransform& grid, const std::vector<PictureCell>& cells) : grid_(grid), finder_(grid) {
+    for (const PictureCell& cell : cells) cells_.emplace(cell.ij, cell);
+  }
 
   // What the picture shows of the world.
   void Frame(const Vec2d& low, const Vec2d& high, bool y_down, int longer_side) {
@@ -159,19 +165,31 @@ class PixelPicture {
     return {center_[0] + (x - width_ / 2.0) / scale_, center_[1] - up_ * (y - height_ / 2.0) / scale_};
   }
 
-  bool IsFilled(const Vec2i& ij) const { return filled_.contains(ij); }
+  const PictureCell* CellAt(const Vec2i& ij) const {
+    const auto found = cells_.find(ij);
+    return found == cells_.end() ? nullptr : &found->second;
+  }
 
-  // Borders where cells are large enough for them, those of empty cells only where they are larger still.
+  // Those of plain cells are blue, those of others darker than the cell.
+  static Rgb BorderOf(const PictureCell& cell) {
+    return cell.color == kCellColor ? kCellBorder : Mix(ToRgb(cell.color), {}, 0.35F);
+  }
+
+  // Borders where cells are large enough for them, those of empty cells only where they are larger still. Contours
+  // always.
   Rgb ShadeSample(const Vec2d& world) const {
     constexpr double kLeastBordered = 5, kLeastRuled = 9;
     const CellSite site = finder_.Find(world);
-    const bool filled = IsFilled(site.cell);
-    const double half_border = std::clamp(0.025 * cell_, 0.4, 1.0);
-    if (cell_ >= kLeastBordered && site.to_border * scale_ < half_border) {
-      if (filled || IsFilled(site.neighbor)) return kCellBorder;
-      if (cell_ >= kLeastRuled) return kEmptyBorder;
+    const PictureCell* const cell = CellAt(site.cell);
+    const double to_border = site.to_border * scale_, half_border = std::clamp(0.025 * cell_, 0.4, 1.0);
+    if (to_border < 2 * half_border) {
+      const PictureCell* const other = CellAt(site.neighbor);
+      if (cell && other && cell->inside != other->inside) return kContour;
+      const bool on_border = cell_ >= kLeastBordered && to_border < half_border;
+      if (on_border && (cell || other)) return BorderOf(cell ? *cell : *other);
+      if (on_border && cell_ >= kLeastRuled) return kEmptyBorder;
     }
-    return filled ? kCell : kBackground;
+    return cell ? ToRgb(cell->color) : kBackground;
   }
 
   Rgb ShadeCells(int x, int y) const {
@@ -210,7 +228,7 @@ class PixelPicture {
 
   const PlaneTransform grid_;
   const CellFinder finder_;
-  const absl::flat_hash_set<Vec2i> filled_;
+  absl::flat_hash_map<Vec2i, PictureCell> cells_;
   int width_ = 0, height_ = 0;
   double scale_ = 1, cell_ = 1, up_ = 1;  // samples per world unit; a pixel's edge in samples; -1: y is downwards
   Vec2d center_{};
@@ -220,7 +238,9 @@ class PixelPicture {
 }  // namespace
 
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization) {
-  PixelPicture picture(pixelization.grid, pixelization.pixels);
+  std::vector<PictureCell> cells;
+  for (const Vec2i& ij : pixelization.pixels) cells.push_back({ij});
+  PixelPicture picture(pixelization.grid, cells);
   Vec2d low = drawing.polylines[0].points[0], high = low;
   const auto extend = [&](const Vec2d& p, double by) {
     for (size_t m = 0; m < 2; ++m) {
@@ -237,8 +257,8 @@ absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelizatio
   return picture.Draw();
 }
 
-absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<Vec2i>& cells, const Vec2d& low,
-                                      const Vec2d& high, int longer_side) {
+absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<PictureCell>& cells,
+                                      const Vec2d& low, const Vec2d& high, int longer_side) {
   PixelPicture picture(grid, cells);
   picture.Frame(low, high, /*y_down=*/false, longer_side);
   return picture.Draw();

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_OUTPUT_PIXEL_PICTURE_H_
 #define LATVOX_CLIENT_OUTPUT_PIXEL_PICTURE_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,17 @@ inline constexpr int kPixelPictureSide = 1024;  // samples, of the longer one
 // or a hexagon, and the curve over it. Errors: INTERNAL (libpng).
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization);
 
+inline constexpr uint32_t kCellColor = 0x99B5D9;
+
+struct PictureCell {
+  Vec2i ij;
+  uint32_t color = kCellColor;  // as client/output/voxel_colors.h has them
+  bool inside = false;          // a black line runs between two cells of which one is
+};
+
 // The same without a curve, of another size: what is within `low` and `high`, world coordinates.
-absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<Vec2i>& cells, const Vec2d& low,
-                                      const Vec2d& high, int longer_side);
+absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<PictureCell>& cells,
+                                      const Vec2d& low, const Vec2d& high, int longer_side);
 
 }  // namespace latvox::client
 

@@ -1,6 +1,7 @@
 #include "client/output/voxel_scene.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "client/output/cell_index.h"
@@ -11,6 +12,22 @@ namespace latvox::client {
 namespace {
 
 constexpr int kFarthest = 8;  // bricks
+
+// Calls visit(n) for each of a mask's cells, n being which of 512.
+template <class Visit>
+void ForEachBit(const decltype(Brick::mask)& mask, const Visit& visit) {
+  for (size_t word = 0; word < mask.size(); ++word) {
+    for (uint64_t bits = mask[word]; bits != 0; bits &= bits - 1) {
+      visit(word * 64 + static_cast<size_t>(std::countr_zero(bits)));
+    }
+  }
+}
+
+// Which of a cell's voxels gives it its color, as good as by chance: the one of the lowest rank.
+uint32_t RankOf(const Vec3i& ijk) {
+  const auto u = [&](size_t m) { return static_cast<uint32_t>(ijk[m]); };
+  return (u(0) * 73856093U ^ u(1) * 19349663U ^ u(2) * 83492791U) * 2654435761U >> 24;
+}
 
 }  // namespace
 
@@ -35,12 +52,14 @@ VoxelScene::VoxelScene(const GridTransform& grid, int shift) : shift_(shift) {
 }
 
 // A brick is part of a single one of the scene.
-void VoxelScene::Add(const Brick& brick) {
+void VoxelScene::Add(const Brick& brick, std::span<const uint32_t> colors) {
   Vec3i first;
   for (size_t m = 0; m < 3; ++m) first[m] = static_cast<int32_t>((int64_t{brick.brick_ijk[m]} * 8) >> shift_);
   if (!corner_) corner_ = {first[0] & ~63, first[1] & ~63, first[2] & ~63};
   for (size_t m = 0; m < 3; ++m) first[m] -= (*corner_)[m];
-  Mask& mask = Touch(ShiftRight(first, 3));
+  const size_t number = Touch(ShiftRight(first, 3));
+  Mask& mask = masks_[number];
+  const Mask before = mask;
   const auto set = [&](const Vec3i& cell) { mask[WordInBrick(cell)] |= BitInWord(cell); };
   if (shift_ == 0) {
     for (size_t x = 0; x < 8; ++x) mask[x] |= brick.mask[x];
@@ -49,9 +68,29 @@ void VoxelScene::Add(const Brick& brick) {
   } else {
     ForEachVoxel({{}, brick.mask}, [&](const Vec3i& xyz) { set(Plus(first, ShiftRight(xyz, shift_))); });
   }
+  if (!colors.empty()) Paint(brick, colors, first, before, number);
 }
 
-VoxelScene::Mask& VoxelScene::Touch(const Vec3i& brick_ijk) {
+// The mask's cells have had the colors of those that were there `before`.
+void VoxelScene::Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
+                       size_t number) {
+  std::array<uint32_t, kBricks> all;
+  all.fill(UINT32_MAX);
+  colors_.resize(masks_.size());
+  std::vector<uint32_t>& ours = colors_[number];
+  const uint32_t* color = ours.data();
+  ForEachBit(before, [&](size_t cell) { all[cell] = *color++; });
+  color = colors.data();
+  const Vec3i corner = {8 * brick.brick_ijk[0], 8 * brick.brick_ijk[1], 8 * brick.brick_ijk[2]};
+  ForEachVoxel({{}, brick.mask}, [&](const Vec3i& xyz) {
+    uint32_t& cell = all[VoxelInBrick(Plus(first, ShiftRight(xyz, shift_)))];
+    cell = std::min(cell, RankOf(Plus(corner, xyz)) << 24 | *color++);
+  });
+  ours.clear();
+  ForEachBit(masks_[number], [&](size_t cell) { ours.push_back(all[cell]); });
+}
+
+size_t VoxelScene::Touch(const Vec3i& brick_ijk) {
   for (size_t m = 0; m < 3; ++m) {
     low_[m] = masks_.empty() ? brick_ijk[m] * 8 : std::min(low_[m], brick_ijk[m] * 8);
     high_[m] = masks_.empty() ? brick_ijk[m] * 8 + 8 : std::max(high_[m], brick_ijk[m] * 8 + 8);
@@ -63,7 +102,7 @@ VoxelScene::Mask& VoxelScene::Touch(const Vec3i& brick_ijk) {
     number = static_cast<int32_t>(masks_.size());
     masks_.push_back({});
   }
-  return masks_[static_cast<size_t>(number)];
+  return static_cast<size_t>(number);
 }
 
 // By growing what is there by one brick in all directions, again and again. A tile's bricks and those of the tiles
@@ -119,6 +158,15 @@ bool VoxelScene::Has(const Vec3i& cell) const {
   if (tile == tile_numbers_.end()) return false;
   const int32_t mask = tiles_[static_cast<size_t>(tile->second)][BrickInTile(ShiftRight(cell, 3))];
   return mask >= 0 && HasVoxel(masks_[static_cast<size_t>(mask)], cell);
+}
+
+uint32_t VoxelScene::ColorOf(const Vec3i& cell) const {
+  const auto tile = static_cast<size_t>(tile_numbers_.find(ShiftRight(cell, 6))->second);
+  const auto number = static_cast<size_t>(tiles_[tile][BrickInTile(ShiftRight(cell, 3))]);
+  const Mask& mask = masks_[number];
+  int before = std::popcount(mask[WordInBrick(cell)] & (BitInWord(cell) - 1));
+  for (size_t word = 0; word < WordInBrick(cell); ++word) before += std::popcount(mask[word]);
+  return colors_[number][static_cast<size_t>(before)] & 0xFFFFFF;
 }
 
 Vec3d VoxelScene::CenterOf(const Vec3i& cell) const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -26,7 +27,7 @@ struct Ray {
 //
 // With a shift, each 2^shift lattice points on every axis, of which one is a voxel, are one cell of the lattice that is
 // as much coarser: what is too small to be seen need not be kept. Memory: 64 bytes for 8^3 cells that are not empty, 2
-// KiB for 64^3. Adding is not thread-safe; everything else is.
+// KiB for 64^3; of colors, 4 bytes for each cell and 40 for 8^3. Adding is not thread-safe; everything else is.
 class VoxelScene {
  public:
   struct Hit {
@@ -45,7 +46,9 @@ class VoxelScene {
   VoxelScene(const GridTransform& grid, int shift);
 
   // In any order; what is there already is no error. The scene is less than 2^20 cells long.
-  void Add(const Brick& brick);
+  //   colors   of the brick's voxels, in lexicographic order of ijk: see client/output/voxel_colors.h; or none, for all
+  //            bricks. A cell of several voxels has the color of one of them, the same in whatever order they come.
+  void Add(const Brick& brick, std::span<const uint32_t> colors = {});
 
   // After the last Add: finds how far the next voxels are from what is empty, for rays to pass over it faster.
   void Seal();
@@ -54,6 +57,8 @@ class VoxelScene {
   std::optional<Hit> Cast(const Ray& ray) const;
 
   bool Has(const Vec3i& cell) const;
+  bool colored() const { return !colors_.empty(); }
+  uint32_t ColorOf(const Vec3i& cell) const;  // precondition: colored(), Has(cell)
   Vec3d CenterOf(const Vec3i& cell) const;
   const std::vector<Facet>& facets() const { return facets_; }
   double cell_size() const { return size_; }  // of a cell of volume 1, in world units
@@ -85,7 +90,9 @@ class VoxelScene {
   using Tile = std::array<int32_t, kBricks>;  // into masks_; -d: bricks that are less than d away are empty, too
   class Walk;
 
-  Mask& Touch(const Vec3i& brick_ijk);
+  size_t Touch(const Vec3i& brick_ijk);  // its number in masks_
+  void Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
+             size_t number);
   Vec3i Nearest(const Vec3d& point, Vec3i cell) const;  // from a cell near by
   Hit Meet(const Ray& ray, const Vec3i& cell) const;
 
@@ -102,6 +109,7 @@ class VoxelScene {
   absl::flat_hash_map<Vec3i, int32_t> tile_numbers_;
   std::vector<Tile> tiles_;
   std::vector<Mask> masks_;
+  std::vector<std::vector<uint32_t>> colors_;  // of the cells of each mask, in their order; above them, 8 bits of rank
 };
 
 }  // namespace latvox::client

@@ -98,16 +98,18 @@ std::vector<TileNode> TileTree::Top(std::optional<std::vector<uint32_t>> triangl
   }
   if (triangles) {
     root.triangles = *std::move(triangles);
-    return Children(root);
+    return Split(root, root.triangles.size(), leaf_level_);
   }
-  return Split(root, mesh_.triangles.size());
+  return Split(root, mesh_.triangles.size(), leaf_level_);
 }
 
-std::vector<TileNode> TileTree::Children(const TileNode& node) const { return Split(node, node.triangles.size()); }
+std::vector<TileNode> TileTree::Children(const TileNode& node) const {
+  return Split(node, node.triangles.size(), IsLeaf(node) ? 0 : leaf_level_);
+}
 
 // `triangles` is the number of the node's, or of all, if it lists none.
-std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles) const {
-  for (int levels = LevelsBelow(std::max(node.level - leaf_level_, 0), triangles);; --levels) {
+std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles, int leaf_level) const {
+  for (int levels = LevelsBelow(std::max(node.level - leaf_level, 0), triangles);; --levels) {
     const size_t max_hits = levels > 1 ? std::max(kFewHits, kHitsPerTriangle * (triangles + node.fringe.size()))
                                        : std::numeric_limits<size_t>::max();
     if (auto children = SplitBy(levels, node, triangles, max_hits)) return *std::move(children);

@@ -55,20 +55,21 @@ class TileTree {
 
   int level() const { return TileCubeLevel(mesh_.box); }
 
-  // Whether the node has no children.
+  // Whether the node is of the smallest, or one of its tiles.
   bool IsLeaf(const TileNode& node) const { return node.level <= leaf_level_; }
 
   // The children of the cube of all tiles, or that cube if it is a leaf.
   //   triangles  ascending: only these count; nullopt: all of the mesh
   std::vector<TileNode> Top(std::optional<std::vector<uint32_t>> triangles = std::nullopt) const;
 
-  // The children within the near margin of which triangles come, in canonical order. Precondition: !IsLeaf(node).
+  // The children within the near margin of which triangles come, in canonical order; those of a leaf are its tiles.
+  // Precondition: node.level > 0.
   std::vector<TileNode> Children(const TileNode& node) const;
 
  private:
   struct Chunk;
 
-  std::vector<TileNode> Split(const TileNode& node, size_t triangles) const;
+  std::vector<TileNode> Split(const TileNode& node, size_t triangles, int leaf_level) const;
   std::optional<std::vector<TileNode>> SplitBy(int levels, const TileNode& node, size_t triangles,
                                                size_t max_hits) const;
   static void SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk);

@@ -76,6 +76,7 @@ class ExactJob final : public VoxelizeJob {
   std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
                                              const std::atomic<bool>& cancelled) const;
   bool IsUnit(const TileNode& node) const;
+  bool IsSmall(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
   bool IsLeftOut(const TileNode& node) const;
   std::vector<TileNode> Top();
@@ -115,7 +116,7 @@ class ExactJob final : public VoxelizeJob {
 // Tiles are digitized by blocks of 2^3, which share what lies between them (larger blocks' bits would not fit a core's
 // cache), unless that leaves too few blocks for the threads at hand: a surface meets some 2 * 4^n of 8^n blocks.
 int BlockLevel(int tree_level) {
-  constexpr int kBlocksPerThread = 16;
+  constexpr int kBlocksPerThread = 4;  // of which IsSmall has the last ones taken apart
   const int threads = oneapi::tbb::this_task_arena::max_concurrency();
   return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
 }
@@ -132,7 +133,15 @@ std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPla
 bool ExactJob::IsUnit(const TileNode& node) const {
   if (band_ || attributes_.wanted()) return tree_.IsLeaf(node);
   const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
-  return tree_.IsLeaf(node) || (node.level <= max_level && node.triangles.size() <= kMaxUnitTriangles);
+  if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() > kMaxUnitTriangles)) return false;
+  return IsSmall(node);
+}
+
+// No thread may be long at the last unit while the others have nothing to do: guided self-scheduling [Polychronopoulos
+// and Kuck 1987], with units of up to twice a thread's part of what is left, for tiles by themselves take longer.
+bool ExactJob::IsSmall(const TileNode& node) const {
+  const int threads = oneapi::tbb::this_task_arena::max_concurrency();
+  return node.level == 0 || threads == 1 || node.share * threads <= 2 * (1 - node.progress);
 }
 
 absl::Status ExactJob::Prepare() {

@@ -118,7 +118,7 @@ class Jobs(Batch):
     def test_several_meshes_are_one_and_jobs_may_come_by_standard_input(self):
         mesh, options = [str(self.mesh), str(BUNNY)], ["--resolution", "20", "--quantization", "0"]
         wanted = self.voxelize(self.mesh, BUNNY, *options)["digest"]
-        jobs = self.jobs({"mesh": mesh, "resolution": 20, "quantization": 0}, {"mesh": "octahedron.obj", "resolution": 9})
+        jobs = self.jobs({"mesh": mesh, "resolution": 20, "quantization": 0}, *self.small(1))
         for resume in [], ["--resume"]:
             with open(jobs, "rb") as lines:
                 done = latvox("batch", "-", "--out", self.out, *resume, stdin=lines, cwd=self.dir)

@@ -76,7 +76,7 @@ class Cancelled(Faults):
         )
 
     def test_work_stops_in_every_stage(self):
-        with stage.server(self.dir) as server:
+        with stage.server(self.dir, "--decode-always") as server:
             for what in STAGES:
                 for by in ("cancelled", "deadline"):
                     with self.subTest(what, by=by):

@@ -50,7 +50,7 @@ class Kill(Faults):
     def servers(self, count):
         running = []
         for n in range(count):
-            running.append(Server(self.dir, name=f"latvoxd{n}"))
+            running.append(Server(self.dir, "--decode-always", name=f"latvoxd{n}"))
             self.addCleanup(running[-1].kill)
             harness.wait_until_healthy(running[-1].process)
         return running
@@ -97,7 +97,7 @@ class Kill(Faults):
         return 1
 
     def test_killed_decoders(self):
-        with stage.server(self.dir) as server:
+        with stage.server(self.dir, "--decode-always") as server:
             self.load("decoders", server.address, lambda n: self.kill_decoder(server))
             self.assert_serves(server)
 

@@ -1,5 +1,6 @@
 // What the service costs: one job through a server, and the same within this process, in turns, so that whatever else
-// the machine does hits both alike. Prints the medians as JSON.
+// the machine does hits both alike. Prints the medians as JSON. This process decodes the mesh each time; the server may
+// keep what it was decoded to, as it does for every client.
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
 

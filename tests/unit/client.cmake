@@ -6,6 +6,8 @@ latvox_add_test(client_attributes_test SOURCES unit/client_attributes_test.cc
 latvox_add_test(client_curve_test SOURCES unit/client_curve_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client_output_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_compare_test SOURCES unit/client_compare_test.cc LIBRARIES latvox::tool GTest::gmock)
+latvox_add_test(client_colors_test SOURCES unit/client_colors_test.cc
+                LIBRARIES latvox::tool latvox::grid GTest::gmock)
 latvox_add_test(client_scene_test SOURCES unit/client_scene_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_grid_test SOURCES unit/client_grid_test.cc LIBRARIES latvox::grid GTest::gmock)
 foreach(name client_merge_test client_merge_errors_test)

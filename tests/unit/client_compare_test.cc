@@ -8,6 +8,7 @@
 #include <set>
 
 #include "client/cli/slice_command.h"
+#include "client/cli/value_difference.h"
 #include "client/cli/voxel_difference.h"
 #include "client/output/vec3.h"
 #include "client/output/voxel_walk.h"
@@ -63,6 +64,34 @@ TEST(CompareVoxels, CountsWhatSetsOfPointsSay) {
       EXPECT_EQ(found.box->max[m], (*most)[m] + 1);
     }
   }
+}
+
+// Voxels that stand at other places among those of their file.
+TEST(CompareValues, HoldsTheSameVoxelsAgainstEachOther) {
+  const std::set<Vec3i> voxels_a = {{0, 0, 0}, {0, 0, 1}, {9, 0, 0}, {20, 3, 3}},
+                        voxels_b = {{-9, 0, 0}, {0, 0, 1}, {9, 0, 0}, {9, 1, 0}, {20, 3, 3}};
+  GridContent a{{{}, ToBricks(voxels_a)}}, b{{{}, ToBricks(voxels_b)}};
+  EXPECT_FALSE(CompareValues(a, b).distances.has_value());
+  EXPECT_TRUE(CompareValues(a, b).equal());
+  a.band = b.band = Band{1, false, true};
+  a.distances = {0, 0.5F, 0.25F, -1};
+  b.distances = {7, 0.5F, 0.25F, 7, -1};
+  EXPECT_EQ(CompareValues(a, b).distances->differ, 0u);
+  EXPECT_TRUE(CompareValues(a, b).equal());
+  b.distances = {7, 0.75F, 0.25F, 7, 1};
+  const auto distances = *CompareValues(a, b).distances;
+  EXPECT_EQ(distances.differ, 2u);
+  EXPECT_EQ(distances.greatest, 2);
+  EXPECT_EQ(distances.at, (Vec3i{20, 3, 3}));
+  EXPECT_FALSE(CompareValues(a, b).equal());
+  a.band = b.band = std::nullopt;
+  a.attributes = {Attribute::kPart, Attribute::kColor};
+  a.numbers = {0, 10, 1, 11, 2, 12, 3, 13};
+  b.attributes = {Attribute::kColor};
+  b.numbers = {7, 11, 12, 7, 14};
+  const auto attributes = CompareValues(a, b).attributes;
+  ASSERT_EQ(attributes.size(), 1u);
+  EXPECT_EQ(attributes[0], std::make_pair(Attribute::kColor, uint64_t{1}));
 }
 
 TEST(CompareFields, TellsWhatOneSaysAndTheOtherDoesNot) {

@@ -117,8 +117,8 @@ TEST_F(OutputFile, TablesOfABandHoldDistances) {
     EXPECT_EQ(in_npy, values[n]);
     EXPECT_EQ(in_ply, values[n]);
   }
-  EXPECT_THAT(std::string(OpenOutput(Path("o.png"), request).status().message()),
-              HasSubstr("\".png\" is not one of .vdb .csv .npy .ply"));
+  EXPECT_THAT(std::string(OpenOutput(Path("o.glb"), request).status().message()),
+              HasSubstr("\".glb\" is not one of .vdb .csv .npy .ply .png"));
 }
 
 TEST_F(OutputFile, PngIsAPicture) {

@@ -2,12 +2,14 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <cmath>
+#include <map>
 #include <optional>
 #include <random>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "client/output/depth_blur.h"
 #include "client/output/picture.h"
 #include "client/output/vec3.h"
 #include "client/output/voronoi_cell.h"
@@ -119,6 +121,42 @@ TEST(VoxelScene, ShiftedCellsAreThoseThatHoldAVoxel) {
   }
 }
 
+// A cell has the color of one of its voxels, the same in whatever order bricks come; without a shift, there is but one.
+TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
+  std::mt19937 chance(13);
+  std::vector<Brick> bricks = Scattered(chance, 30);
+  const auto color_of = [](const Vec3i& ijk) {
+    return static_cast<uint32_t>(ijk[0] * 7 + ijk[1] * 5 + ijk[2]) & 0xFFFFFF;
+  };
+  for (int shift = 0; shift < 5; ++shift) {
+    VoxelScene one({kLattices[0], {}, 0}, shift), other = one;
+    std::map<Vec3i, std::set<uint32_t>> expected;
+    const auto add = [&](const Brick& brick, VoxelScene& scene) {
+      std::vector<uint32_t> colors;
+      ForEachVoxel(brick, [&](const Vec3i& ijk) {
+        Vec3i cell;
+        for (size_t m = 0; m < 3; ++m) cell[m] = (ijk[m] >> shift) - ((bricks[0].brick_ijk[m] * 8 >> shift) & ~63);
+        expected[cell].insert(color_of(ijk));
+        colors.push_back(color_of(ijk));
+      });
+      scene.Add(brick, colors);
+    };
+    add(bricks[0], one);  // the first decides where cell 0 is
+    add(bricks[0], other);
+    for (size_t n = 0; n < bricks.size(); ++n) {
+      add(bricks[n], one);
+      add(bricks[bricks.size() - 1 - n], other);
+    }
+    size_t cells = 0;
+    one.ForEach([&](const Vec3i& cell) {
+      ++cells;
+      EXPECT_TRUE(expected[cell].contains(one.ColorOf(cell))) << "shift " << shift;
+      EXPECT_EQ(one.ColorOf(cell), other.ColorOf(cell));
+    });
+    EXPECT_EQ(cells, expected.size());
+  }
+}
+
 TEST(VoxelFront, NoVoxelIsBeyondIt) {
   std::mt19937 chance(11);
   std::normal_distribution<double> normal;
@@ -177,6 +215,43 @@ TEST(Picture, ScenesHoldNoMoreThanThePictureTells) {
   EXPECT_GE(shift, 3);
   EXPECT_LE(shift, 5);
   EXPECT_EQ(ShiftFor(grid, 60000, {.side = 2048}), shift - 1);
+}
+
+// Against the sums as they are defined, where windows lie over nothing, steps and edges of the picture.
+TEST(SmoothDepth, AveragesWhatIsNearInDepth) {
+  constexpr int kWide = 61;
+  std::mt19937 chance(7);
+  for (const int radius : {2, 5, 32}) {
+    std::vector<float> depth(kWide * kWide, kNoDepth);
+    for (size_t n = 0; n < depth.size(); ++n) {
+      const auto x = static_cast<float>(n % kWide), y = static_cast<float>(n / kWide);
+      if (std::hypot(x - 28, y - 33) < 27) depth[n] = y / 3 + static_cast<float>(chance() % 5) - (x > 30 ? 70.F : 0.F);
+    }
+    std::vector<float> expected = depth;
+    for (const int step : {1, kWide, 1, kWide}) {
+      const std::vector<float> in = expected;
+      for (int n = 0; n < kWide * kWide; ++n) {
+        const int along = step == 1 ? n % kWide : n / kWide;
+        const float here = in[static_cast<size_t>(n)];
+        double sum = 0, count = 0;
+        for (int d = std::max(-radius, -along); d <= std::min(radius, kWide - 1 - along); ++d) {
+          const float there = in[static_cast<size_t>(n + d * step)];
+          if (!(std::abs(there - here) < 3.0F * static_cast<float>(radius))) continue;
+          sum += there;
+          ++count;
+        }
+        if (here != kNoDepth) expected[static_cast<size_t>(n)] = static_cast<float>(sum / count);
+      }
+    }
+    const std::vector<float> found = SmoothDepth(depth, kWide, radius);
+    for (size_t n = 0; n < found.size(); ++n) {
+      if (expected[n] == kNoDepth) {
+        ASSERT_EQ(found[n], kNoDepth);
+      } else {
+        ASSERT_NEAR(found[n], expected[n], 1e-3) << radius << " " << n;
+      }
+    }
+  }
 }
 
 }  // namespace

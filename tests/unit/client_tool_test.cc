@@ -258,9 +258,9 @@ TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
   }
   EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "--verify"}),
               AllOf(HasSubstr("--band"), HasSubstr("--verify")));
-  for (const char* output : {"a.png", "a.glb", "a.binvox", "a.vox"}) {
+  for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
-                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .ply can"));
+                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .ply .png can"));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/lattice/lattice.h"
 #include "tests/oracle/oracle.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 namespace {
@@ -89,7 +90,7 @@ TEST(Neighbors, EqualExactVoronoiCellsOfRandomBases) {
   std::mt19937 random(kSeed);
   std::uniform_int_distribution<int> entry(-9, 9);
   int tested = 0;
-  while (tested < 300) {
+  while (tested < Dose(300, 60)) {
     Mat3d basis;
     for (auto& column : basis) {
       for (double& x : column) x = entry(random);  // small integers: ties and symmetric cells are frequent

@@ -9,6 +9,7 @@
 #include "core/plane/pixelize.h"
 #include "core/plane/thesis_lines.h"
 #include "tests/unit/core_plane_exact.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 namespace {
@@ -438,11 +439,12 @@ TEST(Pixelize, RefusesBadArgumentsByName) {
 }
 
 TEST(Pixelize, TakesTheLargestResolutionOnBothNamedLattices) {
+  constexpr uint32_t kMost = Dose(65536U, 8192U);
   for (NamedPlaneLattice name : {NamedPlaneLattice::kSquare, NamedPlaneLattice::kHexagonal}) {
-    const auto grid = ResolvePlaneGrid(PlaneLattice::Named(name), {.resolution = 65536}, {}, BoundsOf({Star()}));
+    const auto grid = ResolvePlaneGrid(PlaneLattice::Named(name), {.resolution = kMost}, {}, BoundsOf({Star()}));
     ASSERT_TRUE(grid.ok());
     const PixelizeResult result = Digitized({Star()}, *grid, 0, true);
-    EXPECT_GT(result.pixels.size(), 65536U * 4);
+    EXPECT_GT(result.pixels.size(), kMost * 4);
     EXPECT_EQ(result.tunnels, 0U);
     EXPECT_EQ(result.redundant, 0U);
   }

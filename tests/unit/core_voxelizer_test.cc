@@ -12,6 +12,7 @@
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 namespace {
@@ -180,7 +181,7 @@ TEST(Pipeline, TanglesOfLargeTrianglesAreCoveredAndMinimal) {
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<float> coordinate(0, 62);
   TriangleMesh tangle;
-  for (uint32_t n = 0; n < 4500; ++n) {
+  for (uint32_t n = 0; n < Dose(4500U, 1500U); ++n) {
     Vec3f corner = {coordinate(random), coordinate(random), coordinate(random)};
     corner[n % 3] = n % 2 == 0 ? 0 : 62;
     tangle.vertices.push_back(corner);

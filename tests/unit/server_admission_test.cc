@@ -317,6 +317,49 @@ TEST(MeshStore, DropsTheLeastRecentlyUsedFirst) {
   EXPECT_EQ(store.bytes(), 100);
 }
 
+DecodedMesh Decoded(size_t triangles) {
+  DecodedMesh decoded;
+  decoded.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  decoded.mesh.triangles.assign(triangles, {0, 1, 2});
+  return decoded;
+}
+
+TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
+  const MeshAttributes none, part{1, {MeshAttribute::kPart}};
+  MeshStore store(3000);
+  store.Put(Digest(1), Bytes(40));
+  store.KeepDecoded(Digest(1), none, Decoded(100));
+  const auto kept = store.FindDecoded(Digest(1), none);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->mesh.triangles.size(), 100);
+  EXPECT_FALSE(store.FindDecoded(Digest(1), part));
+  EXPECT_FALSE(store.FindDecoded(Digest(2), none));
+  const uint64_t bytes = store.bytes() - 40;
+  EXPECT_GE(bytes, 1200 + 36);
+
+  store.KeepDecoded(Digest(2), none, Decoded(100));
+  EXPECT_TRUE(store.FindDecoded(Digest(1), none));  // a use
+  store.KeepDecoded(Digest(3), none, Decoded(100));
+  EXPECT_TRUE(store.FindDecoded(Digest(1), none));
+  EXPECT_FALSE(store.FindDecoded(Digest(2), none));
+  EXPECT_TRUE(store.FindDecoded(Digest(3), none));
+  EXPECT_EQ(store.bytes(), 40 + 2 * bytes);
+
+  // Encoded meshes go before decoded ones, and are not dropped for one.
+  store.Put(Digest(4), Bytes(2900));
+  EXPECT_EQ(store.bytes(), 2940);
+  store.KeepDecoded(Digest(1), none, Decoded(100));
+  EXPECT_EQ(store.bytes(), 2940);
+  EXPECT_EQ(kept->mesh.triangles.size(), 100);
+}
+
+TEST(MeshStore, KeepsNoDecodedMeshIfToldSo) {
+  MeshStore store(3000, false);
+  store.KeepDecoded(Digest(1), {}, Decoded(100));
+  EXPECT_FALSE(store.FindDecoded(Digest(1), {}));
+  EXPECT_EQ(store.bytes(), 0);
+}
+
 TEST(MeshStore, LeavesAMeshOutThatAloneExceedsIt) {
   MeshStore store(100);
   store.Put(Digest(1), Bytes(40));

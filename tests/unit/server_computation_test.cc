@@ -155,6 +155,63 @@ TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
   EXPECT_THAT(digests, ::testing::Each(digests.front()));
 }
 
+class CountingDecoder final : public MeshDecoder {
+ public:
+  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted, Reserve reserve,
+                                  Done done) override {
+    ++decodes;
+    return decoder_.Start(std::move(bytes), limits, wanted, std::move(reserve), std::move(done));
+  }
+  int decodes = 0;
+
+ private:
+  ThreadDecoder decoder_;
+};
+
+TEST(Computation, DecodesAMeshTwiceAtMost) {
+  const std::string bytes = EncodeDraco(Sphere(20), {});
+  v1::VoxelizeSpec spec = GoodSpec();
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  spec.set_mesh_sha256(std::string(digest.begin(), digest.end()));
+  const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
+  CountingDecoder decoder;
+  TestEnvironment environment(decoder);
+  std::vector<std::string> digests;
+  for (const int decodes : {1, 2, 2, 2}) {  // the second time, it is worth keeping
+    Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+    ASSERT_TRUE(Decode(computation, bytes).ok());
+    EXPECT_EQ(decoder.decodes, decodes);
+    ASSERT_TRUE(computation.Start(ignore).ok());
+    ASSERT_TRUE(computation
+                    .Advance(
+                        [&](v1::VoxelizeResponse&& message) {
+                          if (message.has_summary()) digests.push_back(message.summary().certificate().digest());
+                          return true;
+                        },
+                        kNever)
+                    .ok());
+    computation.Free();
+    EXPECT_EQ(environment.memory.reserved(), 0);
+  }
+  EXPECT_EQ(digests.size(), 4);
+  EXPECT_THAT(digests, ::testing::Each(digests.front()));
+}
+
+TEST(Computation, LeavesAKeptMeshOverTheCallersLimitsToTheDecoder) {
+  const std::string bytes = EncodeDraco(Sphere(20), {});
+  v1::VoxelizeSpec spec = GoodSpec();
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  spec.set_mesh_sha256(std::string(digest.begin(), digest.end()));
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder);
+  environment.meshes.Put(digest, absl::Cord(bytes));
+  environment.meshes.KeepDecoded(digest, {}, {Sphere(20), 0});
+  CallEnvironment narrow = environment.shared();
+  narrow.limits.max_triangles = 10;
+  Computation computation(*JobSpecFromProto(spec, {}), "id", narrow);
+  EXPECT_THAT(std::string(Decode(computation, bytes).message()), ::testing::HasSubstr("mesh.triangles"));
+}
+
 TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
   ThreadDecoder decoder;
   TestEnvironment environment(decoder);

@@ -1,0 +1,61 @@
+// How .vdb files are opened and looked at, whatever their grids' type. Costs OpenVDB's headers. Internal to
+// latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_GRID_READING_H_
+#define LATVOX_CLIENT_GRID_GRID_READING_H_
+
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/grid/voxel_grid.h"
+
+namespace latvox::client {
+
+// What read(file) returns of the file, opened without its voxels. Errors: NOT_FOUND; INVALID_ARGUMENT (what OpenVDB
+// throws), with the path.
+template <class Read>
+auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<openvdb::io::File&>())) try {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  openvdb::initialize();
+  openvdb::io::File file(path);
+  file.open(/*delayLoad=*/false);
+  return read(file);
+} catch (const std::exception& error) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
+}
+
+// Takes a look at each leaf.
+GridFileInfo Describe(const openvdb::GridBase& grid);
+
+// Errors: INVALID_ARGUMENT, with the path: the transform is not affine, or not of finite numbers.
+absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path);
+
+// The leaves with active voxels, in lexicographic order of their corners. Errors: INVALID_ARGUMENT, with the path:
+// active tiles, which latvox does not write.
+template <class Tree>
+absl::StatusOr<std::vector<const typename Tree::LeafNodeType*>> SortedLeaves(const Tree& tree,
+                                                                             const std::string& path) {
+  if (const auto tiles = tree.activeTileCount(); tiles > 0) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": has ", tiles, " active tiles, not voxels alone"));
+  }
+  std::vector<const typename Tree::LeafNodeType*> leaves;
+  leaves.reserve(tree.leafCount());
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    if (!leaf->isEmpty()) leaves.push_back(leaf.getLeaf());
+  }
+  std::sort(leaves.begin(), leaves.end(), [](const auto* a, const auto* b) { return a->origin() < b->origin(); });
+  return leaves;
+}
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_GRID_READING_H_
