@@ -140,6 +140,16 @@ struct VoxelizeRequest {
   std::optional<WorldBox> bounds = std::nullopt;
 };
 
+// How a mesh was read and encoded before it was sent, as far as that is not by default: what grids tell beside the
+// request, for those who repeat it. The fields of these names in a line of `latvox batch`.
+struct MeshNote {
+  std::string up;                   // "x", "y" or "z": the axis of the file that became z
+  std::optional<double> scale;      // of its coordinates
+  std::string input_format;         // "ply", ...: whatever its extension says
+  std::optional<int> quantization;  // bits of a position on the way to the server; 0: lossless
+  bool operator==(const MeshNote&) const = default;
+};
+
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
 struct GridTransform {
   Basis basis;            // scaled, world units

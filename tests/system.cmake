@@ -53,6 +53,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   latvox_add_system_test(e2e.tls "${latvox_python};e2e/tls_test.py")
   latvox_add_system_test(e2e.values "${latvox_python};e2e/values_test.py")
   latvox_add_system_test(e2e.view "${latvox_python};e2e/view_test.py")
+  latvox_add_system_test(node.view "node;--test;node/view.test.js")
   # They want both cores for themselves: their figures are of a machine that does nothing else.
   latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)
   foreach(scenario swarm kill readers half_open sigterm mutated fairness cancel overhead)

@@ -1,5 +1,6 @@
 #include "client/cli/commands.h"
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -23,13 +24,19 @@ absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
   if (const auto& box = info->active_box) {
     absl::StrAppend(&text, "active box     ", absl::StrJoin(box->min, ","), " to below ", absl::StrJoin(box->max, ","),
                     "\n");
+  } else {
+    text += "active box     empty\n";
   }
   absl::StrAppendFormat(&text, "voxel size     %.9g\n", info->transform.voxel_size);
   absl::StrAppend(&text, "step in i      ", Show(info->transform.basis.a), "\n");
   absl::StrAppend(&text, "step in j      ", Show(info->transform.basis.b), "\n");
   absl::StrAppend(&text, "step in k      ", Show(info->transform.basis.c), "\n");
   absl::StrAppend(&text, "origin         ", Show(info->transform.origin), "\n");
-  for (const auto& [name, value] : info->metadata) absl::StrAppendFormat(&text, "%s = %s\n", name, value);
+  for (const auto& [name, value] : info->metadata) {
+    // OpenVDB's box of nothing is from the highest number to the lowest.
+    const bool empty = info->active_voxels == 0 && absl::StartsWith(name, "file_bbox_");
+    absl::StrAppendFormat(&text, "%s = %s\n", name, empty ? "empty" : value);
+  }
   return text;
 }
 

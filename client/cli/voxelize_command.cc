@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "client/cli/empty_box.h"
 #include "client/cli/progress_bar.h"
 #include "client/error.h"
 #include "client/grid/voxel_grid.h"
@@ -58,6 +59,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& h
   if (!read.ok()) return read.status();
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
   const Mesh& mesh = std::get<Mesh>(*read);
+  for (const std::string& warning : mesh.warnings) hooks.say(warning);
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
@@ -134,6 +136,9 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
   auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
+  if (report.summary.voxels == 0) {
+    if (const auto line = EmptyBoxLine(options.request, report.accepted); !line.empty()) hooks.say(line);
+  }
   return absl::OkStatus();
 }
 
@@ -142,7 +147,7 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
 absl::Status Align(VoxelizeOptions& options) {
   if (options.align.empty()) return absl::OkStatus();
   const auto info = ReadGridFileInfo(options.align);
-  if (!info.ok()) return info.status();
+  if (!info.ok()) return absl::Status(info.status().code(), absl::StrCat("align: ", info.status().message()));
   options.request.lattice = info->transform.basis;
   options.request.origin = info->transform.origin;
   return absl::OkStatus();

@@ -15,7 +15,8 @@
 
 namespace latvox::client {
 
-// Takes lattice and origin from the file that is to be aligned with, if there is one. Errors: those of reading it.
+// Takes lattice and origin from the file that is to be aligned with, if there is one. Errors: those of reading it, with
+// the field before the path.
 absl::Status Align(VoxelizeOptions& options);
 
 // What a job needs from the command that it is part of. Called on the job's thread.

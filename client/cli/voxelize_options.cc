@@ -157,6 +157,16 @@ void AddFillOptions(CLI::App& command, VoxelizeWords& words) {
                    "fill a mesh that is not closed, but for lattice lines along k that end unbalanced");
 }
 
+// What repeats the mesh as it is asked for.
+MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
+  MeshNote note;
+  note.up = words.up;
+  if (!words.scale.empty()) note.scale = options.mesh.scale;
+  note.input_format = words.input_format;
+  note.quantization = options.quantization_bits;
+  return note;
+}
+
 std::optional<Solid> InterpretSolid(const VoxelizeWords& words) {
   if (words.fill == "solid") {
     if (words.options.request.verify) Refuse("--verify: is for --fill surface");
@@ -320,6 +330,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   }
   InterpretAttributes(words, options);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
+  options.output_options.note = NoteOf(options, words);
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {
     Refuse("--voxel-size or --resolution is required for a named lattice");
   }

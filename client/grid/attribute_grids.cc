@@ -81,9 +81,9 @@ absl::Status AttributeGrids::Add(const BrickBatch& batch) try {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
 }
 
-void AttributeGrids::SetRequest(const VoxelizeRequest& request) {
-  content_->voxels.SetRequest(request);
-  for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeRequest(request, *grid);
+void AttributeGrids::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
+  content_->voxels.SetRequest(request, note);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeRequest(request, note, *grid);
 }
 
 void AttributeGrids::SetCertificate(const Certificate& certificate) {

@@ -1,7 +1,7 @@
 // Voxels that carry attributes as OpenVDB grids. No OpenVDB header is needed to use this.
 //
 //   "voxels"            the set, as client/grid/voxel_grid.h has it
-//   "part", "material"  a grid of 32-bit integers each
+//   "part", "material"  a grid of 32-bit integers each; of OpenVDB's own programs, vdb_ax reads their values
 //   "color"             a grid of three floats from 0 to 1: red, green, blue
 //
 // All have the same transform, metadata (with latvox_attributes, their names, and latvox_attributes_digest) and active
@@ -31,8 +31,9 @@ class AttributeGrids {
   absl::Status Add(const BrickBatch& batch);
 
   // Writes into the grids' metadata what was asked for: latvox_request, a JSON object with the fields of a line of
-  // `latvox batch`, and latvox_region and latvox_bounds of a request for these.
-  void SetRequest(const VoxelizeRequest& request);
+  // `latvox batch`, and latvox_region and latvox_bounds of a request for these. With what is noted of the mesh, such a
+  // line and the same mesh repeat the whole.
+  void SetRequest(const VoxelizeRequest& request, const MeshNote& note = {});
 
   // Writes the certificate into the grids' metadata.
   void SetCertificate(const Certificate& certificate);

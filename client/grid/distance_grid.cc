@@ -63,7 +63,9 @@ absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
 }
 
-void DistanceGrid::SetRequest(const VoxelizeRequest& request) { DescribeRequest(request, *content_->grid); }
+void DistanceGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
+  DescribeRequest(request, note, *content_->grid);
+}
 
 void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 

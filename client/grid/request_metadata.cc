@@ -36,9 +36,15 @@ void AddBand(const Band& band, Json& json) {
   if (band.is_signed) json["signed"] = true;
 }
 
-}  // namespace
+void AddNote(const MeshNote& note, Json& json) {
+  if (!note.up.empty()) json["up"] = note.up;
+  if (note.scale) json["scale"] = *note.scale;
+  if (!note.input_format.empty()) json["input_format"] = note.input_format;
+  if (note.quantization) json["quantization"] = *note.quantization;
+}
 
-std::string RequestText(const VoxelizeRequest& request) {
+// All but what the note says.
+Json RequestJson(const VoxelizeRequest& request) {
   Json json;
   if (const auto* basis = std::get_if<Basis>(&request.lattice)) {
     for (const Vec3d& step : {basis->a, basis->b, basis->c}) {
@@ -52,7 +58,7 @@ std::string RequestText(const VoxelizeRequest& request) {
   if (request.origin) json["origin"] = *request.origin;
   if (request.band) {
     AddBand(*request.band, json);
-    return json.dump();
+    return json;
   }
   json["separability"] = request.separability;
   if (request.cover == Cover::kSupercover) {
@@ -64,11 +70,19 @@ std::string RequestText(const VoxelizeRequest& request) {
   json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
   if (request.solid) AddSolid(*request.solid, json);
   if (request.verify) json["verify"] = true;
+  return json;
+}
+
+}  // namespace
+
+std::string RequestText(const VoxelizeRequest& request, const MeshNote& note) {
+  Json json = RequestJson(request);
+  AddNote(note, json);
   return json.dump();
 }
 
-void DescribeRequest(const VoxelizeRequest& request, openvdb::GridBase& grid) {
-  grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request)));
+void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openvdb::GridBase& grid) {
+  grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request, note)));
   if (request.region) grid.insertMeta("latvox_region", openvdb::StringMetadata(Corners(*request.region)));
   if (request.bounds) grid.insertMeta("latvox_bounds", openvdb::StringMetadata(Corners(*request.bounds)));
 }

@@ -11,11 +11,11 @@
 namespace latvox::client {
 
 // JSON with the fields of a line of `latvox batch`, so that such a line with the mesh repeats the request: all that
-// says what the whole is; not which part of it, nor how mesh and voxels are read and sent (scale, quantization, ...).
-std::string RequestText(const VoxelizeRequest& request);
+// says what the whole is; not which part of it, nor how voxels are sent.
+std::string RequestText(const VoxelizeRequest& request, const MeshNote& note);
 
 // The metadata latvox_request, RequestText; and latvox_region, latvox_bounds of a request for these, six numbers each.
-void DescribeRequest(const VoxelizeRequest& request, openvdb::GridBase& grid);
+void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openvdb::GridBase& grid);
 
 }  // namespace latvox::client
 

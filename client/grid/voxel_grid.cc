@@ -73,7 +73,9 @@ absl::Status VoxelGrid::Add(const BrickBatch& batch) try {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");
 }
 
-void VoxelGrid::SetRequest(const VoxelizeRequest& request) { DescribeRequest(request, *content_->grid); }
+void VoxelGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
+  DescribeRequest(request, note, *content_->grid);
+}
 
 void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
 

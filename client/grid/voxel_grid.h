@@ -41,8 +41,9 @@ class VoxelGrid {
   absl::Status Add(const BrickBatch& batch);
 
   // Writes into the grid's metadata what was asked for: latvox_request, a JSON object with the fields of a line of
-  // `latvox batch`, and latvox_region and latvox_bounds of a request for these.
-  void SetRequest(const VoxelizeRequest& request);
+  // `latvox batch`, and latvox_region and latvox_bounds of a request for these. With what is noted of the mesh, such a
+  // line and the same mesh repeat the whole.
+  void SetRequest(const VoxelizeRequest& request, const MeshNote& note = {});
 
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);

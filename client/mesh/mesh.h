@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace latvox::client {
@@ -26,9 +27,11 @@ struct Mesh {
   std::vector<Vec3f> positions;                    // world, finite
   std::vector<std::array<uint32_t, 3>> triangles;  // each index < positions.size()
   uint64_t skipped = 0;                            // points and lines of the file; they have no surface
-  std::vector<Stretch> stretches = {};  // in order, parts ascending; none: all are part 0, without a material
-  uint32_t materials = 0;               // that stretches name
-  std::vector<Color> colors = {};       // of each position; of fewer: some have none
+  std::vector<Stretch> stretches = {};     // in order, parts ascending; none: all are part 0, without a material
+  uint32_t materials = 0;                  // that stretches name
+  std::vector<Color> colors = {};          // of each position; of fewer: some have none
+  std::vector<std::string> warnings = {};  // what of the file is not read as it may have been meant
+  std::string no_color = {};               // why some of the file's colors are not among these; empty: it has no others
 };
 
 }  // namespace latvox::client

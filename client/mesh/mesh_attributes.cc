@@ -1,7 +1,10 @@
 #include "client/mesh/mesh_attributes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 
 namespace latvox::client {
@@ -40,10 +43,41 @@ uint32_t NextPart(const Mesh& mesh) {
   return last.first < mesh.triangles.size() ? last.part + 1 : last.part;
 }
 
+Color ToColor(const float* rgb) {
+  Color color;
+  for (size_t n = 0; n < color.size(); ++n) {
+    color[n] = static_cast<uint8_t>(std::nearbyint(std::min(std::max(0.0F, rgb[n]), 1.0F) * 255));
+  }
+  return color;
+}
+
+void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh) {
+  std::vector<std::optional<Color>> first(mesh.positions.size());  // of each vertex, the color seen first
+  absl::flat_hash_map<std::pair<uint32_t, Color>, uint32_t> others;
+  mesh.colors.assign(mesh.positions.size(), Color{});
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (size_t n = 0; n < 3; ++n) {
+      uint32_t& vertex = mesh.triangles[t][n];
+      const Color& color = colors[t][n];
+      if (!first[vertex]) mesh.colors[vertex] = first[vertex].emplace(color);
+      if (first[vertex] == color) continue;
+      const auto next = static_cast<uint32_t>(mesh.positions.size());
+      const auto [found, is_new] = others.try_emplace(std::pair(vertex, color), next);
+      if (is_new) {
+        mesh.positions.push_back(Vec3f(mesh.positions[vertex]));
+        mesh.colors.push_back(color);
+      }
+      vertex = found->second;
+    }
+  }
+}
+
 absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh) {
   for (const Attribute attribute : attributes) {
     if (Has(mesh, attribute)) continue;
-    return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute)));
+    const bool why = attribute == Attribute::kColor && !mesh.no_color.empty();
+    return absl::InvalidArgumentError(absl::StrCat("the mesh, or some of it, has no ", NameOf(attribute),
+                                                   why ? absl::StrCat(" (", mesh.no_color, ")") : ""));
   }
   return absl::OkStatus();
 }

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CLIENT_MESH_MESH_ATTRIBUTES_H_
 #define LATVOX_CLIENT_MESH_MESH_ATTRIBUTES_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -19,7 +20,14 @@ void BeginStretch(uint32_t part, std::optional<uint32_t> material, Mesh& mesh);
 // The part to give to a further object: the one after the last that has triangles.
 uint32_t NextPart(const Mesh& mesh);
 
-// INVALID_ARGUMENT naming the first of the attributes that some of the mesh lacks.
+// Red, green and blue as bytes, from numbers between 0 and 1; beyond these there are no colors.
+Color ToColor(const float* rgb);
+
+// Gives the mesh colors, those of each triangle's corners. A vertex with several becomes several in one place.
+void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh);
+
+// INVALID_ARGUMENT naming the first of the attributes that some of the mesh lacks, and why if its file has colors
+// that are not read.
 absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh);
 
 // The numbers of a mesh that has them, as Attribute has them.

@@ -13,34 +13,33 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/mesh/draco_file.h"
-#include "client/mesh/gltf_check.h"
+#include "client/mesh/gltf_file.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
-#include "client/mesh/scene_file.h"
 #include "client/mesh/stl_file.h"
 #include "client/mesh/three_mf_file.h"
 
 namespace latvox::client {
 namespace {
 
-absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format) {
+// `folder`: of the files that it refers to.
+absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std::filesystem::path& folder) {
   switch (format) {
     case MeshFormat::kDraco:
       return ParseDraco(bytes);
     case MeshFormat::kObj:
-      return ParseObj(bytes);
+      return ParseObj(WithoutByteOrderMark(bytes));
     case MeshFormat::kPly:
-      return ParsePly(bytes);
+      return ParsePly(WithoutByteOrderMark(bytes));
     case MeshFormat::kThreeMf:
       return Parse3mf(bytes);
     case MeshFormat::kStl:
-      return ParseStl(bytes);
+      return ParseStl(WithoutByteOrderMark(bytes));
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
       break;
   }
-  if (absl::Status status = CheckGltf(bytes, ""); !status.ok()) return status;
-  return ParseScene(bytes, format == MeshFormat::kGlb ? "glb" : "gltf");
+  return ParseGltf(WithoutByteOrderMark(bytes), folder);
 }
 
 // With the path before the error; without a triangle, that is one.
@@ -104,16 +103,11 @@ absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
   }
   const auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
-  // By name, so that what a glTF refers to is found beside it.
-  if (*format == MeshFormat::kGltf || *format == MeshFormat::kGlb) {
-    const absl::Status status = CheckGltf(*bytes, std::filesystem::path(path).parent_path());
-    return Named(path, status.ok() ? ReadSceneFile(path) : status);
-  }
-  return ParseMeshFile(path, *bytes, *format);
+  return Named(path, Parse(*bytes, *format, std::filesystem::path(path).parent_path()));
 }
 
 absl::StatusOr<Mesh> ParseMeshFile(const std::string& path, absl::string_view bytes, MeshFormat format) {
-  return Named(path, Parse(bytes, format));
+  return Named(path, Parse(bytes, format, ""));
 }
 
 }  // namespace latvox::client

@@ -5,6 +5,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
 #include "client/mesh/stl_file.h"
 
 namespace latvox::client {
@@ -38,7 +39,13 @@ std::optional<MeshFormat> FormatOfPath(const std::string& path) {
   return std::nullopt;
 }
 
+absl::string_view WithoutByteOrderMark(absl::string_view bytes) {
+  if (!IsBinaryStl(bytes)) absl::ConsumePrefix(&bytes, "\xEF\xBB\xBF");
+  return bytes;
+}
+
 std::optional<MeshFormat> FormatOfBytes(absl::string_view bytes) {
+  bytes = WithoutByteOrderMark(bytes);
   constexpr std::pair<absl::string_view, MeshFormat> kMagic[] = {{"DRACO", MeshFormat::kDraco},
                                                                  {"ply\n", MeshFormat::kPly},
                                                                  {"ply\r", MeshFormat::kPly},

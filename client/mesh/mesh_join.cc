@@ -51,6 +51,7 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
   if (auto status = Transform(to_world, part); !status.ok()) return status;
   if (mesh.triangles.empty() && mesh.positions.empty()) {
     part.skipped += mesh.skipped;
+    part.warnings.insert(part.warnings.begin(), mesh.warnings.begin(), mesh.warnings.end());
     mesh = std::move(part);
     return absl::OkStatus();
   }
@@ -61,6 +62,7 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
   if (mesh.colors.size() == base && part.colors.size() == part.positions.size()) {
     mesh.colors.insert(mesh.colors.end(), part.colors.begin(), part.colors.end());
   }
+  if (mesh.no_color.empty()) mesh.no_color = part.no_color;
   AppendStretches(part, mesh);
   mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
   for (auto triangle : part.triangles) {
@@ -68,6 +70,7 @@ absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
     mesh.triangles.push_back(triangle);
   }
   mesh.skipped += part.skipped;
+  mesh.warnings.insert(mesh.warnings.end(), part.warnings.begin(), part.warnings.end());
   return absl::OkStatus();
 }
 

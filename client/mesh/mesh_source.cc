@@ -64,6 +64,8 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   for (const std::string& path : input.paths) {
     auto read = ReadOne(path, input, keep_draco);
     if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
+    for (std::string& warning : std::get<Mesh>(*read).warnings)
+      warning = absl::StrCat(NameOfInput(path), ": ", warning);
     absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
     if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
       status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));

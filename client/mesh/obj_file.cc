@@ -13,9 +13,9 @@
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh/polygon.h"
 
-// Why not assimp, which reads the other formats: its decimal parser misses the nearest float32 for about one number in
-// a hundred, it gives each face corner a vertex of its own, and its errors name neither line nor index. Exact voxels of
-// the commonest text format should not depend on that.
+// Why not assimp: its decimal parser misses the nearest float32 for about one number in a hundred, it gives each face
+// corner a vertex of its own, and its errors name neither line nor index. Exact voxels of the commonest text format
+// should not depend on that.
 namespace latvox::client {
 namespace {
 

@@ -13,7 +13,7 @@
 #include "client/mesh/float_text.h"
 #include "client/mesh/mesh_attributes.h"
 
-// Why not assimp, which reads glTF: its decimal parser misses the nearest float32, and its errors name no line.
+// Why not assimp: its decimal parser misses the nearest float32, and its errors name no line.
 namespace latvox::client {
 namespace {
 
@@ -37,7 +37,7 @@ void AppendTriangle(Mesh& mesh) {
 }
 
 absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes) {
-  if (bytes.size() < kHead) return Bad("is no STL file: neither text that begins with \"solid\", nor 84 bytes long");
+  if (bytes.size() < kHead) return Bad("is no STL file: neither text with \"solid\" and \"facet\", nor 84 bytes long");
   const uint32_t triangles = DeclaredTriangles(bytes);
   if (triangles > UINT32_MAX / 3) return Bad(triangles, " triangles exceed ", UINT32_MAX / 3);
   Mesh mesh;
@@ -124,17 +124,21 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
   return mesh;
 }
 
+// The header of binary files begins with "solid" more often than it should, and they may be cut short, or have bytes
+// after their end: their length alone does not tell.
+bool IsText(absl::string_view bytes) {
+  const absl::string_view head = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
+  if (IsBinaryStl(bytes) || !absl::StartsWithIgnoreCase(head, "solid") || absl::StrContains(bytes, '\0')) return false;
+  const std::string text = absl::AsciiStrToLower(bytes.substr(0, 1 << 16));
+  return absl::StrContains(text, "facet") || absl::StrContains(text, "endsolid");
+}
+
 }  // namespace
 
 bool IsBinaryStl(absl::string_view bytes) {
   return bytes.size() >= kHead && bytes.size() == kHead + kTriangle * uint64_t{DeclaredTriangles(bytes)};
 }
 
-// By its length first: the header of binary files begins with "solid" more often than it should.
-absl::StatusOr<Mesh> ParseStl(absl::string_view bytes) {
-  const absl::string_view text = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
-  if (!IsBinaryStl(bytes) && absl::StartsWithIgnoreCase(text, "solid")) return ParseText(bytes);
-  return ParseBinary(bytes);
-}
+absl::StatusOr<Mesh> ParseStl(absl::string_view bytes) { return IsText(bytes) ? ParseText(bytes) : ParseBinary(bytes); }
 
 }  // namespace latvox::client

@@ -18,6 +18,8 @@
 #include "client/mesh/affine.h"
 #include "client/mesh/float_text.h"
 #include "client/mesh/mesh_join.h"
+#include "client/mesh/three_mf_part.h"
+#include "client/mesh/three_mf_properties.h"
 #include "client/mesh/zip_archive.h"
 
 // Why neither assimp, which has an importer, nor lib3mf 1.8: assimp takes the memory that the archive declares, leaves
@@ -29,60 +31,13 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
 constexpr size_t kMaxTriangles = size_t{1} << 26, kMaxPlaced = size_t{1} << 20;
 constexpr int kMaxDepth = 64;  // of components within components
 constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 
-// Names with their namespace's prefix, if any, left out: no two that are read here differ by that alone.
-absl::string_view LocalName(absl::string_view name) { return name.substr(name.find(':') + 1); }
-
-pugi::xml_attribute Attribute(const pugi::xml_node& node, absl::string_view name) {
-  return node.find_attribute([name](const pugi::xml_attribute& a) { return LocalName(a.name()) == name; });
-}
-
-pugi::xml_node Child(const pugi::xml_node& node, absl::string_view name) {
-  return node.find_child([name](const pugi::xml_node& child) { return LocalName(child.name()) == name; });
-}
-
-// One file of the archive. Parsing changes the text; lines are found in a count of it made before.
-class Part {
- public:
-  static absl::StatusOr<std::unique_ptr<Part>> Parse(std::string name, std::string text) {
-    auto part = std::make_unique<Part>();
-    part->name_ = std::move(name);
-    part->text_ = std::move(text);
-    for (size_t at = part->text_.find('\n'); at != std::string::npos; at = part->text_.find('\n', at + 1)) {
-      part->line_ends_.push_back(at);
-    }
-    const auto result = part->document_.load_buffer_inplace(part->text_.data(), part->text_.size(), pugi::parse_default,
-                                                            pugi::encoding_utf8);
-    if (!result) return part->ErrorAt(result.offset, "is not XML (", result.description(), ")");
-    return part;
-  }
-
-  pugi::xml_node root() const { return document_.document_element(); }
-  const std::string& name() const { return name_; }
-
-  template <class... Words>
-  absl::Status Error(const pugi::xml_node& node, const Words&... words) const {
-    return ErrorAt(node.offset_debug(), "<", node.name(), ">: ", words...);
-  }
-
- private:
-  template <class... Words>
-  absl::Status ErrorAt(std::ptrdiff_t offset, const Words&... words) const {
-    const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(),
-                                      static_cast<size_t>(std::max<std::ptrdiff_t>(offset, 0)));
-    return absl::InvalidArgumentError(absl::StrCat(name_, ", line ", end - line_ends_.begin() + 1, ": ", words...));
-  }
-
-  std::string name_, text_;
-  std::vector<size_t> line_ends_;
-  pugi::xml_document document_;
-};
-
-absl::Status ReadVertex(const Part& part, const pugi::xml_node& node, std::vector<Vec3f>& positions) {
+absl::Status ReadVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3f>& positions) {
   Vec3f& position = positions.emplace_back();
   for (size_t m = 0; m < 3; ++m) {
     const char* const name = m == 0 ? "x" : m == 1 ? "y" : "z";
-    const absl::string_view word = Attribute(node, name).value();
+    const absl::string_view word = AttributeOf(node, name).value();
     if (!ParseFloat(word, position[m]) || !std::isfinite(position[m])) {
       return part.Error(node, name, "=\"", word, "\" of vertex ", positions.size() - 1, " is not a finite number");
     }
@@ -90,11 +45,11 @@ absl::Status ReadVertex(const Part& part, const pugi::xml_node& node, std::vecto
   return absl::OkStatus();
 }
 
-absl::Status ReadTriangle(const Part& part, const pugi::xml_node& node, Mesh& mesh) {
+absl::Status ReadTriangle(const ThreeMfPart& part, const pugi::xml_node& node, Mesh& mesh) {
   std::array<uint32_t, 3> triangle{};
   for (size_t n = 0; n < 3; ++n) {
     const char* const name = n == 0 ? "v1" : n == 1 ? "v2" : "v3";
-    const absl::string_view word = Attribute(node, name).value();
+    const absl::string_view word = AttributeOf(node, name).value();
     if (!absl::SimpleAtoi(word, &triangle[n]) || triangle[n] >= mesh.positions.size()) {
       return part.Error(node, name, "=\"", word, "\" of triangle ", mesh.triangles.size(), " is not within the ",
                         mesh.positions.size(), " vertices");
@@ -104,22 +59,27 @@ absl::Status ReadTriangle(const Part& part, const pugi::xml_node& node, Mesh& me
   return absl::OkStatus();
 }
 
-absl::StatusOr<Mesh> ReadMesh(const Part& part, const pugi::xml_node& node) {
+// `object` has the mesh, and what its triangles carry by default.
+absl::StatusOr<Mesh> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& object, ThreeMfProperties& properties) {
+  const pugi::xml_node node = Child(object, "mesh");
   Mesh mesh;
   for (const pugi::xml_node& vertex : Child(node, "vertices")) {
     if (LocalName(vertex.name()) != "vertex") continue;
     if (auto status = ReadVertex(part, vertex, mesh.positions); !status.ok()) return status;
   }
+  ThreeMfCarrier carrier(part, object, properties);
   for (const pugi::xml_node& triangle : Child(node, "triangles")) {
     if (LocalName(triangle.name()) != "triangle") continue;
+    carrier.Begin(triangle, mesh);
     if (auto status = ReadTriangle(part, triangle, mesh); !status.ok()) return status;
   }
+  carrier.Finish(mesh);
   return mesh;
 }
 
 // Twelve numbers: the rows of a matrix that row vectors are multiplied with, its last column left out.
-absl::StatusOr<Affine> ReadTransform(const Part& part, const pugi::xml_node& node) {
-  const pugi::xml_attribute attribute = Attribute(node, "transform");
+absl::StatusOr<Affine> ReadTransform(const ThreeMfPart& part, const pugi::xml_node& node) {
+  const pugi::xml_attribute attribute = AttributeOf(node, "transform");
   if (!attribute) return kIdentity;
   const std::vector<absl::string_view> words =
       absl::StrSplit(attribute.value(), absl::ByAnyChar(" \t\r\n"), absl::SkipEmpty());
@@ -133,10 +93,10 @@ absl::StatusOr<Affine> ReadTransform(const Part& part, const pugi::xml_node& nod
   return map;
 }
 
-absl::StatusOr<double> MillimetresOf(const Part& part) {
+absl::StatusOr<double> MillimetresOf(const ThreeMfPart& part) {
   constexpr std::pair<absl::string_view, double> kUnits[] = {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10},
                                                              {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
-  const pugi::xml_attribute unit = Attribute(part.root(), "unit");
+  const pugi::xml_attribute unit = AttributeOf(part.root(), "unit");
   for (const auto& [name, millimetres] : kUnits) {
     if (name == (unit ? unit.value() : "millimeter")) return millimetres;
   }
@@ -145,11 +105,11 @@ absl::StatusOr<double> MillimetresOf(const Part& part) {
 }
 
 // What a file needs to be understood is in namespaces, whose prefixes it chooses itself.
-absl::Status CheckExtensions(const Part& part) {
+absl::Status CheckExtensions(const ThreeMfPart& part) {
   const absl::string_view required = part.root().attribute("requiredextensions").value();
   for (const absl::string_view prefix : absl::StrSplit(required, ' ', absl::SkipEmpty())) {
     const absl::string_view space = part.root().attribute(absl::StrCat("xmlns:", prefix).c_str()).value();
-    if (space == kProduction) continue;
+    if (space == kProduction || space == kMaterials) continue;
     return part.Error(part.root(), "requires the extension \"", prefix, "\" (", space, "), which is not read");
   }
   return absl::OkStatus();
@@ -172,6 +132,7 @@ class Reader {
       if (auto status = Place(**part, item, Scaling(*millimetres), 0); !status.ok()) return status;
     }
     if (placed_ == 0) return (*part)->Error((*part)->root(), "the build has no item, so that no object has a place");
+    mesh_.materials = properties_.materials();
     return std::move(mesh_);
   }
 
@@ -179,7 +140,7 @@ class Reader {
   using Objects = absl::flat_hash_map<std::string, pugi::xml_node>;
 
   struct Model {
-    std::unique_ptr<Part> part;
+    std::unique_ptr<ThreeMfPart> part;
     Objects objects;
   };
 
@@ -187,7 +148,7 @@ class Reader {
   absl::StatusOr<std::string> ModelName() {
     auto text = archive_.Read("_rels/.rels");
     if (!text.ok()) return text.status();
-    const auto part = Part::Parse("_rels/.rels", *std::move(text));
+    const auto part = ThreeMfPart::Parse("_rels/.rels", *std::move(text));
     if (!part.ok()) return part.status();
     for (const pugi::xml_node& relation : (*part)->root()) {
       if (absl::EndsWith(relation.attribute("Type").value(), "/3dmodel")) return relation.attribute("Target").value();
@@ -195,13 +156,13 @@ class Reader {
     return (*part)->Error((*part)->root(), "names no 3D model");
   }
 
-  absl::StatusOr<const Part*> PartNamed(absl::string_view given) {
+  absl::StatusOr<const ThreeMfPart*> PartNamed(absl::string_view given) {
     const std::string name(absl::StripPrefix(given, "/"));
     const auto found = models_.find(name);
     if (found != models_.end()) return found->second.part.get();
     auto text = archive_.Read(name);
     if (!text.ok()) return text.status();
-    auto part = Part::Parse(name, *std::move(text));
+    auto part = ThreeMfPart::Parse(name, *std::move(text));
     if (!part.ok()) return part.status();
     if (LocalName((*part)->root().name()) != "model") return (*part)->Error((*part)->root(), "is not <model>");
     if (auto status = CheckExtensions(**part); !status.ok()) return status;
@@ -209,15 +170,16 @@ class Reader {
     for (const pugi::xml_node& object : Child((*part)->root(), "resources")) {
       if (LocalName(object.name()) == "object") model.objects.emplace(object.attribute("id").value(), object);
     }
+    properties_.Add(**part);
     model.part = *std::move(part);
     return model.part.get();
   }
 
   // What an <item> or a <component> refers to, in its place.
-  absl::Status Place(const Part& part, const pugi::xml_node& reference, const Affine& outer, int depth) {
+  absl::Status Place(const ThreeMfPart& part, const pugi::xml_node& reference, const Affine& outer, int depth) {
     const auto map = ReadTransform(part, reference);
     if (!map.ok()) return map.status();
-    const pugi::xml_attribute path = Attribute(reference, "path");
+    const pugi::xml_attribute path = AttributeOf(reference, "path");
     const auto home = path ? PartNamed(path.value()) : &part;
     if (!home.ok()) return home.status();
     const std::string id = reference.attribute("objectid").value();
@@ -235,14 +197,14 @@ class Reader {
       if (LocalName(component.name()) != "component") continue;
       if (auto status = Place(**home, component, to_world, depth + 1); !status.ok()) return status;
     }
-    if (const pugi::xml_node mesh = Child(node, "mesh")) return AppendObject(**home, mesh, to_world);
+    if (Child(node, "mesh")) return AppendObject(**home, node, to_world);
     return absl::OkStatus();
   }
 
-  absl::Status AppendObject(const Part& part, const pugi::xml_node& node, const Affine& to_world) {
+  absl::Status AppendObject(const ThreeMfPart& part, const pugi::xml_node& node, const Affine& to_world) {
     auto& read = meshes_[node.internal_object()];
     if (read == nullptr) {
-      auto mesh = ReadMesh(part, node);
+      auto mesh = ReadMesh(part, node, properties_);
       if (!mesh.ok()) return mesh.status();
       read = std::make_unique<Mesh>(*std::move(mesh));
     }
@@ -258,6 +220,7 @@ class Reader {
   ZipArchive archive_;
   absl::flat_hash_map<std::string, Model> models_;
   absl::flat_hash_map<void*, std::unique_ptr<Mesh>> meshes_;  // by node
+  ThreeMfProperties properties_;
   size_t placed_ = 0;
   Mesh mesh_;
 };

@@ -31,9 +31,10 @@ class GridOutput final : public Output {
   using NewGrid = std::function<Grid(const GridTransform&)>;
   using Write = std::function<absl::Status(Grid&, const std::string& path)>;  // a file of it
 
-  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, NewGrid new_grid, Write write)
+  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, MeshNote note, NewGrid new_grid, Write write)
       : file_(std::move(file)),
         request_(std::move(request)),
+        note_(std::move(note)),
         new_grid_(std::move(new_grid)),
         write_(std::move(write)) {}
 
@@ -44,7 +45,7 @@ class GridOutput final : public Output {
   }
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
-    grid_->SetRequest(request_);
+    grid_->SetRequest(request_, note_);
     grid_->SetCertificate(summary.certificate);
     if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return Named(status);
     return file_->Sync();
@@ -61,6 +62,7 @@ class GridOutput final : public Output {
 
   std::unique_ptr<AtomicFile> file_;
   const VoxelizeRequest request_;
+  const MeshNote note_;
   const NewGrid new_grid_;
   const Write write_;
   std::optional<Grid> grid_;
@@ -69,31 +71,35 @@ class GridOutput final : public Output {
 VoxelGrid NewVoxelGrid(const GridTransform& grid) { return VoxelGrid(grid); }
 
 std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                     const OutputOptions&) {
-  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, NewVoxelGrid, &VoxelGrid::Write);
+                                     const OutputOptions& options) {
+  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
+                                                 &VoxelGrid::Write);
 }
 
 std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                      const OutputOptions&) {
-  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, NewVoxelGrid, &VoxelGrid::WriteNano);
+                                      const OutputOptions& options) {
+  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
+                                                 &VoxelGrid::WriteNano);
 }
 
 std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                             const OutputOptions&) {
+                                             const OutputOptions& options) {
   const bool whole = !request.region && !request.bounds && !request.shard;
   const auto new_grid = [band = *request.band, whole](const GridTransform& grid) {
     const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
     return DistanceGrid(grid, width, band.is_signed, whole);
   };
-  return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, new_grid, &DistanceGrid::Write);
+  return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, options.note, new_grid,
+                                                    &DistanceGrid::Write);
 }
 
 std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                              const OutputOptions&) {
+                                              const OutputOptions& options) {
   const auto new_grids = [attributes = request.attributes](const GridTransform& grid) {
     return AttributeGrids(grid, attributes);
   };
-  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), request, new_grids, &AttributeGrids::Write);
+  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), request, options.note, new_grids,
+                                                      &AttributeGrids::Write);
 }
 
 using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const TableColumns&);

@@ -29,6 +29,7 @@ class Output {
 struct OutputOptions {
   bool dense_npy = false;
   UpAxis picture_up = UpAxis::kY;  // which axis of the world a .png shows upwards
+  MeshNote note = {};              // of the mesh, for the metadata of grids
 };
 
 // Extensions that OpenOutput knows, with the dot.

@@ -78,6 +78,7 @@ class Renderer {
     front_.emplace(scene_, towards_);
     for (const Vec3f& light : lights_) light_fronts_.emplace_back(scene_, ToScene(light));
     ForRows(wide_, [this](int y) { CastRow(y); });
+    if (cancellation_.cancelled()) return pixels;
     smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
     ForRows(side_, [&](int y) {
       for (int x = 0; x < side_; ++x) {

@@ -3,17 +3,20 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
 #include "client/output/vec3.h"
 #include "client/output/voronoi_cell.h"
 #include "client/output/voxel_walk.h"
+#include "client/view/paints.h"
 
 // The files of this folder, as they are.
 #define LATVOX_EMBED(name, file)                                                                                       \
@@ -21,8 +24,11 @@
       "\"\n" #name "_end:\n.popsection\n");                                                                            \
   extern "C" const char name[], name##_end[]
 LATVOX_EMBED(latvox_view_page, "/page.html");
-LATVOX_EMBED(latvox_view_script, "/view.js");
 LATVOX_EMBED(latvox_view_three, "/three.js");
+LATVOX_EMBED(latvox_view_voxels, "/voxels.js");
+LATVOX_EMBED(latvox_view_surface, "/surface.js");
+LATVOX_EMBED(latvox_view_view, "/view.js");
+LATVOX_EMBED(latvox_view_controls, "/controls.js");
 
 namespace latvox::client {
 namespace {
@@ -31,6 +37,7 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little && sizeof(Brick::brick_ijk) + sizeof(Brick::mask) == 76);
 
 constexpr int64_t kMaxSide = 65536;
+constexpr int32_t kMaxStep = 8;  // what voxels.js reaches
 
 Json MetadataOf(const GridFileInfo& info) {
   Json metadata = Json::array();
@@ -40,8 +47,19 @@ Json MetadataOf(const GridFileInfo& info) {
   return metadata;
 }
 
-Json FacetsOf(const Basis& basis) {
-  const VoronoiCell cell = VoronoiCellOf(basis);
+absl::Status CheckSteps(const VoronoiCell& cell, const std::string& title) {
+  for (const CellFace& face : cell.faces) {
+    for (const int32_t n : face.neighbor) {
+      if (std::abs(n) <= kMaxStep) continue;
+      return absl::ResourceExhaustedError(absl::StrCat(title, ": the step ", absl::StrJoin(face.neighbor, ","),
+                                                       " to a neighbour is over the ", kMaxStep,
+                                                       " of a page; a less skew basis has the same lattice"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+Json FacetsOf(const VoronoiCell& cell, const Basis& basis) {
   Json facets = Json::array();
   for (const CellFace& face : cell.faces) {
     const Vec3i& w = face.neighbor;
@@ -51,6 +69,16 @@ Json FacetsOf(const Basis& basis) {
     facets.push_back({{"step", w}, {"normal", Unit(to)}, {"corners", corners}});
   }
   return facets;
+}
+
+// A direction of the world as the viewer has it, y up: x stays on the right where z is up.
+Vec3d Turned(const Vec3d& v, UpAxis up) {
+  if (up == UpAxis::kY) return v;
+  return up == UpAxis::kZ ? Vec3d{v[0], v[2], -v[1]} : Vec3d{v[2], v[0], v[1]};
+}
+
+Basis TurnedBasis(const Basis& basis, UpAxis up) {
+  return {Turned(basis.a, up), Turned(basis.b, up), Turned(basis.c, up)};
 }
 
 // Where the voxels are drawn: within 1 of 0.
@@ -95,37 +123,60 @@ std::string Bytes(const std::vector<Brick>& bricks) {
   return bytes;
 }
 
+Json Describe(const std::vector<Paint>& paints) {
+  Json described = Json::array();
+  for (const Paint& paint : paints) {
+    described.push_back({{"name", paint.name}, {"ramp", paint.is_ramp}, {"legend", paint.legend}});
+  }
+  return described;
+}
+
 }  // namespace
 
-absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& title) {
+absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up) {
+  const GridFile& file = content.file;
+  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or less finely (--resolution, --voxel-size)";
   if (file.info.active_voxels > kMaxPageVoxels) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ", kMaxPageVoxels, " of a page"));
+    return absl::ResourceExhaustedError(absl::StrCat(title, ": ", file.info.active_voxels, " voxels are over the ",
+                                                     kMaxPageVoxels, " of a page", kRemedy));
   }
   const IndexBox box = file.info.active_box.value_or(IndexBox{{0, 0, 0}, {1, 1, 1}});
   for (size_t m = 0; m < 3; ++m) {
     if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
       return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
-                                                       " are over the ", kMaxSide, " of a page"));
+                                                       " are over the ", kMaxSide, " of a page", kRemedy));
     }
   }
+  const auto paints = PaintsOf(content);
+  if (!paints.ok()) return paints.status();
+  std::string colors;
+  for (const Paint& paint : *paints) colors += paint.bytes;
   const Placement placement = PlacementOf(file, box);
-  const auto& [a, b, c] = placement.basis;
+  const Basis basis = TurnedBasis(placement.basis, up);
+  const VoronoiCell cell = VoronoiCellOf(basis);
+  if (auto status = CheckSteps(cell, title); !status.ok()) return status;
   const Json data = {{"title", title},
                      {"metadata", MetadataOf(file.info)},
                      {"low", box.min},
                      {"high", box.max},
-                     {"basis", {a, b, c}},
+                     {"axes", {Turned({1, 0, 0}, up), Turned({0, 1, 0}, up), Turned({0, 0, 1}, up)}},
+                     {"basis", {basis.a, basis.b, basis.c}},
                      {"middle", placement.middle},
-                     {"facets", FacetsOf(placement.basis)}};
+                     {"facets", FacetsOf(cell, basis)},
+                     {"paints", Describe(*paints)},
+                     {"band", content.band.has_value()}};
   // No tag can begin within the JSON.
   const std::string json =
       absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
   return absl::StrReplaceAll(Embedded(latvox_view_page, latvox_view_page_end),
                              {{"{{data}}", json},
                               {"{{bricks}}", absl::Base64Escape(Bytes(file.bricks))},
+                              {"{{colors}}", absl::Base64Escape(colors)},
                               {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
-                              {"{{view}}", Embedded(latvox_view_script, latvox_view_script_end)}});
+                              {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
+                              {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},
+                              {"{{view}}", Embedded(latvox_view_view, latvox_view_view_end)},
+                              {"{{controls}}", Embedded(latvox_view_controls, latvox_view_controls_end)}});
 }
 
 }  // namespace latvox::client

@@ -5,21 +5,26 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/grid/voxel_grid.h"
+#include "client/grid/grid_content.h"
+#include "client/mesh/up_axis.h"
 
 namespace latvox::client {
 
 inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 
-// One HTML page that needs nothing else: view.js, the library three, and the file's voxels:
+// One HTML page that needs nothing else: the scripts of this folder, the library three, and the file's voxels:
 //
 //   data    JSON: title; metadata; low, high: the voxels' box, half-open; basis and middle: where a voxel is drawn,
-//           basis * (ijk - low - middle), the shape being within 1 of 0; facets: of a cell, with normal, corners about
-//           its centre, and the step to the neighbour behind it
+//           basis * (ijk - low - middle), the shape being within 1 of 0, and y up; axes: where the world's are, then;
+//           facets: of a cell, with normal, corners about its centre, and the step to the neighbour behind it
+//           paints: what voxels may be colored by: name, legend, whether that is a ramp; the first is the default;
+//           band: whether these are the voxels of one
 //   bricks  base64: brick_ijk and mask of each, 76 bytes, little-endian
+//   colors  base64: for each of the paints, red, green and blue of each voxel
 //
-// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536.
-absl::StatusOr<std::string> ViewPage(const GridFile& file, const std::string& title);
+// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; a basis so skew that a step
+// to a neighbour is more than 8 along an axis.
+absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up);
 
 }  // namespace latvox::client
 

@@ -1,214 +1,244 @@
-// Shows the voxels of the page: their Voronoi cells' facets, but for those between two cells that are both shown.
-// The page's data: see client/view/page.h. The address may end in #axis=k&layer=40&azimuth=30&elevation=22.
+// Shows the voxels of the page: their Voronoi cells' facets, but for those that cannot be seen; while something moves,
+// and the device cannot draw them in time, a point for each voxel.
+// The page's data: see client/view/page.h.
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
+const steps = data.facets.map(({ step }) => step);
+const IN_TIME = 50; // milliseconds of a frame
+const FEWEST = 20000; // points
 
-const VERTEX = `
-  attribute vec3 cell;
-  attribute float rim;
-  uniform mat3 basis;
-  uniform vec3 middle;
-  varying vec3 turned;
-  varying float inside;
-  void main() {
-    turned = normalize(mat3(viewMatrix) * normal);
-    inside = rim;
-    gl_Position = projectionMatrix * viewMatrix * vec4(basis * (cell - middle) + position, 1.0);
-  }`;
-
-// Lit from above on the left of the viewer; lines where facets are wide enough for them.
-const FRAGMENT = `
-  uniform vec3 color;
-  varying vec3 turned;
-  varying float inside;
-  void main() {
-    float key = max(0.0, dot(turned, normalize(vec3(-0.5, 0.65, 0.55))));
-    float fill = max(0.0, dot(turned, normalize(vec3(0.8, 0.1, 0.6))));
-    float step = fwidth(inside);
-    float line = (1.0 - smoothstep(step, 2.0 * step, inside)) * clamp(1.0 - 5.0 * step, 0.0, 1.0);
-    vec3 linear = color * (0.22 + 0.12 * turned.y + 0.15 * fill + 0.95 * key) * (1.0 - 0.45 * line);
-    gl_FragColor = vec4(pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
-  }`;
+function bytesOf(id) {
+  return Uint8Array.from(atob(byId(id).textContent), (c) => c.charCodeAt(0));
+}
 
 // Brick coordinates (int32, 3) and masks (8 words of 64 bits), little-endian, 76 bytes each.
-function readBricks() {
-  const text = atob(byId("masks").textContent);
-  const bytes = Uint8Array.from(text, (c) => c.charCodeAt(0));
-  const view = new DataView(bytes.buffer), bricks = new Map();
-  for (let at = 0; at < bytes.length; at += 76) {
-    const corner = [0, 4, 8].map((n) => 8 * view.getInt32(at + n, true));
-    bricks.set(corner.join(), { corner, mask: bytes.subarray(at + 12, at + 76) });
+function readVoxels() {
+  const bytes = bytesOf("masks"), view = new DataView(bytes.buffer), set = new VoxelSet(data.low, data.high);
+  for (let at = 0, voxel = 0; at < bytes.length; at += 76) {
+    const rows = bytes.subarray(at + 12, at + 76);
+    set.addBrick([0, 4, 8].map((n) => 8 * view.getInt32(at + n, true)), rows, voxel);
+    for (const row of rows) voxel += BITS[row];
   }
-  return bricks;
+  return set;
 }
 
-// Bit (y << 3 | z) of word x, which is bit z of byte 8 * x + y.
-function has(bricks, i, j, k) {
-  const brick = bricks.get(`${i & ~7},${j & ~7},${k & ~7}`);
-  return brick !== undefined && (brick.mask[8 * (i & 7) + (j & 7)] >> (k & 7) & 1) === 1;
-}
+// The voxels that are shown: all, those up to a layer, or a layer.
+class Shape {
+  constructor(set) {
+    this.set = set;
+    this.outside = Outside.of(set, steps)?.rowsOf ?? null;
+    this.normals = findNormals(set, data.facets, this.outside);
+    this.layer = new THREE.Vector4();
+    this.scattered = scatter(set, data.low, this.normals);
+    this.buildTime = 0;
+  }
 
-function forEachVoxel({ corner, mask }, visit) {
-  for (let row = 0; row < 64; ++row) {
-    for (let bits = mask[row]; bits !== 0; bits &= bits - 1) {
-      const z = 31 - Math.clz32(bits & -bits);
-      visit(corner[0] + (row >> 3), corner[1] + (row & 7), corner[2] + z, brickInner(row, z));
+  // `paints`: red, green and blue of each voxel, or null.
+  paint(paints) {
+    this.cloud?.dispose();
+    this.paints = paints;
+    this.cloud = new Cloud(data, this.scattered, paints, this.layer);
+  }
+
+  cut(axis, layer, only) {
+    this.surface?.dispose();
+    this.layerCloud?.dispose();
+    this.surface = this.layerCloud = null;
+    this.axis = axis;
+    this.all = !only && layer >= data.high[axis] - 1;
+    this.keep = (...ijk) => (only ? ijk[axis] === layer : ijk[axis] <= layer);
+    this.inLayer = (...ijk) => ijk[axis] === layer;
+    const offset = layer - data.low[axis];
+    this.layer.set(0, 0, 0, this.all || only ? -1 : offset).setComponent(axis, 1);
+    this.cloud.cut(this.all ? Infinity : offset - 0.5);
+    this.cloud.visible = !only;
+  }
+
+  get isBuilt() {
+    return this.surface !== null;
+  }
+
+  // Of a shape that is cut, with all facets: there is no inside.
+  facets() {
+    if (this.surface === null) {
+      const start = performance.now(), { set, all, keep, outside, normals, paints } = this;
+      const found = findFacets(all ? set : set.filter(keep), steps, data.low, all ? outside : null, normals, paints !== null);
+      this.surface = new Surface(data, found, paints, this.layer);
+      this.buildTime = performance.now() - start;
     }
+    return this.surface;
   }
-}
 
-// Whether all neighbours one step away are of the same brick.
-const brickInner = (row, z) => (row >> 3) % 7 !== 0 && (row & 7) % 7 !== 0 && z % 7 !== 0;
-
-// For each facet of the cell the coordinates of all voxels that show it; of voxels up to `layer` on an axis.
-function findFacets(bricks, axis, layer) {
-  const cells = data.facets.map(() => []);
-  let shown = 0;
-  for (const brick of bricks.values()) {
-    forEachVoxel(brick, (i, j, k, inner) => {
-      const at = [i, j, k];
-      if (at[axis] > layer) return;
-      ++shown;
-      data.facets.forEach(({ step: [a, b, c] }, f) => {
-        const next = [i + a, j + b, k + c];
-        const there = inner && Math.max(Math.abs(a), Math.abs(b), Math.abs(c)) <= 1
-          ? (brick.mask[8 * (next[0] & 7) + (next[1] & 7)] >> (next[2] & 7) & 1) === 1
-          : has(bricks, ...next);
-        if (!there || next[axis] > layer) cells[f].push(i - data.low[0], j - data.low[1], k - data.low[2]);
-      });
-    });
+  points() {
+    if (this.layerCloud === null) {
+      const flat = new Uint16Array(this.normals.length); // all with some normal, so that none is left out
+      const found = this.all ? { cells: new Uint16Array(0), numbers: [] } : scatter(this.set.filter(this.inLayer), data.low, flat);
+      this.layerCloud = new Cloud(data, found, this.paints, this.layer);
+    }
+    return [this.cloud, this.layerCloud];
   }
-  return { cells, shown };
-}
-
-// A polygon as a fan about its middle.
-function facetGeometry({ corners, normal }) {
-  const middle = [0, 1, 2].map((m) => corners.reduce((sum, p) => sum + p[m], 0) / corners.length);
-  const points = [middle, ...corners], index = [];
-  corners.forEach((_, n) => index.push(0, 1 + n, 1 + (n + 1) % corners.length));
-  const geometry = new THREE.InstancedBufferGeometry();
-  const attribute = (values, size) => new THREE.BufferAttribute(new Float32Array(values), size);
-  geometry.setAttribute("position", attribute(points.flat(), 3));
-  geometry.setAttribute("normal", attribute(points.flatMap(() => normal), 3));
-  geometry.setAttribute("rim", attribute(points.map((_, n) => (n === 0 ? 1 : 0)), 1));
-  geometry.setIndex(index);
-  return geometry;
 }
 
 class View {
-  constructor() {
-    this.bricks = readBricks();
-    this.renderer = new THREE.WebGLRenderer({ antialias: true });
-    this.renderer.setClearColor(0xf8f8f6);
-    document.body.prepend(this.renderer.domElement);
+  constructor(set) {
+    const canvas = document.createElement("canvas"), slow = drawsInSoftware();
+    const context = canvas.getContext("webgl2", { alpha: true, antialias: !slow });
+    if (context === null) throw new Error("WebGL 2 is switched off, or this browser or its graphics driver has none");
+    this.renderer = new THREE.WebGLRenderer({ canvas, context });
+    byId("scene").append(canvas);
+    canvas.tabIndex = 0;
+    canvas.setAttribute("aria-label", "the voxels; arrow keys turn them");
+    canvas.addEventListener("webglcontextlost", () => tell("The graphics device is lost; waiting until it is back."));
+    canvas.addEventListener("webglcontextrestored", () => (tell(""), this.change()));
+    canvas.addEventListener("keydown", (event) => this.press(event));
+    this.shape = new Shape(set);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
-    this.material = new THREE.ShaderMaterial({
-      vertexShader: VERTEX,
-      fragmentShader: FRAGMENT,
-      uniforms: {
-        basis: { value: new THREE.Matrix3().fromArray(data.basis.flat()) },
-        middle: { value: new THREE.Vector3(...data.middle) },
-        color: { value: new THREE.Color(0.18, 0.34, 0.64) },
-      },
-    });
-    this.meshes = data.facets.map((facet) => {
-      const mesh = new THREE.Mesh(facetGeometry(facet), this.material);
-      mesh.geometry.instanceCount = 0;
-      mesh.frustumCulled = false;
-      this.scene.add(mesh);
-      return mesh;
-    });
-    this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.addEventListener("change", () => this.draw());
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    Object.assign(this.controls, { zoomToCursor: true, minDistance: 0.02, maxDistance: 40 });
+    this.controls.addEventListener("change", () => this.change());
+    new ResizeObserver(() => this.resize()).observe(byId("scene"));
+    this.cost = slow ? set.count() / 400 : 0; // of drawing all facets, milliseconds
+    this.most = 10 * FEWEST; // points
+    this.waiting = false;
   }
 
-  show(axis, layer) {
-    const { cells, shown } = findFacets(this.bricks, axis, layer);
-    this.meshes.forEach((mesh, f) => {
-      mesh.geometry.setAttribute("cell", new THREE.InstancedBufferAttribute(new Uint16Array(cells[f]), 3));
-      mesh.geometry.instanceCount = cells[f].length / 3;
-    });
-    byId("shown").textContent = shown;
-    byId("facets").textContent = cells.reduce((sum, of) => sum + of.length / 3, 0);
-    this.draw();
+  show(paints, axis, layer, only) {
+    if (paints !== this.shape.paints) this.shape.paint(paints);
+    this.shape.cut(axis, layer, only);
+    this.change();
   }
 
   // The shape is a ball of radius 1 at most, about 0.
-  look(azimuth, elevation) {
-    const [a, e] = [azimuth, elevation].map((degrees) => (degrees * Math.PI) / 180);
-    const distance = 4 / Math.min(1, this.camera.aspect);
-    this.camera.position.set(Math.cos(e) * Math.sin(a) * distance, Math.sin(e) * distance, Math.cos(e) * Math.cos(a) * distance);
+  home(azimuth, elevation) {
+    this.controls.target.set(0, 0, 0);
+    this.look(azimuth, elevation, 4 / Math.min(1, this.camera.aspect));
+  }
+
+  // Degrees: about the axis that points up, and above.
+  look(azimuth, elevation, distance) {
+    const [a, e] = [azimuth, Math.max(-89.9, Math.min(89.9, elevation))].map((degrees) => (degrees * Math.PI) / 180);
+    const towards = new THREE.Vector3(Math.cos(e) * Math.sin(a), Math.sin(e), Math.cos(e) * Math.cos(a));
+    this.camera.position.copy(this.controls.target).addScaledVector(towards, distance);
     this.controls.update();
+    this.change();
   }
 
-  // Beside the panel where there is room.
+  press(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const turn = { ArrowLeft: [-10, 0], ArrowRight: [10, 0], ArrowUp: [0, 10], ArrowDown: [0, -10] }[event.key];
+    const farther = { "+": 0.8, "=": 0.8, "-": 1.25 }[event.key];
+    if (event.key === "Home") {
+      this.home(...this.first);
+    } else if (turn !== undefined || farther !== undefined) {
+      const degrees = 180 / Math.PI, [right, up] = turn ?? [0, 0], { controls } = this;
+      const [azimuth, elevation] = [controls.getAzimuthalAngle() * degrees, 90 - controls.getPolarAngle() * degrees];
+      this.look(azimuth + right, elevation + up, controls.getDistance() * (farther ?? 1));
+    } else {
+      return;
+    }
+    event.preventDefault();
+  }
+
   resize() {
-    const panel = byId("panel").getBoundingClientRect();
-    const width = innerWidth > 600 ? innerWidth - panel.right : innerWidth;
-    this.renderer.setPixelRatio(devicePixelRatio);
-    this.renderer.setSize(width, innerHeight);
-    this.camera.aspect = width / innerHeight;
-    this.camera.updateProjectionMatrix();
-    this.draw();
+    const { clientWidth: width, clientHeight: height } = byId("scene"), size = `${width} ${height} ${devicePixelRatio}`;
+    if (width === 0 || height === 0 || size === this.size) return;
+    this.size = size;
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    if (this.drawn !== undefined) this.draw(this.drawn); // a canvas of another size is empty
+    this.change();
   }
 
-  // Without the facets that all cells turn away from the viewer: the shape is within 1 of 0.
-  draw() {
-    const { x, y, z } = this.camera.position;
-    this.meshes.forEach((mesh, f) => {
-      const [nx, ny, nz] = data.facets[f].normal;
-      mesh.visible = mesh.geometry.instanceCount > 0 && nx * x + ny * y + nz * z > -1;
-    });
-    this.renderer.render(this.scene, this.camera);
+  change() {
+    this.changed = performance.now();
+    this.stale = true;
+    this.wake();
+  }
+
+  wake() {
+    if (this.waiting) return;
+    this.waiting = true;
+    document.body.dataset.busy = "yes";
+    requestAnimationFrame(() => ((this.waiting = false), this.frame()));
+  }
+
+  // Never more than one frame is under way, so that what is shown is not late.
+  frame() {
+    const now = performance.now(), gl = this.renderer.getContext();
+    if (this.fence) {
+      if (gl.clientWaitSync(this.fence, 0, 0) === gl.TIMEOUT_EXPIRED) return this.wake();
+      gl.deleteSync(this.fence);
+      this.fence = null;
+      this.learn(now - this.started);
+    }
+    if (this.stale) {
+      this.draw(this.cost + (this.shape.isBuilt ? 0 : this.shape.buildTime) <= IN_TIME ? "facets" : "points");
+    } else if (this.drawn === "points" && now - this.changed > Math.max(250, this.cost / 2)) {
+      this.draw("facets");
+    }
+    if (this.fence || this.drawn === "points") this.wake();
+    else document.body.dataset.busy = "no";
+  }
+
+  learn(cost) {
+    if (this.drawn === "facets") this.cost = cost;
+    else this.most = Math.max(FEWEST, Math.min(this.shape.cloud.count, (this.most * IN_TIME) / Math.max(1, cost)));
+  }
+
+  draw(what) {
+    const shown = what === "facets" ? [this.shape.facets()] : this.shape.points(), { camera } = this;
+    const distance = camera.position.length(), gl = this.renderer.getContext();
+    this.started = performance.now();
+    camera.near = Math.max(0.005, distance - 1.05);
+    camera.far = distance + 1.05;
+    camera.updateProjectionMatrix();
+    const pixels = this.cellPixels();
+    for (const each of shown) {
+      if (what === "facets") each.prepare(camera.position, pixels / Math.max(camera.near, distance - 0.7));
+      else each.prepare(this.most, pixels);
+    }
+    this.scene.clear();
+    this.scene.add(...shown);
+    this.renderer.render(this.scene, camera);
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    showAxes(camera, this.shape.axis);
+    if (what === "facets") byId("facets").textContent = this.shape.surface.count;
+    this.drawn = what;
+    this.stale = false;
+  }
+
+  // About how wide a cell is at distance 1.
+  cellPixels() {
+    const [a, b, c] = data.basis.map((vector) => new THREE.Vector3(...vector));
+    const perUnit = this.renderer.domElement.height / (2 * Math.tan((15 * Math.PI) / 180));
+    return Math.cbrt(Math.abs(a.dot(b.clone().cross(c)))) * perUnit;
   }
 }
 
-function fillPanel(bricks) {
-  let voxels = 0;
-  for (const brick of bricks.values()) forEachVoxel(brick, () => ++voxels);
-  byId("title").textContent = document.title = data.title;
-  byId("voxels").textContent = voxels;
-  byId("bricks").textContent = bricks.size;
-  for (const [name, value] of data.metadata) {
-    const row = byId("certificate").insertRow();
-    row.appendChild(document.createElement("th")).textContent = name;
-    row.insertCell().textContent = value;
-  }
+// Whether there is no graphics device. Smooth edges would take most of the time, then.
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2"), info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl?.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
-function start() {
-  const wanted = new URLSearchParams(location.hash.slice(1));
-  byId("about").open = innerWidth > 600;
-  const view = new View();
-  fillPanel(view.bricks);
-  const axis = byId("axis"), layer = byId("layer");
-  const cut = () => {
-    byId("at").textContent = layer.value;
-    view.show(axis.selectedIndex, Number(layer.value));
-  };
-  const range = (value) => {
-    layer.min = data.low[axis.selectedIndex];
-    layer.max = data.high[axis.selectedIndex] - 1;
-    layer.value = value ?? layer.max;
-    cut();
-  };
-  axis.value = wanted.get("axis") ?? "k";
-  axis.addEventListener("change", () => range());
-  layer.addEventListener("input", cut);
-  addEventListener("resize", () => view.resize());
-  view.resize();
-  view.look(Number(wanted.get("azimuth") ?? 30), Number(wanted.get("elevation") ?? 22));
-  range(wanted.get("layer"));
-  document.body.dataset.drawn = "yes";
+// The world's axes, and the step from one layer to the next.
+function showAxes(camera, axis) {
+  const arrows = [...data.axes.map((to, m) => ["axis", "xyz"[m], to]), ["step", "ijk"[axis], data.basis[axis]]];
+  byId("axes").innerHTML = arrows.map(([kind, name, vector]) => {
+    const { x, y } = new THREE.Vector3(...vector).normalize().transformDirection(camera.matrixWorldInverse);
+    const text = kind === "axis" ? 38 : 24;
+    return `<line class="${kind}" x1="0" y1="0" x2="${30 * x}" y2="${-30 * y}"/>` +
+      `<text x="${text * x + (kind === "step" ? 9 : 0)}" y="${4 - text * y}">${name}</text>`;
+  }).join("");
 }
 
-try {
-  start();
-} catch (error) {
-  byId("error").hidden = false;
-  byId("error").textContent = `This browser cannot show the voxels: ${error.message}`;
-  throw error;
+function tell(what) {
+  byId("error").hidden = what === "";
+  byId("error").textContent = what;
 }

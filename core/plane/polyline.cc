@@ -31,21 +31,23 @@ Vec2d ToLattice(const PlaneLattice& lattice, const Vec2d& origin, const Vec2d& p
   return v;
 }
 
-absl::Status CheckRange(const PlaneBounds& range) {
+// The extent first: where it is too far, so may be where it lies, and no origin would help.
+absl::Status CheckRange(const PlaneBounds& range, double pixel_size) {
   constexpr double kMaxPosition = 1 << kPositionBits;
   for (size_t m = 0; m < 2; ++m) {
-    for (double x : {range.min[m], range.max[m]}) {
-      if (!(std::abs(x) <= kMaxPosition)) {
-        return absl::InvalidArgumentError(
-            absl::StrFormat("origin: it puts the polylines at lattice coordinate %g on axis %c, the limit is %.0f", x,
-                            kAxisName[m], kMaxPosition));
-      }
-    }
     const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
     if (extent > kMaxExtent) {
       return absl::InvalidArgumentError(
-          absl::StrFormat("pixel_size: the polylines extend over %.0f pixels on lattice axis %c, the limit is %d",
-                          extent, kAxisName[m], kMaxExtent));
+          absl::StrFormat("pixel_size: at %g the polylines extend over %.0f pixels on lattice axis %c, the limit is %d",
+                          pixel_size, extent, kAxisName[m], kMaxExtent));
+    }
+  }
+  for (size_t m = 0; m < 2; ++m) {
+    for (double x : {range.min[m], range.max[m]}) {
+      if (std::abs(x) <= kMaxPosition) continue;  // else, and if it is no number
+      return absl::InvalidArgumentError(
+          absl::StrFormat("origin: it puts the polylines at lattice coordinate %g on axis %c, the limit is %.0f", x,
+                          kAxisName[m], kMaxPosition));
     }
   }
   return absl::OkStatus();
@@ -88,7 +90,7 @@ absl::StatusOr<SnappedPolylines> Snap(const std::vector<Polyline>& polylines, co
       Extend(range, v);
     }
   }
-  if (auto status = CheckRange(range); !status.ok()) return status;
+  if (auto status = CheckRange(range, lattice.pixel_size()); !status.ok()) return status;
 
   SnappedPolylines snapped;
   for (size_t m = 0; m < 2; ++m) {

@@ -54,6 +54,28 @@ LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std:
       });
 }
 
+// How far the mesh reaches is told first: where it is too far, so may be where it lies, and no origin would help.
+absl::Status CheckRange(const LatticeRange& range, double voxel_size) {
+  constexpr double kMaxPosition = 1 << kPositionBits;
+  for (size_t m = 0; m < 3; ++m) {
+    const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
+    if (extent > kMaxExtent) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("voxel_size: at %g the mesh extends over %.0f voxels on lattice axis %c, the limit is %d",
+                          voxel_size, extent, kAxisName[m], kMaxExtent));
+    }
+  }
+  for (size_t m = 0; m < 3; ++m) {
+    for (double x : {range.min[m], range.max[m]}) {
+      if (std::abs(x) <= kMaxPosition) continue;  // else, and if it is no number
+      return absl::InvalidArgumentError(
+          absl::StrFormat("origin: it puts the mesh at lattice coordinate %g on axis %c, the limit is %.0f", x,
+                          kAxisName[m], kMaxPosition));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
@@ -61,22 +83,9 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
   const LatticeMap map{lattice.inverse(), origin};
   const LatticeRange range = RangeOf(mesh, map, cancelled);
   if (cancelled) return absl::CancelledError("voxelization cancelled");
-  constexpr double kMaxPosition = 1 << kPositionBits;
+  if (auto status = CheckRange(range, lattice.voxel_size()); !status.ok()) return status;
   SnappedMesh snapped;
   for (size_t m = 0; m < 3; ++m) {
-    for (double x : {range.min[m], range.max[m]}) {
-      if (!(std::abs(x) <= kMaxPosition)) {
-        return absl::InvalidArgumentError(
-            absl::StrFormat("origin: it puts the mesh at lattice coordinate %g on axis %c, the limit is %.0f", x,
-                            kAxisName[m], kMaxPosition));
-      }
-    }
-    const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
-    if (extent > kMaxExtent) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("voxel_size: the mesh extends over %.0f voxels on lattice axis %c, the limit is %d", extent,
-                          kAxisName[m], kMaxExtent));
-    }
     // One unit below, since rounding may move the lowest vertex that far; a tile's multiple, for bricks and parity.
     const auto low = static_cast<int32_t>(std::floor(range.min[m] - 1.0 / kLatticeUnit));
     snapped.base_ijk[m] = low & ~(kTileSide - 1);

@@ -20,6 +20,7 @@ struct Words {
   std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity", cover;
   bool without_surface = false;
   std::vector<int32_t> region;
+  std::vector<double> bounds;
   std::vector<uint32_t> shard;
   double band = 0;
 };
@@ -44,6 +45,9 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
   app.add_flag("--minimal,!--no-minimal", options.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
+  app.add_option("--bounds", words.bounds, "x0,y0,z0,x1,y1,z1: only voxels with their centres in this box")
+      ->delimiter(',')
+      ->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
   app.add_option("--band", words.band, "a band of distances, so many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
@@ -93,6 +97,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   if (named.band > 0) arguments.options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
   if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+  if (const auto& b = named.bounds; !b.empty()) arguments.options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
   if (const auto& shard = named.shard; !shard.empty()) arguments.options.shard = {shard[0], shard[1]};
   return arguments;
 }

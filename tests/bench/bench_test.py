@@ -66,6 +66,17 @@ class Bench(unittest.TestCase):
         words = ("sphere:2000", "64", "--lattice", "bcc", "--no-minimal")
         self.assertGreater(measured(*words, "--cover", "supercover")["voxels"], measured(*words)["voxels"])
 
+    def test_boxes_of_lattice_and_world_hold_what_is_in_them(self):
+        words = ("box", "33", "--lattice", "bcc", "--no-minimal")
+        whole = measured(*words)
+        sizes = {"--region": ("-999,-999,-999,999,999,999", "-999,-999,-999,999,999,16"),
+                 "--bounds": ("-99,-99,-99,99,99,99", "-99,-99,-99,99,99,11.5")}  # fmt: skip
+        for option, (everything, part) in sizes.items():
+            self.assertEqual(measured(*words, option, everything)["digest"], whole["digest"])
+            self.assertTrue(0 < measured(*words, option, part)["voxels"] < whole["voxels"], option)
+        self.assertEqual(run(*words, "--bounds", "0,0,0,1,1").returncode, 2)
+        self.assertEqual(run(*words, "--bounds", "0,0,1,1,1,0").returncode, 3)
+
     def test_bands(self):
         words = ("box", "32", "--band", "2")
         self.assertGreater(measured(*words)["voxels"], 2 * measured("box", "32")["voxels"])

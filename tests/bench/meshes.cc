@@ -11,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "client/mesh/mesh_file.h"
-#include "client/mesh/scene_file.h"
 #include "server/draco_decoder.h"
+#include "tests/bench/scene_file.h"
 
 namespace latvox {
 namespace {
@@ -134,7 +134,8 @@ absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
     if (!decoded.ok()) return decoded.status();
     return std::move(decoded->mesh);
   }
-  auto mesh = absl::EndsWith(name, ".3ds") ? client::ReadSceneFile(name) : client::ReadMeshFile(name);
+  if (absl::EndsWith(name, ".3ds")) return ReadSceneFile(name);
+  auto mesh = client::ReadMeshFile(name);
   if (!mesh.ok()) return mesh.status();
   return TriangleMesh{std::move(mesh->positions), std::move(mesh->triangles)};
 }

@@ -45,7 +45,9 @@ class Align(Case):
         (self.dir / "first.vdb").unlink()
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
         self.assertEqual(done.returncode, 3)
-        self.assertRegex(done.stderr, "jobs.jsonl:1: .*first.vdb: no such file")
+        self.assertRegex(done.stderr, "jobs.jsonl:1: align: .*first.vdb: no such file")
+        result = json.loads((self.dir / "out" / "results.jsonl").read_text().splitlines()[-1])
+        self.assertRegex(result["error"]["message"], "^align: /.*first.vdb: no such file$")
 
     def test_contradictions_and_files_without_a_grid_are_refused(self):
         self.voxelize(BUNNY, "--resolution", 9, out="first.vdb")

@@ -10,7 +10,7 @@ import unittest
 import numpy
 import pyopenvdb
 
-from harness import PATIENCE, Case, encode_drc, latvox, octahedron, write_obj
+from harness import PATIENCE, Case, by_three, encode_drc, gltf_info, latvox, octahedron, read_points, write_obj
 
 GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--quantization", "0"]  # where snapping leaves whole numbers alone
 
@@ -67,7 +67,7 @@ def table(csv, columns):
 
 
 def grids_of(vdb):
-    """name -> active voxels of a .vdb file's grids. Debian's pyopenvdb knows no grids of integers; vdb_print does."""
+    """name -> active voxels of a .vdb file's grids. Debian's pyopenvdb knows no grids of integers; vdb_print and vdb_ax do."""
     done = subprocess.run(["vdb_print", "-l", vdb], capture_output=True, text=True, timeout=PATIENCE, check=True)
     names = re.findall(r"^Name: (\w+)", done.stdout, re.M)
     counts = re.findall(r"^  Number of active voxels: +([\d,]+)", done.stdout, re.M)
@@ -152,6 +152,13 @@ class Attributes(Case):
         found = {item.min: tuple(item.value) for item in grid.iterOnValues()}
         self.assertEqual({ijk: tuple(round(255 * x) for x in color) for ijk, color in found.items()},
                          {ijk: carried[1:4] for ijk, carried in voxels.items()})  # fmt: skip
+        # Grids of integers: by OpenVDB's expressions, into the grid of colors.
+        expression = "vec3f@color = {float(int@material), float(int@part), -1.0f};"
+        subprocess.run(["vdb_ax", "-i", self.dir / "o.vdb", "-o", self.dir / "ax.vdb", "-s", expression],
+                       capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
+        grid = pyopenvdb.read(str(self.dir / "ax.vdb"), "color")
+        self.assertEqual({item.min: tuple(item.value) for item in grid.iterOnValues()},
+                         {ijk: (carried[0], carried[4], -1) for ijk, carried in voxels.items()})  # fmt: skip
         count = len(voxels)
         self.assertEqual(grids_of(self.dir / "o.vdb"), dict.fromkeys(("voxels", "material", "color", "part"), count))
         array = numpy.load(self.dir / "o.npy")
@@ -160,6 +167,10 @@ class Attributes(Case):
         points = numpy.frombuffer(body, dtype=[("xyz", "<f8", 3), ("ijk", "<i4", 3), *kind])
         for rows in (array, points):
             self.assertEqual({tuple(r["ijk"]): (r["material"], *r["color"], r["part"]) for r in rows}, voxels)
+        # meshio takes a uchar, but not a uint8, for signed.
+        rows = read_points(self.dir / "o.ply", *"ijk", "material", "red", "green", "blue", "part")
+        self.assertEqual({(i, j, k): (material, *(c % 256 for c in color), part)
+                          for _, i, j, k, material, *color, part in rows}, voxels)  # fmt: skip
 
     def test_parts_of_the_whole_and_dracos_own_encoder_give_the_same(self):
         mesh = self.colored()
@@ -189,6 +200,10 @@ class Attributes(Case):
         self.voxelize(self.colored(), *GRID, "--attributes", "color")
         voxels = table(self.dir / "out.csv", "red,green,blue")
         self.assertEqual({tuple(c) for c in found.tolist()}, {(*color, 255) for color in voxels.values()})
+        info = gltf_info(self.dir / "o.glb")
+        self.assertEqual((info["totalVertexCount"], info["maxAttributes"]), (accessor["count"], 2))
+        others = by_three(self.dir / "o.glb")["colors"]
+        self.assertEqual([tuple(round(255 * x) for x in c) for c in others], [tuple(c[:3]) for c in found.tolist()])
 
     def test_refusals_name_what_is_wrong(self):
         plain = write_obj(self.dir / "plain.obj", octahedron())

@@ -7,7 +7,7 @@ import unittest
 import numpy
 import pyopenvdb
 
-from harness import Case, float32, latvox, write_obj
+from harness import Case, float32, latvox, read_points, write_obj
 
 SNAP = 1 / 512 + 2**-20  # how far snapping moves a vertex in a lattice coordinate, voxels
 
@@ -152,6 +152,9 @@ class Band(Case):
         self.assertIn(b"property float distance\n", header)
         points = numpy.frombuffer(body, dtype=[("xyz", "<f8", 3), ("ijk", "<i4", 3), ("distance", "<f4")])
         self.assertTrue((points["distance"] == array["distance"]).all() and (points["ijk"] == array["ijk"]).all())
+        others = read_points(self.dir / "o.ply", *"ijk", "distance")
+        self.assertEqual({tuple(ijk): (tuple(xyz), numpy.float32(distance)) for xyz, *ijk, distance in others},
+                         {ijk: (xyz, numpy.float32(distance)) for ijk, (xyz, distance) in table.items()})  # fmt: skip
 
     def test_merge_takes_no_distances(self):
         self.voxelize(self.box(), "--resolution", "20", "--band", "2v", out="band.vdb")

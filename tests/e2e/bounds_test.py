@@ -1,6 +1,8 @@
 """--bounds: a box of the world cuts the whole exactly, on every lattice."""
 
 import json
+import math
+import re
 import unittest
 from fractions import Fraction
 
@@ -93,6 +95,45 @@ class Bounds(Case):
         self.assertTrue(100 < part["voxels"] < 100000, part["voxels"])
         box = part["index_box"]
         self.assertLess(max(high - low for low, high in zip(box["min"], box["max"])), 200)
+
+    def test_a_box_beside_the_mesh_is_told(self):
+        mesh = write_obj(self.dir / "octahedron.obj", octahedron(4))
+        options = ["--lattice", "bcc", "--voxel-size", "1", "--origin", "0,0,0"]
+        whole = self.voxelize(mesh, *options)
+        region, bounds = "--region=40,0,0,41,1,1", "--bounds=-0.5,9.25,0,1,10,1"
+        for given, says in (
+            ([bounds], "no voxel lies in --bounds -0.5,9.25,0,1,10,1, where the mesh is in -4,-4,-4,4,4,4\n"),
+            ([region], r"no voxel lies in --region 40,0,0,41,1,1, where the mesh is about in ([-\d,]+)\n"),
+            ([region, bounds], "no voxel lies in --region .*, and in --bounds .*\n"),
+            (["--shard=0/9999", "--resolution=2"], None),
+            ([option([-9] * 3 + [9] * 3)], None),
+        ):
+            with self.subTest(given):
+                used = options[:2] if "--resolution=2" in given else options
+                done = latvox("voxelize", mesh, *used, *given, "--json", "-o", self.dir / "out.vdb")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                lines = [line for line in done.stderr.splitlines() if "started a private" not in line]
+                self.assertEqual(len(lines), 0 if says is None else 1, done.stderr)
+                if says is None:
+                    continue
+                self.assertEqual(json.loads(done.stdout)["voxels"], 0)
+                found = re.search(says, done.stderr)
+                self.assertTrue(found, done.stderr)
+                if found.groups():
+                    # Of the mesh's box on this lattice: k = z / c, i = (x - z) / a and j alike.
+                    a, c = whole["basis"][0], whole["basis"][8]
+                    ij, k = math.ceil(8 / a), math.ceil(4 / c)
+                    self.assertEqual(list(map(int, found[1].split(","))), [-ij, -ij, -k, ij + 1, ij + 1, k + 1])
+        info = latvox("info", self.dir / "out.vdb").stdout
+        self.assertNotIn("empty", info)
+        self.voxelize(mesh, *options, bounds, out="out.vdb")
+        info = latvox("info", self.dir / "out.vdb").stdout
+        for line in ("active voxels  0", "active box     empty", "file_bbox_max = empty", "file_bbox_min = empty"):
+            self.assertIn(line + "\n", info)
+        (self.dir / "jobs.jsonl").write_text(
+            json.dumps({"mesh": "octahedron.obj", "voxel_size": 1, "bounds": [9, 9, 9, 10, 10, 10], "out": "a.csv"}))
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
+        self.assertIn("latvox: a.csv: no voxel lies in --bounds 9,9,9,10,10,10, where", done.stderr)
 
     def test_bad_bounds_are_refused(self):
         for bounds, says in (("0,0,0,1,1", "6 finite numbers"), ("0,0,1,1,1,0", "0 is below 1 on axis 2")):

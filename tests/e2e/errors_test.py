@@ -126,6 +126,16 @@ class Failures(Case):
                 self.bad(name, self.mesh, "--basis", basis, *remote, code=BAD_INPUT, says=says)
                 self.good(*remote)
 
+    def test_a_mesh_too_large_for_its_voxels_is_told_by_their_size_and_one_too_far_by_the_origin(self):
+        with harness.server(self.dir) as server:
+            remote = ["--server", server.address]
+            for name, options, says in (
+                ("fine", ["--voxel-size", "1e-9"], r"voxel_size: at 1e-09 the mesh extends over \d+ voxels .* limit is 131072"),
+                ("basis", ["--basis", "1e-8,0,0,0,1e-8,0,0,0,1e-8"], r"voxel_size: at 1e-08 .* limit is 131072"),
+                ("far", [*GOOD, "--origin", "0,1e12,0"], r"origin: it puts the mesh at .* axis j, the limit is 536870912"),
+            ):
+                self.bad(name, self.mesh, *options, *remote, code=BAD_INPUT, says=says, out=self.dir / "out.csv")
+
     def test_voxels_that_are_too_small_for_a_vdb_file_are_refused_before_the_work(self):
         tiny = write_obj(self.dir / "tiny.obj", octahedron(radius=0.05))
         options = ["--lattice", "bcc", "--resolution", "65536", "--separability", "0"]  # minutes of work
@@ -193,6 +203,8 @@ class Interruptions(Case):
                       ["compare", voxels, voxels]):
             with self.subTest(words[0]):
                 client = subprocess.Popen([BIN / "latvox", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                self.addCleanup(client.wait)
+                self.addCleanup(client.kill)
                 listening = time.monotonic() + harness.PATIENCE
                 while not listens(client.pid):
                     self.assertLess(time.monotonic(), listening)

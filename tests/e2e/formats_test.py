@@ -1,8 +1,7 @@
 """What is written is read by programs of others, with the voxels of the .csv at their positions."""
 
+import itertools
 import json
-import pathlib
-import re
 import struct
 import subprocess
 import unittest
@@ -10,9 +9,8 @@ import unittest
 import numpy
 import pyopenvdb
 
-from harness import BUNNY, PATIENCE, Case, latvox, rows
+from harness import BUNNY, NODE, PATIENCE, Case, by_three, latvox, read_points, rows
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 BCC = ["--lattice", "bcc", "--resolution", "40"]
 CUBES = ["--lattice", "cartesian", "--resolution", "40", "--origin", "0.5,-3,1"]
 
@@ -64,7 +62,7 @@ class Formats(Case):
     def by_node(self, script, name):
         """What a script of node prints as JSON of the bytes of a file, `data`."""
         whole = f"const data = require('fs').readFileSync(process.argv[1]); {script}"
-        return json.loads(run("node", "-e", whole, self.dir / name, cwd=ROOT / "tests/node"))
+        return json.loads(run("node", "-e", whole, self.dir / name, cwd=NODE))
 
     def test_vdb_print_counts_the_voxels(self):
         summary, _ = self.write(["a.vdb"], *BCC)
@@ -75,7 +73,7 @@ class Formats(Case):
         self.assertIn(summary["digest"], text)
 
     def test_a_vdb_tells_the_request_which_repeats_it(self):
-        """latvox_request is a line of `latvox batch`, but for the mesh."""
+        """latvox_request is a line of `latvox batch`, but for the mesh's path."""
         for n, options in enumerate((
             [*BCC, "--no-minimal"],
             ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3", "--separability", "1"],
@@ -83,11 +81,16 @@ class Formats(Case):
             ["--voxel-size", "0.1", "--cover", "supercover"],
             ["--voxel-size", "0.1", "--band", "2v", "--signed"],
             ["--resolution", "20", "--algorithm", "incremental", "--verify"],
+            ["--voxel-size", "0.2", "--up", "z", "--scale", "2", "--quantization", "14", "--input-format", "obj"],
+            ["--voxel-size", "0.1", "--up", "y", "--scale", "0.3", "--quantization", "0", "--band", "2v"],
         )):
             with self.subTest(options):
                 summary = self.voxelize(BUNNY, *options, out=f"{n}.vdb")
                 (grid,), _ = pyopenvdb.readAll(str(self.dir / f"{n}.vdb"))
-                line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | json.loads(grid["latvox_request"])
+                request = json.loads(grid["latvox_request"])
+                for name in {"--up", "--scale", "--quantization", "--input-format"} & set(options):
+                    self.assertEqual(str(request[name[2:].replace("-", "_")]).removesuffix(".0"), options[options.index(name) + 1])
+                line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | request
                 (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")
                 done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / f"out{n}")
                 self.assertEqual(done.returncode, 0, done.stderr)
@@ -171,10 +174,25 @@ class Formats(Case):
 
     def test_meshio_reads_the_points(self):
         _, voxels = self.write(["a.ply"], *BCC)
-        script = "import json, meshio, sys; m = meshio.read(sys.argv[1]); " \
-                 "print(json.dumps([m.points.tolist(), *(m.point_data[n].tolist() for n in 'ijk')]))"
-        points, *ijk = json.loads(run("/usr/bin/python3", "-c", script, self.dir / "a.ply"))
-        self.assertEqual(dict(zip(zip(*ijk), map(tuple, points))), voxels)
+        self.assertEqual({tuple(ijk): tuple(xyz) for xyz, *ijk in read_points(self.dir / "a.ply", *"ijk")}, voxels)
+
+    def test_three_reads_the_surface(self):
+        """Its corners are those of facets between voxels and none; of BCC, all as far from a centre as can be."""
+        summary, voxels = self.write(["a.glb"], *CUBES)
+        found = by_three(self.dir / "a.glb")
+        half, origin = summary["basis"][0] / 2, summary["origin"]
+        facets = [(v, m, sign) for v in voxels for m in range(3) for sign in (-1, 1)
+                  if (*v[:m], v[m] + sign, *v[m + 1 :]) not in voxels]  # fmt: skip
+        self.assertEqual(found["triangles"], 2 * len(facets))
+        corners = {tuple(2 * x + (sign if n == m else side) for n, (x, side) in enumerate(zip(v, sides)))
+                   for v, m, sign in facets for sides in itertools.product((-1, 1), repeat=3)}  # fmt: skip
+        places = [[(x - o) / half for x, o in zip(corner, origin)] for corner in found["corners"]]
+        self.assertLess(max(abs(x - round(x)) for place in places for x in place), 1e-3)
+        self.assertEqual({tuple(map(round, place)) for place in places}, corners)
+        summary, voxels = self.write(["a.glb"], "--lattice", "bcc", "--resolution", "16")
+        centres, radius = numpy.array(list(voxels.values())), summary["basis"][0] * 5**0.5 / 4
+        for corner in by_three(self.dir / "a.glb")["corners"]:
+            self.assertAlmostEqual(numpy.linalg.norm(centres - corner, axis=1).min() / radius, 1, places=4)
 
     def test_readers_from_npm_find_the_cubes(self):
         summary, voxels = self.write(["a.binvox", "a.vox"], *CUBES)

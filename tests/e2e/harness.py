@@ -14,6 +14,7 @@ import time
 import unittest
 
 BIN = pathlib.Path(os.environ["LATVOX_BIN"])
+NODE = pathlib.Path(__file__).resolve().parents[1] / "node"  # with packages of npm
 BUNNY = pathlib.Path("/usr/share/glmark2/models/bunny.obj")
 PATIENCE = float(os.environ.get("LATVOX_PATIENCE", "60"))  # seconds that any one command may take
 
@@ -96,6 +97,37 @@ def rows(csv):
         voxels[int(i), int(j), int(k)] = (float(x), float(y), float(z))
     assert len(voxels) == len(lines) - 1, "a voxel stands twice"
     return voxels
+
+
+def gltf_info(path):
+    """What Khronos' validator counts in a .glb that it has nothing against."""
+    script = (
+        "const v = require('gltf-validator'); const bytes = require('fs').readFileSync(process.argv[1]);"
+        "v.validateBytes(new Uint8Array(bytes)).then(r => console.log(JSON.stringify(r)));"
+    )
+    command = ["node", "-e", script, path]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True, cwd=NODE)
+    report = json.loads(done.stdout)
+    assert report["issues"]["numErrors"] == report["issues"]["numWarnings"] == 0, report["issues"]
+    return report["info"]
+
+
+def by_three(path):
+    """What three.js finds in a .glb: corners, how many triangles, colors."""
+    command = ["node", "read_glb.js", path]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True, cwd=NODE)
+    return json.loads(done.stdout)
+
+
+def read_points(path, *names):
+    """By meshio, for each point of a .ply: its position, and what it has under these names."""
+    script = (
+        "import json, meshio, sys; mesh = meshio.read(sys.argv[1]);"
+        "print(json.dumps([mesh.points.tolist(), *(mesh.point_data[name].tolist() for name in sys.argv[2:])]))"
+    )
+    command = ["/usr/bin/python3", "-c", script, path, *names]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    return list(zip(*json.loads(done.stdout), strict=True))
 
 
 # Meshes: a list of vertices (three float32-exact numbers) and a list of triangles (three indices).

@@ -2,14 +2,11 @@
 
 import collections
 import json
-import pathlib
 import struct
-import subprocess
 import unittest
 
-from harness import BUNNY, PATIENCE, Case, latvox, octahedron, write_obj
+from harness import BUNNY, Case, gltf_info, octahedron, write_obj
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 FACETS = {"cartesian": 6, "bcc": 14, "fcc": 12, "hexagonal": 8}
 
 
@@ -65,16 +62,6 @@ class Surface(Case):
                 passes[key[other], key[one]] -= 1
         self.assertFalse([edge for edge, count in passes.items() if count], "the surface is open")
 
-    def validate(self, path):
-        script = "const v = require('gltf-validator'); const fs = require('fs');" \
-                 "v.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1]))).then(r => console.log(JSON.stringify(r)));"
-        done = subprocess.run(["node", "-e", script, path], capture_output=True, text=True, timeout=PATIENCE,
-                              cwd=ROOT / "tests/node")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        report = json.loads(done.stdout)
-        self.assertEqual((report["issues"]["numErrors"], report["issues"]["numWarnings"]), (0, 0), report["issues"])
-        return report["info"]
-
     def test_a_single_voxel_is_its_lattices_cell(self):
         speck = write_obj(self.dir / "speck.obj", octahedron(0.01))
         for lattice, facets in FACETS.items():
@@ -99,7 +86,7 @@ class Surface(Case):
                 summary, document, corners, triangles = self.surface(BUNNY, *options)
                 self.assert_encloses(summary, corners, triangles)
                 self.assertEqual(document["extras"]["digest"], summary["digest"])
-                info = self.validate(self.dir / "out.glb")
+                info = gltf_info(self.dir / "out.glb")
                 self.assertEqual(info["totalTriangleCount"], len(triangles))
 
     def test_no_voxel_is_a_scene_without_a_mesh(self):
@@ -107,7 +94,7 @@ class Surface(Case):
             BUNNY, "--lattice", "bcc", "--resolution", 20, "--region", "1000,0,0,1001,1,1")
         self.assertEqual((corners, triangles), ([], []))
         self.assertNotIn("meshes", document)
-        self.validate(self.dir / "out.glb")
+        gltf_info(self.dir / "out.glb")
 
     def test_the_surface_goes_in_again(self):
         first, *_ = self.surface(BUNNY, "--lattice", "bcc", "--resolution", 60)

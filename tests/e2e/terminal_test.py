@@ -1,18 +1,43 @@
 """Progress and colours are for terminals; pipes get plain lines."""
 
+import fcntl
+import math
 import os
 import pty
 import re
 import select
+import signal
+import struct
 import subprocess
+import termios
+import time
 import unittest
 
-from harness import BIN, BUNNY, PATIENCE, Case, latvox
+from harness import BIN, BUNNY, PATIENCE, Case, latvox, server
+
+BAR = re.compile(r"\[(#*)\.*\] +(\d+) %  voxelizing: (\d+) bricks(?:, (\d+)/s)?(?:, (?:(\d+)m)?(\d+)s left)?")
 
 
-def on_terminal(*words, **environment):
-    """The exit status, and what a terminal gets on standard error."""
+class Pauses:
+    """Stops the server for a while whenever the bar moves, the first few times: first for long enough to tell a rate."""
+
+    def __init__(self, process):
+        self.process, self.frames = process, 0
+
+    def __call__(self, text):
+        frames = text.count(" bricks")
+        if frames == self.frames or self.frames > 8:
+            return
+        self.process.send_signal(signal.SIGSTOP)
+        time.sleep(0.15 if self.frames else 0.8)
+        self.process.send_signal(signal.SIGCONT)
+        self.frames = frames
+
+
+def on_terminal(*words, see=lambda text: None, **environment):
+    """The exit status, and what a terminal of 120 columns gets on standard error; `see` is told all of it as it grows."""
     master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("4H", 24, 120, 0, 0))
     command = [BIN / "latvox", *map(str, words)]
     environment = os.environ | {"TERM": "xterm"} | environment
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=slave, env=environment)
@@ -23,6 +48,7 @@ def on_terminal(*words, **environment):
             process.kill()
         try:
             text += os.read(master, 65536)
+            see(text.decode(errors="replace"))
         except OSError:  # nobody has the other end any more
             break
     os.close(master)
@@ -40,6 +66,28 @@ class Terminal(Case):
         # What is left in the line that progress is drawn over: nothing.
         self.assertEqual(re.split(r"\r\x1b\[K|\n", text)[-1], "")
         self.assertNotIn("\n\x1b", text)
+
+    def test_the_bar_tells_rate_and_remaining_time(self):
+        with server(self.dir, "--threads", "1") as process:
+            words = "voxelize", BUNNY, "-o", self.dir / "a.vdb", "--resolution", 2500, "--encoding", "masks"
+            start = time.monotonic()
+            code, text = on_terminal(*words, "--server", process.address, see=Pauses(process))
+            whole = time.monotonic() - start
+        self.assertEqual(code, 0, text)
+        frames = BAR.findall(re.sub(r"\x1b\[[\d;]*[mK]", "", text))
+        told = [frame for frame in frames if frame[3]]
+        self.assertTrue(told and any(frame[5] for frame in told), frames)
+        for bar, percent, bricks, rate, minutes, seconds in told:
+            elapsed = int(bricks) / int(rate)
+            self.assertTrue(0.5 <= elapsed * 1.001 and elapsed * 0.999 <= whole, (elapsed, whole))
+            low, high = max(int(percent) - 0.5, 0) / 100, min(int(percent) + 0.5, 100) / 100
+            self.assertTrue(math.floor(30 * low) <= len(bar) <= math.floor(30 * high), (bar, percent))
+            if seconds:
+                left = 60 * int(minutes or 0) + int(seconds)
+                most = math.ceil(elapsed * 1.001 * (1 - low) / low)
+                self.assertTrue(math.ceil(elapsed * 0.999 * (1 - high) / high) <= left <= most, (left, elapsed, percent))
+            else:
+                self.assertLessEqual(int(percent), 1, "no remaining time is told")
 
     def test_a_pipe_sees_one_plain_line(self):
         done = latvox("voxelize", BUNNY, "-o", self.dir / "a.vdb", "--resolution", 100)

@@ -1,102 +1,398 @@
 """`latvox view`: the page shows in Chromium, without a network, what the file holds."""
 
+import csv
 import filecmp
-import os
+import itertools
+import json
+import math
 import pathlib
 import re
 import subprocess
+import tempfile
+import time
 import unittest
 
+import numpy
 import pyopenvdb
 
-from harness import BUNNY, PATIENCE, Case, latvox
-from picture_test import LATTICES, read_png, write_octahedron
+from browser import Browser, Tab
+from harness import BUNNY, PATIENCE, Case, children, latvox, octahedron, rows, write_obj
+from picture_test import LATTICES, write_octahedron
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED = range(6)
-WIDTH, HEIGHT = 800, 360
-PANEL = 330  # pixels on the left, at most
+TURNS = {"x": lambda x, y, z: (z, x, y), "y": lambda x, y, z: (x, y, z), "z": lambda x, y, z: (x, z, -y)}
+# Corners of the Voronoi cells of LATTICES.
+CELLS = {
+    "cartesian": list(itertools.product((-0.5, 0.5), repeat=3)),
+    "bcc": [p for x, y in itertools.product((-0.3, 0.3), (-0.6, 0.6)) for p in itertools.permutations((0, x, y))],
+    "fcc": [*itertools.product((-0.4, 0.4), repeat=3), *itertools.permutations((0.8, 0, 0)), *itertools.permutations((-0.8, 0, 0))],
+    "hexagonal": [(math.sin(n * math.pi / 3) / 3**0.5, math.cos(n * math.pi / 3) / 3**0.5, z) for n in range(6) for z in (-0.5, 0.5)],
+}  # fmt: skip
+NORMAL = (-45, 35.264)  # azimuth and elevation; against it, nothing below a layer across k of FCC hides any of it
+PLACE = f"#axis=k&azimuth={NORMAL[0]}&elevation={NORMAL[1]}"
+
+
+def rgb(color):
+    return numpy.array([int(color[n : n + 2], 16) for n in (1, 3, 5)])
+
+
+def write_shape(path, basis, **metadata):
+    """Lattice points of a shape without any symmetry."""
+    grid = pyopenvdb.BoolGrid()
+    grid.name = "voxels"
+    grid.transform = pyopenvdb.createLinearTransform([[*vector, 0] for vector in basis] + [[0, 0, 0, 1]])
+    grid.metadata = metadata
+    accessor, points = grid.getAccessor(), []
+    for ijk in itertools.product(range(-10, 11), repeat=3):
+        x, y, z = (sum(n * vector[m] for n, vector in zip(ijk, basis)) for m in range(3))
+        if abs(x) + 1.5 * abs(y) + 0.7 * abs(z) <= 5 and not (x > 0.7 and y > 0.7) and not (z > 1.5 and x < -0.5):
+            accessor.setValueOn(ijk, True)
+            points.append(ijk)
+    pyopenvdb.write(str(path), grids=[grid])
+    return points
+
+
+def hull(points):
+    """Counter-clockwise."""
+    turns = lambda p, q, r: (q[0] - p[0]) * (r[1] - p[1]) > (q[1] - p[1]) * (r[0] - p[0])
+
+    def half(points):
+        line = []
+        for p in points:
+            while len(line) > 1 and not turns(*line[-2:], p):
+                line.pop()
+            line.append(p)
+        return line[:-1]
+
+    points = sorted(points.tolist())
+    return half(points) + half(points[::-1])
+
+
+def places(cells, basis, corners, page, size, azimuth, elevation, up="y", distance=1.0):
+    """Where on a canvas of that size corners of these cells are, by geometry alone; where the page puts its middle, and how
+    large it shows the world, is in its data."""
+    width, height = size
+    turn = lambda v: numpy.array(TURNS[up](*v))
+    scale = numpy.linalg.norm(page["basis"][0]) / numpy.linalg.norm(basis[0])
+    middle = numpy.array(page["low"]) + page["middle"]
+    a, e = math.radians(azimuth), math.radians(elevation)
+    towards = numpy.array((math.cos(e) * math.sin(a), math.sin(e), math.cos(e) * math.cos(a)))
+    right = numpy.array((math.cos(a), 0, -math.sin(a)))
+    view = numpy.array((right, numpy.cross(towards, right), towards))
+    focus = height / 2 / math.tan(math.radians(15))
+    offsets = numpy.array([view @ turn(corner) * scale for corner in corners])
+    for ijk in cells:
+        world = sum((n - m) * numpy.array(vector) for n, m, vector in zip(ijk, middle, basis))
+        at = view @ turn(world) * scale + offsets
+        depth = 4 * distance / min(1, width / height) - at[:, 2]
+        yield numpy.stack((width / 2 + focus * at[:, 0] / depth, height / 2 - focus * at[:, 1] / depth), 1)
+
+
+def silhouette(cells, basis, corners, page, size, *view, **how):
+    """The pixels that the cells cover."""
+    mask = numpy.zeros(size[::-1], bool)
+    for place in places(cells, basis, corners, page, size, *view, **how):
+        polygon = hull(place)
+        low, high = (numpy.array(f(polygon, 0), int) for f in (numpy.min, numpy.max))
+        x, y = numpy.meshgrid(*(numpy.arange(max(0, low[m]), min(size[m], high[m] + 1)) for m in (0, 1)))
+        inside = numpy.ones(x.shape, bool)
+        for p, q in zip(polygon, polygon[1:] + polygon[:1]):
+            inside &= (q[0] - p[0]) * (y + 0.5 - p[1]) - (q[1] - p[1]) * (x + 0.5 - p[0]) >= 0
+        mask[y[inside], x[inside]] = True
+    return mask
 
 
 class View(Case):
+    """All in one browser, which stays until the last test."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.home = tempfile.TemporaryDirectory(prefix="latvox-")
+        cls.addClassCleanup(cls.home.cleanup)
+        cls.browser = Browser(pathlib.Path(cls.home.name))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        deadline = time.monotonic() + PATIENCE
+        while children():
+            assert time.monotonic() < deadline, f"processes left over: {children()}"
+            time.sleep(0.02)
+
+    def assert_no_process_left(self):
+        """At the end of the class."""
+
     def setUp(self):
         super().setUp()
         self.page = self.dir / "page.html"
+        self.tab = None
 
-    def view(self, vdb):
-        done = latvox("view", vdb, "-o", self.page)
+    def view(self, vdb, *options, place="", width=700, height=300, **device):
+        done = latvox("view", vdb, "-o", self.page, *options)
         self.assertEqual(done.returncode, OK, done.stderr)
+        self.tab = Tab(self.browser, width, height, **device)
+        self.addCleanup(self.tab.call, "Page.close")
+        self.open(place)
 
-    def chromium(self, what, place=""):
-        """Runs the browser on the page; its standard output. No line of its console may be an error."""
-        command = ["chromium", "--headless", "--no-sandbox", f"--user-data-dir={self.dir}/profile", "--disable-gpu-sandbox",
-                   "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--host-resolver-rules=MAP * ~NOTFOUND",
-                   "--disable-background-networking", "--no-first-run", "--enable-logging=stderr", "--hide-scrollbars",
-                   f"--window-size={WIDTH},{HEIGHT}", "--virtual-time-budget=5000", what, f"file://{self.page}{place}"]  # fmt: skip
-        environment = {**os.environ, "HOME": str(self.dir), "XDG_RUNTIME_DIR": str(self.dir)}
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, cwd=self.dir, env=environment)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        said = [line for line in done.stderr.splitlines() if "CONSOLE" in line and "GPU stall" not in line]
-        self.assertEqual(said, [], "the page's console")
-        return done.stdout
+    def open(self, place):
+        self.tab.open(f"file://{self.page}{place}")
+        self.assertEqual(self.tab.complaints(), [])
+        self.tab.run("document.getElementById('axes')?.remove(); showAxes = () => {}")
 
-    def told(self, place=""):
-        """What the page says of the voxels: name -> number."""
-        dom = self.chromium("--dump-dom", place)
-        self.assertIn('data-drawn="yes"', dom)
-        return {name: int(value) for name, value in re.findall(r'<td id="(\w+)">(\d+)', dom)}, dom
+    def text(self, name):
+        return self.tab.run(f"document.getElementById('{name}').innerText")
 
-    def look(self, place=""):
-        """The picture beside the panel: (x, y) -> colour of all that is not background."""
-        self.chromium(f"--screenshot={self.dir}/page.png", place)
-        width, height, lines = read_png(self.dir / "page.png")
-        self.assertEqual((width, height), (WIDTH, HEIGHT))
-        background = lines[HEIGHT - 1][WIDTH - 1]
-        return {(x, y): c for y, line in enumerate(lines) for x, c in enumerate(line) if c != background and x > PANEL}
+    def canvas(self):
+        """The pixels of the voxels, and which are not background."""
+        box = self.tab.run("(({ x, y, width, height }) => [x, y, width, height])(document.querySelector('canvas').getBoundingClientRect())")
+        scale = self.tab.run("devicePixelRatio")
+        x, y, width, height = (round(scale * n) for n in box)
+        pixels = self.tab.picture()[y : y + height, x : x + width].astype(int)
+        return pixels, (pixels != pixels[0, 0]).any(axis=2)
 
-    def test_counts_are_those_of_the_file(self):
+    def assert_shows(self, cells, lattice, azimuth, elevation, seen=None, error=0.02, **how):
+        seen = self.canvas()[1] if seen is None else seen
+        page, size = json.loads(self.tab.run("JSON.stringify(data)")), seen.shape[::-1]
+        expected = silhouette(cells, LATTICES[lattice], CELLS[lattice], page, size, azimuth, elevation, **how)
+        self.assertGreater(expected.sum(), 500)
+        self.assertLess((seen != expected).sum() / expected.sum(), error)
+
+    def assert_colors(self, colors, error=0.1):
+        """`colors`: cell -> red, green, blue, of a layer across k of FCC, seen along its normal."""
+        pixels, seen = self.canvas()
+        page = json.loads(self.tab.run("JSON.stringify(data)"))
+        at = places(colors, LATTICES["fcc"], [(0, 0, 0)], page, seen.shape[::-1], *NORMAL)
+        wrong = sum(abs(pixels[int(y), int(x)] - wanted).max() > 8 for ((x, y),), wanted in zip(at, colors.values()))
+        self.assertGreater(len(colors), 30)
+        self.assertLess(wrong / len(colors), error)
+
+    def test_every_lattice_shows_its_cells(self):
+        for lattice, basis in LATTICES.items():
+            with self.subTest(lattice):
+                cells = write_shape(self.dir / "a.vdb", basis)
+                self.view(self.dir / "a.vdb", place="#azimuth=25&elevation=35")
+                self.assertEqual(self.text("voxels"), str(len(cells)))
+                self.assert_shows(cells, lattice, 25, 35)
+                pixels, seen = self.canvas()
+                self.assertGreater(len(numpy.unique(pixels[seen], axis=0)), 4, "shades")
+                # What is drawn while it moves: a point for each voxel.
+                self.tab.run("view.draw('points')")
+                self.assert_shows(cells, lattice, 25, 35, error=0.25)
+
+    def test_any_axis_may_point_up(self):
+        for options, metadata, up in [
+            (["--up", "x"], {}, "x"),
+            (["--up", "z"], {}, "z"),
+            ([], {"latvox_request": '{"lattice":"fcc","up":"y"}'}, "z"),
+            ([], {"latvox_request": '{"lattice":"fcc"}'}, "y"),
+            (["--up", "y"], {"latvox_request": '{"lattice":"fcc","up":"y"}'}, "y"),
+        ]:
+            with self.subTest(options=options, **metadata):
+                cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"], **metadata)
+                self.view(self.dir / "a.vdb", *options, place="#azimuth=0&elevation=20")
+                self.assert_shows(cells, "fcc", 0, 20, up=up)
+                upright = self.tab.run("'xyz'[data.axes.findIndex(([x, y, z]) => y === 1)]")
+                self.assertEqual(upright, up)
+
+    def test_counts_and_certificate_are_those_of_the_file(self):
         summary = self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", 24, out="a.vdb")
         self.view(self.dir / "a.vdb")
-        told, dom = self.told()
-        self.assertEqual((told["voxels"], told["shown"]), (summary["voxels"],) * 2)
-        self.assertEqual(told["bricks"], summary["bricks"])
-        # A surface has facets on both sides, and not those between its voxels.
-        self.assertTrue(4 * told["voxels"] < told["facets"] < 10 * told["voxels"], told)
-        self.assertRegex(dom, f"digest</th><td>{summary['digest']}")
-        self.assertRegex(dom, "lattice</th><td>bcc")
+        for name in ("voxels", "shown"):
+            self.assertEqual(self.text(name), str(summary["voxels"]))
+        self.assertEqual(self.text("bricks"), str(summary["bricks"]))
+        # Those outside alone, and not those between voxels.
+        facets = int(self.text("facets")) / summary["voxels"]
+        self.assertTrue(2 < facets < 5, facets)
+        self.assertRegex(self.text("certificate"), f"digest\\s+{summary['digest']}")
+        self.assertRegex(self.text("certificate"), r"lattice\s+bcc")
 
-    def test_a_cut_shows_what_is_below(self):
-        points = write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 6)
+    def test_a_layer_is_that_of_latvox_slice(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"])
+        place = PLACE + "&layer=1"
+        self.view(self.dir / "a.vdb", place=place + "&which=only")
+        command = self.text("slice").split()
+        self.assertEqual(command, "latvox slice --axis z --index 1".split())
+        done = latvox("slice", self.dir / "a.vdb", *command[2:], "-o", self.dir / "slice.csv")
+        self.assertEqual(done.returncode, OK, done.stderr)
+        layer = list(rows(self.dir / "slice.csv"))
+        for name in ("inlayer", "shown"):
+            self.assertEqual(self.text(name), str(len(layer)))
+        self.assert_shows(layer, "fcc", *NORMAL)
+
+        self.open(place)
+        below = [ijk for ijk in cells if ijk[2] <= 1]
+        self.assertEqual(self.text("shown"), str(len(below)))
+        self.assert_shows(below, "fcc", *NORMAL)
+        for detail in ("facets", "points"):
+            self.tab.run(f"view.draw('{detail}')")
+            pixels, _ = self.canvas()
+            marked = pixels[..., 0] > pixels[..., 2] + 20
+            self.assert_shows(layer, "fcc", *NORMAL, seen=marked, error=0.03 if detail == "facets" else 0.4)
+
+    def test_a_band_is_cut_open_and_colored_by_distance(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 16, "--band", "3v", "--signed", out="a.vdb")
+        self.view(self.dir / "a.vdb", place=PLACE)
+        grid = pyopenvdb.readAll(str(self.dir / "a.vdb"))[0][0]
+        values = {tuple(item.min): item.value for item in grid.citerOnValues()}
+        layer = int(self.text("at").partition("= ")[2])
+        self.assertEqual(layer, (min(k for _, _, k in values) + max(k for _, _, k in values) + 1) // 2)
+        low, zero, high = map(float, self.text("legend").split())
+        self.assertEqual((low, zero), (-high, 0))
+        self.assertAlmostEqual(high, grid.metadata["latvox_band_width"], delta=1e-3 * high)
+        ramp = numpy.array([rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[0].legend)"))])
+        self.assertGreater(ramp[0, 2], 2 * ramp[0, 0], "blue inside")
+        self.assertGreater(ramp[-1, 0], 2 * ramp[-1, 2], "red outside")
+        shade = lambda value: [numpy.interp(value, numpy.linspace(low, high, len(ramp)), ramp[:, m]) for m in range(3)]
+        colors = {ijk: shade(value) for ijk, value in values.items() if ijk[2] == layer}
+        self.assert_colors(colors)
+        self.tab.run("view.draw('points')")
+        self.assert_colors(colors, error=0.3)
+
+    def test_attributes_are_colors(self):
+        parts = []
+        for n, (move, tint) in enumerate([(0, "1 0 0"), (1.2, "0 1 0")]):
+            vertices, triangles = octahedron()
+            lines = [f"v {x + move} {y} {z} {tint}" for x, y, z in vertices]
+            parts.append(self.dir / f"{n}.obj")
+            parts[-1].write_text("\n".join(lines + ["f " + " ".join(str(1 + v) for v in t) for t in triangles]) + "\n")
+        options = ["--lattice", "fcc", "--resolution", 24, "--attributes", "part,color", "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv"]
+        self.assertEqual(latvox("voxelize", *parts, *options).returncode, OK)
+        with open(self.dir / "a.csv") as lines:
+            numbers = {tuple(int(row[n]) for n in "ijk"): int(row["part"]) for row in csv.DictReader(lines)}
+        layer = sorted(k for _, _, k in numbers)[len(numbers) // 2]
+        cut = {ijk: part for ijk, part in numbers.items() if ijk[2] == layer}
+        self.view(self.dir / "a.vdb", place=f"{PLACE}&layer={layer}")
+        self.assertEqual(self.tab.run("[...document.getElementById('by').options].map((it) => it.text)"), ["color", "part", "none"])
+        self.assert_colors({ijk: [(255, 0, 0), (0, 255, 0)][part] for ijk, part in cut.items()})
+        self.open(f"{PLACE}&layer={layer}&by=part")
+        counts = [list(numbers.values()).count(part) for part in (0, 1)]
+        self.assertEqual(self.text("legend").splitlines(), [f"part {n}: {count} voxels" for n, count in enumerate(counts)])
+        shown = [rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[1].legend)"))]
+        self.assertGreater(abs(numpy.subtract(*shown)).max(), 64)
+        self.assert_colors({ijk: shown[part] for ijk, part in cut.items()})
+        self.open(f"{PLACE}&layer={layer}&by=none")
+        self.assertEqual(self.text("legend"), "")
+        pixels, seen = self.canvas()
+        self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
+
+    def test_what_takes_too_long_is_points_until_it_rests(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["bcc"])
         self.view(self.dir / "a.vdb")
-        told, _ = self.told("#axis=i&layer=-1")
-        self.assertEqual(told["voxels"], len(points))
-        self.assertEqual(told["shown"], sum(i <= -1 for i, _, _ in points))
+        drawn = """(async () => {
+          view.cost = 400;  // milliseconds
+          const seen = new Set();
+          for (let n = 0; n < 5; ++n) {
+            view.look(10 * n, 22, view.controls.getDistance());
+            await new Promise(requestAnimationFrame);
+            seen.add(view.drawn);
+          }
+          return [...seen];
+        })()"""
+        self.assertEqual(self.tab.run(drawn)[-1], "points")
+        self.tab.rest()
+        self.assertEqual(self.tab.run("view.drawn"), "facets")
+        self.assert_shows(cells, "bcc", 40, 22)
+        self.assertEqual(self.tab.run("(view.cost = 1, view.change(), new Promise(requestAnimationFrame).then(() => view.drawn))"), "facets")
 
-    def test_the_shape_is_seen(self):
-        write_octahedron(self.dir / "a.vdb", LATTICES["bcc"], 8)
+    def test_a_device_that_is_lost_comes_back(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"])
         self.view(self.dir / "a.vdb")
-        seen = self.look("#azimuth=0&elevation=0")
-        # From z, a square on its corner: half of its box.
-        (left, right), (top, bottom) = ((min(xs), max(xs)) for xs in zip(*seen))
-        self.assertGreater(bottom - top, HEIGHT / 3)
-        self.assertAlmostEqual((top + bottom) / 2, HEIGHT / 2, delta=3)
-        self.assertAlmostEqual((right - left) / (bottom - top), 1, delta=0.1)
-        self.assertTrue(0.4 < len(seen) / ((right - left) * (bottom - top)) < 0.65, len(seen))
-        self.assertGreater(len(set(seen.values())), 20)
-        cut = self.look("#azimuth=0&elevation=0&axis=j&layer=-3")
-        self.assertLess(len(cut), 0.8 * len(seen))
-        self.assertGreater(len(cut), 0.1 * len(seen))
+        event = "new Promise((resolve) => view.renderer.domElement.addEventListener('webglcontext%s', resolve))"
+        for does, name, told in [("Loss", "lost", "lost; waiting"), ("Restore", "restored", "^$")]:
+            self.tab.run(f"(() => {{ const done = {event % name}; view.renderer.forceContext{does}(); return done.then(() => 1); }})()")
+            self.tab.rest()
+            self.assertRegex(self.text("error"), told)
+        self.assert_shows(cells, "fcc", 30, 22)
+        self.assertEqual(len(self.tab.complaints()), 2)  # three.js says so, too
 
+    def test_no_voxel_is_an_empty_page(self):
+        pyopenvdb.write(str(self.dir / "a.vdb"), grids=[pyopenvdb.BoolGrid()])
+        self.view(self.dir / "a.vdb")
+        self.assertEqual((self.text("voxels"), self.text("facets")), ("0", "0"))
+        self.assertFalse(self.canvas()[1].any())
+
+    def test_keys_turn_and_come_nearer(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["hexagonal"])
+        self.view(self.dir / "a.vdb", place="#azimuth=10&elevation=20")
+        self.tab.run("document.querySelector('canvas').focus()")
+        for key in ("ArrowRight", "ArrowRight", "ArrowUp", "+"):
+            self.tab.key(key)
+        self.tab.run("document.activeElement.blur()")  # without the line about what has the focus
+        self.tab.rest()
+        self.assert_shows(cells, "hexagonal", 30, 30, distance=0.8)
+        self.tab.run("document.querySelector('canvas').focus()")
+        self.tab.key("Home")
+        self.tab.run("document.activeElement.blur()")
+        self.tab.rest()
+        self.assert_shows(cells, "hexagonal", 10, 20)
+        self.tab.run("document.getElementById('layer').focus()")
+        highest = int(self.tab.run("document.getElementById('layer').value"))
+        self.tab.key("ArrowLeft")
+        self.assertEqual(self.text("at"), f"k = {highest - 1}")
+
+    def test_a_phone(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["bcc"])
+        self.view(self.dir / "a.vdb", width=390, height=700, scale=2, phone=True)
+        self.assertEqual(self.tab.run("[devicePixelRatio, document.documentElement.scrollWidth]"), [2, 390])
+        self.assert_shows(cells, "bcc", 30, 22)
+        before = self.canvas()[1].sum()
+        hidden = """[...document.querySelectorAll('#counts td, #panel summary, #layer')].filter((it) => {
+          const { left, right, bottom, height } = it.getBoundingClientRect();
+          return left < 0 || right > innerWidth || bottom > innerHeight || height < 16;
+        }).length"""
+        self.assertEqual(self.tab.run(hidden), 0)
+        self.tab.run("document.querySelector('summary').click()")
+        self.assertEqual(self.tab.run("document.documentElement.scrollWidth"), 390)
+        # Two fingers that part, then one that draws.
+        self.tab.touch(*[[(195 - d, 200), (195 + d, 200)] for d in range(30, 100, 10)])
+        self.tab.rest()
+        nearer = self.canvas()[1]
+        self.assertGreater(nearer.sum(), 1.3 * before)
+        self.tab.touch(*[[(150 + d, 200)] for d in range(0, 100, 10)])
+        self.tab.rest()
+        self.assertGreater((self.canvas()[1] != nearer).sum(), 0.02 * nearer.sum())
+
+    def test_light_dark_and_another_size(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["cartesian"])
+        style = "((it) => [it.color, getComputedStyle(document.getElementById('panel')).backgroundColor])(getComputedStyle(%s))"
+        for dark in (False, True):
+            self.view(self.dir / "a.vdb", dark=dark)
+            pixels, _ = self.canvas()
+            self.assertEqual(pixels[0, 0].sum() < 3 * 64, dark)
+            for what in ("document.body", "document.querySelector('th')", "document.querySelector('.quiet')"):
+                colors = [[int(n) / 255 for n in re.findall(r"\d+", color)[:3]] for color in self.tab.run(style % what)]
+                light = sorted(sum(w * c**2.2 for w, c in zip((0.2126, 0.7152, 0.0722), color)) + 0.05 for color in colors)
+                self.assertGreater(light[1] / light[0], 4.5, what)
+        self.tab.resize(900, 500)
+        self.tab.rest()
+        self.assert_shows(cells, "cartesian", 30, 22)
+        self.assertGreater(self.canvas()[1].shape[1], 500)
+
+    def test_without_webgl_it_says_so(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 3)
+        self.view(self.dir / "a.vdb")
+        voxels = self.text("voxels")
+        self.tab.call("Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null")
+        self.open("")
+        self.assertRegex(self.text("error"), "^The voxels cannot be drawn: WebGL 2 is switched off")
+        self.assertEqual(self.text("voxels"), voxels)
+
+
+class Page(Case):
     def test_errors_and_what_is_left_of_them(self):
-        self.page.write_text("old")
+        page = self.dir / "page.html"
+        page.write_text("old")
         no_vdb = self.dir / "a.obj"
         no_vdb.write_text("v 0 0 0\n")
         write_octahedron(self.dir / "a.vdb", LATTICES["cartesian"], 2)
         for status, pattern, *arguments in [
             (USAGE, "--out", self.dir / "a.vdb"),
             (USAGE, r"page\.png.*\.html", self.dir / "a.vdb", "-o", self.dir / "page.png"),
-            (BAD_INPUT, "none.vdb: no such file", self.dir / "none.vdb", "-o", self.page),
-            (BAD_INPUT, "a.obj: is not a readable .vdb file", no_vdb, "-o", self.page),
+            (USAGE, "--up", self.dir / "a.vdb", "-o", page, "--up", "w"),
+            (BAD_INPUT, "none.vdb: no such file", self.dir / "none.vdb", "-o", page),
+            (BAD_INPUT, "a.obj: is not a readable .vdb file", no_vdb, "-o", page),
         ]:
             with self.subTest(pattern):
                 done = latvox("view", *arguments)
@@ -106,14 +402,22 @@ class View(Case):
         for far in (0, 70000):
             grid.getAccessor().setValueOn((0, far, 0), True)
         pyopenvdb.write(str(self.dir / "far.vdb"), grids=[grid])
-        done = latvox("view", self.dir / "far.vdb", "-o", self.page)
-        self.assertEqual(done.returncode, REFUSED, done.stderr)
-        self.assertRegex(done.stderr, "far.vdb: 70001 voxels on axis j are over the 65536 of a page")
-        self.assertEqual(self.page.read_text(), "old")
-        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "page.html"])
+        many = pyopenvdb.BoolGrid()
+        many.copyFromArray(numpy.indices((200, 200, 201)).sum(axis=0) % 2 == 0)
+        pyopenvdb.write(str(self.dir / "many.vdb"), grids=[many])
+        skew = pyopenvdb.BoolGrid()
+        skew.getAccessor().setValueOn((0, 0, 0), True)
+        skew.transform = pyopenvdb.createLinearTransform([[1, 0, 0, 0], [0, 1, 0, 0], [9.3, 0, 1, 0], [0, 0, 0, 1]])
+        pyopenvdb.write(str(self.dir / "skew.vdb"), grids=[skew])
+        for name, pattern in [("skew", "the step -?9,0,-?1 to a neighbour is over the 8 of a page"),
+                              ("far", "70001 voxels on axis j are over the 65536 of a page; .*--bounds"),
+                              ("many", "4020000 voxels are over the 4000000 of a page; .*--bounds.*--resolution")]:  # fmt: skip
+            done = latvox("view", self.dir / f"{name}.vdb", "-o", page)
+            self.assertEqual(done.returncode, REFUSED, done.stderr)
+            self.assertRegex(done.stderr, f"{name}.vdb: {pattern}")
+        self.assertEqual(page.read_text(), "old")
+        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "many.vdb", "page.html", "skew.vdb"])
 
-
-class Page(Case):
     def test_nothing_is_loaded_from_elsewhere(self):
         write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 3)
         self.assertEqual(latvox("view", self.dir / "a.vdb", "-o", self.dir / "page.html").returncode, OK)

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "client/mesh/gltf_file.h"
 #include "client/mesh/mesh_format.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
@@ -22,6 +23,7 @@ void Check(const absl::StatusOr<latvox::client::Mesh>& mesh) {
   for (const auto& [x, y, z] : mesh->positions) {
     if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) std::abort();
   }
+  if (mesh->colors.size() > mesh->positions.size()) std::abort();
   for (const auto& triangle : mesh->triangles) {
     for (const uint32_t vertex : triangle) {
       if (vertex >= mesh->positions.size()) std::abort();
@@ -67,5 +69,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Check(latvox::client::ParseStl(bytes));
   Check(latvox::client::Parse3mf(bytes));
   Check(latvox::client::Parse3mf(Archive(bytes)));
+  Check(latvox::client::ParseGltf(bytes, "/nowhere"));
   return 0;
 }

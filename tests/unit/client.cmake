@@ -1,5 +1,7 @@
 # The client's tests: foreign files, foreign answers, what is written, how the tool ends.
 latvox_add_test(client_mesh_test SOURCES unit/client_mesh_test.cc LIBRARIES latvox::tool GTest::gmock)
+latvox_add_test(client_gltf_test SOURCES unit/client_gltf_test.cc
+                LIBRARIES latvox::tool nlohmann_json::nlohmann_json GTest::gmock)
 latvox_add_test(client_encoder_test SOURCES unit/client_encoder_test.cc LIBRARIES latvox::tool draco::draco GTest::gmock)
 latvox_add_test(client_attributes_test SOURCES unit/client_attributes_test.cc
                 LIBRARIES latvox::tool draco::draco GTest::gmock)

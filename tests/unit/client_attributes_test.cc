@@ -3,22 +3,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "client/mesh/gltf_file.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_join.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
-#include "client/mesh/scene_file.h"
 #include "client/mesh/stl_file.h"
 
 namespace latvox::client {
 namespace {
 
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 
 // Of each triangle's first corner.
@@ -61,20 +63,51 @@ TEST(MeshAttributes, ThatSomeOfAnObjLacksAreMissed) {
   }
 }
 
-TEST(MeshAttributes, OfPlyAreColorsAsBytes) {
-  const auto ply = [](const std::string& type, const std::string& green) {
-    return ParsePly("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty " + type +
-                    " red\nproperty float y\nproperty float z\nproperty " + type + " " + green + "\nproperty " + type +
-                    " blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                    "0 1 0 0 2 3\n1 4 0 0 5 6\n0 255 1 0 nan 999\n3 0 1 2\n");
+// Three vertices, whose colors stand among and behind their coordinates.
+absl::StatusOr<Mesh> ColoredPly(const std::string& type, const std::array<std::string, 3>& names,
+                                const std::array<std::string, 3>& first, const std::string& more = "") {
+  const auto property = [&](size_t n) { return "property " + type + " " + names[n] + "\n"; };
+  return ParsePly("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n" + property(0) +
+                  "property float y\nproperty float z\n" + property(1) + property(2) +
+                  "element face 1\nproperty list uchar int vertex_indices\n" + more + "end_header\n0 " + first[0] +
+                  " 0 0 " + first[1] + " " + first[2] + "\n1 0 0 0 1 0\n0 1 1 0 0 1\n3 0 1 2 9 9 9\n");
+}
+
+TEST(MeshAttributes, OfPlyAreColorsAsBytesWhateverTheirType) {
+  const std::array<std::string, 3> plain{"red", "green", "blue"},
+      diffuse{"diffuse_red", "diffuse_green", "diffuse_blue"};
+  for (const auto& names : {plain, diffuse}) {
+    const auto mesh = ColoredPly("uchar", names, {"1", "2", "255"});
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_EQ(mesh->positions[1], (Vec3f{1, 0, 0}));
+    EXPECT_THAT(mesh->colors, ElementsAre(Color{1, 2, 255}, Color{0, 1, 0}, Color{1, 0, 1}));
+    EXPECT_THAT(Refusal(Attribute::kMaterial, *mesh), EndsWith("has no material"));
+    for (const char* type : {"float", "double"}) {
+      const auto floats = ColoredPly(type, names, {"0.5", "0.0038", "1.0"});
+      ASSERT_TRUE(floats.ok()) << floats.status();
+      EXPECT_THAT(floats->colors, ElementsAre(Color{128, 1, 255}, Color{0, 255, 0}, Color{255, 0, 255})) << type;
+    }
+    EXPECT_EQ(ColoredPly("ushort", names, {"65535", "257", "300"}).value().colors[0], (Color{255, 1, 1}));
+  }
+}
+
+TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
+  const auto refusal = [](const std::string& type, const std::array<std::string, 3>& names,
+                          const std::array<std::string, 3>& first, const std::string& more = "") {
+    const auto mesh = ColoredPly(type, names, first, more);
+    return mesh.ok() ? Refusal(Attribute::kColor, *mesh) : mesh.status().ToString();
   };
-  const auto mesh = ply("uchar", "green");
-  ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_EQ(mesh->positions[1], (Vec3f{1, 0, 0}));
-  EXPECT_THAT(mesh->colors, ElementsAre(Color{1, 2, 3}, Color{4, 5, 6}, Color{255, 0, 255}));
-  EXPECT_THAT(Refusal(Attribute::kMaterial, *mesh), HasSubstr("has no material"));
-  EXPECT_THAT(Refusal(Attribute::kColor, ply("float", "green").value()), HasSubstr("has no color"));
-  EXPECT_THAT(Refusal(Attribute::kColor, ply("uchar", "grue").value()), HasSubstr("has no color"));
+  const std::array<std::string, 3> names{"red", "green", "blue"};
+  EXPECT_THAT(refusal("float", names, {"0", "128", "0"}),
+              HasSubstr("(green 128 of vertex 0 is not within 0 and 1, as "));
+  EXPECT_THAT(refusal("float", names, {"nan", "1", "0"}), HasSubstr("(red nan of vertex 0 is not within 0 and 1, as "));
+  EXPECT_THAT(refusal("uchar", names, {"-1", "1", "0"}), HasSubstr("(red -1 of vertex 0 is not within 0 and 255"));
+  EXPECT_THAT(refusal("int", names, {"0", "0", "0"}),
+              HasSubstr("(vertices have red as int, which is not one of uchar"));
+  EXPECT_THAT(refusal("uchar", {"red", "grue", "blue"}, {"0", "0", "0"}), EndsWith("has no color"));
+  EXPECT_THAT(refusal("uchar", {"u", "v", "w"}, {"0", "0", "0"},
+                      "property uchar red\nproperty uchar green\nproperty uchar blue\n"),
+              HasSubstr("(colors of faces are not read"));
 }
 
 TEST(MeshAttributes, OfStlAreItsSolids) {
@@ -89,7 +122,7 @@ TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
   const std::string buffer =  // (0,0,0) (1,0,0) (0,1,0) as positions; the same as colors
       "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
   const std::string primitive = R"({"attributes": {"POSITION": 0, "COLOR_0": 0}, "material": )";
-  const auto mesh = ParseScene(
+  const auto mesh = ParseGltf(
       R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "materials": [{}, {}],
           "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [5, 0, 0]}], "meshes": [{"primitives": [)" +
           primitive + "1}, " + primitive + R"(0}]}],
@@ -97,7 +130,7 @@ TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
                          "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
           "buffers": [{"byteLength": 36, "uri": ")" +
           buffer + "\"}]}",
-      "gltf");
+      "");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_THAT(NumbersOf(*mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
   EXPECT_THAT(NumbersOf(*mesh, Attribute::kMaterial), ElementsAre(0, 1, 0, 1));

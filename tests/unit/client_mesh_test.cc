@@ -168,6 +168,22 @@ TEST(PlyFile, ReadsAsciiWithQuadsAndCountsWhatIsNoFace) {
   EXPECT_EQ(mesh->skipped, 1u);
 }
 
+TEST(PlyFile, StripsAreTrianglesOfOneSense) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement tristrips 1\nproperty list int int ";
+  const std::string vertices = "\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+  const auto mesh = ParsePly(head + "vertex_indices" + vertices + "9 0 1 2 3 -1 1 3 2 0\n");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{1, 3, 2}, Triangle{2, 3, 0}));
+  const auto says = [&](const std::string& list, const std::string& body, const char* text) {
+    EXPECT_THAT(Message(ParsePly(head + list + vertices + body).status()), HasSubstr(text));
+  };
+  says("vertex_indices", "3 0 1 4\n", "vertex index 4 of tristrips 0 is not within the 4 vertices");
+  says("vertex_indices", "3 0 1\n", "ends or is damaged at tristrips 0 of 1");
+  says("indices", "3 0 1 2\n", "element tristrips has no list vertex_indices");
+}
+
 TEST(PlyFile, ErrorsNameVertexFaceAndLimit) {
   EXPECT_THAT(Message(ParsePly(BinaryPly(false, 99)).status()), HasSubstr("vertex index 99 of face 1"));
   EXPECT_THAT(Message(ParsePly(BinaryPly(false, -1)).status()), HasSubstr("vertex index -1 of face 1"));
@@ -232,6 +248,9 @@ TEST(StlFile, ErrorsNameLineOrTriangle) {
   says(head, "ends within a facet");
   says(BinaryStl(2).substr(0, 150), "ends within triangle 1 of 2");
   says(BinaryStl(2).substr(0, 83), "is no STL file");
+  const std::string solid = "solid" + BinaryStl(2).substr(5);
+  says(solid.substr(0, 150), "ends within triangle 1 of 2");
+  EXPECT_EQ(ParseStl(solid + "more")->triangles.size(), 2u);
   std::string bytes = BinaryStl(2);
   bytes.replace(84 + 50 + 12 + 8, 4, Bytes(std::numeric_limits<float>::infinity()));
   says(bytes, "a vertex of triangle 1 is not finite (inf)");
@@ -279,6 +298,24 @@ TEST_F(MeshFile, ErrorsNameTheFile) {
   fails("mesh.xyz", "v 0 0 0\n");
   EXPECT_EQ(ReadMeshFile(Path("missing.stl")).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(ReadMeshFile(Path("")).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(MeshFile, AByteOrderMarkIsNoPartOfAText) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const auto& [name, text] : {std::pair<std::string, std::string>("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+                                   {"m.stl", "solid\n" + facet + "endsolid\n"},
+                                   {"m.ply", ply},
+                                   {"m.gltf", Gltf(kTriangle, R"({"mesh":0})")}}) {
+    const std::string marked = "\xEF\xBB\xBF" + text;
+    const auto mesh = ReadMeshFile(Write(name, marked));
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_THAT(mesh->positions, ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0})) << name;
+    EXPECT_EQ(FormatOfBytes(marked), FormatOfPath(name)) << name;
+  }
 }
 
 TEST(MeshFormat, IsToldByTheFirstBytes) {

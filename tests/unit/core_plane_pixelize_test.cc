@@ -435,7 +435,7 @@ TEST(Pixelize, RefusesBadArgumentsByName) {
   EXPECT_EQ(Pixelize(line, grid, {.algorithm = LineAlgorithm::kBruteForce}).status().message(),
             "algorithm: brute force would test 4295491600 pixels, the limit is 1073741824");
   EXPECT_EQ(Pixelize({{{{0, 0}, {0, 1e6}}}}, grid, {}).status().message(),
-            "pixel_size: the polylines extend over 1000001 pixels on lattice axis j, the limit is 131072");
+            "pixel_size: at 1 the polylines extend over 1000001 pixels on lattice axis j, the limit is 131072");
 }
 
 TEST(Pixelize, TakesTheLargestResolutionOnBothNamedLattices) {

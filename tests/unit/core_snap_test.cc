@@ -115,13 +115,19 @@ TEST(Snap, AcceptsTheLargestExtentAndRefusesOneMore) {
   EXPECT_TRUE(at(kMaxExtent - 1).ok());
   const auto refused = at(kMaxExtent);
   EXPECT_EQ(refused.status().message(),
-            "voxel_size: the mesh extends over 131073 voxels on lattice axis j, the limit is 131072");
+            "voxel_size: at 1 the mesh extends over 131073 voxels on lattice axis j, the limit is 131072");
 }
 
 TEST(Snap, RefusesPositionsThatOverflow) {
   const auto snapped = Snap(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1}), Cartesian(), {0, 0, -1e10}, {1, 1, 1});
   EXPECT_EQ(snapped.status().message(),
             "origin: it puts the mesh at lattice coordinate 1e+10 on axis k, the limit is 536870912");
+  // Where no origin would help, it is not what is wrong.
+  const auto fine =
+      Snap(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1}), Cartesian().Scaled(0x1p-30).value(), {0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(
+      fine.status().message(),
+      "voxel_size: at 9.31323e-10 the mesh extends over 1073741825 voxels on lattice axis i, the limit is 131072");
 }
 
 TEST(Snap, FarOriginGivesTheSameMeshAtShiftedCoordinates) {

@@ -269,7 +269,8 @@ std::vector<BadRequest> BadRequests() {
       {"separability", [](Proto& r) { r.set_separability(2); }, "separability 2 exceeds 1", "separability"},
       {"algorithm", [](Proto& r) { r.set_algorithm(static_cast<v1::LineAlgorithm>(5)); }, "algorithm 5 is not",
        "algorithm"},
-      {"extent", [](Proto& r) { r.set_pixel_size(1e-7); }, "pixel_size: the polylines extend over", "pixel_size"},
+      {"extent", [](Proto& r) { r.set_pixel_size(1e-7); }, "pixel_size: at 1e-07 the polylines extend over",
+       "pixel_size"},
       {"position", [](Proto& r) { r.mutable_origin()->set_x(1e12); }, "origin: it puts", "origin"},
   };
 }

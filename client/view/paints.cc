@@ -1,0 +1,94 @@
+#include "client/view/paints.h"
+
+#include <cstdint>
+#include <map>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/output/voxel_colors.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr size_t kMostEntries = 24;  // of a legend
+constexpr int kRampSteps = 32;
+
+ColorBy ByOf(Attribute attribute) {
+  switch (attribute) {
+    case Attribute::kPart:
+      return ColorBy::kPart;
+    case Attribute::kMaterial:
+      return ColorBy::kMaterial;
+    case Attribute::kColor:
+      return ColorBy::kColor;
+  }
+  return ColorBy::kNone;
+}
+
+std::string Hex(uint32_t color) { return absl::StrFormat("#%06x", color); }
+
+// Ends and middle are named.
+void DescribeBand(const Band& band, Paint& paint) {
+  paint.is_ramp = true;
+  for (int n = 0; n <= kRampSteps; ++n) {
+    const double share = static_cast<double>(n) / kRampSteps,
+                 distance = band.width * (band.is_signed ? 2 * share - 1 : share);
+    const bool named = n % (kRampSteps / 2) == 0;
+    paint.legend.emplace_back(Hex(DistanceColor(static_cast<float>(distance), band)),
+                              named ? absl::StrFormat("%.4g", distance) : "");
+  }
+}
+
+// Parts or materials, and how many voxels each has.
+void DescribeNumbers(const GridContent& content, size_t which, Paint& paint) {
+  std::map<uint32_t, uint64_t> counts;
+  for (size_t n = which; n < content.numbers.size(); n += content.attributes.size()) ++counts[content.numbers[n]];
+  for (const auto& [number, voxels] : counts) {
+    if (paint.legend.size() == kMostEntries) {
+      paint.legend.emplace_back("", absl::StrCat("and ", counts.size() - kMostEntries, " more"));
+      break;
+    }
+    paint.legend.emplace_back(Hex(PaletteColor(number)),
+                              absl::StrCat(paint.name, " ", number, ": ", voxels, " voxels"));
+  }
+}
+
+absl::StatusOr<Paint> PaintOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
+  const auto colors = ColorsOf(batch, traits, by);
+  if (!colors.ok()) return colors.status();
+  Paint paint;
+  paint.name = NameOf(by);
+  paint.bytes.reserve(3 * colors->size());
+  for (const uint32_t color : *colors) {
+    for (const int shift : {16, 8, 0}) paint.bytes.push_back(static_cast<char>(color >> shift & 255));
+  }
+  return paint;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
+  const VoxelTraits traits{content.attributes, content.band};
+  const BrickBatch batch = content.Batch();
+  const ColorBy first = DefaultColorBy(traits);
+  std::vector<Paint> paints;
+  const auto add = [&](absl::StatusOr<Paint> paint, bool is_first) {
+    if (!paint.ok()) return paint.status();
+    paints.insert(is_first ? paints.begin() : paints.end(), *std::move(paint));
+    return absl::OkStatus();
+  };
+  for (size_t n = 0; n < content.attributes.size(); ++n) {
+    const ColorBy by = ByOf(content.attributes[n]);
+    auto paint = PaintOf(batch, traits, by);
+    if (paint.ok() && by != ColorBy::kColor) DescribeNumbers(content, n, *paint);
+    if (auto status = add(std::move(paint), by == first); !status.ok()) return status;
+  }
+  if (content.band) {
+    auto paint = PaintOf(batch, traits, ColorBy::kDistance);
+    if (paint.ok()) DescribeBand(*content.band, *paint);
+    if (auto status = add(std::move(paint), true); !status.ok()) return status;
+  }
+  return paints;
+}
+
+}  // namespace latvox::client

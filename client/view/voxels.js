@@ -1,0 +1,298 @@
+// Sets of voxels, and which facets of theirs there are to be seen. Needs no browser.
+//
+//   brick   8 x 8 x 8 lattice points as 64 rows, bytes: bit z of row x << 3 | y
+//   key     of a brick: its place in the box of all bricks, which has one more on every side, all empty
+//   step    from a lattice point to the neighbour behind a facet of its cell
+"use strict";
+
+const NONE = new Uint8Array(64), ALL = new Uint8Array(64).fill(255);
+const BITS = Uint8Array.from({ length: 256 }, (_, byte) => [...byte.toString(2)].filter((bit) => bit === "1").length);
+const MOST_BRICKS = 1 << 24; // of the box, for what is outside to be found
+
+class VoxelSet {
+  // Of lattice points from `low` to below `high`.
+  constructor(low, high) {
+    this.first = low.map((n) => (n >> 3) - 1); // brick of key 0
+    this.size = high.map((n, m) => ((n - 1) >> 3) - this.first[m] + 2);
+    this.strides = [this.size[1] * this.size[2], this.size[2], 1];
+    this.bricks = new Map(); // key -> { corner, rows, voxel, all }; voxel: the number of the first of `all`
+  }
+
+  keyOf(i, j, k) {
+    const [x, y, z] = this.first;
+    return (((i >> 3) - x) * this.size[1] + (j >> 3) - y) * this.size[2] + (k >> 3) - z;
+  }
+
+  placeOf(key) {
+    const [far, side] = this.strides;
+    return [Math.floor(key / far), Math.floor((key % far) / side), key % side];
+  }
+
+  // `voxel`: the number of its first voxel; they are counted in the order of rows and bits.
+  addBrick(corner, rows, voxel) {
+    this.bricks.set(this.keyOf(...corner), { corner, rows, voxel });
+  }
+
+  has(i, j, k) {
+    const brick = this.bricks.get(this.keyOf(i, j, k));
+    return brick !== undefined && ((brick.rows[((i & 7) << 3) | (j & 7)] >> (k & 7)) & 1) === 1;
+  }
+
+  // Calls visit(i, j, k, number of the voxel).
+  forEach(visit) {
+    for (const { corner: [i, j, k], rows, all = rows, voxel } of this.bricks.values()) {
+      for (let row = 0, before = voxel; row < 64; before += BITS[all[row]], ++row) {
+        for (let bits = rows[row]; bits !== 0; bits &= bits - 1) {
+          const low = bits & -bits;
+          visit(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(low), before + BITS[all[row] & (low - 1)]);
+        }
+      }
+    }
+  }
+
+  // The voxels for which keep(i, j, k), with their numbers here.
+  filter(keep) {
+    const kept = Object.assign(new VoxelSet([0, 0, 0], [0, 0, 0]), this, { bricks: new Map() });
+    for (const [key, { corner, rows, voxel }] of this.bricks) {
+      const [i, j, k] = corner, some = new Uint8Array(64);
+      for (let row = 0; row < 64; ++row) {
+        for (let bits = rows[row]; bits !== 0; bits &= bits - 1) {
+          const low = bits & -bits;
+          if (keep(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(low))) some[row] |= low;
+        }
+      }
+      if (some.some((row) => row !== 0)) kept.bricks.set(key, { corner, rows: some, all: rows, voxel });
+    }
+    return kept;
+  }
+
+  count() {
+    let voxels = 0;
+    for (const { rows } of this.bricks.values()) for (const row of rows) voxels += BITS[row];
+    return voxels;
+  }
+}
+
+// Numbers of a typed array, more and more.
+class Growing {
+  constructor(Type) {
+    this.array = new Type(1024);
+    this.length = 0;
+  }
+
+  push(a, b, c, d) {
+    if (this.length + 4 > this.array.length) {
+      const longer = new this.array.constructor(2 * this.array.length);
+      longer.set(this.array);
+      this.array = longer;
+    }
+    this.array[this.length++] = a;
+    this.array[this.length++] = b;
+    this.array[this.length++] = c;
+    this.array[this.length++] = d;
+  }
+
+  values() {
+    return this.array.slice(0, this.length);
+  }
+}
+
+// The rows about a brick, and how to look along a step in them: the row where a step leads is `along[f]` farther on,
+// and shifted by `bits[f]` to the right its bit z is what the step from z leads to.
+class Window {
+  constructor(set, steps) {
+    this.set = set;
+    this.reach = Math.max(...steps.flat().map(Math.abs)); // 8 at most
+    this.side = 8 + 2 * this.reach;
+    this.along = steps.map(([x, y]) => x * this.side + y);
+    this.bits = steps.map(([, , z]) => z + this.reach);
+    this.rows = new Uint32Array(this.side * this.side);
+  }
+
+  // Where row (0, 0) of the brick is.
+  get middle() {
+    return this.reach * this.side + this.reach;
+  }
+
+  // rowsOf(key): of each brick.
+  fill(key, rowsOf) {
+    const { reach, side, rows } = this, [farX, farY] = this.set.strides, mask = (1 << reach) - 1;
+    const near = [];
+    for (let x = -1; x <= 1; ++x) {
+      for (let y = -1; y <= 1; ++y) {
+        const at = key + x * farX + y * farY;
+        near.push(rowsOf(at - 1), rowsOf(at), rowsOf(at + 1));
+      }
+    }
+    for (let x = -reach, n = 0; x < 8 + reach; ++x) {
+      for (let y = -reach; y < 8 + reach; ++y, ++n) {
+        const at = 9 * ((x >> 3) + 1) + 3 * ((y >> 3) + 1), row = ((x & 7) << 3) | (y & 7);
+        rows[n] = (near[at][row] >> (8 - reach)) | (near[at + 1][row] << reach) | ((near[at + 2][row] & mask) << (8 + reach));
+      }
+    }
+    return side;
+  }
+}
+
+// What is empty and can be reached from outside, through facets: rowsOf(key).
+class Outside {
+  // Null if the box is too large for it to be found.
+  static of(set, steps) {
+    return set.size[0] * set.strides[0] > MOST_BRICKS ? null : new Outside(set, steps);
+  }
+
+  constructor(set, steps) {
+    this.set = set;
+    this.window = new Window(set, steps);
+    this.open = new Uint8Array(set.size[0] * set.strides[0]); // bricks without a voxel that are outside
+    this.reached = new Map([...set.bricks.keys()].map((key) => [key, new Uint8Array(64)])); // of the others
+    this.rowsOf = (key) => this.reached.get(key) ?? (this.open[key] === 1 ? ALL : NONE);
+    this.spread();
+  }
+
+  // From the corner on; empty bricks first, which cost least.
+  spread() {
+    const waiting = new Uint8Array(this.open.length), empty = [], others = [];
+    const wake = (key) => this.forEachNear(key, (next) => {
+      if (waiting[next] === 1 || this.open[next] === 1) return;
+      waiting[next] = 1;
+      (this.reached.has(next) ? others : empty).push(next);
+    });
+    this.open[0] = 1;
+    wake(0);
+    while (empty.length > 0 || others.length > 0) {
+      const key = empty.pop() ?? others.pop();
+      waiting[key] = 0;
+      if (this.reached.has(key) ? this.grow(key) : this.enter(key)) wake(key);
+    }
+  }
+
+  forEachNear(key, visit) {
+    const place = this.set.placeOf(key), [nx, ny, nz] = this.set.size;
+    for (let x = Math.max(0, place[0] - 1); x <= Math.min(nx - 1, place[0] + 1); ++x) {
+      for (let y = Math.max(0, place[1] - 1); y <= Math.min(ny - 1, place[1] + 1); ++y) {
+        for (let z = Math.max(0, place[2] - 1); z <= Math.min(nz - 1, place[2] + 1); ++z) {
+          const next = x * this.set.strides[0] + y * this.set.strides[1] + z;
+          if (next !== key) visit(next);
+        }
+      }
+    }
+  }
+
+  // Whether an empty brick is outside: it is as a whole if any of it is.
+  enter(key) {
+    const place = this.set.placeOf(key), rim = place.some((n, m) => n === 0 || n === this.set.size[m] - 1);
+    const beside = this.set.strides.some((far) => this.open[key - far] === 1 || this.open[key + far] === 1);
+    if (!rim && !beside) {
+      this.window.fill(key, this.rowsOf);
+      let any = 0;
+      for (let row = 0; row < 64; ++row) any |= this.reachedFrom(row);
+      if (any === 0) return false;
+    }
+    this.open[key] = 1;
+    return true;
+  }
+
+  // The points of a row from which some step leads to what is reached.
+  reachedFrom(row) {
+    const { rows, along, bits, side, middle } = this.window;
+    const at = middle + (row >> 3) * side + (row & 7);
+    let found = 0;
+    for (let f = 0; f < along.length; ++f) found |= rows[at + along[f]] >> bits[f];
+    return found & 255;
+  }
+
+  // Whether more of a brick with voxels is reached than was known.
+  grow(key) {
+    const reached = this.reached.get(key), full = this.set.bricks.get(key).rows;
+    this.window.fill(key, this.rowsOf);
+    let grown = false, more = true;
+    for (let pass = 0; more; ++pass) {
+      more = false;
+      for (let n = 0; n < 64; ++n) {
+        const row = pass % 2 === 0 ? n : 63 - n;
+        const added = this.reachedFrom(row) & ~full[row] & ~reached[row];
+        if (added === 0) continue;
+        reached[row] |= added;
+        this.window.rows[this.window.middle + (row >> 3) * this.window.side + (row & 7)] |= added << this.window.reach;
+        more = grown = true;
+      }
+    }
+    return grown;
+  }
+}
+
+// Calls see(i, j, k, voxel, f) for each facet, that of steps[f], of each voxel of the set; of facets towards voxels of
+// the set for none. `outside`: the rows, by key, of what facets must lie towards; null: of all that is empty.
+function forEachFacet(set, steps, outside, see) {
+  const window = new Window(set, steps), turned = outside === null ? 255 : 0;
+  const rowsOf = outside ?? ((key) => set.bricks.get(key)?.rows ?? NONE);
+  for (const [key, { corner: [i, j, k], rows, all = rows, voxel }] of set.bricks) {
+    window.fill(key, rowsOf);
+    for (let row = 0, before = voxel; row < 64; before += BITS[all[row]], ++row) {
+      if (rows[row] === 0) continue;
+      const at = window.middle + (row >> 3) * window.side + (row & 7);
+      for (let f = 0; f < steps.length; ++f) {
+        let bits = rows[row] & ((window.rows[at + window.along[f]] >> window.bits[f]) ^ turned);
+        for (; bits !== 0; bits &= bits - 1) {
+          const low = bits & -bits;
+          see(i + (row >> 3), j + (row & 7), k + 31 - Math.clz32(low), before + BITS[all[row] & (low - 1)], f);
+        }
+      }
+    }
+  }
+}
+
+// Directions as 16 bits: the octahedron unfolded to a square of 255 by 255 places.
+const NO_NORMAL = 65535;
+function packed(x, y, z) {
+  const sum = Math.abs(x) + Math.abs(y) + Math.abs(z);
+  if (sum < 1e-6) return NO_NORMAL;
+  const fold = (u, v) => (z < 0 ? (1 - Math.abs(v)) * (u < 0 ? -1 : 1) : u);
+  const [u, v] = [x / sum, y / sum];
+  return Math.round(127 * (1 + fold(u, v))) | (Math.round(127 * (1 + fold(v, u))) << 8);
+}
+
+// Where the surface faces at each voxel, packed: the sum of what its facets do. NO_NORMAL: none of them is seen.
+function findNormals(set, facets, outside) {
+  const sums = new Float32Array(3 * set.count());
+  forEachFacet(set, facets.map(({ step }) => step), outside, (i, j, k, voxel, f) => {
+    for (let m = 0; m < 3; ++m) sums[3 * voxel + m] += facets[f].normal[m];
+  });
+  return Uint16Array.from({ length: sums.length / 3 }, (_, n) => packed(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]));
+}
+
+// For each step, the voxels that show the facet there: four numbers each, their coordinates from `origin` on and their
+// normals; and, if `numbered`, their numbers.
+function findFacets(set, steps, origin, outside, normals, numbered) {
+  const cells = steps.map(() => new Growing(Uint16Array)), numbers = steps.map(() => []);
+  forEachFacet(set, steps, outside, (i, j, k, voxel, f) => {
+    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
+    if (numbered) numbers[f].push(voxel);
+  });
+  return { cells: cells.map((of) => of.values()), numbers };
+}
+
+// The voxels with a normal, in an order in which the first few are spread evenly: as findFacets has them.
+function scatter(set, origin, normals) {
+  const found = new Growing(Uint16Array), of = [];
+  set.forEach((i, j, k, voxel) => {
+    if (normals[voxel] === NO_NORMAL) return;
+    found.push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
+    of.push(voxel);
+  });
+  const cells = new Uint16Array(found.length), numbers = new Uint32Array(of.length), stride = coprime(of.length);
+  for (let n = 0, at = 0; n < of.length; ++n, at = (at + stride) % of.length) {
+    cells.set(found.array.subarray(4 * at, 4 * at + 4), 4 * n);
+    numbers[n] = of[at];
+  }
+  return { cells, numbers };
+}
+
+// A number near the golden part of `count` that has no divisor with it.
+function coprime(count) {
+  const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
+  let stride = Math.max(1, Math.round(0.618034 * count));
+  while (divisor(count, stride) > 1) ++stride;
+  return stride;
+}

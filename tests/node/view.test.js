@@ -1,0 +1,129 @@
+// Which facets the page of `latvox view` shows, held against a search of its own for what is outside.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+
+const source = readFileSync(new URL('../../client/view/voxels.js', import.meta.url), 'utf8');
+const { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL } = new Function(
+  `${source}; return { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL };`)();
+
+const both = (steps) => steps.flatMap((step) => [step, step.map((n) => -n)]);
+const STEPS = {
+  cartesian: both([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+  hexagonal: both([[1, 0, 0], [0, 1, 0], [1, -1, 0], [0, 0, 1]]),
+  fcc: both([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, -1, 0], [1, 0, -1], [0, 1, -1]]),
+  bcc: both([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, -1], [0, 1, -1], [1, 1, -1], [1, 1, -2]]),
+  far: both([[1, 0, 0], [0, 1, 0], [0, 0, 1], [8, -3, 1]]),
+};
+
+// Deterministic, from 0 to 1.
+function randomOf(seed) {
+  let state = seed;
+  return () => (state = (state * 48271) % 2147483647) / 2147483647;
+}
+
+// Voxels by their names, and as a set of bricks in the order of the page, which numbers them.
+function setOf(voxels, low, high) {
+  const bricks = new Map(), set = new VoxelSet(low, high), numbers = [];
+  for (const [i, j, k] of voxels) {
+    const name = [i >> 3, j >> 3, k >> 3].join();
+    if (!bricks.has(name)) bricks.set(name, { corner: [i & ~7, j & ~7, k & ~7], rows: new Uint8Array(64) });
+    bricks.get(name).rows[((i & 7) << 3) | (j & 7)] |= 1 << (k & 7);
+  }
+  for (const { corner, rows } of bricks.values()) {
+    set.addBrick(corner, rows, numbers.length);
+    rows.forEach((row, n) => {
+      for (let z = 0; z < 8; ++z) {
+        if ((row >> z) & 1) numbers.push([corner[0] + (n >> 3), corner[1] + (n & 7), corner[2] + z].join());
+      }
+    });
+  }
+  return { set, numbers };
+}
+
+// Names of what is empty and reached from outside, of the box and so much about it.
+function search(names, steps, low, high) {
+  const far = 1 + Math.max(...steps.flat()), found = new Set(), next = [low.map((n) => n - far)];
+  while (next.length > 0) {
+    const at = next.pop();
+    if (at.some((n, m) => n < low[m] - far || n >= high[m] + far) || names.has(at.join()) || found.has(at.join())) continue;
+    found.add(at.join());
+    for (const step of steps) next.push(at.map((n, m) => n + step[m]));
+  }
+  return found;
+}
+
+// A hollow box with a hole or none, and some more voxels in and about it.
+function shapeOf(random, hole) {
+  const low = [-5, 3, -12], high = [9, 14, 6], voxels = new Map();
+  const add = (...ijk) => voxels.set(ijk.join(), ijk);
+  for (let i = low[0]; i < high[0]; ++i) {
+    for (let j = low[1]; j < high[1]; ++j) {
+      for (let k = low[2]; k < high[2]; ++k) {
+        const rim = [i, j, k].some((n, m) => n < low[m] + 2 || n >= high[m] - 2);
+        if (rim ? !(hole && i === 2 && j >= high[1] - 2 && k === -2) : random() < 0.05) add(i, j, k);
+      }
+    }
+  }
+  return { voxels, low, high };
+}
+
+for (const [lattice, steps] of Object.entries(STEPS)) {
+  test(`facets of ${lattice} are those towards what is outside`, () => {
+    const count = [false, true].map((hole) => {
+      const { voxels, low, high } = shapeOf(randomOf(7), hole), { set, numbers } = setOf(voxels.values(), low, high);
+      assert.deepEqual(new Set(numbers), new Set(voxels.keys()));
+      assert.equal(set.count(), voxels.size);
+      const wanted = (towards) => [...voxels].flatMap(([name, ijk]) => steps.flatMap((step, f) =>
+        towards(ijk.map((n, m) => n + step[m]).join()) ? [`${f} ${name}`] : [])).sort();
+      const facets = (outside) => {
+        const { cells, numbers: of } = findFacets(set, steps, low, outside, new Uint16Array(numbers.length), true);
+        return cells.flatMap((cell, f) => of[f].map((number, n) => {
+          assert.equal(low.map((from, m) => from + cell[4 * n + m]).join(), numbers[number]);
+          return `${f} ${numbers[number]}`;
+        })).sort();
+      };
+      assert.deepEqual(facets(null), wanted((name) => !voxels.has(name)));
+      const outside = search(voxels, steps, low, high), seen = wanted((name) => outside.has(name));
+      assert.deepEqual(facets(Outside.of(set, steps).rowsOf), seen);
+      return seen.length;
+    });
+    if (lattice !== 'far') assert.ok(count[1] > 1.3 * count[0], `the hole matters: ${count}`);
+  });
+}
+
+test('a part of a set keeps its numbers', () => {
+  const { voxels, low, high } = shapeOf(randomOf(3), false), { set, numbers } = setOf(voxels.values(), low, high);
+  const part = set.filter((i, j, k) => k <= -3), steps = STEPS.bcc;
+  const { cells, numbers: of } = findFacets(part, steps, low, null, new Uint16Array(numbers.length), true);
+  cells.forEach((cell, f) => of[f].forEach((number, n) => {
+    const ijk = low.map((from, m) => from + cell[4 * n + m]);
+    assert.equal(ijk.join(), numbers[number]);
+    assert.ok(ijk[2] <= -3);
+  }));
+  assert.ok(of.flat().length > 0);
+  let seen = 0;
+  part.forEach((i, j, k, number) => (assert.equal([i, j, k].join(), numbers[number]), ++seen));
+  assert.equal(seen, [...voxels.values()].filter(([, , k]) => k <= -3).length);
+});
+
+test('points are all that is seen, each once, with a direction outwards', () => {
+  const { voxels, low, high } = shapeOf(randomOf(5), false), { set, numbers } = setOf(voxels.values(), low, high);
+  const facets = STEPS.cartesian.map((step) => ({ step, normal: step }));
+  const normals = findNormals(set, facets, Outside.of(set, STEPS.cartesian).rowsOf);
+  const { cells, numbers: of } = scatter(set, low, normals);
+  const rim = [...voxels.values()].filter((ijk) => ijk.some((n, m) => n === low[m] || n === high[m] - 1));
+  assert.deepEqual([...of].map((number) => numbers[number]).sort(), rim.map((ijk) => ijk.join()).sort());
+  of.forEach((number, n) => {
+    const ijk = low.map((from, m) => from + cells[4 * n + m]), bits = cells[4 * n + 3];
+    assert.equal(ijk.join(), numbers[number]);
+    assert.notEqual(bits, NO_NORMAL);
+    let [x, y] = [(bits & 255) / 127 - 1, (bits >> 8) / 127 - 1];
+    const z = 1 - Math.abs(x) - Math.abs(y);
+    if (z < 0) [x, y] = [(1 - Math.abs(y)) * (x < 0 ? -1 : 1), (1 - Math.abs(x)) * (y < 0 ? -1 : 1)];
+    [x, y, z].forEach((to, m) => {
+      const wanted = ijk[m] === low[m] ? -1 : ijk[m] === high[m] - 1 ? 1 : 0;
+      assert.ok(Math.abs(Math.sign(Math.abs(to) < 0.02 ? 0 : to) - wanted) < 1e-9, `${ijk}: ${[x, y, z]}`);
+    });
+  });
+});
