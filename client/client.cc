@@ -5,6 +5,7 @@
 #include "absl/strings/str_split.h"
 #include "client/connection.h"
 #include "client/remote_service.h"
+#include "client/request_check.h"
 
 namespace latvox::client {
 namespace {
@@ -53,6 +54,8 @@ absl::StatusOr<Client> Client::Connect(const std::vector<std::string>& addresses
 
 absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,
                                          const VoxelizeHandlers& handlers, const CallOptions& options) const {
+  if (absl::Status status = CheckMesh(mesh_drc); !status.ok()) return status;
+  if (absl::Status status = CheckRequest(request); !status.ok()) return status;
   const absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_drc);
   if (!mesh.ok()) return mesh.status();
   return service_->Voxelize(request, {*mesh, mesh_drc}, handlers, options);
@@ -60,6 +63,7 @@ absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::st
 
 absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, const MeshId& mesh,
                                          const VoxelizeHandlers& handlers, const CallOptions& options) const {
+  if (absl::Status status = CheckRequest(request); !status.ok()) return status;
   return service_->Voxelize(request, {mesh, std::nullopt}, handlers, options);
 }
 
@@ -91,6 +95,7 @@ BrickStream Client::Stream(VoxelizeRequest request, const MeshId& mesh, const Ca
 }
 
 absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_drc, const CallOptions& options) const {
+  if (absl::Status status = CheckMesh(mesh_drc); !status.ok()) return status;
   absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_drc);
   if (!mesh.ok()) return mesh;
   if (absl::Status status = service_->PutMesh(*mesh, mesh_drc, options); !status.ok()) return status;
@@ -98,6 +103,7 @@ absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_drc, const CallOpti
 }
 
 absl::StatusOr<Pixelization> Client::Pixelize(const PixelizeRequest& request, const CallOptions& options) const {
+  if (absl::Status status = CheckRequest(request); !status.ok()) return status;
   return service_->Pixelize(request, options);
 }
 

@@ -63,7 +63,8 @@ class Client {
   // Voxelizes the Draco-encoded mesh and blocks until the last brick was handled. The mesh is read during the call and
   // uploaded while answers already arrive. Every answer is checked before it is handed on: sizes, order, no brick
   // twice or outside of Accepted.index_box, and in the end counts and digest. OK means that all voxels were handed on.
-  // Bricks that were handed on before an error are correct as far as checked, but not all.
+  // Bricks that were handed on before an error are correct as far as checked, but not all. Errors found before any
+  // server is asked: INVALID_ARGUMENT for a mesh of no bytes, and for a request with both voxel_size and resolution.
   //
   // Servers keep meshes. So many calls with one mesh upload it once to each server, as long as that keeps it: this
   // Client remembers what it sent where, sends the mesh's SHA-256 instead, and the mesh again if the server asks for
@@ -90,10 +91,12 @@ class Client {
   BrickStream Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options = {}) const;
 
   // Stores the mesh on one server, which later calls with it prefer. Idempotent. The mesh is not looked at before it is
-  // used. Errors: RESOURCE_EXHAUSTED for one over Limits.max_mesh_bytes or mesh_store_bytes.
+  // used. Errors: INVALID_ARGUMENT for no bytes; RESOURCE_EXHAUSTED for one over Limits.max_mesh_bytes or
+  // mesh_store_bytes.
   absl::StatusOr<MeshId> PutMesh(std::string_view mesh_drc, const CallOptions& options = {}) const;
 
   // Pixelizes polylines. The answer is checked before it is returned: the order of its pixels, and their digest.
+  // Errors: INVALID_ARGUMENT also for both pixel_size and resolution.
   absl::StatusOr<Pixelization> Pixelize(const PixelizeRequest& request, const CallOptions& options = {}) const;
 
   // The limits of one server.

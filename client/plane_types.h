@@ -46,7 +46,7 @@ enum class LineAlgorithm {
   kIbanez,       // steps from pixel to pixel
 };
 
-// What to compute. At most one of pixel_size and resolution; a named lattice needs one of them.
+// What to compute. At most one of pixel_size and resolution (both: INVALID_ARGUMENT); a named lattice needs one.
 struct PixelizeRequest {
   std::vector<Polyline> polylines;  // one at least
   std::variant<NamedPlaneLattice, PlaneBasis> lattice =

@@ -114,7 +114,7 @@ struct Solid {
   bool operator==(const Solid&) const = default;
 };
 
-// What to compute. At most one of voxel_size and resolution; a named lattice needs one of them.
+// What to compute. At most one of voxel_size and resolution (both: INVALID_ARGUMENT); a named lattice needs one.
 struct VoxelizeRequest {
   std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a Basis is scaled if a density is given
   std::optional<double> voxel_size;    // edge of a cube with a Voronoi cell's volume, world units

@@ -8,6 +8,7 @@
 #include "client/cli/batch_results.h"
 #include "client/cli/batch_run.h"
 #include "client/cli/job_file.h"
+#include "client/mesh/mesh_file.h"
 
 namespace latvox::client {
 namespace {
@@ -18,8 +19,8 @@ absl::StatusOr<JobFile> ReadJobs(const BatchOptions& options, const Cancellation
   auto file = ReadJobFile(options.jobs_file, options.directory, options.shard.shard, cancellation);
   if (!file.ok() || file->wrong == 0) return file;
   for (const std::string& error : file->errors) Say(error);
-  return absl::InvalidArgumentError(
-      absl::StrCat(options.jobs_file, ": ", file->wrong, " of ", file->jobs, " jobs are wrong; none was run"));
+  return absl::InvalidArgumentError(absl::StrCat(NameOfInput(options.jobs_file), ": ", file->wrong, " of ", file->jobs,
+                                                 " jobs are wrong; none was run"));
 }
 
 absl::Status MakeDirectory(const std::string& path) {

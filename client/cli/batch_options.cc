@@ -14,7 +14,9 @@ constexpr int kMaxJobs = 256;
 
 void AddBatchOptions(CLI::App& command, BatchWords& words) {
   BatchOptions& options = words.options;
-  command.add_option("jobs-file", options.jobs_file, "a job a line, as a JSON object; see README.md, \"Many meshes\"")
+  command
+      .add_option("jobs-file", options.jobs_file,
+                  "a job a line, as a JSON object, or - for standard input; see README.md, \"Many meshes\"")
       ->type_name("JOBS.jsonl")
       ->required();
   command.add_option("-o,--out", options.directory, "directory of outputs and results; made if there is none")

@@ -12,6 +12,7 @@
 #include "absl/time/clock.h"
 #include "client/cli/job_digest.h"
 #include "client/cli/voxelize_command.h"
+#include "client/mesh/mesh_file.h"
 
 namespace latvox::client {
 namespace {
@@ -180,7 +181,8 @@ void BatchRun::Count(const JobResult& result) {
   report_.status = report_.failed == 0 || report_.status == status ? status : ExitStatus::kOther;
   ++report_.failed;
   if (report_.failures.size() == kFailuresKept) return;
-  report_.failures.push_back(absl::StrCat(options_.jobs_file, ":", result.line, ": ", ErrorText(result.error)));
+  report_.failures.push_back(
+      absl::StrCat(NameOfInput(options_.jobs_file), ":", result.line, ": ", ErrorText(result.error)));
 }
 
 void BatchRun::Watch() {

@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/info_json.h"
 #include "client/cli/report.h"
 #include "client/grid/voxel_grid.h"
 
@@ -14,9 +15,10 @@ std::string Show(const Vec3d& v) { return absl::StrFormat("%.9g %.9g %.9g", v[0]
 
 }  // namespace
 
-absl::StatusOr<std::string> RunInfo(const std::string& path) {
+absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
   const auto info = ReadGridFileInfo(path);
   if (!info.ok()) return info.status();
+  if (json) return ToJson(*info) + "\n";
   std::string text = absl::StrFormat("grid           %s (%s)\n", info->name, info->value_type);
   absl::StrAppendFormat(&text, "active voxels  %d\n", info->active_voxels);
   if (const auto& box = info->active_box) {

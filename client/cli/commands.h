@@ -11,7 +11,7 @@
 namespace latvox::client {
 
 // Each returns what belongs on standard output.
-absl::StatusOr<std::string> RunInfo(const std::string& path);
+absl::StatusOr<std::string> RunInfo(const std::string& path, bool json);
 
 // Errors: UNAVAILABLE if the server answers that it takes no requests.
 absl::StatusOr<std::string> RunHealth(const ServerChoice& choice, const Cancellation& cancellation);

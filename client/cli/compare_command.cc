@@ -1,8 +1,10 @@
 #include "client/cli/compare_command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -22,6 +24,13 @@ struct Report {
   std::vector<FieldDifference> fields;
   ValueDifference values;
 };
+
+// Whether the same coordinates are the same place in both.
+bool SamePlaces(const std::vector<FieldDifference>& fields) {
+  return std::none_of(fields.begin(), fields.end(), [](const FieldDifference& field) {
+    return field.name == "origin" || absl::StartsWith(field.name, "step in ");
+  });
+}
 
 std::string NamesOf(const std::vector<Attribute>& attributes) {
   return absl::StrJoin(attributes, ",", [](std::string* out, Attribute attribute) { *out += NameOf(attribute); });
@@ -47,6 +56,7 @@ std::string ToJson(const Report& report) {
                {"fields", Json::array()},
                {"distances", nullptr},
                {"attributes", Json::object()}};
+  json["same_places"] = SamePlaces(report.fields);
   if (voxels.box) json["box"] = {{"min", voxels.box->min}, {"max", voxels.box->max}};
   for (const auto& [ijk, in_a] : voxels.first) json["first"].push_back({{"ijk", ijk}, {"only", in_a ? "a" : "b"}});
   for (const auto& [name, a, b] : report.fields) json["fields"].push_back({{"name", name}, {"a", a}, {"b", b}});
@@ -65,6 +75,8 @@ std::string ToText(const Report& report, const CompareWords& words) {
   for (const auto& [name, a, b] : report.fields) {
     absl::StrAppend(&text, name, ": ", a.empty() ? "(none)" : a, " in A, ", b.empty() ? "(none)" : b, " in B\n");
   }
+  if (!SamePlaces(report.fields))
+    text += "the lattices differ: these are counts of coordinates, which are other places\n";
   absl::StrAppendFormat(&text, "%d voxels in both, %d in A alone, %d in B alone; Jaccard index %.6f\n", voxels.both,
                         voxels.only_a, voxels.only_b, voxels.Jaccard());
   if (voxels.box) {

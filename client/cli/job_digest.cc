@@ -43,9 +43,15 @@ std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Attribute>& 
 
 absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
   if (!MayReferToFiles(input)) {
-    const auto bytes = ReadBytes(input.paths[0]);
-    if (!bytes.ok()) return bytes.status();
-    return Sha256(*bytes);
+    std::string digests;
+    for (const std::string& path : input.paths) {
+      const auto bytes = ReadBytes(path);
+      if (!bytes.ok()) return bytes.status();
+      const auto digest = Sha256(*bytes);
+      if (!digest.ok()) return digest.status();
+      digests += *digest;
+    }
+    return digests;
   }
   const auto read = ReadMeshSource(input);
   if (!read.ok()) return read.status();

@@ -1,6 +1,5 @@
 #include "client/cli/job_file.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -32,10 +31,9 @@ class Claims {
       if (auto status = Take(ids_, "id", job.id, line); !status.ok()) return status;
     }
     // Other meshes cannot be where outputs go, and asking for the places of millions would take long.
-    const std::string& mesh = job.options.mesh.paths[0];
-    const std::string extension = absl::AsciiStrToLower(std::filesystem::path(mesh).extension().string());
-    const auto& known = OutputExtensions();
-    if (std::find(known.begin(), known.end(), extension) != known.end()) inputs_.push_back({line, "mesh", mesh});
+    for (const std::string& mesh : job.options.mesh.paths) {
+      if (HasExtension(mesh, OutputExtensions())) inputs_.push_back({line, "mesh", mesh});
+    }
     if (const std::string& align = job.options.align; !align.empty()) inputs_.push_back({line, "align", align});
     return absl::OkStatus();
   }
@@ -75,14 +73,15 @@ class Claims {
 
 absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Shard& shard,
                                     const Cancellation& cancellation) {
-  auto bytes = ReadBytes(path);
+  auto bytes = path == kStandardInput ? ReadStandardInput("a job file") : ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
   JobFile file;
   file.text = std::make_unique<const std::string>(*std::move(bytes));
   JobParser parser(std::filesystem::path(path).parent_path().string(), directory);
   Claims claims(directory);
   const auto tell = [&](uint64_t line, absl::string_view what) {
-    if (file.errors.size() < kErrorsShown) file.errors.push_back(absl::StrCat(path, ":", line, ": ", what));
+    if (file.errors.size() < kErrorsShown)
+      file.errors.push_back(absl::StrCat(NameOfInput(path), ":", line, ": ", what));
     ++file.wrong;
   };
   uint64_t number = 0;
@@ -95,7 +94,7 @@ absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& 
     const absl::Status status = job.ok() ? claims.Add(number, *job) : job.status();
     if (!status.ok()) tell(number, status.message());
   }
-  if (file.jobs == 0) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no job"));
+  if (file.jobs == 0) return absl::InvalidArgumentError(absl::StrCat(NameOfInput(path), ": holds no job"));
   claims.CheckInputs(tell);
   return file;
 }

@@ -28,9 +28,9 @@ struct JobFile {
   uint64_t wrong = 0;               // lines, of all workers
 };
 
-// Reads the file and holds every line of it, whosever it is, against the rules, and against each other: outputs and ids
-// must differ, and no output may take the place of a mesh. Errors: those of ReadBytes; INVALID_ARGUMENT if there is no
-// job at all; CANCELLED. Lines that are wrong are none.
+// Reads the file, or standard input, "-", and holds every line of it, whosever it is, against the rules, and against
+// each other: outputs and ids must differ, and no output may take the place of a mesh. Errors: those of ReadBytes;
+// INVALID_ARGUMENT if there is no job at all; CANCELLED. Lines that are wrong are none.
 absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Shard& shard,
                                     const Cancellation& cancellation);
 

@@ -95,11 +95,11 @@ bool Is(const Json& value, Kind kind) {
   return false;
 }
 
-// As the option takes it. Numbers come out so that they read back as the same.
-std::string WordOf(const Json& value) {
+// As the option takes it, lists with this between their elements. Numbers come out so that they read back as the same.
+std::string TextOf(const Json& value, const char* between = ",") {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
-  return absl::StrJoin(value, ",", [](std::string* out, const Json& element) { *out += WordOf(element); });
+  return absl::StrJoin(value, between, [](std::string* out, const Json& element) { *out += TextOf(element); });
 }
 
 // An error in JSON without the library's number of the line, which is always 1.
@@ -155,6 +155,18 @@ absl::StatusOr<std::vector<std::string>> OutputNames(const Json& object, const s
   return names;
 }
 
+absl::StatusOr<std::vector<std::string>> MeshPaths(const Json& given, const std::string& folder) {
+  if (!Is(given, Kind::kTexts)) return WrongType("mesh", given, "a path or a file: URL, or an array of these");
+  std::vector<std::string> paths;
+  for (const Json& one : given.is_array() ? given : Json::array({given})) {
+    auto path = PathOf(one.get<std::string>(), folder);
+    if (!path.ok()) return Wrong("mesh: ", path.status().message());
+    // No job reads standard input.
+    paths.push_back(*path == kStandardInput ? "./-" : *std::move(path));
+  }
+  return paths;
+}
+
 // "voxel_size" to "--voxel-size".
 std::string OptionOf(absl::string_view field) { return absl::StrCat("--", absl::StrReplaceAll(field, {{"_", "-"}})); }
 
@@ -175,7 +187,7 @@ absl::StatusOr<std::vector<std::string>> Words(const Json& object, const CLI::Ap
     if (!Is(value, kind)) return WrongType(field, value, kTypes[static_cast<size_t>(kind)]);
     const std::string option = OptionOf(field);
     if (kind != Kind::kFlag) {
-      words.push_back(absl::StrCat(option, "=", WordOf(value)));
+      words.push_back(absl::StrCat(option, "=", TextOf(value)));
     } else if (value.get<bool>()) {
       words.push_back(option);
     } else if (const std::string no = "--no-" + field; app.get_option_no_throw(no) != nullptr) {
@@ -198,11 +210,10 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   const auto object = ParseObject(line);
   if (!object.ok()) return object.status();
   const Json mesh = object->value("mesh", Json()), id = object->value("id", Json());
-  if (!IsText(mesh)) return WrongType("mesh", mesh, "a path or a file: URL");
   if (object->contains("id") && !IsText(id)) return WrongType("id", id, kTypes[0]);
-  auto path = PathOf(mesh.get<std::string>(), folder_);
-  if (!path.ok()) return Wrong("mesh: ", path.status().message());
-  auto names = OutputNames(*object, *path);
+  auto paths = MeshPaths(mesh, folder_);
+  if (!paths.ok()) return paths.status();
+  auto names = OutputNames(*object, paths->front());
   if (!names.ok()) return names.status();
   auto words = Words(*object, app_);
   if (!words.ok()) return words.status();
@@ -211,15 +222,14 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   words_ = VoxelizeWords();
   try {
     app_.parse(*std::move(words));
-    // No job reads standard input.
-    words_.options.mesh.paths = {*path == kStandardInput ? "./-" : *path};
+    words_.options.mesh.paths = *std::move(paths);
     if (std::string& align = words_.options.align; !align.empty()) {
       auto place = PathOf(align, folder_);
       if (!place.ok()) return Wrong("align: ", place.status().message());
       align = *std::move(place);
     }
     for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
-    return Job{id.is_null() ? names->front() : id.get<std::string>(), mesh.get<std::string>(), *std::move(names),
+    return Job{id.is_null() ? names->front() : id.get<std::string>(), TextOf(mesh, " + "), *std::move(names),
                InterpretRequest(words_)};
   } catch (const CLI::ParseError& error) {
     return Wrong(absl::StrReplaceAll(error.what(), names_));
@@ -227,7 +237,7 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
 }
 
 absl::Status CheckPlaces(const Job& job) try {
-  CheckOutputs(job.options.outputs, job.options.mesh.paths[0], "mesh");
+  for (const std::string& mesh : job.options.mesh.paths) CheckOutputs(job.options.outputs, mesh, "mesh");
   return absl::OkStatus();
 } catch (const CLI::ValidationError& error) {
   return Wrong(absl::StrReplaceAll(error.what(), {{"--out", "out"}}));

@@ -1,7 +1,8 @@
 // One line of a job file: a JSON object.
 //
-//   mesh    path, below the job file's folder unless it is absolute, or file: URL; the only field that must be there
-//   out     file name below the output directory, or an array of several; default: the mesh's name with .vdb
+//   mesh    path, below the job file's folder (the working directory, for standard input) unless it is absolute, or
+//           file: URL; or an array of several, which are one mesh; the only field that must be there
+//   out     file name below the output directory, or an array of several; default: the first mesh's name with .vdb
 //   id      a name of its own in results; default: the first of out
 //   others  what the long options of `latvox voxelize` with these names ask for, with _ for -: lattice, basis,
 //           voxel_size, ... Numbers are numbers, lists of them arrays, and flags true or false. The path of align is
@@ -21,7 +22,7 @@
 namespace latvox::client {
 
 struct Job {
-  std::string id, mesh;            // mesh: as it is given
+  std::string id, mesh;            // mesh: as it is given, several with + between them
   std::vector<std::string> names;  // of the outputs, below the directory, in normal form
   VoxelizeOptions options;         // whose paths are whole, and whose server does not count
 };
@@ -46,7 +47,7 @@ class JobParser {
   std::vector<std::pair<std::string, std::string>> names_;  // option and field, "--voxel-size" and "voxel_size"
 };
 
-// Errors: INVALID_ARGUMENT if an output would take the place of the mesh, or of another output, by whatever links.
+// Errors: INVALID_ARGUMENT if an output would take the place of a mesh, or of another output, by whatever links.
 absl::Status CheckPlaces(const Job& job);
 
 }  // namespace latvox::client

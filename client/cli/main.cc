@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "client/cli/batch_command.h"
 #include "client/cli/batch_options.h"
 #include "client/cli/commands.h"
 #include "client/cli/common_options.h"
 #include "client/cli/compare_command.h"
+#include "client/cli/encode_command.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/merge_command.h"
@@ -64,8 +66,9 @@ ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) 
   return printed == ExitStatus::kDone ? report->status : printed;
 }
 
-ExitStatus Compare(const CompareWords& words) {
+ExitStatus Compare(const CompareWords& words, const Cancellation& cancellation) {
   const auto comparison = RunCompare(words);
+  if (cancellation.cancelled()) return Fail(absl::CancelledError("cancelled"));
   if (!comparison.ok()) return Fail(comparison.status());
   const ExitStatus printed = Print(comparison->text);
   return printed == ExitStatus::kDone && !comparison->equal ? ExitStatus::kOther : printed;
@@ -77,6 +80,7 @@ struct Commands {
   VoxelizeWords words;
   BatchWords batch_words;
   PixelizeWords pixelize_words;
+  EncodeWords encode_words;
   MergeWords merge_words;
   RenderWords render_words;
   SliceWords slice_words;
@@ -88,6 +92,7 @@ struct Commands {
   CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
   CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
   CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
+  CLI::App* encode = app.add_subcommand("encode", "write mesh files as one Draco file, as servers take it");
   CLI::App* merge =
       app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region, --bounds or --shard");
   CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
@@ -106,12 +111,14 @@ struct Commands {
     AddVoxelizeOptions(*voxelize, words);
     AddBatchOptions(*batch, batch_words);
     AddPixelizeOptions(*pixelize, pixelize_words);
+    AddEncodeOptions(*encode, encode_words);
     AddMergeOptions(*merge, merge_words);
     AddRenderOptions(*render, render_words);
     AddSliceOptions(*slice, slice_words);
     AddViewOptions(*view, view_words);
     AddCompareOptions(*compare, compare_words);
     info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
+    info->add_flag("--json", json, "as a JSON object");
     AddServerOptions(*health, server);
     AddServerOptions(*limits, server);
     limits->add_flag("--json", json, "as a JSON object");
@@ -129,7 +136,7 @@ ExitStatus Run(const Commands& commands) {
   const Cancellation cancellation;
   if (*commands.completions) return Print(Completions(commands.app, commands.shell));
   if (*commands.man) return Print(ManPageOf(commands.app));
-  if (*commands.info) return Print(RunInfo(commands.info_path));
+  if (*commands.info) return Print(RunInfo(commands.info_path, commands.json));
   if (*commands.voxelize) {
     const VoxelizeOptions options = Interpret(commands.words);
     const Interrupt interrupt(cancellation);
@@ -145,25 +152,47 @@ ExitStatus Run(const Commands& commands) {
     const Interrupt interrupt(cancellation);
     return Print(Pixelize(options, cancellation));
   }
+  if (*commands.encode) {
+    const MeshSource source = Interpret(commands.encode_words);
+    const Interrupt interrupt(cancellation);
+    return Print(RunEncode(commands.encode_words, source, cancellation));
+  }
   if (*commands.merge) {
     Check(commands.merge_words);
     const Interrupt interrupt(cancellation);
     return Print(RunMerge(commands.merge_words, cancellation));
   }
-  if (*commands.render) return Print(RunRender(commands.render_words, Interpret(commands.render_words)));
+  if (*commands.render) {
+    PictureOptions options = Interpret(commands.render_words);
+    options.cancellation = cancellation;
+    const Interrupt interrupt(cancellation);
+    return Print(RunRender(commands.render_words, options));
+  }
   if (*commands.slice) {
     Check(commands.slice_words);
-    return Print(RunSlice(commands.slice_words));
+    const Interrupt interrupt(cancellation);
+    return Print(RunSlice(commands.slice_words, cancellation));
   }
   if (*commands.view) {
     Check(commands.view_words);
-    return Print(RunView(commands.view_words));
+    const Interrupt interrupt(cancellation);
+    return Print(RunView(commands.view_words, cancellation));
   }
-  if (*commands.compare) return Compare(commands.compare_words);
   const Interrupt interrupt(cancellation);
+  if (*commands.compare) return Compare(commands.compare_words, cancellation);
   if (*commands.health) return Print(RunHealth(commands.server, cancellation));
   if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));
   return Print(Introduction());
+}
+
+// The words after the program's name, the last first, as CLI11 wants vectors; "help COMMAND" is "COMMAND --help".
+std::vector<std::string> Words(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  return {words.rbegin(), words.rend()};
 }
 
 ExitStatus Main(int argc, char** argv) {
@@ -171,7 +200,7 @@ ExitStatus Main(int argc, char** argv) {
   signal(SIGPIPE, SIG_IGN);
   Commands commands;
   try {
-    commands.app.parse(argc, argv);
+    commands.app.parse(Words(argc, argv));
     return Run(commands);
   } catch (const CLI::Success& wanted) {  // --help, --version
     commands.app.exit(wanted);

@@ -46,9 +46,8 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   if (!file.ok()) return file.status();
   ProgressBar bar;
   bar.Stage("merging");
-  const auto merged = MergeParts(
-      words.parts, (*file)->temporary(), cancellation,
-      [&bar](double share, uint64_t bricks) { bar.Show(share, CountText("bricks", bricks, bar.elapsed())); });
+  const auto merged = MergeParts(words.parts, (*file)->temporary(), cancellation,
+                                 [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); });
   if (!merged.ok()) return merged.status();
   if (auto status = (*file)->Sync(); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");

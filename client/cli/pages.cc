@@ -27,6 +27,9 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
      "Examples:\n"
      "  echo '0,0 4,9 8,0 -1,6 9,6 z' > star.txt\n"
      "  latvox pixelize star.txt --lattice hexagonal --resolution 40 -o star.csv -o star.png\n"},
+    {"encode",
+     "Examples:\n"
+     "  latvox encode bunny.obj -o bunny.drc\n"},
     {"merge",
      "Examples:\n"
      "  for i in 0 1; do latvox voxelize bunny.obj --resolution 64 --shard $i/2 -o part$i.vdb; done\n"

@@ -6,6 +6,7 @@
 
 #include "absl/time/clock.h"
 #include "client/curve/curve_file.h"
+#include "client/mesh/mesh_file.h"
 #include "client/output/atomic_file.h"
 #include "client/output/pixel_output.h"
 
@@ -47,7 +48,7 @@ absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const
   const absl::Time start = absl::Now();
   const CallOptions call = MakeCallOptions(options.server, cancellation);
   PixelizeReport report;
-  report.input_path = options.input;
+  report.input_path = NameOfInput(options.input);
   report.outputs = options.outputs;
   report.separability = options.request.separability;
   // First of all, so that a place that cannot be written is found before any work.

@@ -26,7 +26,9 @@ const Names<LineAlgorithm>& AlgorithmNames() {
 
 void AddPixelizeOptions(CLI::App& command, PixelizeWords& words) {
   PixelizeOptions& options = words.options;
-  command.add_option("input", options.input, "drawing: .txt (a polyline a line: x,y x,y ... [z]) or .svg")
+  command
+      .add_option("input", options.input,
+                  "drawing: .txt (a polyline a line: x,y x,y ... [z]) or .svg, or - for standard input")
       ->type_name("INPUT")
       ->required();
   Group(command, "Output");

@@ -25,7 +25,7 @@
 namespace latvox::client {
 namespace {
 
-const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}};
+const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}, {"i", 0}, {"j", 1}, {"k", 2}};
 
 // The coordinates within a layer, in their order.
 std::pair<size_t, size_t> Others(size_t axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
@@ -124,7 +124,9 @@ absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_
 void AddSliceOptions(CLI::App& command, SliceWords& words) {
   command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
   AddOutputOption(command, {".png", ".csv"}, words.outputs);
-  command.add_option("--axis", words.axis, "across which the layer lies: x, y, z for lattice coordinate i, j, k")
+  command
+      .add_option("--axis", words.axis,
+                  "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these")
       ->type_name("AXIS")
       ->required()
       ->check(OneOf(kAxes));
@@ -154,7 +156,7 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
   return layer;
 }
 
-absl::StatusOr<std::string> RunSlice(const SliceWords& words) {
+absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
   const size_t axis = ValueNamed(kAxes, words.axis);
   const auto content = ReadGridContent(words.input);
   if (!content.ok()) return content.status();
@@ -178,6 +180,7 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words) {
     if (!picture.ok()) return picture.status();
     pictures.push_back(*std::move(picture));
   }
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   for (const auto& list : lists) {
     if (auto status = list->Commit(); !status.ok()) return status;
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/cancellation.h"
 #include "client/output/pixel_picture.h"
 #include "client/plane_types.h"
 #include "client/types.h"
@@ -37,7 +38,7 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index);
 // are colored by them, with a line where the sign changes; of attributes, lists have these, and pictures are colored by
 // the one that --color-by names. All layers across one axis show the same part of the world. The outputs appear only if
 // everything succeeded. Errors: INVALID_ARGUMENT: the index is outside the box of the file's voxels.
-absl::StatusOr<std::string> RunSlice(const SliceWords& words);
+absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client
 

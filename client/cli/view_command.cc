@@ -36,7 +36,7 @@ void Check(const ViewWords& words) {
   CheckOutputs(words.outputs, words.input, "file");
 }
 
-absl::StatusOr<std::string> RunView(const ViewWords& words) {
+absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation) {
   const std::string& output = words.outputs.front();
   const auto content = ReadGridContent(words.input);
   if (!content.ok()) return content.status();
@@ -44,6 +44,7 @@ absl::StatusOr<std::string> RunView(const ViewWords& words) {
   const UpAxis up = words.up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.up);
   const auto page = ViewPage(*content, std::filesystem::path(words.input).filename().string(), up);
   if (!page.ok()) return page.status();
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = WriteAtomically(output, *page); !status.ok()) return status;
   return absl::StrCat(words.input, ": ", info.active_voxels, " voxels\nwrote ", output, ", ", page->size(), " bytes\n");
 }

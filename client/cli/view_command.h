@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/cancellation.h"
 
 namespace latvox::client {
 
@@ -22,7 +23,7 @@ void AddViewOptions(CLI::App& command, ViewWords& words);
 void Check(const ViewWords& words);
 
 // Writes the page; returns what belongs on standard output. The output appears only if everything succeeded.
-absl::StatusOr<std::string> RunView(const ViewWords& words);
+absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client
 

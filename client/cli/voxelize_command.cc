@@ -191,9 +191,7 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
     return &session->client();
   };
   hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
-  hooks.on_progress = [&](double share, uint64_t bricks) {
-    bar.Show(share, CountText("bricks", bricks, bar.elapsed()));
-  };
+  hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
   return RunJob(options, call, hooks);
 }

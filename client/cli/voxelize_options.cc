@@ -9,7 +9,7 @@
 #include "client/cli/attributes_option.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
-#include "client/mesh/mesh_file.h"
+#include "client/output/box_output.h"
 #include "client/output/output.h"
 #include "client/stretched.h"
 
@@ -113,6 +113,16 @@ void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
   }
 }
 
+// Of a grid to align to, the lattice is known only once its file is read.
+void CheckCubes(const VoxelizeOptions& options) {
+  const std::variant<NamedLattice, Basis>& lattice = options.request.lattice;
+  const Basis* basis = std::get_if<Basis>(&lattice);
+  if (basis != nullptr ? IsCubic(*basis) : std::get<NamedLattice>(lattice) == NamedLattice::kCartesian) return;
+  for (const std::string& output : options.outputs) {
+    if (HasExtension(output, {".binvox", ".vox"})) Refuse("--out: ", output, ": ", kCubesOnly);
+  }
+}
+
 // "W" or "Wv"; nothing if it is neither.
 std::optional<Band> ParseBand(absl::string_view text) {
   Band band;
@@ -133,19 +143,6 @@ uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis
     Refuse("--separability: ", given, " is for --lattice cartesian; elsewhere 0, 1 or 2");
   }
   return given == 26 ? 0 : given == 18 ? 1 : 2;
-}
-
-void AddMeshOptions(CLI::App& command, VoxelizeWords& words) {
-  Group(command, "Mesh");
-  command.add_option("--up", words.up, "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)")
-      ->check(OneOf(UpNames()));
-  command.add_option("--scale", words.scale, "multiply the mesh's coordinates, after --up")
-      ->type_name("S")
-      ->check(CheckPositive);
-  command.add_option("--input-format", words.input_format, "of MESH, whatever its extension and its first bytes say")
-      ->check(OneOf(MeshFormats()));
-  command.add_flag("--weld-report", words.options.weld_report,
-                   "count duplicate vertices, degenerate triangles, open and non-manifold edges");
 }
 
 void AddFillOptions(CLI::App& command, VoxelizeWords& words) {
@@ -269,16 +266,15 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
   Group(command, "Transfer");
   command.add_option("--encoding", words.encoding, "of voxels under way; packed-zstd: for networks below 1 Gbit/s")
       ->check(OneOf(EncodingNames()));
+  Group(command, "Mesh");
   AddMeshOptions(command, words);
+  command.add_flag("--weld-report", options.weld_report,
+                   "count duplicate vertices, degenerate triangles, open and non-manifold edges");
 }
 
 void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words) {
   VoxelizeOptions& options = words.options;
-  command
-      .add_option("mesh", options.mesh.paths,
-                  "mesh file: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input; several are one mesh")
-      ->type_name("MESH")
-      ->required();
+  AddMeshes(command, options.mesh);
   AddRequestOptions(command, words);
   Group(command, "Output");
   command.add_flag("--json", options.json, "machine-readable summary on standard output");
@@ -298,11 +294,15 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (request.cover == Cover::kSupercover && request.algorithm != Algorithm::kExact) {
     Refuse("--cover supercover excludes --algorithm ", words.algorithm);
   }
+  if (words.minimal == true && request.algorithm != Algorithm::kExact) {
+    Refuse("--minimal excludes --algorithm ", words.algorithm, ", which is not thinned");
+  }
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
   request.solid = InterpretSolid(words);
   if (request.solid && request.algorithm != Algorithm::kExact) Refuse("--fill: solid is for --algorithm exact");
   request.separability = InterpretSeparability(words.separability, request.lattice);
   InterpretVoxelSize(words, request);
+  CheckCubes(options);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());
   if (!words.region.empty()) {
@@ -320,12 +320,8 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
     Refuse("--npy: ", words.npy, " is of a .npy, and no --out is one");
   }
   options.output_options.dense_npy = words.npy == "dense";
-  if (!words.up.empty()) {
-    options.mesh.up = ValueNamed(UpNames(), words.up);
-    options.output_options.picture_up = UpAxis::kZ;
-  }
-  if (!words.scale.empty()) ParseNumber(words.scale, options.mesh.scale);
-  if (!words.input_format.empty()) options.mesh.format = ValueNamed(MeshFormats(), words.input_format);
+  InterpretMesh(words, options.mesh);
+  if (!words.up.empty()) options.output_options.picture_up = UpAxis::kZ;
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
   if (!words.band.empty()) {
     request.band = ParseBand(words.band);
@@ -343,9 +339,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
 
 VoxelizeOptions Interpret(const VoxelizeWords& words) {
   VoxelizeOptions options = InterpretRequest(words);
-  const std::vector<std::string>& paths = options.mesh.paths;
-  if (std::count(paths.begin(), paths.end(), kStandardInput) > 1) Refuse("mesh: - is given twice, but read once");
-  for (const std::string& path : paths) CheckOutputs(options.outputs, path, "mesh");
+  CheckMeshPaths(options.mesh, options.outputs);
   return options;
 }
 

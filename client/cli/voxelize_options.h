@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/mesh_options.h"
 #include "client/cli/session.h"
 #include "client/mesh/mesh_source.h"
 #include "client/output/output.h"
@@ -28,10 +29,10 @@ struct VoxelizeOptions {
 };
 
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
-struct VoxelizeWords {
+struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string scale, up, input_format, npy;
+  std::string npy;
   int separability = 0;
   std::string algorithm, encoding, fill, interior_rule, cover, band, attributes;
   bool without_surface = false, force_open = false, is_signed = false;

@@ -9,13 +9,17 @@
 #include <iterator>
 #include <string>
 
+#include "absl/status/statusor.h"
 #include "client/error.h"
 
 namespace example {
 
-inline std::string Read(const char* path) {
+inline absl::StatusOr<std::string> Read(const char* path) {
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.is_open()) return absl::NotFoundError(std::string(path) + ": cannot be opened");
+  if (bytes.empty()) return absl::InvalidArgumentError(std::string(path) + ": is empty, or no file");
+  return bytes;
 }
 
 inline uint32_t Number(const char* text) { return static_cast<uint32_t>(std::strtoul(text, nullptr, 10)); }
@@ -23,7 +27,8 @@ inline uint32_t Number(const char* text) { return static_cast<uint32_t>(std::str
 inline int Usage(const char* usage) { return std::fprintf(stderr, "usage: %s\n", usage), 2; }
 
 inline int Fail(const absl::Status& status) {
-  std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  // What else a status carries is for programs: GetErrorDetails reads it.
+  std::fprintf(stderr, "%s\n", status.ToString(absl::StatusToStringMode::kWithNoExtraData).c_str());
   if (const auto details = latvox::client::GetErrorDetails(status); !details.field.empty()) {
     std::fprintf(stderr, "field %s, limit %s\n", details.field.c_str(), details.limit.c_str());
   }

@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
   const auto work = [&] {
     for (size_t n; (n = next++) < paths.size();) {
       const auto count = [](const lv::BrickBatch&) { return absl::OkStatus(); };  // here the bricks would go somewhere
-      summaries[n] = client->Voxelize(request, example::Read(paths[n]), {.on_bricks = count});
+      const auto mesh = example::Read(paths[n]);
+      summaries[n] = mesh.ok() ? client->Voxelize(request, *mesh, {.on_bricks = count}) : mesh.status();
     }
   };
   std::vector<std::thread> threads;

@@ -10,7 +10,9 @@ int main(int argc, char** argv) {
   if (argc != 5) return example::Usage("shards ADDRESS MESH.drc RESOLUTION PARTS");
   const auto client = lv::Client::Connect(argv[1]);
   if (!client.ok()) return example::Fail(client.status());
-  const auto mesh = client->PutMesh(example::Read(argv[2]));
+  const auto bytes = example::Read(argv[2]);
+  if (!bytes.ok()) return example::Fail(bytes.status());
+  const auto mesh = client->PutMesh(*bytes);
   if (!mesh.ok()) return example::Fail(mesh.status());
 
   const uint32_t count = example::Number(argv[4]);

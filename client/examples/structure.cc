@@ -28,6 +28,8 @@ uint64_t Add(const lv::Brick& brick, Heights& heights) {
 
 int main(int argc, char** argv) {
   if (argc != 4 && argc != 5) return example::Usage("structure ADDRESS MESH.drc RESOLUTION [ENOUGH_VOXELS]");
+  auto mesh = example::Read(argv[2]);
+  if (!mesh.ok()) return example::Fail(mesh.status());
   const auto client = lv::Client::Connect(argv[1]);
   if (!client.ok()) return example::Fail(client.status());
 
@@ -36,7 +38,7 @@ int main(int argc, char** argv) {
   const uint64_t enough = argc == 5 ? example::Number(argv[4]) : UINT64_MAX;
   uint64_t voxels = 0;
   Heights heights;
-  lv::BrickStream stream = client->Stream(request, example::Read(argv[2]));
+  lv::BrickStream stream = client->Stream(request, std::move(*mesh));
   for (const absl::StatusOr<lv::BrickBatch>& batch : stream) {
     if (!batch.ok()) return example::Fail(batch.status());
     for (const lv::Brick& brick : batch->bricks) voxels += Add(brick, heights);

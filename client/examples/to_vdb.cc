@@ -8,6 +8,8 @@
 int main(int argc, char** argv) {
   namespace lv = latvox::client;
   if (argc != 5) return example::Usage("to_vdb ADDRESS MESH.drc RESOLUTION OUT.vdb");
+  const auto mesh = example::Read(argv[2]);
+  if (!mesh.ok()) return example::Fail(mesh.status());
   const auto client = lv::Client::Connect(argv[1]);
   if (!client.ok()) return example::Fail(client.status());
 
@@ -18,7 +20,7 @@ int main(int argc, char** argv) {
   std::optional<lv::VoxelGrid> grid;
   const auto begin = [&](const lv::Accepted& accepted) { return grid.emplace(accepted.grid), absl::OkStatus(); };
   const auto add = [&](const lv::BrickBatch& batch) { return grid->Add(batch); };
-  const auto summary = client->Voxelize(request, example::Read(argv[2]), {.on_accepted = begin, .on_bricks = add});
+  const auto summary = client->Voxelize(request, *mesh, {.on_accepted = begin, .on_bricks = add});
   if (!summary.ok()) return example::Fail(summary.status());
   grid->SetCertificate(summary->certificate);
   if (const absl::Status written = grid->Write(argv[4]); !written.ok()) return example::Fail(written);

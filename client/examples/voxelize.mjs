@@ -9,6 +9,10 @@ import loader from '@grpc/proto-loader';
 import draco3d from 'draco3d';
 
 const [address, path, resolution, lattice = 'cartesian'] = process.argv.slice(2);
+if (!(resolution > 0) || !['cartesian', 'bcc', 'fcc', 'hexagonal'].includes(lattice)) {
+  console.error('Usage: voxelize.mjs ADDRESS MESH.obj RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv');
+  process.exit(2);
+}
 const includeDirs = [fileURLToPath(new URL('../../proto', import.meta.url))];
 const proto = loader.loadSync('latvox/v1/voxelizer.proto', { includeDirs, longs: String, defaults: true, oneofs: true });
 const { Voxelizer } = grpc.loadPackageDefinition(proto).latvox.v1;

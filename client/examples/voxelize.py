@@ -3,6 +3,7 @@
 
 Needs python3-grpcio, python3-protobuf and, made once in the folder it is called from or in $PYTHONPATH:
     protoc -I proto --python_out=. latvox/v1/voxelizer.proto
+A mesh to begin with: latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
 Usage: client/examples/voxelize.py ADDRESS MESH.drc RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
 """
 
@@ -56,9 +57,8 @@ def voxels(packed):
 
 
 def main(address, path, resolution, lattice="cartesian"):
-    with open(path, "rb") as file:
+    with open(path, "rb") as file, grpc.insecure_channel(address) as channel:
         mesh = file.read()
-    with grpc.insecure_channel(address) as channel:
         call = channel.stream_stream(
             "/latvox.v1.Voxelizer/Voxelize",
             request_serializer=pb.VoxelizeRequest.SerializeToString,
@@ -73,4 +73,7 @@ def main(address, path, resolution, lattice="cartesian"):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    words = [*sys.argv[1:], "cartesian"][:4]
+    if not (3 < len(sys.argv) < 6 and words[2].isdecimal() and words[3] in "cartesian bcc fcc hexagonal".split()):
+        sys.exit(__doc__[__doc__.index("Usage") :].strip())
+    main(*words)

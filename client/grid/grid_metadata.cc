@@ -1,5 +1,7 @@
 #include "client/grid/grid_metadata.h"
 
+#include <array>
+#include <charconv>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +18,13 @@ void Insert(openvdb::GridBase& grid, const char* name, const std::string& value)
 }
 
 }  // namespace
+
+std::string MetadataText(const openvdb::Metadata& metadata) {
+  const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&metadata);
+  if (number == nullptr) return metadata.str();
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number->value()).ptr};
+}
 
 // OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. Transform
 // makes a scale of what is no more, which some programs read faster. The origin comes after that: the scale would be

@@ -4,12 +4,17 @@
 
 #include <openvdb/openvdb.h>
 
+#include <string>
+
 #include "client/types.h"
 
 namespace latvox::client {
 
 // Throws openvdb::ArithmeticError for what CheckGridTransform refuses.
 openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform);
+
+// As people read it. Numbers have all digits that tell them from others.
+std::string MetadataText(const openvdb::Metadata& metadata);
 
 // The grid's transform, and the metadata of it.
 void Place(const GridTransform& transform, openvdb::GridBase& grid);

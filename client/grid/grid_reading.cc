@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "client/grid/grid_metadata.h"
+
 namespace latvox::client {
 namespace {
 
@@ -36,7 +38,7 @@ GridFileInfo Describe(const openvdb::GridBase& grid) {
     info.active_box = IndexBox{{box.min()[0], box.min()[1], box.min()[2]}, {end[0], end[1], end[2]}};
   }
   for (auto meta = grid.beginMeta(); meta != grid.endMeta(); ++meta) {
-    if (meta->second) info.metadata.emplace_back(meta->first, meta->second->str());
+    if (meta->second) info.metadata.emplace_back(meta->first, MetadataText(*meta->second));
   }
   return info;
 }

@@ -13,6 +13,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/grid/grid_metadata.h"
 
 namespace latvox::client {
 namespace {
@@ -23,7 +24,8 @@ constexpr char kBlindName[] = "latvox";
 std::string TextOf(const openvdb::MetaMap& metadata) {
   std::string text;
   for (auto meta = metadata.beginMeta(); meta != metadata.endMeta(); ++meta) {
-    if (absl::StartsWith(meta->first, "latvox_")) absl::StrAppend(&text, meta->first, " = ", meta->second->str(), "\n");
+    if (absl::StartsWith(meta->first, "latvox_"))
+      absl::StrAppend(&text, meta->first, " = ", MetadataText(*meta->second), "\n");
   }
   return text;
 }

@@ -55,7 +55,8 @@ class VoxelGrid {
   // OpenVDB's words.
   absl::Status Write(const std::string& path) const;
 
-  // The same as a .nvdb file (NanoVDB): name, voxels and transform, but no metadata. Errors: as Write.
+  // The same as a .nvdb file (NanoVDB): name, voxels and transform; the metadata as lines of text, "NAME = VALUE", in
+  // the blind data "latvox". Errors: as Write.
   absl::Status WriteNano(const std::string& path) const;
 
   struct Content;                                       // in client/grid/openvdb_grid.h

@@ -57,11 +57,14 @@ std::string Known() {
 
 }  // namespace
 
+std::string NameOfInput(const std::string& path) { return path == kStandardInput ? "standard input" : path; }
+
 bool IsDracoFile(const std::string& path) { return FormatOfPath(path) == MeshFormat::kDraco; }
 
-absl::StatusOr<std::string> ReadStandardInput() {
+absl::StatusOr<std::string> ReadStandardInput(const char* what) {
   if (isatty(STDIN_FILENO) == 1) {
-    return absl::InvalidArgumentError("standard input: is a terminal; a mesh belongs into it, by | or <");
+    return absl::InvalidArgumentError(
+        absl::StrCat("standard input: is a terminal; ", what, " belongs into it, by | or <"));
   }
   std::ostringstream bytes;
   bytes << std::cin.rdbuf();
@@ -90,6 +93,9 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
 absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  if (std::filesystem::is_directory(path, error)) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": is a directory"));
+  }
   const auto format = FormatOfPath(path);
   if (!format) {
     return absl::InvalidArgumentError(absl::StrCat(

@@ -13,7 +13,6 @@
 namespace latvox::client {
 namespace {
 
-constexpr char kStandardInputName[] = "standard input";
 constexpr char kOwnAttributes[] = "; those of a .drc count where it is sent as it is: alone, without --up and --scale";
 
 Affine ToWorld(const MeshSource& input) {
@@ -23,13 +22,11 @@ Affine ToWorld(const MeshSource& input) {
   return Scaling(input.scale) * turn;
 }
 
-std::string NameOf(const std::string& path) { return path == kStandardInput ? kStandardInputName : path; }
-
 absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshSource& input, absl::string_view bytes) {
   if (input.format) return *input.format;
   if (const auto format = FormatOfBytes(bytes)) return *format;
   return absl::InvalidArgumentError(
-      absl::StrCat(NameOf(path), ": begins like none of the mesh formats; --input-format says which one it is"));
+      absl::StrCat(NameOfInput(path), ": begins like none of the mesh formats; --input-format says which one it is"));
 }
 
 absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco) {
@@ -38,7 +35,7 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
     return ReadMeshFile(path);
   }
-  auto bytes = standard_input ? ReadStandardInput() : ReadBytes(path);
+  auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
   const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
   if (!format.ok()) return format.status();
@@ -49,7 +46,7 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
 }  // namespace
 
 std::string NameOf(const MeshSource& input) {
-  const auto name = [](std::string* out, const std::string& path) { *out += NameOf(path); };
+  const auto name = [](std::string* out, const std::string& path) { *out += NameOfInput(path); };
   return absl::StrJoin(input.paths, " + ", name);
 }
 
@@ -67,14 +64,15 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   for (const std::string& path : input.paths) {
     auto read = ReadOne(path, input, keep_draco);
     if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
-    for (std::string& warning : std::get<Mesh>(*read).warnings) warning = absl::StrCat(NameOf(path), ": ", warning);
+    for (std::string& warning : std::get<Mesh>(*read).warnings)
+      warning = absl::StrCat(NameOfInput(path), ": ", warning);
     absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
     if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
       status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));
     }
     if (status.ok()) status = Append(std::get<Mesh>(*std::move(read)), to_world, joined);
     if (!status.ok()) {
-      return absl::Status(status.code(), absl::StrCat(NameOf(path), ": ", status.message()));
+      return absl::Status(status.code(), absl::StrCat(NameOfInput(path), ": ", status.message()));
     }
   }
   return joined;

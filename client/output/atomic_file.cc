@@ -49,6 +49,10 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string
   if (std::filesystem::is_directory(path, error)) {
     return CannotWrite(target, "is a directory");
   }
+  // A pipe or a device would be replaced, not written to.
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+    return CannotWrite(target, "is not a regular file");
+  }
   std::random_device random;
   for (;;) {
     const std::string name = absl::StrCat(".", path.filename().string(), ".", absl::Hex(random()), ".part");

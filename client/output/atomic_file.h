@@ -16,7 +16,8 @@ namespace latvox::client {
 // FAILED_PRECONDITION, with the target and what the system says.
 class AtomicFile {
  public:
-  // Errors: the directory is missing or cannot be written, the target is a directory.
+  // Errors: the directory is missing or cannot be written, the target is a directory, a pipe or
+  // whatever else is not a regular file.
   static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

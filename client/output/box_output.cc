@@ -15,20 +15,6 @@
 namespace latvox::client {
 namespace {
 
-// Of basis vectors, relative to their length: those of a scaled lattice are rounded.
-constexpr double kTolerance = 1e-12;
-
-bool IsCubic(const Basis& basis) {
-  const Vec3d axes[] = {basis.a, basis.b, basis.c};
-  const double side = basis.a[0];
-  for (size_t n = 0; n < 3; ++n) {
-    for (size_t m = 0; m < 3; ++m) {
-      if (!(std::abs(axes[n][m] - (n == m ? side : 0)) <= kTolerance * side)) return false;
-    }
-  }
-  return true;
-}
-
 // All voxels first, then the file.
 class BoxOutput : public Output {
  public:
@@ -36,9 +22,7 @@ class BoxOutput : public Output {
 
   absl::Status Begin(const Accepted& accepted) final {
     if (!IsCubic(accepted.grid.basis)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(file_->target(),
-                       ": the format holds cubes along the axes only; use --lattice cartesian and one --voxel-size"));
+      return absl::InvalidArgumentError(absl::StrCat(file_->target(), ": ", kCubesOnly));
     }
     grid_ = accepted.grid;
     return absl::OkStatus();
@@ -179,6 +163,18 @@ class VoxOutput final : public BoxOutput {
 };
 
 }  // namespace
+
+bool IsCubic(const Basis& basis) {
+  constexpr double kTolerance = 1e-12;  // relative: vectors of a scaled lattice are rounded
+  const Vec3d axes[] = {basis.a, basis.b, basis.c};
+  const double side = basis.a[0];
+  for (size_t n = 0; n < 3; ++n) {
+    for (size_t m = 0; m < 3; ++m) {
+      if (!(std::abs(axes[n][m] - (n == m ? side : 0)) <= kTolerance * side)) return false;
+    }
+  }
+  return true;
+}
 
 std::unique_ptr<Output> NewBinvoxOutput(std::unique_ptr<AtomicFile> file) {
   return std::make_unique<BinvoxOutput>(std::move(file));

@@ -9,6 +9,13 @@
 
 namespace latvox::client {
 
+// What is wrong with another lattice.
+inline constexpr char kCubesOnly[] =
+    "the format holds cubes along the axes only; use --lattice cartesian and one --voxel-size";
+
+// Whether the cells are cubes along the world's axes, but for what rounding does to a scaled basis.
+bool IsCubic(const Basis& basis);
+
 // Both need a lattice of cubes along the world's axes. Memory grows with the voxels, not with the box. Errors:
 // INVALID_ARGUMENT for another lattice; RESOURCE_EXHAUSTED for a box that the format cannot hold.
 //   .binvox   a cube of up to 4096 voxels a side (half a gigabyte, were it empty) from the lowest voxel on; `translate`

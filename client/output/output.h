@@ -45,7 +45,7 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 
 // Opens the output for the path's extension:
 //   .vdb   OpenVDB, see client/grid/voxel_grid.h
-//   .nvdb  NanoVDB, the same grid without its metadata
+//   .nvdb  NanoVDB, the same grid, its metadata as text
 //   .csv   header i,j,k,x,y,z; lattice coordinates, world position with 17 significant digits
 //   .npy   int32 array of shape (voxels, 3): lattice coordinates; or dense, see client/output/dense_output.h
 //   .ply   points, binary little-endian: double x, y, z, int i, j, k

@@ -46,7 +46,11 @@ Vec3d Turned(const Vec3d& v, UpAxis up) {
 class Renderer {
  public:
   Renderer(const VoxelScene& scene, const PictureOptions& options)
-      : scene_(scene), rims_(scene.facets()), side_(options.side), wide_(options.side * kSamples) {
+      : scene_(scene),
+        cancellation_(options.cancellation),
+        rims_(scene.facets()),
+        side_(options.side),
+        wide_(options.side * kSamples) {
     const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
     right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
     towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
@@ -74,6 +78,7 @@ class Renderer {
     front_.emplace(scene_, towards_);
     for (const Vec3f& light : lights_) light_fronts_.emplace_back(scene_, ToScene(light));
     ForRows(wide_, [this](int y) { CastRow(y); });
+    if (cancellation_.cancelled()) return pixels;
     smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
     ForRows(side_, [&](int y) {
       for (int x = 0; x < side_; ++x) {
@@ -88,8 +93,10 @@ class Renderer {
 
  private:
   template <class Row>
-  static void ForRows(int rows, const Row& row) {
-    tbb::parallel_for(0, rows, row);
+  void ForRows(int rows, const Row& row) const {
+    tbb::parallel_for(0, rows, [&](int y) {
+      if (!cancellation_.cancelled()) row(y);
+    });
   }
 
   Vec3f ToView(const Vec3d& v) const {
@@ -261,6 +268,7 @@ class Renderer {
   };
 
   const VoxelScene& scene_;
+  const Cancellation cancellation_;
   const FacetRims rims_;
   const int side_, wide_;            // pixels, samples
   Vec3d right_, up_, towards_;       // the view frame's axes in the scene
@@ -288,7 +296,9 @@ int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& o
 }
 
 absl::StatusOr<std::string> DrawVoxels(const VoxelScene& scene, const PictureOptions& options) {
-  return EncodePng(options.side, options.side, Renderer(scene, options).Draw());
+  const std::vector<uint8_t> pixels = Renderer(scene, options).Draw();
+  if (options.cancellation.cancelled()) return absl::CancelledError("cancelled");
+  return EncodePng(options.side, options.side, pixels);
 }
 
 }  // namespace latvox::client

@@ -115,6 +115,20 @@ class Jobs(Batch):
         self.assertEqual(sum(len(part) for part in voxels[1:]), len(voxels[0]))
         self.assertEqual(voxels[1] | voxels[2] | voxels[3], voxels[0])
 
+    def test_several_meshes_are_one_and_jobs_may_come_by_standard_input(self):
+        mesh, options = [str(self.mesh), str(BUNNY)], ["--resolution", "20", "--quantization", "0"]
+        wanted = self.voxelize(self.mesh, BUNNY, *options)["digest"]
+        jobs = self.jobs({"mesh": mesh, "resolution": 20, "quantization": 0}, *self.small(1))
+        for resume in [], ["--resume"]:
+            with open(jobs, "rb") as lines:
+                done = latvox("batch", "-", "--out", self.out, *resume, stdin=lines, cwd=self.dir)
+            self.assertEqual(done.returncode, OK, done.stderr)
+        self.assertEqual(self.digests(self.results())["octahedron.vdb"], wanted)
+        self.assertEqual([r["mesh"] for r in self.results() if r["status"] == "done"].count(" + ".join(mesh)), 1)
+        done = latvox("batch", "-", "--out", self.out, input='{"mesh": 3}\n')
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertIn("standard input:1: mesh: 3 is not a path", done.stderr)
+
     def test_what_fails_stops_nothing_else(self):
         (self.dir / "broken.ply").write_text("this is no mesh\n")
         small = self.small(3)

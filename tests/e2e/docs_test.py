@@ -8,7 +8,7 @@ import re
 import subprocess
 import unittest
 
-from harness import Case
+from harness import BIN, Case
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ["LATVOX_BUILD_DIR"])
@@ -40,14 +40,26 @@ class Docs(Case):
             self.assertIn(name, namespace)
         for example in (ROOT / "client/examples").glob("*.cc"):
             self.assertTrue((docs / f"{example.stem}_8cc-example.html").exists(), example.name)
-        for picture in re.findall(r"\((\S+\.png)\)", (ROOT / "client/docs/choosing.md").read_text()):
-            self.assertGreater((docs / picture).stat().st_size, 5000, picture)
+        for picture in re.findall(r"\(pictures/(\S+\.png)\)", (ROOT / "client/docs/choosing.md").read_text()):
+            self.assertEqual((docs / picture).read_bytes(), (ROOT / "client/docs/pictures" / picture).read_bytes())
         protocol = (docs / "protocol.html").read_text()
         proto = (ROOT / "proto/latvox/v1/voxelizer.proto").read_text()
         for name in re.findall(r"^ *(?:message|enum|service|rpc) (\w+)", proto, re.M):
             self.assertIn(name, protocol)
         for name in re.findall(r"^ *\S+(?: \S+)? (\w+) = \d+;", proto, re.M):
             self.assertIn(f"<code>{name}</code>", protocol)
+
+    def test_pictures_are_what_is_drawn(self):
+        drawn, kept = self.dir, ROOT / "client/docs/pictures"
+        subprocess.run([ROOT / "client/docs/draw", BIN, drawn], check=True, timeout=300)
+        self.assertEqual(sorted(path.name for path in drawn.iterdir()), sorted(path.name for path in kept.iterdir()))
+        for path in drawn.iterdir():
+            with self.subTest(path.name):
+                self.assertLess((kept / path.name).stat().st_size, 60000)
+                compare = ["compare", "-metric", "RMSE", path, kept / path.name, "null:"]
+                done = subprocess.run(compare, capture_output=True, text=True, timeout=60)
+                # A tenth of what another lattice or k makes: "RMSE of 65535 (of 1)".
+                self.assertLess(float(done.stderr.partition("(")[2].rstrip(")")), 0.01, done.stderr)
 
     def doxygen(self, header):
         """Over a header with this text. Its XML is in self.dir / "xml"."""

@@ -16,6 +16,14 @@ GOOD = ["--lattice", "bcc", "--resolution", "16"]
 LONG = ["--lattice", "cartesian", "--separability", "0", "--resolution", "30000"]  # minutes of work
 
 
+def listens(pid):
+    """Whether latvox has begun to take signals for its user's wishes: it blocks these three, where a library or Python that
+    starts a thread or a process blocks all for a moment."""
+    status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    blocked = [int(line.split()[1], 16) for line in status.splitlines() if line.startswith("SigBlk:")]
+    return blocked == [sum(1 << number - 1 for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))]
+
+
 class Failures(Case):
     def setUp(self):
         super().setUp()
@@ -185,6 +193,27 @@ class Interruptions(Case):
         client = self.start()
         client.send_signal(signal.SIGINT)
         self.assert_stopped(client, STOPPED)
+
+    def test_commands_without_a_server_end_with_6_on_sigint(self):
+        voxels = self.dir / "voxels.vdb"
+        self.assertEqual(latvox("voxelize", BUNNY, "--resolution", "1000", "-o", voxels).returncode, OK)
+        for words in (["render", voxels, "--size", "4096", "-o", self.dir / "out.png"],
+                      ["slice", voxels, "--axis", "z", "--index", "400", "-o", self.dir / "out.csv"],
+                      ["view", voxels, "-o", self.dir / "out.html"],
+                      ["compare", voxels, voxels]):
+            with self.subTest(words[0]):
+                client = subprocess.Popen([BIN / "latvox", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                self.addCleanup(client.wait)
+                self.addCleanup(client.kill)
+                listening = time.monotonic() + harness.PATIENCE
+                while not listens(client.pid):
+                    self.assertLess(time.monotonic(), listening)
+                if words[0] == "render":
+                    time.sleep(3)  # to be at work on the picture, which takes half a minute
+                client.send_signal(signal.SIGINT)
+                stderr = client.communicate(timeout=15)[1]
+                self.assertEqual((client.returncode, stderr), (STOPPED, "latvox: cancelled\n"))
+                self.assertEqual([p.name for p in self.dir.iterdir()], ["voxels.vdb"])
 
     def test_a_cancelled_call_frees_the_server(self):
         with harness.server(self.dir) as server:

@@ -28,11 +28,19 @@ class Examples(Case):
         summary = self.voxelize(mesh, *options, "--server", address)
         return set(rows(self.dir / "out.csv")), summary["digest"]
 
+    def assert_tells_usage(self, *command, **environment):
+        for words in ([], ["ADDRESS", "MESH", "many"], ["ADDRESS", "MESH", "60", "cubic"]):
+            done = subprocess.run([*map(str, command), *words], capture_output=True, text=True, timeout=PATIENCE,
+                                  env=os.environ | environment)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertRegex(done.stderr, r"^Usage: .* \[cartesian\|bcc\|fcc\|hexagonal\] .*\n$")
+
     def test_python(self):
         mesh = encode_drc(self.dir / "bunny.drc", BUNNY, "-cl", "7")
         protoc = ["protoc", "-I", ROOT / "proto", f"--python_out={self.dir}", "latvox/v1/voxelizer.proto"]
         subprocess.run(protoc, check=True, timeout=PATIENCE)
         example = ROOT / "client/examples/voxelize.py"
+        self.assert_tells_usage(example, PYTHONPATH=str(self.dir))
         with server(self.dir) as latvoxd:
             for lattice in LATTICES:
                 with self.subTest(lattice):
@@ -46,6 +54,7 @@ class Examples(Case):
         example.write_bytes((ROOT / "client/examples/voxelize.mjs").read_bytes())
         (self.dir / "proto").symlink_to(ROOT / "proto")
         (self.dir / "node_modules").symlink_to(ROOT / "tests/node/node_modules")
+        self.assert_tells_usage("node", example)
         with server(self.dir) as latvoxd:
             for lattice in LATTICES:
                 with self.subTest(lattice):

@@ -113,6 +113,14 @@ class Formats(Case):
         for line in (f"active voxels  {summary['voxels']}", f"active box     {low} to below {above}",
                      f"latvox_digest = {summary['digest']}", "latvox_lattice = bcc", "grid           voxels (bool)"):
             self.assertIn(line + "\n", done.stdout)
+        error = summary["certificate"]["snap_error_max"]
+        self.assertIn(f"latvox_snap_error_max = {error}\n", done.stdout)
+        told = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)
+        same = "voxels", "index_box", "basis", "origin", "voxel_size"
+        box = {"min": [int(x) for x in low.split(",")], "max": [int(x) for x in above.split(",")]}
+        self.assertEqual([told[name] for name in same], [(summary | {"index_box": box})[name] for name in same])
+        self.assertEqual(told["grid"], {"name": "voxels", "type": "bool"})
+        self.assertEqual(told["metadata"]["latvox_digest"], summary["digest"])
 
     def test_nanovdb_finds_its_file_valid_and_gives_the_grid_back(self):
         for options in (BCC, ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3"]):

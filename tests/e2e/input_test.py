@@ -166,6 +166,21 @@ class Input(InputCase):
                 self.assertEqual(self.digest(encode_drc(self.dir / "a.drc", path), *options), wanted)
         self.assert_refused(3, "a.obj: vertex 1 .2.7 .* is not finite", path, "--scale", "1e39")
 
+    def test_encode_writes_what_voxelize_reads(self):
+        path, drc = write_obj(self.dir / "mesh.obj", MESH), self.dir / "mesh.drc"
+        for options in [], ["--up", "y", "--scale", "0.5"]:
+            with self.subTest(options):
+                done = latvox("encode", path, *options, "-o", drc)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertRegex(done.stdout, rf"^{path}: 4 triangles\nwrote {drc}, \d+ bytes, lossless\n$")
+                self.assertEqual(self.digest(drc), self.digest(path, *options))
+        self.assertEqual(latvox("encode", path, path, "-o", drc).stdout.split()[3], "8")
+        coarse = self.dir / "coarse.drc"
+        self.assertEqual(latvox("encode", drc, "-o", coarse, "--quantization", 5).returncode, 0)
+        self.assertEqual(self.voxelize(coarse, *GRID)["certificate"]["quantization_bits"], 5)
+        done = latvox("encode", drc, "-o", drc)
+        self.assertEqual((done.returncode, done.stderr), (2, f'latvox: --out: "{drc}" is the mesh itself\n'))
+
     def test_jobs_take_the_same(self):
         write_obj(self.dir / "a.obj", MESH)
         job = {"mesh": "a.obj", "voxel_size": 0.25, "origin": [0, 0, 0], "quantization": 0, "out": "a.csv"}

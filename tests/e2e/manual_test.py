@@ -67,8 +67,12 @@ class Help(Case):
                                       capture_output=True, text=True, timeout=PATIENCE)
                 self.assertEqual(done.returncode, 0, done.stderr)
         made = {path.name for path in self.dir.iterdir()}
-        wanted = {"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "voxels", "star.png", "whole.vdb"}
+        wanted = {"bunny.vdb", "bunny.png", "bunny.csv", "bunny.glb", "bunny.drc", "voxels", "star.png", "whole.vdb"}
         self.assertLessEqual(wanted, made)
+
+    def test_help_is_a_command_too(self):
+        self.assertEqual(latvox("help").stdout, help_of())
+        self.assertEqual(latvox("help", "slice").stdout, help_of("slice"))
 
     def test_options_are_in_groups(self):
         text = help_of("voxelize")

@@ -64,6 +64,11 @@ class Pixelize(Case):
                 one, other = (self.pixelize(DRAWINGS / f"star{suffix}", *options) for suffix in (".txt", ".svg"))
                 self.assertEqual(one[1], other[1])
                 self.assertEqual(one[0]["digest"], other[0]["digest"])
+                for suffix in ".txt", ".svg":
+                    with open(DRAWINGS / f"star{suffix}", "rb") as drawing:
+                        done = latvox("pixelize", "-", *options, "-o", self.dir / "in.csv", "--json", stdin=drawing)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertEqual(json.loads(done.stdout)["digest"], one[0]["digest"])
 
     def test_algorithms_run_and_agree_as_they_should(self):
         digests = {}

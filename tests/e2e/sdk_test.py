@@ -34,13 +34,15 @@ class Sdk(TlsCase):
         for path in (ROOT / "client/examples").iterdir():
             (source / path.name).write_bytes(path.read_bytes())
         cached = os.environ | {"CCACHE_BASEDIR": str(cls.sdk), "CCACHE_NOHASHDIR": "1"}
-        run("cmake", "-S", source, "-B", cls.sdk / "build", f"-DCMAKE_PREFIX_PATH={cls.sdk / 'prefix'}", "-G", "Ninja",
+        said = run("cmake", "-S", source, "-B", cls.sdk / "build", f"-DCMAKE_PREFIX_PATH={cls.sdk / 'prefix'}", "-G", "Ninja",
             "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+        assert not re.search("OpenVDB|Imath", said), said
         run("cmake", "--build", cls.sdk / "build", env=cached)
 
     def setUp(self):
         super().setUp()
-        self.mesh = encode_drc(self.dir / "bunny.drc", BUNNY)
+        self.mesh = self.dir / "bunny.drc"  # as a newcomer makes it
+        self.assertEqual(latvox("encode", BUNNY, "-o", self.mesh).returncode, 0)
 
     def example(self, name, *arguments):
         words = [self.sdk / "build" / name, *map(str, arguments)]
@@ -75,6 +77,11 @@ class Sdk(TlsCase):
                 summary = whole("--lattice", "bcc")
                 expected = (str(summary["voxels"]), str(summary["bricks"]), summary["digest"])
                 self.assertEqual(found.groups(), expected)
+            with self.subTest("own_mesh"):
+                octahedron = harness.write_obj(self.dir / "octahedron.obj", harness.octahedron())
+                summary = self.voxelize(octahedron, "--resolution", 90, "--server", latvoxd.address)
+                self.assertEqual(self.output("own_mesh", latvoxd.address, 90),
+                                 f"{summary['voxels']} voxels, digest {summary['digest']}\n")
             with self.subTest("shards"):
                 voxels = whole()["voxels"]
                 self.assertEqual(self.output("shards", latvoxd.address, self.mesh, 200, 5), f"{voxels} voxels in 5 parts\n")
@@ -93,7 +100,7 @@ class Sdk(TlsCase):
                 self.assertEqual(done.returncode, 1)
                 line = f"{self.mesh}: {voxels} voxels"
                 self.assertRegex(done.stdout, rf"^{line}\n{box}: \d+ voxels\n{line}\n$")
-                self.assertRegex(done.stderr, rf"^{bad}: INVALID_ARGUMENT")
+                self.assertRegex(done.stderr, rf"^{bad}: INVALID_ARGUMENT: .*\nfield ")
             with self.subTest("to_vdb"):
                 summary = whole("--lattice", "fcc", "--separability", 2)
                 self.assertEqual(self.output("to_vdb", latvoxd.address, self.mesh, 200, self.dir / "out.vdb"),
@@ -102,7 +109,14 @@ class Sdk(TlsCase):
             with self.subTest("a refusal names its field"):
                 refused = self.example("hello", latvoxd.address, self.mesh, 70000)
                 self.assertEqual(refused.returncode, 1)
-                self.assertIn("field resolution, limit 65536", refused.stderr)
+                self.assertRegex(refused.stderr, r"^[A-Z_]+: .*\nfield resolution, limit 65536\n$")
+            with self.subTest("a mesh that cannot be read is named"):
+                empty = self.dir / "empty.drc"
+                empty.touch()
+                for path, wrong in (empty, "is empty"), (self.dir / "missing.drc", "cannot be opened"):
+                    refused = self.example("hello", latvoxd.address, path, 200)
+                    self.assertEqual(refused.returncode, 1)
+                    self.assertRegex(refused.stderr, rf"^[A-Z_]+: {path}: {wrong}.*\n$")
 
     def test_a_program_is_tested_without_a_server(self):
         self.assertEqual(self.output("fake_server"), "passed\n")

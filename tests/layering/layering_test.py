@@ -21,12 +21,12 @@ Rule = collections.namedtuple("Rule", "includes links")
 RULES = {
     "core": Rule(
         rf"{GRPC}|draco|openvdb|nanovdb|spdlog|fmt/|assimp|(server|client|proto|tests)/",
-        r"grpc|protobuf|draco|openvdb|spdlog|fmt|assimp|latvox[_:]+(proto|server|client|grid|tool|oracle)|gtest",
+        r"grpc|protobuf|draco|openvdb|spdlog|fmt|assimp|latvox[_:]+(proto|server|client|mesh|grid|tool|oracle)|gtest",
     ),
-    "proto": Rule(r"(core|server|client|tests)/", r"draco|openvdb|latvox[_:]+(core|server|client|grid|tool)|gtest"),
-    "server": Rule(r"openvdb|nanovdb|assimp|(client|tests)/", r"openvdb|assimp|latvox[_:]+(client|grid|tool|oracle)|gtest"),
+    "proto": Rule(r"(core|server|client|tests)/", r"draco|openvdb|latvox[_:]+(core|server|client|mesh|grid|tool)|gtest"),
+    "server": Rule(r"openvdb|nanovdb|assimp|(client|tests)/", r"openvdb|assimp|latvox[_:]+(client|mesh|grid|tool|oracle)|gtest"),
     "client": Rule(r"(core|server|tests)/", r"latvox[_:]+(core|server|oracle)|gtest"),
-    "deploy": Rule(r"(core|proto|server|client|tests)/", r"latvox[_:]+(core|proto|server|client|grid|tool|oracle)|gtest"),
+    "deploy": Rule(r"(core|proto|server|client|tests)/", r"latvox[_:]+(core|proto|server|client|mesh|grid|tool|oracle)|gtest"),
 }
 
 # The folder that each of our programs comes from. What is in core alone is a library: its rule is on its CMakeLists.txt.

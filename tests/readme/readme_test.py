@@ -84,9 +84,9 @@ class Examples(unittest.TestCase):
         for page in [README, *PAGES]:
             text = page.read_text()
             named = re.findall(r"`((?:proto|server|client|core|deploy|tests)/[\w./-]*)`", text)
-            linked = re.findall(r"\]\(([^)#:]+)\)", text)  # pictures of the pages are drawn: by the target docs
+            linked = re.findall(r"\]\(([^)#:]+)\)", text)
             missing += [name for name in named if not (ROOT / name).exists()]
-            missing += [name for name in linked if not (page.parent / name).exists() and not name.endswith(".png")]
+            missing += [name for name in linked if not (page.parent / name).exists()]
         self.assertEqual(missing, [])
 
 

@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "client/mesh/encode_mesh.h"
 #include "client/mesh/mesh_encoder.h"
 
 namespace latvox::client {
@@ -135,6 +136,23 @@ TEST(MeshEncoder, RefusesWhatFloatCannotSpan) {
   const Mesh mesh = {{{-big, 0, 0}, {big, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, 0};
   EXPECT_EQ(EncodeMesh(mesh, 11).status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(EncodeMesh(Mesh{}, 11).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(EncodeMesh, IsTheEncoderForPlainArraysAndNamesWhatIsWrong) {
+  const std::vector<Vec3f> positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<std::array<uint32_t, 3>> triangles = {{0, 1, 2}, {1, 0, 2}};
+  const auto drc = EncodeMesh(positions, triangles);
+  ASSERT_TRUE(drc.ok()) << drc.status();
+  EXPECT_EQ(*drc, EncodeMesh({.positions = positions, .triangles = triangles}, 0)->drc);
+  EXPECT_EQ(EncodeMesh(positions, triangles, 9)->size(),
+            EncodeMesh({.positions = positions, .triangles = triangles}, 9)->drc.size());
+  const std::vector<Vec3f> infinite = {{1, 0, 0}, {0, INFINITY, 0}, {0, 0, 1}};
+  const std::vector<std::pair<absl::Status, const char*>> refusals = {
+      {EncodeMesh(positions, {}).status(), "the mesh has no triangles"},
+      {EncodeMesh(positions, triangles, 31).status(), "quantization_bits: 31 is not within 0 to 30"},
+      {EncodeMesh(infinite, triangles).status(), "positions[1]: inf is not finite"},
+      {EncodeMesh({positions.data(), 2}, triangles).status(), "triangles[0]: index 2 is not below 2, the positions"}};
+  for (const auto& [status, message] : refusals) EXPECT_EQ(status, absl::InvalidArgumentError(message));
 }
 
 TEST(MeshEncoder, AutoBitsGiveStepsOfAtMostOneSnappingStep) {

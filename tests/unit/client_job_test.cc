@@ -70,6 +70,14 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
       Parse(R"({"mesh": "m", "resolution": 9, "verify": true, "quantization": "auto"})")->options.request.verify);
 }
 
+TEST(JobLine, SeveralMeshesAreOneJob) {
+  const auto job = Parse(R"({"mesh": ["a/b.stl", "-", "file:///c.obj"], "resolution": 64})");
+  ASSERT_TRUE(job.ok()) << job.status();
+  EXPECT_THAT(job->options.mesh.paths, ElementsAre("jobs/a/b.stl", "jobs/-", "/c.obj"));
+  EXPECT_EQ(job->mesh, "a/b.stl + - + file:///c.obj");
+  EXPECT_THAT(job->names, ElementsAre("b.vdb"));
+}
+
 TEST(JobLine, AVoxelSizeIsANumberOrThreeAndAlignAPath) {
   const auto job = Parse(R"({"mesh": "m", "voxel_size": [1, 0.5, 2]})");
   ASSERT_TRUE(job.ok()) << job.status();
@@ -157,7 +165,8 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
     EXPECT_THAT(Refusal("{\"mesh\": \"m.obj\", " + fields + "}"), StartsWith(says));
   }
   EXPECT_THAT(Refusal(R"({"resolution": 8})"), StartsWith("mesh: null is not a path"));
-  EXPECT_THAT(Refusal(R"({"mesh": ["m.obj"], "resolution": 8})"), StartsWith("mesh: [\"m.obj\"] is not a path"));
+  EXPECT_THAT(Refusal(R"({"mesh": [], "resolution": 8})"), StartsWith("mesh: [] is not a path"));
+  EXPECT_THAT(Refusal(R"({"mesh": ["m", 3], "resolution": 8})"), StartsWith("mesh: [\"m\",3] is not a path"));
   EXPECT_THAT(Refusal("[1]"), StartsWith("[1] is not a JSON object"));
   EXPECT_THAT(Refusal("# comment"), StartsWith("no JSON: column 1: "));
   EXPECT_THAT(Refusal(R"({"mesh": "m.obj", "resolution": 8} x)"), StartsWith("no JSON: column 36: "));

@@ -156,6 +156,12 @@ TEST_F(OutputFile, PlacesThatCannotBeWrittenAreFoundOnOpening) {
   EXPECT_THAT(std::string(OpenOutput(Path("missing/o.csv")).status().message()), HasSubstr("missing/o.csv"));
   std::filesystem::create_directory(Path("dir.csv"));
   EXPECT_THAT(std::string(OpenOutput(Path("dir.csv")).status().message()), HasSubstr("is a directory"));
+  ASSERT_EQ(mkfifo(Path("pipe.csv").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/null", Path("null.csv"));
+  for (const char* name : {"pipe.csv", "null.csv"}) {
+    EXPECT_EQ(OpenOutput(Path(name)).status(),
+              absl::FailedPreconditionError(Path(name) + ": cannot be written (is not a regular file)"));
+  }
   EXPECT_THAT(std::string(OpenOutput(Path("o.xyz")).status().message()), HasSubstr(".xyz"));
 }
 

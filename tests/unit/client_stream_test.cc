@@ -4,10 +4,12 @@
 #include <atomic>
 #include <iterator>
 #include <thread>
+#include <tuple>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/client.h"
+#include "client/error.h"
 #include "tests/unit/client_model_server.h"
 
 namespace latvox::client {
@@ -261,6 +263,30 @@ TEST(VoxelService, SeesRequestMeshAndOptions) {
   EXPECT_EQ(client.Stream(request, "mesh", options).Next().status(), absl::DataLossError("7 4 1 t"));
   EXPECT_EQ(client.Stream(request, id, options).Next().status(), absl::DataLossError("7 5 0 t"));
   EXPECT_EQ(client.VoxelizeAll(request, id, options).status(), absl::DataLossError("7 5 0 t"));
+}
+
+TEST(VoxelService, SeesNoMeshOfNoBytesAndNoTwoDensities) {
+  const Client client(std::make_shared<Recording>());
+  VoxelizeRequest request;
+  request.resolution = 7;
+  request.voxel_size = 0.5;
+  PixelizeRequest plane;
+  plane.resolution = 7;
+  plane.pixel_size = 0.5;
+  const std::vector<std::tuple<const char*, const char*, absl::Status>> refusals = {
+      {"mesh_drc", "mesh_drc: has 0 bytes", client.Voxelize({}, "", {}).status()},
+      {"mesh_drc", "mesh_drc: has 0 bytes", client.VoxelizeAll({}, "").status()},
+      {"mesh_drc", "mesh_drc: has 0 bytes", client.Stream({}, std::string()).Next().status()},
+      {"mesh_drc", "mesh_drc: has 0 bytes", client.PutMesh("").status()},
+      {"resolution", "resolution: 7 not together with voxel_size 0.5", client.Voxelize(request, "mesh", {}).status()},
+      {"resolution", "resolution: 7 not together with voxel_size 0.5",
+       client.Stream(request, MeshId()).Next().status()},
+      {"resolution", "resolution: 7 not together with pixel_size 0.5", client.Pixelize(plane).status()}};
+  for (const auto& [field, message, status] : refusals) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(message));
+    EXPECT_EQ(GetErrorDetails(status).field, field);
+  }
 }
 
 }  // namespace

@@ -224,6 +224,14 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--cover", "supercover", "--minimal"}, {"--minimal", "--cover supercover"});
   refuses({"--resolution", "9", "--cover", "supercover", "--algorithm", "incremental"},
           {"--cover supercover", "--algorithm incremental"});
+  refuses({"--resolution", "9", "--minimal", "--algorithm", "incremental"}, {"--minimal", "--algorithm incremental"});
+  for (const char* path : {"a.vox", "a.BINVOX"}) {
+    refuses({"--resolution", "9", "--lattice", "bcc", "-o", path}, {"--out", path, "--lattice cartesian"});
+    refuses({"--voxel-size", "1,1,2", "-o", path}, {"--out", path, "--lattice cartesian"});
+    refuses({"--basis", "1,0,0,0,1,0,0,1,1", "-o", path}, {"--out", path, "--lattice cartesian"});
+    EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
+  }
+  EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
@@ -323,6 +331,25 @@ TEST(Progress, RatesAndTheTimeLeftAreToldOnceTheyMeanSomething) {
   EXPECT_EQ(RemainingText(0.25, absl::Seconds(4)), ", 12s left");
   EXPECT_EQ(RemainingText(0.25, absl::Seconds(25)), ", 1m15s left");
   EXPECT_EQ(RemainingText(1, absl::Seconds(25)), ", 0 left");
+}
+
+TEST(Progress, TheBarShrinksFirstThenTheCountsAndTheTimeLeftIsLastToGo) {
+  const auto line = [](size_t columns) {
+    const ProgressLine fit = FitProgress(columns, 0.12, "voxelizing", "bricks", 1736221, absl::Milliseconds(542569));
+    return absl::StrCat(fit.cells, fit.text);
+  };
+  const char* const kWhole = "  12 %  voxelizing: 1736221 bricks, 3200/s, 1h6m19s left";
+  EXPECT_EQ(line(120), absl::StrCat(30, kWhole));
+  EXPECT_EQ(line(80), absl::StrCat(80 - 3 - strlen(kWhole), kWhole));
+  EXPECT_EQ(line(60), "4  12 %  voxelizing: 1h6m19s left, 1.7M bricks, 3200/s");
+  EXPECT_EQ(line(40), "0  12 %  voxelizing: 1h6m19s left, 1.7");
+}
+
+TEST(Progress, ShortCountsHaveThreeDigitsOrSo) {
+  const std::vector<std::pair<uint64_t, const char*>> counts = {
+      {0, "0"},        {9999, "9999"},    {10000, "10K"},      {12345, "12.3K"},
+      {99999, "100K"}, {1736221, "1.7M"}, {8800000000, "8.8G"}};
+  for (const auto& [count, text] : counts) EXPECT_EQ(ShortNumber(count), text);
 }
 
 TEST(Report, SaysHowAMeshWasFilled) {

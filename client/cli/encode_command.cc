@@ -1,0 +1,62 @@
+#include "client/cli/encode_command.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/common_options.h"
+#include "client/mesh/mesh_encoder.h"
+#include "client/mesh/mesh_file.h"
+#include "client/output/atomic_file.h"
+
+namespace latvox::client {
+namespace {
+
+// A Draco stream is decoded: it may have more than positions, or is to be quantized.
+absl::StatusOr<Mesh> ReadMesh(const MeshSource& source) {
+  auto read = ReadMeshSource(source);
+  if (!read.ok()) return read.status();
+  if (auto* mesh = std::get_if<Mesh>(&*read)) return std::move(*mesh);
+  return ParseMeshFile(source.paths[0], std::get<std::string>(*read), MeshFormat::kDraco);
+}
+
+}  // namespace
+
+void AddEncodeOptions(CLI::App& command, EncodeWords& words) {
+  AddMeshes(command, words.mesh);
+  AddOutputOption(command, {".drc"}, words.outputs);
+  command.add_option("--quantization", words.quantization, "position bits, 1 to 30; 0 (default): lossless")
+      ->type_name("0..30")
+      ->check(Whole(0, kMaxQuantizationBits));
+  AddMeshOptions(command, words);
+}
+
+MeshSource Interpret(const EncodeWords& words) {
+  if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
+  MeshSource source = words.mesh;
+  InterpretMesh(words, source);
+  CheckMeshPaths(source, words.outputs);
+  return source;
+}
+
+absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource& source,
+                                      const Cancellation& cancellation) {
+  const auto file = AtomicFile::Create(words.outputs[0]);
+  if (!file.ok()) return file.status();
+  const auto mesh = ReadMesh(source);
+  if (!mesh.ok()) return mesh.status();
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  const auto encoded = EncodeMesh(*mesh, words.quantization);
+  if (!encoded.ok()) return encoded.status();
+  if (auto status = (*file)->Append(encoded->drc); !status.ok()) return status;
+  if (auto status = (*file)->Sync(); !status.ok()) return status;
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (auto status = (*file)->Commit(); !status.ok()) return status;
+  const std::string positions =
+      words.quantization == 0 ? "lossless" : absl::StrCat("positions of ", words.quantization, " bits");
+  return absl::StrCat(NameOf(source), ": ", mesh->triangles.size(), " triangles\nwrote ", words.outputs[0], ", ",
+                      encoded->drc.size(), " bytes, ", positions, "\n");
+}
+
+}  // namespace latvox::client

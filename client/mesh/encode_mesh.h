@@ -1,0 +1,29 @@
+// A mesh to the bytes that Client::Voxelize takes, without Draco's headers. Target latvox::mesh.
+//
+//   const std::vector<std::array<float, 3>> positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+//   const std::vector<std::array<uint32_t, 3>> triangles = {{0, 1, 2}};
+//   const absl::StatusOr<std::string> drc_bytes = latvox::client::EncodeMesh(positions, triangles);
+#ifndef LATVOX_CLIENT_MESH_ENCODE_MESH_H_
+#define LATVOX_CLIENT_MESH_ENCODE_MESH_H_
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace latvox::client {
+
+// Encodes all triangles, degenerate and duplicate ones included, as a Draco stream. Each indexes three positions.
+//   quantization_bits   0: positions are exact; else they are rounded to a grid of 2^bits - 1 steps along the longest
+//                       side of their bounding box, up to 30 bits: smaller
+// The stream was decoded again and holds every triangle with the sense of rotation it had. Thread-safe. Errors:
+// INVALID_ARGUMENT naming field and element: no triangle, an index out of range, a position that is not finite, bits
+// beyond 0 to 30; RESOURCE_EXHAUSTED (memory), INTERNAL.
+absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> positions,
+                                       std::span<const std::array<uint32_t, 3>> triangles, int quantization_bits = 0);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_ENCODE_MESH_H_

@@ -1,0 +1,22 @@
+// What is wrong with a call whatever server it goes to. Internal to the SDK.
+#ifndef LATVOX_CLIENT_REQUEST_CHECK_H_
+#define LATVOX_CLIENT_REQUEST_CHECK_H_
+
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "client/plane_types.h"
+#include "client/types.h"
+
+namespace latvox::client {
+
+// INVALID_ARGUMENT for no bytes: servers take them for a mesh that they are to have already.
+absl::Status CheckMesh(std::string_view mesh_drc);
+
+// INVALID_ARGUMENT for two densities, of which the protocol carries the last one set.
+absl::Status CheckRequest(const VoxelizeRequest& request);
+absl::Status CheckRequest(const PixelizeRequest& request);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_REQUEST_CHECK_H_
