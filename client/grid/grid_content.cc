@@ -40,7 +40,7 @@ Band BandOf(const openvdb::GridBase& grid, const std::vector<float>& distances) 
   return band;
 }
 
-absl::StatusOr<GridContent> ReadBand(const openvdb::FloatGrid& grid, const std::string& path, bool values) {
+absl::StatusOr<GridContent> ReadBand(openvdb::FloatGrid& grid, const std::string& path, bool values) {
   if (auto status = CheckTransform(grid, path); !status.ok()) return status;
   const auto leaves = SortedLeaves(grid.tree(), path);
   if (!leaves.ok()) return leaves.status();
@@ -74,12 +74,12 @@ bool ToNumber(const openvdb::Vec3s& color, uint32_t& number) {
 
 // The numbers of attribute n.
 template <class Grid>
-absl::Status ReadNumbers(const openvdb::GridBase& base, const std::string& path, size_t n, GridContent& content) {
+absl::Status ReadNumbers(openvdb::GridBase& base, const std::string& path, size_t n, GridContent& content) {
   const auto wrong = [&](const auto&... what) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", base.getName(), "\" ", what...));
   };
   if (base.type() != Grid::gridType()) return wrong("is a ", base.type(), ", not a ", Grid::gridType());
-  const auto leaves = SortedLeaves(static_cast<const Grid&>(base).tree(), path);
+  const auto leaves = SortedLeaves(static_cast<Grid&>(base).tree(), path);
   if (!leaves.ok()) return leaves.status();
   const std::vector<Brick>& bricks = content.file.bricks;
   const auto same = [](const auto* leaf, const Brick& brick) {

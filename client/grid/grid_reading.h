@@ -6,6 +6,7 @@
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -39,17 +40,25 @@ GridFileInfo Describe(const openvdb::GridBase& grid);
 // Errors: INVALID_ARGUMENT, with the path: the transform is not affine, or not of finite numbers.
 absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path);
 
-// The leaves with active voxels, in lexicographic order of their corners. Errors: INVALID_ARGUMENT, with the path:
-// active tiles, which latvox does not write.
+// Of active tiles, which latvox does not write but other programs make of full bricks, at most so many voxels are read:
+// a few bytes of a file could stand for gigabytes of leaves.
+inline constexpr uint64_t kMaxTileVoxels = uint64_t{1} << 31;
+
+// The leaves with active voxels, in lexicographic order of their corners; active tiles become leaves. Errors:
+// INVALID_ARGUMENT, with the path: tiles of more voxels than kMaxTileVoxels.
 template <class Tree>
-absl::StatusOr<std::vector<const typename Tree::LeafNodeType*>> SortedLeaves(const Tree& tree,
-                                                                             const std::string& path) {
-  if (const auto tiles = tree.activeTileCount(); tiles > 0) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": has ", tiles, " active tiles, not voxels alone"));
+absl::StatusOr<std::vector<const typename Tree::LeafNodeType*>> SortedLeaves(Tree& tree, const std::string& path) {
+  if (tree.activeTileCount() > 0) {
+    const uint64_t voxels = tree.activeVoxelCount() - tree.activeLeafVoxelCount();
+    if (voxels > kMaxTileVoxels) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(path, ": has active tiles of ", voxels, " voxels, more than ", kMaxTileVoxels));
+    }
+    tree.voxelizeActiveTiles();
   }
   std::vector<const typename Tree::LeafNodeType*> leaves;
   leaves.reserve(tree.leafCount());
-  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+  for (auto leaf = std::as_const(tree).cbeginLeaf(); leaf; ++leaf) {
     if (!leaf->isEmpty()) leaves.push_back(leaf.getLeaf());
   }
   std::sort(leaves.begin(), leaves.end(), [](const auto* a, const auto* b) { return a->origin() < b->origin(); });

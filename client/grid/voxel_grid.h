@@ -86,8 +86,9 @@ struct GridFile {
   std::vector<Brick> bricks;  // none is empty
 };
 
-// Memory: 230 bytes for each brick while it reads, 80 then. Errors: as above; a grid that is not boolean, or has active
-// tiles, which latvox does not write; a transform that is not of finite numbers.
+// Memory: 230 bytes for each brick while it reads, 80 then. Active tiles, which latvox does not write, are read as
+// bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31 voxels; a transform that is not
+// of finite numbers.
 absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
 // The metadata latvox_digest of a .vdb file's first grid, empty if there is none; no voxel is read. Errors: as above.

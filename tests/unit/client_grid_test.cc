@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <bit>
 #include <cmath>
 
 #include "client/error.h"
@@ -251,9 +252,26 @@ TEST_F(Grid, OtherThanBooleanVoxelsAreRefused) {
   const auto numbers = openvdb::FloatGrid::create();
   numbers->setName("density");
   EXPECT_THAT(refusal(numbers), HasSubstr("the grid \"density\" is a Tree_float_5_4_3, not a Tree_bool_5_4_3"));
+  const auto vast = openvdb::BoolGrid::create();
+  vast->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(4095)), true);
+  EXPECT_THAT(refusal(vast), HasSubstr("o.vdb: has active tiles of 68719476736 voxels, more than 2147483648"));
+}
+
+TEST_F(Grid, TilesOfOtherProgramsAreReadAsTheirVoxels) {
+  openvdb::initialize();
   const auto solid = openvdb::BoolGrid::create();
-  solid->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(15)), true);
-  EXPECT_THAT(refusal(solid), HasSubstr("o.vdb: has 8 active tiles"));
+  solid->fill(openvdb::CoordBBox(openvdb::Coord(-8), openvdb::Coord(9)), true);
+  ASSERT_GT(solid->tree().activeTileCount(), 0u);
+  openvdb::io::File(Path("o.vdb")).write({solid});
+  const auto file = ReadGridFile(Path("o.vdb"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_EQ(file->bricks.size(), 27u);
+  size_t voxels = 0;
+  for (const Brick& brick : file->bricks) {
+    for (const uint64_t word : brick.mask) voxels += static_cast<size_t>(std::popcount(word));
+  }
+  EXPECT_EQ(voxels, 18u * 18 * 18);
+  EXPECT_EQ(file->info.active_voxels, voxels);
 }
 
 }  // namespace
