@@ -1,0 +1,113 @@
+"""3MF: objects in their places, units, materials, and the parts of the archive."""
+
+import unittest
+
+from inputs import MESH, InputCase, joined, mapped, mesh_xml, model, write_3mf
+
+MATERIALS = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
+PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+
+
+class ThreeMf(InputCase):
+    def test_units_items_and_components_place_objects(self):
+        objects = (
+            f'<object id="1" type="model">{mesh_xml(MESH)}</object>'
+            '<object id="2"><components><component objectid="1" transform="0 1 0 -1 0 0 0 0 1 1 0 0"/>'
+            '<component objectid="1"/></components></object>'
+        )
+        items = '<item objectid="2"/><item objectid="1" transform="2 0 0 0 1 0 0 0 1 0 0 0.5"/><!-- not placed: 3 -->'
+        path = write_3mf(self.dir / "a.3mf", model(objects, items, 'unit="centimeter"'))
+        wanted = joined(
+            mapped(MESH, lambda x, y, z: (10 * (1 - y), 10 * x, 10 * z)),
+            mapped(MESH, lambda x, y, z: (10 * x, 10 * y, 10 * z)),
+            mapped(MESH, lambda x, y, z: (20 * x, 10 * y, 10 * (z + 0.5))),
+        )
+        self.assertEqual(self.digest(path), self.expected(wanted))
+
+    def test_objects_may_lie_in_other_files_of_the_archive(self):
+        attributes = f'xmlns:p="{PRODUCTION}" requiredextensions="p"'
+        objects = '<object id="1"><components><component p:path="/3D/more.model" objectid="1"/></components></object>'
+        more = model(f'<object id="1">{mesh_xml(MESH)}</object>', "")
+        path = write_3mf(self.dir / "a.3mf", model(objects, '<item objectid="1"/>', attributes), more=more)
+        self.assertEqual(self.digest(path), self.expected(MESH))
+
+    def test_errors_name_part_line_and_element(self):
+        good = f'<object id="1">{mesh_xml(MESH)}</object>'
+        item = '<item objectid="1"/>'
+        tenfold = '<object id="{}"><components>' + '<component objectid="{}"/>' * 10 + "</components></object>"
+        nest = "".join(tenfold.format(n, *[n + 1] * 10) for n in range(1, 12)) + '<object id="12"/>'
+        itself = '<object id="1"><components><component objectid="1"/></components></object>'
+        for text, code, says in (
+            (model(good.replace('v3="1"', 'v3="4"'), item), 3, 'line 7: <triangle>: v3="4" of triangle 0 .* 4 vert'),
+            (model(good.replace('z="', 'z="x', 1), item), 3, 'line 2: <vertex>: z="x.*" of vertex 0 is not a finite'),
+            (model(good, '<item objectid="7"/>'), 3, 'line 11: <item>: objectid="7" is no object'),
+            (model(good, '<item objectid="1" transform="1 0 0"/>'), 3, "<item>: transform has 3 numbers, not 12"),
+            (model(good, ""), 3, "the build has no item"),
+            (model(good, item, 'unit="league"'), 3, 'unit "league" is not one of'),
+            (model(good, item, 'xmlns:b="urn:beams" requiredextensions="b"'), 3, r'extension "b" \(urn:beams\)'),
+            (model(itself, item), 3, "nest deeper than 64"),
+            (model(nest, item), 5, "more than 1048576 objects"),
+            ("<model", 3, "3dmodel.model, line 1: is not XML"),
+        ):
+            with self.subTest(says):
+                self.assert_refused(code, f"a.3mf: .*{says}", write_3mf(self.dir / "a.3mf", text))
+
+    BASES = '<basematerials id="5"><base name="a" displaycolor="#FF8000"/><base name="b" displaycolor="#0102037F"/>' \
+            '<base name="c" displaycolor="red"/></basematerials>'
+    COLORS = '<m:colorgroup id="6"><m:color color="#102030"/><m:color color="#405060FF"/></m:colorgroup>'
+
+    def colored(self, *triangles, of_object=""):
+        """MESH with attributes of the object and of its triangles, placed twice, beside groups of properties."""
+        mesh = mesh_xml(MESH)
+        for n, attributes in enumerate(triangles):
+            corners = 'v1="%d" v2="%d" v3="%d"' % MESH[1][n]
+            mesh = mesh.replace(corners, f"{corners} {attributes}")
+        groups = self.BASES + self.COLORS + '<m:texture2dgroup id="7" texid="8"/>'
+        extension = f'xmlns:m="{MATERIALS}" requiredextensions="m"'
+        items = '<item objectid="1"/><item objectid="1" transform="1 0 0 0 1 0 0 0 1 9 0 0"/>'
+        return write_3mf(self.dir / "a.3mf", model(f'{groups}<object id="1" {of_object}>{mesh}</object>', items, extension))
+
+    def test_base_materials_and_colors_are_carried(self):
+        orange, dark, slate, grey = (255, 128, 0), (1, 2, 3), (16, 32, 48), (64, 80, 96)
+        path = self.colored('pid="5" p1="0"', of_object='pid="5" pindex="1"')
+        self.assertEqual(self.carried(path, "--attributes", "color"), {orange, dark})
+        self.assertEqual(self.carried(path, "--attributes", "material"), {(0,), (1,)})
+        last = self.colored(of_object='pid="5" pindex="1"')
+        self.assertEqual(self.carried(last, "--attributes", "material,color"), {(0, *dark)}, "not by first use")
+        path = self.colored('pid="5" p1="0"', of_object='pid="5" pindex="1"')
+        self.assertEqual(self.digest(path), self.expected(joined(MESH, mapped(MESH, lambda x, y, z: (x + 9, y, z)))))
+        path = self.colored('p1="1"', of_object='pid="6" pindex="0"')
+        self.assertEqual(self.carried(path, "--attributes", "color"), {slate, grey})
+        self.assert_refused(3, "has no material$", path, "--attributes", "material")
+        # Corners of one triangle: the vertices that it shares have other colors in others.
+        path = self.colored('pid="6" p1="0" p2="1" p3="0"', of_object='pid="5" pindex="0"')
+        self.assertEqual(self.carried(path, "--attributes", "color"), {orange, slate, grey})
+
+    def test_properties_that_are_none_are_missed_where_they_are_asked_for(self):
+        for says, attributes in (
+            ("$", ""),
+            ('3dmodel.model, line 7: <triangle>: pid="9" is no group', 'pid="9" p1="0"'),
+            ('line 7: <triangle>: p1="3" is not within the 3 of <basematerials> 5', 'pid="5" p1="3"'),
+            ('line 7: <triangle>: p1="" is not within', 'pid="5"'),
+            ('line 7: <triangle>: p2="-1" is not within the 2 of <colorgroup> 6', 'pid="6" p1="0" p2="-1"'),
+            ('line 1: <base>: "red" is no color', 'pid="5" p1="2"'),
+            ('line 7: <triangle>: pid="7" is a <texture2dgroup>, and only basematerials and colorgroup are read', 'pid="7" p1="0"'),
+        ):
+            with self.subTest(says):
+                path = self.colored(attributes)
+                self.assert_refused(3, "a.3mf: the mesh, or some of it, has no color.*" + says, path, "--attributes", "color")
+                self.assertEqual(self.carried(path), {()})
+
+    def test_an_archive_that_is_damaged_is_refused(self):
+        text = model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/>')
+        path = write_3mf(self.dir / "a.3mf", text)
+        whole = path.read_bytes()
+        elsewhere = whole.replace(b"3D/3dmodel", b"3D/3dmodal")
+        for name, data in (("cut", whole[:-30]), ("text", b"PK\3\4 and no more"), ("elsewhere", elsewhere)):
+            with self.subTest(name):
+                path.write_bytes(data)
+                self.assert_refused(3, "a.3mf: ", path)
+
+
+if __name__ == "__main__":
+    unittest.main()
