@@ -26,6 +26,7 @@ latvox_add_test(client_retry_test SOURCES unit/client_retry_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
 latvox_add_test(client_stream_test SOURCES unit/client_stream_test.cc
                 LIBRARIES latvox::client latvox_model_server GTest::gmock)
+latvox_add_test(client_options_test SOURCES unit/client_options_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_tool_test SOURCES unit/client_tool_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_job_test SOURCES unit/client_job_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_batch_test SOURCES unit/client_batch_test.cc LIBRARIES latvox::tool latvox::grid GTest::gmock)

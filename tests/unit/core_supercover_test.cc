@@ -20,8 +20,8 @@ struct CoveredLattice {
   oracle::Gram<3> gram;
 };
 
-// The first: bases of integers, then the hexagonal lattice, which has none, and two that are rounded to 30 bits.
-std::vector<CoveredLattice> Lattices(size_t first = 8) {
+// Bases of integers, then the hexagonal lattice, which has none, and two that are rounded to 30 bits.
+std::vector<CoveredLattice> Lattices() {
   std::vector<CoveredLattice> lattices;
   for (const ExactLattice& l : ExactLattices()) {
     lattices.push_back({l.name, l.lattice, oracle::GramOf<3>(l.lattice.basis())});
@@ -34,7 +34,6 @@ std::vector<CoveredLattice> Lattices(size_t first = 8) {
            {"long", {{{-0.2, 0.47, -0.01}, {-0.11, -0.47, 0}, {-0.32, 0.11, 6.05}}}}}) {
     lattices.push_back({name, Lattice::FromBasis(basis).value(), oracle::GramOf<3>(basis)});
   }
-  lattices.erase(lattices.begin() + static_cast<std::ptrdiff_t>(first), lattices.end());
   return lattices;
 }
 
@@ -210,7 +209,13 @@ TEST_P(SupercoverOnLattice, PartsAndThreadsEqualTheWhole) {
 // World coordinates of the others would be rounded.
 class SupercoverOnExactLattice : public SupercoverOnLattice {};
 
-INSTANTIATE_TEST_SUITE_P(Exact, SupercoverOnExactLattice, testing::ValuesIn(Lattices(ExactLattices().size())),
+std::vector<CoveredLattice> LatticesOfIntegers() {
+  std::vector<CoveredLattice> lattices = Lattices();
+  lattices.erase(lattices.begin() + static_cast<std::ptrdiff_t>(ExactLattices().size()), lattices.end());
+  return lattices;
+}
+
+INSTANTIATE_TEST_SUITE_P(Exact, SupercoverOnExactLattice, testing::ValuesIn(LatticesOfIntegers()),
                          [](const auto& lattice) { return lattice.param.name; });
 
 TEST_P(SupercoverOnExactLattice, PipelineEqualsExactClippingOnAdversarialMeshes) {

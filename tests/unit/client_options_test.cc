@@ -1,0 +1,264 @@
+// The command line: what options mean, and which are refused.
+#include <gmock/gmock.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/cli/voxelize_command.h"
+#include "client/cli/voxelize_options.h"
+#include "client/output/vec3.h"
+#include "client/stretched.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Parses as the tool does. Throws what it throws.
+VoxelizeOptions Parse(std::vector<std::string> arguments) {
+  CLI::App app;
+  VoxelizeWords words;
+  AddVoxelizeOptions(app, words);
+  arguments.insert(arguments.begin(), {"mesh.obj", "-o", "out.vdb"});
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants vectors
+  app.parse(arguments);
+  return Interpret(words);
+}
+
+std::string Refusal(const std::vector<std::string>& arguments) {
+  try {
+    Parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Options, DefaultsAreThoseOfTheContract) {
+  const VoxelizeOptions options = Parse({"--resolution", "64"});
+  EXPECT_THAT(options.mesh.paths, ElementsAre("mesh.obj"));
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb"));
+  EXPECT_EQ(std::get<NamedLattice>(options.request.lattice), NamedLattice::kCartesian);
+  EXPECT_EQ(options.request.resolution, 64u);
+  EXPECT_EQ(options.request.voxel_size, std::nullopt);
+  EXPECT_EQ(options.request.origin, std::nullopt);
+  EXPECT_EQ(options.request.separability, 0u);
+  EXPECT_TRUE(options.request.minimal);
+  EXPECT_FALSE(options.request.verify || options.json);
+  EXPECT_EQ(options.request.algorithm, Algorithm::kExact);
+  EXPECT_EQ(options.quantization_bits, std::nullopt);
+  EXPECT_EQ(options.server.address, "");
+}
+
+TEST(Options, EveryOptionArrivesWhereItBelongs) {
+  const VoxelizeOptions options = Parse({"--basis",
+                                         "1,0,0,-0.5,2,0,1e-1,.25,+3",
+                                         "--voxel-size=0.125",
+                                         "--origin",
+                                         "-1,-2.5,3",
+                                         "--separability",
+                                         "2",
+                                         "--no-minimal",
+                                         "--region",
+                                         "-1,-2,-3,4,5,6",
+                                         "--bounds",
+                                         "-0.5,1,2,.5,1,1e3",
+                                         "--quantization",
+                                         "0",
+                                         "--json",
+                                         "--threads",
+                                         "3",
+                                         "--timeout",
+                                         "1.5",
+                                         "--retries",
+                                         "7",
+                                         "-o",
+                                         "b.csv",
+                                         "--out",
+                                         "c.png",
+                                         "-o",
+                                         "d.npy",
+                                         "--algorithm",
+                                         "optimized-incremental",
+                                         "--fill",
+                                         "surface",
+                                         "--up",
+                                         "y",
+                                         "--scale",
+                                         "2.5",
+                                         "--input-format",
+                                         "3mf",
+                                         "--weld-report",
+                                         "--npy",
+                                         "dense"});
+  EXPECT_EQ(std::get<Basis>(options.request.lattice), (Basis{{1, 0, 0}, {-0.5, 2, 0}, {0.1, 0.25, 3}}));
+  EXPECT_EQ(options.request.voxel_size, 0.125);
+  EXPECT_EQ(options.request.origin, (Vec3d{-1, -2.5, 3}));
+  EXPECT_EQ(options.request.separability, 2u);
+  EXPECT_FALSE(options.request.minimal);
+  EXPECT_EQ(options.request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
+  EXPECT_EQ(options.request.bounds, (WorldBox{{-0.5, 1, 2}, {0.5, 1, 1000}}));
+  EXPECT_EQ(options.quantization_bits, 0);
+  EXPECT_EQ(options.request.algorithm, Algorithm::kOptimizedIncremental);
+  EXPECT_TRUE(options.json);
+  EXPECT_EQ(options.mesh.up, UpAxis::kY);
+  EXPECT_EQ(options.mesh.scale, 2.5);
+  EXPECT_EQ(options.mesh.format, MeshFormat::kThreeMf);
+  EXPECT_TRUE(options.weld_report && options.output_options.dense_npy);
+  EXPECT_EQ(options.server.threads, 3);
+  EXPECT_EQ(options.server.timeout_seconds, 1.5);
+  EXPECT_EQ(options.server.retries, 7);
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.png", "d.npy"));
+}
+
+TEST(Options, ThreeVoxelSizesStretchTheLattice) {
+  const VoxelizeRequest cubes = Parse({"--voxel-size", "0.5,2,3", "--separability", "26"}).request;
+  EXPECT_EQ(std::get<Basis>(cubes.lattice), (Basis{{0.5, 0, 0}, {0, 2, 0}, {0, 0, 3}}));
+  EXPECT_EQ(cubes.voxel_size, std::nullopt);
+  EXPECT_EQ(cubes.separability, 0u);
+  const VoxelizeRequest same = Parse({"--voxel-size", "2,2,2", "--lattice", "fcc"}).request;
+  EXPECT_EQ(std::get<NamedLattice>(same.lattice), NamedLattice::kFcc);
+  EXPECT_EQ(same.voxel_size, 2);
+  for (const auto& [name, lattice] : {std::pair("bcc", NamedLattice::kBcc), std::pair("fcc", NamedLattice::kFcc),
+                                      std::pair("hexagonal", NamedLattice::kHexagonal)}) {
+    const VoxelizeRequest request = Parse({"--voxel-size", "1,2,3", "--lattice", name}).request;
+    const Basis& basis = std::get<Basis>(request.lattice);
+    EXPECT_EQ(basis, Stretched(lattice, {1, 2, 3}));
+    EXPECT_NEAR(std::abs(Dot(basis.a, Cross(basis.b, basis.c))), 6, 1e-14) << name;
+  }
+}
+
+TEST(Options, OfASolidSayWhatIsInside) {
+  EXPECT_EQ(Parse({"--resolution", "9"}).request.solid, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "surface"}).request.solid, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid"}).request.solid, Solid{});
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "parity"}).request.solid, Solid{});
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "winding"}).request.solid,
+            (Solid{.rule = InteriorRule::kWinding}));
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--without-surface"}).request.solid,
+            (Solid{.surface = false}));
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--force-open"}).request.solid, (Solid{.force_open = true}));
+}
+
+TEST(Options, ASupercoverIsNotMinimal) {
+  const VoxelizeRequest request = Parse({"--resolution", "9", "--cover", "supercover"}).request;
+  EXPECT_EQ(request.cover, Cover::kSupercover);
+  EXPECT_FALSE(request.minimal);
+  EXPECT_FALSE(Parse({"--resolution", "9", "--cover", "supercover", "--no-minimal"}).request.minimal);
+  EXPECT_EQ(Parse({"--resolution", "9"}).request.cover, Cover::kSeparating);
+}
+
+TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
+  ServerChoice choice;
+  EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 0);
+  choice.address = "a:1,b:2";
+  EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, RetryPolicy().max_retries);
+  choice.retries = 7;
+  EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 7);
+}
+
+TEST(Options, NeighbourCountsNameSeparabilitiesOnTheCartesianLatticeOnly) {
+  EXPECT_EQ(Parse({"--resolution", "9", "--separability", "26"}).request.separability, 0u);
+  EXPECT_EQ(Parse({"--resolution", "9", "--separability", "18"}).request.separability, 1u);
+  EXPECT_EQ(Parse({"--resolution", "9", "--separability", "6"}).request.separability, 2u);
+  EXPECT_THAT(Refusal({"--resolution", "9", "--separability", "6", "--lattice", "fcc"}),
+              HasSubstr("--separability: 6"));
+}
+
+TEST(Options, ABasisNeedsNoDensityButANamedLatticeDoes) {
+  EXPECT_NO_THROW(Parse({"--basis", "1,0,0,0,1,0,0,0,1"}));
+  EXPECT_THAT(Refusal({"--lattice", "bcc"}), HasSubstr("--voxel-size or --resolution is required"));
+}
+
+TEST(Options, RefusalsNameOptionValueAndLimit) {
+  const auto refuses = [](const std::vector<std::string>& arguments, const std::vector<std::string>& says) {
+    for (const std::string& text : says) EXPECT_THAT(Refusal(arguments), HasSubstr(text));
+  };
+  refuses({"--resolution", "0"}, {"--resolution", "\"0\"", "2 to 65536"});
+  refuses({"--resolution", "70000"}, {"--resolution", "70000", "65536"});
+  refuses({"--resolution", "-5"}, {"--resolution", "-5"});
+  refuses({"--resolution", "8.5"}, {"--resolution", "8.5"});
+  refuses({"--resolution", "8", "--voxel-size", "1"}, {"--resolution", "--voxel-size"});
+  refuses({"--voxel-size", "0"}, {"--voxel-size", "above 0"});
+  refuses({"--voxel-size", "1,2"}, {"--voxel-size", "one number or three"});
+  refuses({"--voxel-size", "1,2,-3"}, {"--voxel-size", "above 0"});
+  refuses({"--voxel-size", "1,2,3", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--voxel-size", "--basis", "1,2,3"});
+  refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
+  refuses({"--voxel-size", "1e999"}, {"--voxel-size", "1e999"});
+  refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0,1,2,26,18,6"});
+  refuses({"--resolution", "9", "--lattice", "cubic"}, {"--lattice", "cubic", "hexagonal"});
+  refuses({"--lattice", "bcc", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--basis", "--lattice"});
+  refuses({"--basis", "1,0,0,0,1,0,0,0"}, {"--basis", "9 finite numbers"});
+  refuses({"--basis", "1,0,0,0,1,0,0,0,nan"}, {"--basis", "9 finite numbers"});
+  refuses({"--resolution", "9", "--origin", "1,2"}, {"--origin", "3 finite numbers"});
+  refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
+  refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
+  refuses({"--resolution", "9", "--region", "0,0,0,1,1,1", "--verify"}, {"--region", "--verify"});
+  refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
+  refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
+  refuses({"--resolution", "9", "--bounds", "0,0,0,1,1,1", "--verify"}, {"--bounds", "--verify"});
+  refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
+  refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
+  refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
+  refuses({"--resolution", "9", "--fill", "solid", "--interior-rule", "odd"}, {"--interior-rule", "odd", "parity"});
+  refuses({"--resolution", "9", "--fill", "solid", "--verify"}, {"--verify", "--fill"});
+  refuses({"--resolution", "9", "--fill", "solid", "--algorithm", "incremental"}, {"--fill", "solid", "exact"});
+  refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
+  refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
+  refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
+  refuses({"--resolution", "9", "--up", "w"}, {"--up", "w", "x,y"});
+  refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
+  refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
+  refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
+  refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
+  refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
+  refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
+  refuses({"--resolution", "9", "--cover", "supercover", "--minimal"}, {"--minimal", "--cover supercover"});
+  refuses({"--resolution", "9", "--cover", "supercover", "--algorithm", "incremental"},
+          {"--cover supercover", "--algorithm incremental"});
+  refuses({"--resolution", "9", "--minimal", "--algorithm", "incremental"}, {"--minimal", "--algorithm incremental"});
+  for (const char* path : {"a.vox", "a.BINVOX"}) {
+    refuses({"--resolution", "9", "--lattice", "bcc", "-o", path}, {"--out", path, "--lattice cartesian"});
+    refuses({"--voxel-size", "1,1,2", "-o", path}, {"--out", path, "--lattice cartesian"});
+    refuses({"--basis", "1,0,0,0,1,0,0,1,1", "-o", path}, {"--out", path, "--lattice cartesian"});
+    EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
+  }
+  EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
+  refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
+  refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
+  refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
+  refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
+  refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
+  refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
+  refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
+}
+
+TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
+  const auto world = Parse({"--resolution", "9", "--band", "0.25"}).request.band;
+  EXPECT_TRUE(world && world->width == 0.25 && !world->in_voxels && !world->is_signed);
+  const auto voxels = Parse({"--resolution", "9", "--band", "3v", "--signed"}).request.band;
+  EXPECT_TRUE(voxels && voxels->width == 3 && voxels->in_voxels && voxels->is_signed);
+  EXPECT_FALSE(Parse({"--resolution", "9"}).request.band);
+  for (const char* width : {"0", "-1", "v", "3V", "1e999", "nan"}) {
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", width}), HasSubstr("is not a finite number above 0"));
+  }
+  EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--band")));
+  for (const auto& [other, value] :
+       {std::pair{"--separability", "1"}, {"--algorithm", "exact"}, {"--fill", "surface"}, {"--cover", "separating"}}) {
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", other, value}),
+                AllOf(HasSubstr("--band"), HasSubstr(other)));
+  }
+  EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "--verify"}),
+              AllOf(HasSubstr("--band"), HasSubstr("--verify")));
+  for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
+    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
+                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .ply .png can"));
+  }
+}
+
+}  // namespace
+}  // namespace latvox::client
