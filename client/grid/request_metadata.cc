@@ -63,7 +63,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   json["separability"] = request.separability;
   if (request.cover == Cover::kSupercover) {
     json["cover"] = "supercover";
-  } else {
+  } else if (request.algorithm == Algorithm::kExact) {
     json["minimal"] = request.minimal;
   }
   for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));

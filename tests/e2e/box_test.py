@@ -69,8 +69,8 @@ class Boxes(Case):
 
     def test_what_does_not_fit_is_refused_and_leaves_no_file(self):
         for out, options, code, says in (
-            ("a.binvox", ["--lattice", "bcc", "--resolution", 20], 3, "cubes along the axes"),
-            ("a.vox", ["--basis", "0.1,0,0,0,0.1,0,0,0,0.2"], 3, "cubes along the axes"),
+            ("a.binvox", ["--lattice", "bcc", "--resolution", 20], 2, "cubes along the axes"),
+            ("a.vox", ["--basis", "0.1,0,0,0,0.1,0,0,0,0.2"], 2, "cubes along the axes"),
             ("a.vox", ["--lattice", "cartesian", "--resolution", 300], 5, "300 voxels along [xyz] exceed the format's 256"),
         ):
             with self.subTest(options):
