@@ -196,50 +196,49 @@ class StuckDecoder : public MeshDecoder {
   Done done_;
 };
 
-TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheServerAfterIt) {
-  StuckDecoder decoder;
-  TestEnvironment environment(decoder);
-  CallRegistry& registry = environment.registry;
-  VoxelizerService service(environment.shared(), environment.everybody);
-  grpc::ServerBuilder builder;
-  builder.RegisterService(&service);
-  const auto server = builder.BuildAndStart();
-  const auto stub = v1::Voxelizer::NewStub(server->InProcessChannel({}));
+// A service in this process, with a call that is being decoded.
+struct ServiceInDecode {
+  ServiceInDecode() {
+    call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
+    decoder.AwaitStart();
+  }
 
-  VoxelizeCall call(*stub);
-  call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
-  decoder.AwaitStart();
-  call.context().TryCancel();
-  EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::CANCELLED);
-  decoder.AwaitCancel();
-  EXPECT_EQ(registry.size(), 1);
-  decoder.End();
-  EXPECT_TRUE(registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
-  server->Shutdown();
+  std::unique_ptr<grpc::Server> Serve() {
+    grpc::ServerBuilder builder;
+    builder.RegisterService(&service);
+    return builder.BuildAndStart();
+  }
+
+  StuckDecoder decoder;
+  TestEnvironment environment{decoder};
+  VoxelizerService service{environment.shared(), environment.everybody};
+  const std::unique_ptr<grpc::Server> server = Serve();
+  const std::unique_ptr<v1::Voxelizer::Stub> stub = v1::Voxelizer::NewStub(server->InProcessChannel({}));
+  VoxelizeCall call{*stub};
+};
+
+TEST(VoxelizerService, ACallCancelledInDecodeIsOverForTheClientAtOnceAndForTheServerAfterIt) {
+  ServiceInDecode service;
+  service.call.context().TryCancel();
+  EXPECT_EQ(service.call.Receive().status.error_code(), grpc::StatusCode::CANCELLED);
+  service.decoder.AwaitCancel();
+  EXPECT_EQ(service.environment.registry.size(), 1);
+  service.decoder.End();
+  EXPECT_TRUE(service.environment.registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
+  service.server->Shutdown();
 }
 
 TEST(VoxelizerService, NoThreadOfALaneWaitsForADecode) {
-  StuckDecoder decoder;
-  TestEnvironment environment(decoder);
-  CallRegistry& registry = environment.registry;
-  VoxelizerService service(environment.shared(), environment.everybody);
-  grpc::ServerBuilder builder;
-  builder.RegisterService(&service);
-  const auto server = builder.BuildAndStart();
-  const auto stub = v1::Voxelizer::NewStub(server->InProcessChannel({}));
-
-  VoxelizeCall call(*stub);
-  call.Send(SpecMessage(Spec(9))).Send(PieceMessage(SphereBytes())).stream().WritesDone();
-  decoder.AwaitStart();
+  ServiceInDecode service;
   std::promise<void> other_task;
-  environment.quick.Enqueue([&] { other_task.set_value(); });
+  service.environment.quick.Enqueue([&] { other_task.set_value(); });
   EXPECT_EQ(other_task.get_future().wait_for(kPatience), std::future_status::ready);
-  registry.StopAll();
-  decoder.AwaitCancel();
-  decoder.End();
-  EXPECT_EQ(call.Receive().status.error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_TRUE(registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
-  server->Shutdown();
+  service.environment.registry.StopAll();
+  service.decoder.AwaitCancel();
+  service.decoder.End();
+  EXPECT_EQ(service.call.Receive().status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_TRUE(service.environment.registry.WaitUntilEmpty(absl::FromChrono(kPatience)));
+  service.server->Shutdown();
 }
 
 }  // namespace
