@@ -12,6 +12,9 @@ latvox_add_test(core_solid_test UNSANITIZED SOURCES unit/core_solid_test.cc LIBR
 latvox_add_test(core_oracle_test SLOW SOURCES unit/core_oracle_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_plane_crossing_test UNSANITIZED SOURCES unit/core_plane_crossing_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_plane_pixelize_test SOURCES unit/core_plane_pixelize_test.cc LIBRARIES latvox::core latvox_oracle)
+latvox_add_test(core_plane_thesis_test SOURCES unit/core_plane_thesis_test.cc LIBRARIES latvox::core latvox_oracle)
+latvox_add_test(core_thesis_tables_test UNSANITIZED SOURCES unit/core_thesis_tables_test.cc
+                LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_thesis_test UNSANITIZED SOURCES unit/core_thesis_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_thesis_job_test SLOW SOURCES unit/core_thesis_job_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_validate_water_test SOURCES unit/core_validate_water_test.cc LIBRARIES latvox::core latvox_oracle)

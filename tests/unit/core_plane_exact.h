@@ -58,6 +58,18 @@ inline std::vector<Polyline> ToWorld(const plane_oracle::Drawing& drawing, const
   return polylines;
 }
 
+inline constexpr LineAlgorithm kAlgorithms[] = {LineAlgorithm::kCrossing, LineAlgorithm::kBruteForce,
+                                                LineAlgorithm::kIncremental, LineAlgorithm::kIbanez};
+
+inline PixelizeResult Digitized(const std::vector<Polyline>& polylines, const PlaneGrid& grid, int k, bool minimal,
+                                LineAlgorithm algorithm = LineAlgorithm::kCrossing) {
+  auto result = Pixelize(polylines, grid, {.separability = k, .minimal = minimal, .algorithm = algorithm});
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result) : PixelizeResult{};
+}
+
+inline PlaneGrid Unscaled(const PlaneLattice& lattice) { return {lattice, {0, 0}}; }
+
 }  // namespace latvox
 
 #endif  // LATVOX_TESTS_UNIT_CORE_PLANE_EXACT_H_
