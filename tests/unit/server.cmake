@@ -16,6 +16,7 @@ latvox_add_test(server_decoder_pool_test SOURCES unit/server_decoder_pool_test.c
 target_compile_definitions(
   server_decoder_pool_test
   PRIVATE LATVOX_RESERVE_BOMB="${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/decoder_fuzz/reserve_bomb_61.drc")
+latvox_add_test(server_errors_test SOURCES unit/server_errors_test.cc LIBRARIES latvox::server)
 latvox_add_test(server_rules_test SOURCES unit/server_rules_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_computation_test SOURCES unit/server_computation_test.cc

@@ -1,4 +1,4 @@
-// The contract's rules, one by one: specifications, certificates, limits, errors on the wire.
+// The contract's rules, one by one: specifications, certificates, limits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,10 +13,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
 #include "server/convert.h"
 #include "server/errors.h"
+#include "tests/unit/server_error_details.h"
 
 namespace latvox {
 namespace {
@@ -30,19 +29,6 @@ v1::VoxelizeSpec GoodSpec() {
   spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
   spec.set_resolution(64);
   return spec;
-}
-
-google::rpc::Status DetailsOf(const grpc::Status& status) {
-  google::rpc::Status details;
-  EXPECT_TRUE(details.ParseFromString(status.error_details()));
-  return details;
-}
-
-google::rpc::ErrorInfo ErrorInfoOf(const grpc::Status& status) {
-  google::rpc::ErrorInfo info;
-  const google::rpc::Status details = DetailsOf(status);
-  EXPECT_TRUE(details.details_size() > 0 && details.details(0).UnpackTo(&info));
-  return info;
 }
 
 struct BadSpecCase {
@@ -354,63 +340,6 @@ TEST(Limits, AreReportedAsTheyAreSet) {
   EXPECT_EQ(LimitsToProto({}).max_points(), 131072);
   EXPECT_EQ(LimitsToProto({}).max_pixels(), 419328);
   EXPECT_EQ(LimitsToProto({}).max_crossings(), 16 * 419328);
-}
-
-TEST(ErrorTable, MapsEveryCodeToOneOfTheContracts) {
-  using grpc::StatusCode;
-  const std::vector<std::pair<absl::StatusCode, StatusCode>> table = {
-      {absl::StatusCode::kOk, StatusCode::OK},
-      {absl::StatusCode::kCancelled, StatusCode::CANCELLED},
-      {absl::StatusCode::kUnknown, StatusCode::INTERNAL},
-      {absl::StatusCode::kInvalidArgument, StatusCode::INVALID_ARGUMENT},
-      {absl::StatusCode::kDeadlineExceeded, StatusCode::DEADLINE_EXCEEDED},
-      {absl::StatusCode::kNotFound, StatusCode::NOT_FOUND},
-      {absl::StatusCode::kAlreadyExists, StatusCode::INTERNAL},
-      {absl::StatusCode::kPermissionDenied, StatusCode::INTERNAL},
-      {absl::StatusCode::kResourceExhausted, StatusCode::RESOURCE_EXHAUSTED},
-      {absl::StatusCode::kFailedPrecondition, StatusCode::INTERNAL},
-      {absl::StatusCode::kAborted, StatusCode::INTERNAL},
-      {absl::StatusCode::kOutOfRange, StatusCode::INTERNAL},
-      {absl::StatusCode::kUnimplemented, StatusCode::INTERNAL},
-      {absl::StatusCode::kInternal, StatusCode::INTERNAL},
-      {absl::StatusCode::kUnavailable, StatusCode::UNAVAILABLE},
-      {absl::StatusCode::kDataLoss, StatusCode::INTERNAL},
-      {absl::StatusCode::kUnauthenticated, StatusCode::UNAUTHENTICATED},
-  };
-  for (const auto& [ours, wire] : table) {
-    const grpc::Status status = ToGrpcStatus(absl::Status(ours, "message"));
-    EXPECT_EQ(status.error_code(), wire) << ours;
-    if (status.ok()) continue;
-    EXPECT_EQ(status.error_message(), "message");
-    EXPECT_EQ(DetailsOf(status).code(), wire);
-    EXPECT_EQ(DetailsOf(status).message(), "message");
-    EXPECT_EQ(ErrorInfoOf(status).domain(), "latvox");
-    EXPECT_FALSE(ErrorInfoOf(status).reason().empty());
-  }
-}
-
-TEST(ErrorTable, CarriesCauseAndRetryDelay) {
-  const absl::Status status = WithRetry(LimitExceeded("mesh.triangles", 12, 10), absl::Milliseconds(1250));
-  EXPECT_EQ(status.message(), "mesh.triangles 12 exceeds 10");
-  EXPECT_EQ(RetryDelayOf(status), absl::Milliseconds(1250));
-  const grpc::Status wire = ToGrpcStatus(status);
-  const google::rpc::ErrorInfo info = ErrorInfoOf(wire);
-  EXPECT_EQ(info.reason(), "LIMIT_EXCEEDED");
-  EXPECT_EQ(info.metadata().at("field"), "mesh.triangles");
-  EXPECT_EQ(info.metadata().at("value"), "12");
-  EXPECT_EQ(info.metadata().at("limit"), "10");
-  google::rpc::RetryInfo retry;
-  ASSERT_EQ(DetailsOf(wire).details_size(), 2);
-  ASSERT_TRUE(DetailsOf(wire).details(1).UnpackTo(&retry));
-  EXPECT_EQ(retry.retry_delay().seconds(), 1);
-  EXPECT_EQ(retry.retry_delay().nanos(), 250'000'000);
-}
-
-TEST(ErrorTable, KeepsTheFirstCause) {
-  const absl::Status status = WithCause(BadMesh("no triangles"), {"OTHER", "other", "", ""});
-  EXPECT_EQ(ErrorInfoOf(ToGrpcStatus(status)).reason(), "BAD_MESH");
-  EXPECT_TRUE(WithCause(absl::OkStatus(), {"OTHER", "", "", ""}).ok());
-  EXPECT_EQ(RetryDelayOf(status), std::nullopt);
 }
 
 }  // namespace

@@ -1,0 +1,72 @@
+// Errors on their way to the wire: codes, causes, retry delays.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/errors.h"
+#include "tests/unit/server_error_details.h"
+
+namespace latvox {
+namespace {
+
+TEST(ErrorTable, MapsEveryCodeToOneOfTheContracts) {
+  using grpc::StatusCode;
+  const std::vector<std::pair<absl::StatusCode, StatusCode>> table = {
+      {absl::StatusCode::kOk, StatusCode::OK},
+      {absl::StatusCode::kCancelled, StatusCode::CANCELLED},
+      {absl::StatusCode::kUnknown, StatusCode::INTERNAL},
+      {absl::StatusCode::kInvalidArgument, StatusCode::INVALID_ARGUMENT},
+      {absl::StatusCode::kDeadlineExceeded, StatusCode::DEADLINE_EXCEEDED},
+      {absl::StatusCode::kNotFound, StatusCode::NOT_FOUND},
+      {absl::StatusCode::kAlreadyExists, StatusCode::INTERNAL},
+      {absl::StatusCode::kPermissionDenied, StatusCode::INTERNAL},
+      {absl::StatusCode::kResourceExhausted, StatusCode::RESOURCE_EXHAUSTED},
+      {absl::StatusCode::kFailedPrecondition, StatusCode::INTERNAL},
+      {absl::StatusCode::kAborted, StatusCode::INTERNAL},
+      {absl::StatusCode::kOutOfRange, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnimplemented, StatusCode::INTERNAL},
+      {absl::StatusCode::kInternal, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnavailable, StatusCode::UNAVAILABLE},
+      {absl::StatusCode::kDataLoss, StatusCode::INTERNAL},
+      {absl::StatusCode::kUnauthenticated, StatusCode::UNAUTHENTICATED},
+  };
+  for (const auto& [ours, wire] : table) {
+    const grpc::Status status = ToGrpcStatus(absl::Status(ours, "message"));
+    EXPECT_EQ(status.error_code(), wire) << ours;
+    if (status.ok()) continue;
+    EXPECT_EQ(status.error_message(), "message");
+    EXPECT_EQ(DetailsOf(status).code(), wire);
+    EXPECT_EQ(DetailsOf(status).message(), "message");
+    EXPECT_EQ(ErrorInfoOf(status).domain(), "latvox");
+    EXPECT_FALSE(ErrorInfoOf(status).reason().empty());
+  }
+}
+
+TEST(ErrorTable, CarriesCauseAndRetryDelay) {
+  const absl::Status status = WithRetry(LimitExceeded("mesh.triangles", 12, 10), absl::Milliseconds(1250));
+  EXPECT_EQ(status.message(), "mesh.triangles 12 exceeds 10");
+  EXPECT_EQ(RetryDelayOf(status), absl::Milliseconds(1250));
+  const grpc::Status wire = ToGrpcStatus(status);
+  const google::rpc::ErrorInfo info = ErrorInfoOf(wire);
+  EXPECT_EQ(info.reason(), "LIMIT_EXCEEDED");
+  EXPECT_EQ(info.metadata().at("field"), "mesh.triangles");
+  EXPECT_EQ(info.metadata().at("value"), "12");
+  EXPECT_EQ(info.metadata().at("limit"), "10");
+  google::rpc::RetryInfo retry;
+  ASSERT_EQ(DetailsOf(wire).details_size(), 2);
+  ASSERT_TRUE(DetailsOf(wire).details(1).UnpackTo(&retry));
+  EXPECT_EQ(retry.retry_delay().seconds(), 1);
+  EXPECT_EQ(retry.retry_delay().nanos(), 250'000'000);
+}
+
+TEST(ErrorTable, KeepsTheFirstCause) {
+  const absl::Status status = WithCause(BadMesh("no triangles"), {"OTHER", "other", "", ""});
+  EXPECT_EQ(ErrorInfoOf(ToGrpcStatus(status)).reason(), "BAD_MESH");
+  EXPECT_TRUE(WithCause(absl::OkStatus(), {"OTHER", "", "", ""}).ok());
+  EXPECT_EQ(RetryDelayOf(status), std::nullopt);
+}
+
+}  // namespace
+}  // namespace latvox
