@@ -20,6 +20,7 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
 
 void PixelizeReactor::Begin() {
   self_ = shared_from_this();
+  if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return End(status);
   if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
       !status.ok()) {
     return End(status);

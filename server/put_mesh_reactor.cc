@@ -26,6 +26,11 @@ void PutMeshReactor::Begin() {
   if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
       !status.ok())
     return End(status);
+  Read();
+}
+
+void PutMeshReactor::Read() {
+  MarkUnread(request_);
   StartRead(&request_);
 }
 
@@ -36,11 +41,12 @@ void PutMeshReactor::OnReadDone(bool ok) {
   if (!more.ok() || !*more) return End(more.status());
   const std::lock_guard lock(mu_);
   if (bytes_in_ > before || request_.has_spec()) last_read_ = Clock::now();
-  if (!finishing_) StartRead(&request_);
+  if (!finishing_) Read();
 }
 
 // Whether more is to be read.
 absl::StatusOr<bool> PutMeshReactor::TakeRequest() {
+  if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return status;
   switch (request_.part_case()) {
     case v1::PutMeshRequest::kSpec:
       if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");
@@ -76,13 +82,20 @@ absl::StatusOr<bool> PutMeshReactor::TakeSpec(const v1::PutMeshSpec& spec) {
 // The client has half-closed, or the call is broken.
 void PutMeshReactor::FinishReading() {
   if (context_.IsCancelled()) return OnCancel();
-  if (!upload_) return End(BadStream("the stream ended before spec"));
-  if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  if (!IsUnread(request_)) return End(UnreadableMessage(request_));
+  if (const absl::Status status = CheckUpload(); !status.ok()) {
+    sent_too_little_ = true;
+    return End(status);
+  }
   {
     const std::lock_guard lock(mu_);
     reading_ = false;
   }
   environment_.registry.AwaitTurn(this);
+}
+
+absl::Status PutMeshReactor::CheckUpload() const {
+  return upload_ ? upload_->CheckComplete() : BadStream("the stream ended before spec");
 }
 
 void PutMeshReactor::Work() {
@@ -150,7 +163,7 @@ void PutMeshReactor::OnDone() {
   canceller_.Over();
   RequestRecord record;
   record.origin = origin_;
-  record.status = status_;
+  record.status = sent_too_little_ && context_.IsCancelled() ? BrokenRead(environment_.limits) : status_;
   record.bytes_in = bytes_in_;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -183,8 +182,7 @@ void Server::AddMetrics() {
 }
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
-  const auto message_bytes = std::min<uint64_t>(options_.limits.max_message_bytes, std::numeric_limits<int>::max());
-  builder.SetMaxReceiveMessageSize(static_cast<int>(message_bytes));
+  builder.SetMaxReceiveMessageSize(static_cast<int>(options_.limits.received_message_bytes()));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, ToMilliseconds(options_.keepalive_time));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, ToMilliseconds(options_.keepalive_timeout));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);

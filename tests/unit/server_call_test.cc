@@ -170,15 +170,6 @@ TEST_F(ServerTest, HoldsMeshesAgainstItsLimits) {
   expect(spec, "", "mesh_bytes 3000 exceeds 2000");
 }
 
-TEST_F(ServerTest, RefusesOversizedMessages) {
-  options_.limits.max_message_bytes = 1 << 16;
-  Start();
-  VoxelizeCall call(*stub_);
-  const Answer answer = call.Send(SpecMessage(Spec(9))).Send(PieceMessage(std::string(1 << 17, 'x'))).Receive();
-  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
-}
-
 TEST_F(ServerTest, TellsItsLimits) {
   options_.limits.max_jobs = 7;
   Start();

@@ -1,9 +1,6 @@
 // What is counted, and how Prometheus gets it.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <ctime>
@@ -16,6 +13,7 @@
 #include "server/errors.h"
 #include "server/metrics.h"
 #include "server/metrics_server.h"
+#include "tests/unit/server_http.h"
 
 namespace latvox {
 namespace {
@@ -116,23 +114,6 @@ TEST(Metrics, TellOfTheProcessWhatTheKernelCounts) {
   close(one_more);
   EXPECT_EQ(ValueOf(metrics.Text(), "process_threads"), 1);
   EXPECT_GT(ValueOf(metrics.Text(), "process_cpu_seconds_total"), 0);
-}
-
-std::string Fetch(const std::string& address, const std::string& request) {
-  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in server{};
-  server.sin_family = AF_INET;
-  server.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  int port = 0;
-  EXPECT_TRUE(absl::SimpleAtoi(address.substr(address.rfind(':') + 1), &port));
-  server.sin_port = htons(static_cast<uint16_t>(port));
-  EXPECT_EQ(connect(fd, reinterpret_cast<const sockaddr*>(&server), sizeof server), 0);
-  EXPECT_EQ(write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
-  std::string answer;
-  char buffer[4096];
-  for (ssize_t got = 0; (got = read(fd, buffer, sizeof buffer)) > 0;) answer.append(buffer, static_cast<size_t>(got));
-  close(fd);
-  return answer;
 }
 
 TEST(MetricsServer, ServesThemUnderOnePathAndNamesAnAddressThatItCannotHave) {
