@@ -127,6 +127,10 @@ std::optional<absl::Duration> RetryDelayOf(const absl::Status& status) {
   return absl::Seconds(info.retry_delay().seconds()) + absl::Nanoseconds(info.retry_delay().nanos());
 }
 
+absl::StatusCode CodeOnWire(const absl::Status& status) {
+  return static_cast<absl::StatusCode>(ToGrpcCode(status.code()));
+}
+
 grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
   const grpc::StatusCode code = ToGrpcCode(status.code());

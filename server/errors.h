@@ -16,6 +16,18 @@ namespace latvox {
 // ErrorInfo.domain of every error.
 inline constexpr absl::string_view kErrorDomain = "latvox";
 
+// The codes of the contract.
+inline constexpr absl::StatusCode kCodes[] = {
+    absl::StatusCode::kOk,          absl::StatusCode::kInvalidArgument,  absl::StatusCode::kResourceExhausted,
+    absl::StatusCode::kNotFound,    absl::StatusCode::kUnauthenticated,  absl::StatusCode::kCancelled,
+    absl::StatusCode::kUnavailable, absl::StatusCode::kDeadlineExceeded, absl::StatusCode::kInternal};
+
+// Its reasons, as the contract's table has them; an error that has been given none has its code for one.
+inline constexpr absl::string_view kReasons[] = {
+    "BAD_SPEC",        "BAD_MESH",       "BAD_STREAM",     "LIMIT_EXCEEDED", "MEMORY_IN_USE",
+    "OUT_OF_MEMORY",   "DECODER_TIME",   "DECODER_KILLED", "TOO_MANY_JOBS",  "TOO_MANY_JOBS_OF_CLIENT",
+    "SERVER_STOPPING", "CLIENT_STALLED", "MESH_NOT_FOUND", "UNAUTHENTICATED"};
+
 // The trailer by which gRPC's built-in retries learn how many milliseconds to wait.
 inline constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";
 
@@ -56,6 +68,9 @@ absl::Status WithCauseOfCore(absl::Status status);
 // The same status with the advice to try again after `delay`.
 absl::Status WithRetry(absl::Status status, absl::Duration delay);
 std::optional<absl::Duration> RetryDelayOf(const absl::Status& status);
+
+// The code that the client gets.
+absl::StatusCode CodeOnWire(const absl::Status& status);
 
 // The table. Codes that the contract does not name become INTERNAL. grpc-status-details-bin holds a google.rpc.Status
 // with one ErrorInfo and, after WithRetry, one RetryInfo.

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "server/errors.h"
 #include "server/log.h"
 
 namespace latvox {
@@ -45,7 +46,7 @@ void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
 
 void LogRequest(const RequestRecord& record) {
   Fields fields = OriginFields(record.origin);
-  fields.emplace_back("code", absl::StatusCodeToString(record.status.code()));
+  fields.emplace_back("code", absl::StatusCodeToString(CodeOnWire(record.status)));
   if (!record.lattice.empty()) {
     fields.emplace_back("lattice", record.lattice);
     fields.emplace_back("k", record.separability);
@@ -58,7 +59,7 @@ void LogRequest(const RequestRecord& record) {
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
   fields.emplace_back("total_ms", record.total_ms);
   if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});
-  const bool ours = record.status.code() == absl::StatusCode::kInternal;
+  const bool ours = CodeOnWire(record.status) == absl::StatusCode::kInternal;
   Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);
 }
 

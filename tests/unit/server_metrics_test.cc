@@ -18,6 +18,7 @@
 namespace latvox {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -51,8 +52,39 @@ TEST(Metrics, CountACallOnceInEachFamilyThatItBelongsTo) {
         "latvox_stage_duration_seconds_count{stage=\"stream\"} 2\n"}) {
     EXPECT_THAT(text, HasSubstr(line));
   }
-  EXPECT_THAT(text, Not(HasSubstr("stage=\"queue\"")));
-  EXPECT_THAT(text, Not(HasSubstr("latvox_rejections_total{")));
+  EXPECT_THAT(text, HasSubstr("latvox_stage_duration_seconds_count{stage=\"queue\"} 0\n"));
+  EXPECT_THAT(text, Not(ContainsRegex("latvox_rejections_total\\{[^\n]*\\} [1-9]")));
+}
+
+TEST(Metrics, AreThereFromTheStartForEveryMethodCodeReasonAndStage) {
+  const std::string text = Metrics().Text();
+  for (const char* method : {"Voxelize", "PutMesh", "Pixelize", "GetLimits"}) {
+    for (const absl::StatusCode code : kCodes) {
+      EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_requests_total{code=\"", absl::StatusCodeToString(code),
+                                               "\",method=\"", method, "\"} 0\n")));
+    }
+    for (const char* name : {"received_bytes_total", "sent_bytes_total", "request_duration_seconds_count"}) {
+      EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_", name, "{method=\"", method, "\"} 0\n")));
+    }
+  }
+  for (const absl::string_view reason : kReasons) {
+    EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_rejections_total{reason=\"", reason, "\"} 0\n")));
+  }
+  EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"UNAVAILABLE\"} 0\n"));
+  for (const char* stage : {"upload", "queue", "decode", "voxelize", "stream", "pixelize"}) {
+    EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_stage_duration_seconds_count{stage=\"", stage, "\"} 0\n")));
+  }
+}
+
+TEST(Metrics, CountADefectAsTheInternalThatTheClientGets) {
+  Metrics metrics;
+  RequestRecord record;
+  record.origin.method = "Voxelize";
+  for (const absl::StatusCode code : {absl::StatusCode::kInternal, absl::StatusCode::kUnknown}) {
+    record.status = absl::Status(code, "a defect");
+    metrics.Record(record);
+  }
+  EXPECT_THAT(metrics.Text(), HasSubstr("latvox_requests_total{code=\"INTERNAL\",method=\"Voxelize\"} 2\n"));
 }
 
 TEST(Metrics, CountRefusalsByReasonAndLeaveTheirDurationsOut) {
@@ -71,8 +103,8 @@ TEST(Metrics, CountRefusalsByReasonAndLeaveTheirDurationsOut) {
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"LIMIT_EXCEEDED\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"INVALID_ARGUMENT\"} 1\n"));
   EXPECT_THAT(text, Not(HasSubstr("reason=\"CANCELLED\"")));
-  EXPECT_THAT(text, Not(HasSubstr("latvox_request_duration_seconds_count")));
-  EXPECT_THAT(text, Not(HasSubstr("stage=")));
+  EXPECT_THAT(text, HasSubstr("latvox_request_duration_seconds_count{method=\"Voxelize\"} 0\n"));
+  EXPECT_THAT(text, Not(ContainsRegex("stage_duration_seconds_count\\{[^\n]*\\} [1-9]")));
 }
 
 TEST(Metrics, ReadWhatOthersCountWhenTheyAreAsked) {
