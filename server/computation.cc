@@ -89,7 +89,7 @@ absl::Status Computation::Receive(uint64_t bytes) { return memory_.Grow(bytes); 
 absl::Status Computation::TakeMesh(MeshUpload upload) {
   return WithoutExceptions([&]() -> absl::Status {
     mesh_bytes_ = upload.size();
-    upload_ms_ = upload.milliseconds();
+    upload_ms_ = upload.milliseconds().value_or(0);
     mesh_ = std::move(upload).Take();
     if (!spec_.mesh_digest) return absl::OkStatus();
     if (mesh_.empty()) {

@@ -23,7 +23,7 @@ struct RequestRecord {
   uint64_t bytes_in = 0;   // encoded mesh; of Pixelize the message
   uint64_t bytes_out = 0;  // messages
   double total_ms = 0;
-  std::optional<double> upload_ms, queue_ms;  // if the call came to the end of these stages
+  std::optional<double> upload_ms, queue_ms;  // if there was such a stage, and the call came to its end
 };
 
 // At level info; errors that are ours, at level error.

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/time/clock.h"
 #include "server/brick_batch.h"
 #include "server/computation.h"
 #include "server/convert.h"
@@ -101,6 +103,19 @@ TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
   EXPECT_TRUE(declared.CheckComplete().ok());
   EXPECT_EQ(declared.Append("5").message(), "mesh_bytes 5 was declared, but at least 6 bytes came");
   EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
+}
+
+TEST(MeshUpload, TakesTheTimeFromTheSpecificationToTheLastByte) {
+  MeshUpload upload(0, 10);
+  EXPECT_EQ(upload.milliseconds(), std::nullopt);
+  absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_TRUE(upload.Append("x").ok());
+  const double one_piece = upload.milliseconds().value();
+  EXPECT_GE(one_piece, 5);
+  absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_EQ(upload.milliseconds(), one_piece);
+  EXPECT_TRUE(upload.Append("y").ok());
+  EXPECT_GE(upload.milliseconds().value(), one_piece + 5);
 }
 
 v1::VoxelizeSpec GoodSpec() {
