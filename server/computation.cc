@@ -118,7 +118,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
-      std::exchange(mesh_, {}), environment_.limits, spec_.attributes,
+      {std::exchange(mesh_, {}), spec_.attributes, request_id_}, environment_.limits,
       [this](uint64_t triangles, uint64_t vertices) {
         return memory_.Grow(mesh_bytes_ + BytesOf(triangles, vertices));
       },

@@ -25,7 +25,7 @@ absl::Status CannotStart(const std::string& why) {
   return absl::UnavailableError(absl::StrCat("no decoder process can be started: ", why));
 }
 
-bool IsLarge(const DecodeJob& job) { return job.bytes.size() > kLargeBytes; }
+bool IsLarge(const DecodeJob& job) { return job.mesh.bytes.size() > kLargeBytes; }
 
 int ToPollTimeout(absl::Time until) {
   if (until == absl::InfiniteFuture()) return -1;
@@ -72,10 +72,9 @@ DecoderPool::~DecoderPool() {
   close(wake_);
 }
 
-std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(absl::Cord bytes, const Limits& limits,
-                                                          const MeshAttributes& wanted, Reserve reserve, Done done) {
-  auto job =
-      std::make_shared<DecodeJob>(DecodeJob{std::move(bytes), limits, wanted, std::move(reserve), std::move(done)});
+std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(EncodedMesh mesh, const Limits& limits, Reserve reserve,
+                                                          Done done) {
+  auto job = std::make_shared<DecodeJob>(DecodeJob{std::move(mesh), limits, std::move(reserve), std::move(done)});
   auto decode = std::make_shared<PooledDecode>(*this, job);
   {
     const std::lock_guard lock(mu_);

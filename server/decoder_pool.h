@@ -43,8 +43,7 @@ class DecoderPool final : public MeshDecoder {
   // What is lost with its process is done again by another: a mesh that two crash on is bad. Errors, besides those of
   // MeshDecoder: RESOURCE_EXHAUSTED with a retry delay if five were killed by someone else; UNAVAILABLE with one if no
   // process can be started.
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted, Reserve reserve,
-                                  Done done) override;
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override;
 
   DecoderFacts facts() const;
 

@@ -22,9 +22,8 @@
 namespace latvox {
 
 struct DecodeJob {
-  absl::Cord bytes;
+  EncodedMesh mesh;
   Limits limits;
-  MeshAttributes attributes;
   MeshDecoder::Reserve reserve;
   MeshDecoder::Done done;
   // Processes that ended while they had this job: by someone, and by themselves.
@@ -78,12 +77,12 @@ class DecoderSlot {
   void Receive();
   bool TakeFrames();
   bool TakeFrame(FrameKind kind, absl::string_view frame);
-  void TakeError(absl::string_view frame);
   void CheckTimes();
   std::shared_ptr<DecodeJob> TakeEnd(const ProcessEnd& end);
   std::shared_ptr<DecodeJob> TakeLostJob(bool crashed);
   void Finish(absl::StatusOr<DecodedMesh> result);
   void Kill();
+  void LogTrouble(absl::string_view event, const std::string& end = "") const;
 
   const DecoderOptions& options_;
   DecoderCounters& counters_;

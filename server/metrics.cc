@@ -154,6 +154,8 @@ struct Metrics::Families {
 
   void ObserveStage(const char* stage, double ms) { stages.Add({{"stage", stage}}, Buckets()).Observe(ms / 1e3); }
 
+  static void Record(std::monostate /*nothing*/) {}
+
   void Record(const ComputationFacts& facts) {
     triangles.Increment(static_cast<double>(facts.triangles));
     voxels.Increment(static_cast<double>(facts.voxels));

@@ -93,7 +93,7 @@ void PixelizeReactor::OnDone() {
   record.status = status_;
   record.lattice = facts_.lattice;
   record.separability = facts_.separability;
-  record.work = facts_;
+  if (queue_ms_) record.work = facts_;
   record.bytes_in = bytes_in_;
   record.bytes_out = status_.ok() ? bytes_out_ : 0;
   record.queue_ms = queue_ms_;

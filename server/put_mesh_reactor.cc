@@ -90,6 +90,8 @@ void PutMeshReactor::FinishReading() {
   {
     const std::lock_guard lock(mu_);
     reading_ = false;
+    upload_ms_ = upload_->milliseconds();
+    waits_since_ = Clock::now();
   }
   environment_.registry.AwaitTurn(this);
 }
@@ -102,6 +104,7 @@ void PutMeshReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (finishing_) return;
+    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
     working_ = true;
   }
   Lane& lane = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
@@ -165,6 +168,8 @@ void PutMeshReactor::OnDone() {
   record.origin = origin_;
   record.status = sent_too_little_ && context_.IsCancelled() ? BrokenRead(environment_.limits) : status_;
   record.bytes_in = bytes_in_;
+  record.upload_ms = upload_ms_;
+  record.queue_ms = queue_ms_;
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
   LogRequest(record);
   environment_.metrics.Record(record);

@@ -81,7 +81,8 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
   // All below is guarded by mu_.
   bool reading_ = true, working_ = false;
   bool finishing_ = false;  // status_ is final, and SendStatus called or about to be
-  Clock::time_point last_read_ = began_, finished_;
+  std::optional<double> upload_ms_, queue_ms_;
+  Clock::time_point waits_since_, last_read_ = began_, finished_;
   absl::Status status_;
 };
 

@@ -21,6 +21,9 @@ Fields OriginFields(const CallOrigin& origin) {
   return fields;
 }
 
+void AppendCounts(std::monostate /*nothing*/, Fields& /*fields*/) {}
+void AppendTimes(std::monostate /*nothing*/, Fields& /*fields*/) {}
+
 void AppendCounts(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("triangles", facts.triangles);
   fields.emplace_back("voxels", facts.voxels);
@@ -58,7 +61,10 @@ void LogRequest(const RequestRecord& record) {
   if (record.queue_ms) fields.emplace_back("queue_ms", *record.queue_ms);
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
   fields.emplace_back("total_ms", record.total_ms);
-  if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});
+  if (!record.status.ok()) {
+    fields.emplace_back("reason", ReasonOf(record.status));
+    fields.emplace_back("error", record.status.message());
+  }
   const bool ours = CodeOnWire(record.status) == absl::StatusCode::kInternal;
   Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);
 }

@@ -19,9 +19,9 @@ struct RequestRecord {
   absl::Status status;
   std::string lattice;  // empty: there was no good specification
   int separability = 0;
-  std::variant<ComputationFacts, PixelizationFacts> work;
-  uint64_t bytes_in = 0;   // encoded mesh; of Pixelize the message
-  uint64_t bytes_out = 0;  // messages
+  std::variant<std::monostate, ComputationFacts, PixelizationFacts> work;  // none: it did not come to that
+  uint64_t bytes_in = 0;                                                   // encoded mesh; of Pixelize the message
+  uint64_t bytes_out = 0;                                                  // messages
   double total_ms = 0;
   std::optional<double> upload_ms, queue_ms;  // if there was such a stage, and the call came to its end
 };

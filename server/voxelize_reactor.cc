@@ -293,7 +293,7 @@ void VoxelizeReactor::OnDone() {
     if (computation_) {
       record.lattice = std::string{computation_->spec().lattice.name()};
       record.separability = computation_->spec().options.separability;
-      record.work = computation_->facts();
+      if (queue_ms_) record.work = computation_->facts();
     }
   }
   record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();

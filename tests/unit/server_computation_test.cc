@@ -172,10 +172,9 @@ TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
 
 class CountingDecoder final : public MeshDecoder {
  public:
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted, Reserve reserve,
-                                  Done done) override {
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override {
     ++decodes;
-    return decoder_.Start(std::move(bytes), limits, wanted, std::move(reserve), std::move(done));
+    return decoder_.Start(std::move(mesh), limits, std::move(reserve), std::move(done));
   }
   int decodes = 0;
 

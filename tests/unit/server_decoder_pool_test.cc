@@ -25,11 +25,13 @@
 #include "server/draco_decoder.h"
 #include "server/errors.h"
 #include "tests/unit/server_decoders.h"
+#include "tests/unit/server_log_lines.h"
 #include "tests/unit/server_meshes.h"
 
 namespace latvox {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 // With AddressSanitizer, processes of the lowest priority (see StartStopped) take their time on a busy machine.
@@ -62,7 +64,7 @@ class Decode {
   Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {},
          const MeshAttributes& wanted = {})
       : result_(promise_.get_future()),
-        decoding_(pool.Start(absl::Cord(bytes), limits, wanted, std::move(reserve), [this](auto mesh) {
+        decoding_(pool.Start({absl::Cord(bytes), wanted, "id-7"}, limits, std::move(reserve), [this](auto mesh) {
           ended_ = absl::Now();
           promise_.set_value(std::move(mesh));
         })) {}
@@ -235,10 +237,13 @@ TEST_F(DecoderPoolTest, DecodesAreCancelledWhereverTheyAre) {
 
 TEST_F(DecoderPoolTest, AProcessKilledInADecodeLosesNothing) {
   const pid_t pid = StartStopped();
+  LogLines lines;
   Decode decode(*pool_, Large());
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   kill(pid, SIGKILL);
   ExpectSame(decode.Get(), Large());
+  EXPECT_THAT(lines.End(), HasSubstr(absl::StrCat("event=decoder_died pid=", pid, " end=\"signal 9 (Killed)\" bytes=",
+                                                  Large().size(), " request_id=id-7\n")));
   EXPECT_EQ(pool_->facts().restarts, 1);
   EXPECT_EQ(pool_->facts().crashes, 0);
 }
@@ -332,8 +337,10 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
 TEST_F(DecoderPoolTest, AProcessThatDoesNothingIsGivenUp) {
   options_.cpu_time = absl::Milliseconds(20);
   StartStopped();
+  LogLines lines;
   const absl::Status status = Decode(*pool_, Small()).Get().status();
   EXPECT_EQ(ReasonOf(status), "DECODER_TIME") << status;
+  EXPECT_THAT(lines.End(), ContainsRegex("event=decoder_too_slow pid=[0-9]+ bytes=[0-9]+ request_id=id-7\n"));
   ExpectSame(Decode(*pool_, Small()).Get(), Small());
 }
 
