@@ -186,7 +186,10 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
 absl::Status Computation::TakeEstimate(double voxels, double visits) {
   const uint64_t limit = environment_.limits.max_voxels;
   if (visits > static_cast<double>(limit)) {
-    return LimitExceeded("voxels (estimated)", static_cast<uint64_t>(std::min(visits, 1e19)), limit);
+    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     absl::StrCat("voxels (estimated) ", estimate, " exceeds ", limit),
+                     {"LIMIT_EXCEEDED", "voxels", absl::StrCat(estimate), absl::StrCat(limit)});
   }
   large_ = LastsLong(facts_.triangles, visits);
   if (spec_.options.algorithm == Algorithm::kExact) return memory_.Grow(job_bytes_);

@@ -37,6 +37,7 @@ struct ErrorCause {
   std::string field;
   std::string value;
   std::string limit;
+  std::string limit_name = "";  // the field of GetLimitsResponse that the limit is; of LIMIT_EXCEEDED by the field
 
   bool operator==(const ErrorCause&) const = default;
 };
@@ -51,7 +52,7 @@ absl::Status BadStream(absl::string_view message);
 
 // RESOURCE_EXHAUSTED with the reason LIMIT_EXCEEDED and the message "field value exceeds limit". Trying again is
 // pointless.
-absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit);
+absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit, absl::string_view limit_name = {});
 
 // The cause that the status has been given, if any.
 std::optional<ErrorCause> CauseOf(const absl::Status& status);

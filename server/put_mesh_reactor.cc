@@ -1,6 +1,5 @@
 #include "server/put_mesh_reactor.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "server/errors.h"
@@ -69,8 +68,11 @@ absl::StatusOr<bool> PutMeshReactor::TakeSpec(const v1::PutMeshSpec& spec) {
   if (!digest.ok()) return digest.status();
   digest_ = *digest;
   if (spec.mesh_bytes() == 0) return BadSpec("mesh_bytes 0 is below 1", "mesh_bytes", "0", "1");
-  const uint64_t limit = std::min(environment_.limits.max_mesh_bytes, environment_.meshes.capacity());
+  const uint64_t limit = environment_.limits.max_mesh_bytes, capacity = environment_.meshes.capacity();
   if (spec.mesh_bytes() > limit) return LimitExceeded("mesh_bytes", spec.mesh_bytes(), limit);
+  if (spec.mesh_bytes() > capacity) {
+    return LimitExceeded("mesh_bytes", spec.mesh_bytes(), capacity, "mesh_store_bytes");
+  }
   if (environment_.meshes.Find(digest_)) {
     response_.set_already_stored(true);
     return false;

@@ -328,6 +328,7 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
   EXPECT_EQ(status.message(), "mesh: decoding takes more than 0.02 s");
   EXPECT_EQ(CauseOf(status)->reason, "DECODER_TIME");
   EXPECT_EQ(CauseOf(status)->limit, "0.02");
+  EXPECT_FALSE(RetryDelayOf(status));
   EXPECT_EQ(pool_->facts().killed_for_time, 1);
   // It is the limit of one mesh: many may take more together.
   for (int n = 0; n < 100; ++n) ExpectSame(Decode(*pool_, Small()).Get(), Small());
