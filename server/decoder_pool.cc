@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
+#include "server/process_facts.h"
 
 namespace latvox {
 namespace {
@@ -93,8 +94,18 @@ void DecoderPool::Cancel(std::shared_ptr<DecodeJob> job) {
 }
 
 DecoderFacts DecoderPool::facts() const {
-  return {options_.processes, counters_.decodes,         counters_.restarts,
-          counters_.crashes,  counters_.killed_for_time, counters_.killed_for_memory};
+  double memory = 0;
+  for (const auto& slot : slots_) {
+    if (const pid_t pid = slot->pid(); pid != 0) memory += PrivateMemoryBytes(pid);
+  }
+  return {options_.processes,
+          counters_.decodes,
+          counters_.restarts,
+          counters_.crashes,
+          counters_.killed_for_time,
+          counters_.killed_for_memory,
+          memory,
+          static_cast<double>(options_.processes) * static_cast<double>(options_.memory)};
 }
 
 void DecoderPool::Wake() {

@@ -66,6 +66,7 @@ void DecoderSlot::StartProcess() {
   if (started_++ > 0) ++counters_.restarts;
   if (!process.ok()) return Fail(std::string(process.status().message()));
   process_ = *std::move(process);
+  pid_ = process_->pid();
   ready_ = killed_ = false;
   received_ = 0;
   state_ = State::kStarting;
@@ -244,6 +245,7 @@ void DecoderSlot::LogTrouble(absl::string_view event, const std::string& end) co
 
 std::shared_ptr<DecodeJob> DecoderSlot::TakeEnd(const ProcessEnd& end) {
   if (ready_ && !killed_) LogTrouble("decoder_died", end.ToString());
+  pid_ = 0;
   process_.reset();
   state_ = State::kEmpty;
   start_at_ = absl::InfinitePast();

@@ -35,7 +35,8 @@ struct DecoderCounters {
   std::atomic<uint64_t> decodes = 0, restarts = 0, crashes = 0, killed_for_time = 0, killed_for_memory = 0;
 };
 
-// Not thread-safe: for the pool's thread. Never blocks for longer than it takes to start a process.
+// Not thread-safe, but for what says so: for the pool's thread. Never blocks for longer than it takes to start a
+// process.
 class DecoderSlot {
  public:
   DecoderSlot(const DecoderOptions& options, DecoderCounters& counters);
@@ -43,6 +44,9 @@ class DecoderSlot {
   // Whether there is a process that waits for a job.
   bool idle() const { return state_ == State::kIdle; }
   const std::shared_ptr<DecodeJob>& job() const { return job_; }
+
+  // Of the process; 0 if there is none. Thread-safe.
+  pid_t pid() const { return pid_; }
 
   // How often in a row a process could not be started, and why.
   int failures() const { return failures_; }
@@ -89,6 +93,7 @@ class DecoderSlot {
 
   State state_ = State::kEmpty;
   std::unique_ptr<DecoderProcess> process_;
+  std::atomic<pid_t> pid_ = 0;           // for pid()
   bool ready_ = false, killed_ = false;  // the process has said so; this has killed it
   uint64_t idle_bytes_ = 0;              // of the process's address space
   absl::Time start_at_ = absl::InfinitePast();

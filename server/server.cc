@@ -168,6 +168,10 @@ void Server::AddMetrics() {
   add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });
   add("latvox_mesh_store_bytes", "Meshes that are kept, encoded and decoded.", [this] { return meshes_.bytes(); });
   add("latvox_decoder_processes", "Processes that decode meshes.", [this] { return decoders_->facts().processes; });
+  add("latvox_decoder_memory_bytes", "Memory that decoder processes hold, beyond that of this process.",
+      [this] { return decoders_->facts().memory_bytes; });
+  add("latvox_decoder_memory_limit_bytes", "Memory that decodes in all decoder processes may take, together.",
+      [this] { return decoders_->facts().most_memory_bytes; });
   const auto count = [this](const char* name, const char* help, uint64_t DecoderFacts::*fact) {
     metrics_.AddCounter(name, help, [this, fact] { return decoders_->facts().*fact; });
   };

@@ -306,6 +306,22 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsMemoryLimit) {
   EXPECT_EQ(pool_->facts().killed_for_memory, 1);
 }
 
+TEST_F(DecoderPoolTest, TellsWhatMemoryItsProcessesHold) {
+  Start();
+  ExpectSame(Decode(*pool_, Small()).Get(), Small());
+  const double idle = pool_->facts().memory_bytes;
+  EXPECT_GT(idle, 100'000);
+  double at_work = 0;
+  const auto look = [&](uint64_t /*triangles*/, uint64_t /*vertices*/) {
+    at_work = pool_->facts().memory_bytes;
+    return absl::OkStatus();
+  };
+  ExpectSame(Decode(*pool_, Large(), {}, look).Get(), Large());
+  EXPECT_GT(at_work, idle + static_cast<double>(Large().size()));
+  EXPECT_EQ(pool_->facts().most_memory_bytes,
+            static_cast<double>(options_.memory) * static_cast<double>(options_.processes));
+}
+
 TEST_F(DecoderPoolTest, AMeshThatThereIsNoMemoryForIsRefusedBeforeItTakesAny) {
   options_.processes = 1;
   Start();
