@@ -47,7 +47,7 @@ absl::Status BadResumePoint(const Vec3i& tile_ijk) {
 
 absl::Status UnknownMesh() {
   return MakeError(absl::StatusCode::kNotFound, "mesh_sha256: the server does not have this mesh",
-                   {"MESH_NOT_FOUND", "mesh_sha256", "", ""});
+                   {kMeshNotFound, "mesh_sha256", "", ""});
 }
 
 // Adds the time of a scope to `sum`.

@@ -22,11 +22,13 @@ inline constexpr absl::StatusCode kCodes[] = {
     absl::StatusCode::kNotFound,    absl::StatusCode::kUnauthenticated,  absl::StatusCode::kCancelled,
     absl::StatusCode::kUnavailable, absl::StatusCode::kDeadlineExceeded, absl::StatusCode::kInternal};
 
+inline constexpr char kMeshNotFound[] = "MESH_NOT_FOUND";
+
 // Its reasons, as the contract's table has them; an error that has been given none has its code for one.
 inline constexpr absl::string_view kReasons[] = {
     "BAD_SPEC",        "BAD_MESH",       "BAD_STREAM",     "LIMIT_EXCEEDED", "MEMORY_IN_USE",
     "OUT_OF_MEMORY",   "DECODER_TIME",   "DECODER_KILLED", "TOO_MANY_JOBS",  "TOO_MANY_JOBS_OF_CLIENT",
-    "SERVER_STOPPING", "CLIENT_STALLED", "MESH_NOT_FOUND", "UNAUTHENTICATED"};
+    "SERVER_STOPPING", "CLIENT_STALLED", kMeshNotFound,    "UNAUTHENTICATED"};
 
 // The trailer by which gRPC's built-in retries learn how many milliseconds to wait.
 inline constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";

@@ -86,11 +86,11 @@ class Everything final : public prometheus::Collectable {
   Readings readings;
 };
 
-// What the caller's side of a call brought about, and what is a defect of ours, is no rejection.
+// What the server turns away or gives up. Not what the client or its deadline ends, nor a defect of ours, nor that a
+// mesh is not kept: that is the answer to a question.
 bool IsRejection(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
-    case absl::StatusCode::kNotFound:
     case absl::StatusCode::kResourceExhausted:
     case absl::StatusCode::kUnauthenticated:
     case absl::StatusCode::kUnavailable:
@@ -107,10 +107,12 @@ struct Metrics::Families {
   prometheus::Registry& registry = everything->registry;
 
   Counters& requests = Counter("latvox_requests_total", "Calls that are over, by method and status code.");
-  Counters& rejections = Counter("latvox_rejections_total", "Calls that were refused, by ErrorInfo.reason.");
+  Counters& rejections =
+      Counter("latvox_rejections_total", "Calls that were refused or given up, by ErrorInfo.reason.");
   Counters& received = Counter("latvox_received_bytes_total", "Bytes of meshes and drawings, by method.");
   Counters& sent = Counter("latvox_sent_bytes_total", "Bytes of messages that were sent, by method.");
-  prometheus::Counter& triangles = Counter("latvox_triangles_total", "Triangles decoded.").Add({});
+  prometheus::Counter& triangles =
+      Counter("latvox_triangles_total", "Triangles of meshes that were voxelized, decoded for it or kept.").Add({});
   prometheus::Counter& voxels = Counter("latvox_voxels_total", "Voxels found.").Add({});
   prometheus::Counter& pixels = Counter("latvox_pixels_total", "Pixels found.").Add({});
   Histograms& durations = Histogram("latvox_request_duration_seconds", "Time of calls that ended OK, by method.");
@@ -139,7 +141,9 @@ struct Metrics::Families {
       sent.Add({{"method", method}});
       durations.Add({{"method", method}}, Buckets());
     }
-    for (const absl::string_view reason : kReasons) rejections.Add({{"reason", std::string{reason}}});
+    for (const absl::string_view reason : kReasons) {
+      if (reason != kMeshNotFound) rejections.Add({{"reason", std::string{reason}}});
+    }
     for (const absl::StatusCode code : kCodes) {
       if (IsRejection(code)) rejections.Add({{"reason", absl::StatusCodeToString(code)}});
     }

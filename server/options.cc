@@ -23,9 +23,10 @@ void AddLimits(CLI::App& app, Limits& limits) {
       ->check(AtLeastOne());
   Add(app, "--max-voxels", limits.max_voxels, "Most voxels in one job, estimated from the area of its surface")
       ->check(AtLeastOne());
-  AddBytes(app, "--mesh-store-bytes", limits.mesh_store_bytes,
-           "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an eighth "
-           "of the memory budget");
+  Add(app, "--mesh-store-bytes", limits.mesh_store_bytes,
+      "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an eighth "
+      "of the memory budget. 0: none")
+      ->transform(CLI::AsSizeValue(false));
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 

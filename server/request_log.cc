@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "server/errors.h"
-#include "server/log.h"
 
 namespace latvox {
 namespace {
@@ -47,7 +46,7 @@ void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
 
 }  // namespace
 
-void LogRequest(const RequestRecord& record) {
+void LogRequest(const RequestRecord& record, LogLevel level) {
   Fields fields = OriginFields(record.origin);
   fields.emplace_back("code", absl::StatusCodeToString(CodeOnWire(record.status)));
   if (!record.lattice.empty()) {
@@ -66,7 +65,7 @@ void LogRequest(const RequestRecord& record) {
     fields.emplace_back("error", record.status.message());
   }
   const bool ours = CodeOnWire(record.status) == absl::StatusCode::kInternal;
-  Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);
+  Log(ours ? LogLevel::kError : level, "request", fields);
 }
 
 }  // namespace latvox

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "server/call_origin.h"
 #include "server/computation.h"
+#include "server/log.h"
 #include "server/pixelization.h"
 
 namespace latvox {
@@ -26,8 +27,8 @@ struct RequestRecord {
   std::optional<double> upload_ms, queue_ms;  // if there was such a stage, and the call came to its end
 };
 
-// At level info; errors that are ours, at level error.
-void LogRequest(const RequestRecord& record);
+// At `level`; errors that are ours, at level error.
+void LogRequest(const RequestRecord& record, LogLevel level = LogLevel::kInfo);
 
 }  // namespace latvox
 

@@ -66,6 +66,9 @@ class CheckConfig(Case):
         self.assertEqual({name: value for name, (value, _) in once.items()}, {name: value for name, (value, _) in again.items()})
         self.assertEqual({source for _, source in again.values()}, {"file again.toml"})
 
+    def test_a_mesh_store_of_nothing_may_be_asked_for(self):
+        self.assertEqual(self.settings("--mesh-store-bytes", 0)["mesh-store-bytes"], ("0", "flag"))
+
     def test_an_error_is_told_with_status_two(self):
         (self.dir / "typo.toml").write_text("max-jbs = 3\n")
         for says, arguments, environment in (

@@ -68,6 +68,7 @@ TEST(Metrics, AreThereFromTheStartForEveryMethodCodeReasonAndStage) {
     }
   }
   for (const absl::string_view reason : kReasons) {
+    if (reason == kMeshNotFound) continue;
     EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_rejections_total{reason=\"", reason, "\"} 0\n")));
   }
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"UNAVAILABLE\"} 0\n"));
@@ -97,11 +98,18 @@ TEST(Metrics, CountRefusalsByReasonAndLeaveTheirDurationsOut) {
   metrics.Record(record);
   record.status = absl::CancelledError("the client cancelled the call");
   metrics.Record(record);
+  record.status = MakeError(absl::StatusCode::kNotFound, "not kept", {kMeshNotFound, "", "", ""});
+  metrics.Record(record);
+  record.status = MakeError(absl::StatusCode::kUnavailable, "stalled", {"CLIENT_STALLED", "", "", ""});
+  metrics.Record(record);
   const std::string text = metrics.Text();
   EXPECT_THAT(text, HasSubstr("latvox_requests_total{code=\"RESOURCE_EXHAUSTED\",method=\"Voxelize\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_requests_total{code=\"CANCELLED\",method=\"Voxelize\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"LIMIT_EXCEEDED\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"INVALID_ARGUMENT\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"CLIENT_STALLED\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("latvox_requests_total{code=\"NOT_FOUND\",method=\"Voxelize\"} 1\n"));
+  EXPECT_THAT(text, Not(HasSubstr("reason=\"MESH_NOT_FOUND\"")));
   EXPECT_THAT(text, Not(HasSubstr("reason=\"CANCELLED\"")));
   EXPECT_THAT(text, HasSubstr("latvox_request_duration_seconds_count{method=\"Voxelize\"} 0\n"));
   EXPECT_THAT(text, Not(ContainsRegex("stage_duration_seconds_count\\{[^\n]*\\} [1-9]")));
