@@ -11,16 +11,13 @@
 #include "server/errors.h"
 #include "server/exceptions.h"
 #include "server/lane.h"
+#include "server/milliseconds.h"
 
 namespace latvox {
 namespace {
 
 // A batch leaves when it is full, or this old: someone may be watching the progress.
 constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
-
-double MillisecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 // How long a computation goes on while others wait.
 constexpr auto kSlice = std::chrono::milliseconds(20);

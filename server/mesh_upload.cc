@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
+#include "server/milliseconds.h"
 
 namespace latvox {
 namespace {
@@ -45,7 +46,7 @@ absl::Cord MeshUpload::Take() && {
 
 std::optional<double> MeshUpload::milliseconds() const {
   if (size_ == 0) return std::nullopt;
-  return std::chrono::duration<double, std::milli>(last_ - began_).count();
+  return Milliseconds(last_ - began_);
 }
 
 }  // namespace latvox

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/metrics.h"
+#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -32,7 +33,7 @@ void PixelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (finishing_) return;
-    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+    queue_ms_ = MillisecondsSince(began_);
     computing_ = true;
   }
   environment_.quick.Enqueue([self = shared_from_this()] { self->Compute(); });
@@ -97,7 +98,7 @@ void PixelizeReactor::OnDone() {
   record.bytes_in = bytes_in_;
   record.bytes_out = status_.ok() ? bytes_out_ : 0;
   record.queue_ms = queue_ms_;
-  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  record.total_ms = MillisecondsSince(began_);
   LogRequest(record);
   environment_.metrics.Record(record);
   memory_.Shrink(0);  // the server may be gone before this object is

@@ -5,6 +5,7 @@
 #include "server/errors.h"
 #include "server/exceptions.h"
 #include "server/metrics.h"
+#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -106,7 +107,7 @@ void PutMeshReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (finishing_) return;
-    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
+    queue_ms_ = MillisecondsSince(waits_since_);
     working_ = true;
   }
   Lane& lane = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
@@ -172,7 +173,7 @@ void PutMeshReactor::OnDone() {
   record.bytes_in = bytes_in_;
   record.upload_ms = upload_ms_;
   record.queue_ms = queue_ms_;
-  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  record.total_ms = MillisecondsSince(began_);
   LogRequest(record);
   environment_.metrics.Record(record);
   memory_.Shrink(0);  // the server may be gone before this object is

@@ -20,6 +20,7 @@
 #include "server/access.h"
 #include "server/call_registry.h"
 #include "server/control_group.h"
+#include "server/decoder_pool.h"
 #include "server/endpoint.h"
 #include "server/health_server.h"
 #include "server/lane.h"
@@ -117,7 +118,6 @@ class Server final : public VoxelServer {
   size_t calls() const override { return registry_.size(); }
   uint64_t reserved_memory() const override { return memory_.reserved(); }
   void Reload() override { access_.Reload(); }
-  DecoderFacts decoder_facts() const override { return decoders_->facts(); }
   bool Stop(absl::Duration grace) override;
 
  private:

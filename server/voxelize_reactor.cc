@@ -4,6 +4,7 @@
 
 #include "server/errors.h"
 #include "server/metrics.h"
+#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -93,7 +94,7 @@ void VoxelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
-    if (!queue_ms_) queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
+    if (!queue_ms_) queue_ms_ = MillisecondsSince(waits_since_);
     computing_ = true;
   }
   if (!upload_) return Enqueue();
@@ -296,7 +297,7 @@ void VoxelizeReactor::OnDone() {
       if (queue_ms_) record.work = computation_->facts();
     }
   }
-  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  record.total_ms = MillisecondsSince(began_);
   LogRequest(record);
   environment_.metrics.Record(record);
   environment_.registry.Remove(this);
