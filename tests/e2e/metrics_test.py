@@ -153,6 +153,8 @@ class Deploy(Case):
         source = "".join(path.read_text() for path in (ROOT / "server").glob("*.[ch]*"))
         reasons = set(re.findall(r'\{"([A-Z]+(?:_[A-Z]+)*)", "', source)) | {"TOO_MANY_JOBS", "TOO_MANY_JOBS_OF_CLIENT"}
         self.assertGreater(len(reasons), 10)
+        table = (ROOT / "proto/latvox/v1/voxelizer.proto").read_text()
+        self.assertEqual([reason for reason in reasons if f"\n//   {reason} " not in table], [])
         with watched_server(self.dir) as server:
             found = samples(server.scrape())
         self.assertEqual([reason for reason in reasons if found.get(f'latvox_rejections_total{{reason="{reason}"}}') != 0], [])
