@@ -1,4 +1,9 @@
-"""What the service costs over decoding and voxelizing in one process: a figure, not a verdict."""
+"""What the service costs over decoding and voxelizing in one process.
+
+Two cases. Warm: the server keeps what it has decoded of a mesh, so it does not decode again, while the one process
+does; this is what the promise is of, and what a mesh costs that is asked for more than once. New: the server decodes
+each time, too, so that like is compared with like; nothing is promised of that.
+"""
 
 import json
 import unittest
@@ -15,15 +20,14 @@ class Overhead(Faults):
     scenario = "overhead"
 
     def test_the_service_costs_little(self):
-        """Warm is a server that has been asked of this mesh before. The promise is of it."""
         with stage.server(self.dir) as server:
-            self.measure(server, "warm", f"{PROMISED} %; fails over {GROSS} %")
+            self.measure(server, "warm", promised=PROMISED)
 
     def test_what_a_mesh_costs_that_is_new(self):
         with stage.server(self.dir, "--decode-always") as server:
-            self.measure(server, "a new mesh", f"fails over {GROSS} %")
+            self.measure(server, "a new mesh")
 
-    def measure(self, server, state, promised):
+    def measure(self, server, state, promised=None):
         for separability in (0, 2):
             options = ["--resolution", 512, "--separability", separability, "--rounds", ROUNDS]
             told = json.loads(
@@ -34,7 +38,9 @@ class Overhead(Faults):
             what = f"bunny at 512, k = {separability}, {state}"
             for name, ms in told.items():
                 self.figure(f"{what}: {name.removesuffix('_ms').replace('_', ' ')}", float(ms), "ms")
-            self.figure(f"{what}: more than in one process, medians", percent, "%", promised, percent <= GROSS)
+            self.bounded(
+                f"{what}: more than in one process, medians", percent, "%", promised=promised, fails_over=GROSS
+            )
             self.figure(f"{what}: more than in one process, minima", best, "%")
 
 
