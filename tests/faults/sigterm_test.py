@@ -7,7 +7,7 @@ import unittest
 
 import stage
 from haproxy import haproxy
-from stage import FULL, Faults, Server, Swarm, harness, latvox, select, tally
+from stage import FULL, Faults, Server, Swarm, harness, latvox, tally
 
 GRACE = 2
 AT_ONCE = 1  # seconds until a health check, a process of its own beside the load, says "not serving"
@@ -58,13 +58,7 @@ class Drain(Faults):
             "SIGTERM under load: ended after at most", max(ends), "s", f"<= {GRACE} + 6", max(ends) <= GRACE + 6
         )
         self.figure("SIGTERM under load: exit statuses", tally(codes), "", "0", set(codes) == {0})
-        self.figure(
-            "SIGTERM under load: calls",
-            tally(r["outcome"] for r in records),
-            "",
-            "done, all of them",
-            bool(records) and all(r["outcome"] in ("done", "refused") for r in records),
-        )
+        self.all_done(records, "SIGTERM under load: ")
 
     def test_a_job_that_does_not_end_is_ended(self):
         server = self.start()

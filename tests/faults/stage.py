@@ -289,6 +289,11 @@ class Faults(Case):
             bool(done) and len(done) == len(records),
         )
 
+    def all_done(self, records, what=""):
+        """No call failed, for none of the reasons that there are."""
+        promised = bool(records) and len(select(records, "done")) == len(records)
+        self.figure(f"{what}calls", tally(r["outcome"] for r in records), "", "done, all of them", promised)
+
     def nothing_wrong(self, records, what=""):
         wrong = select(records, "wrong")
         lines = sorted({f"{r['role']} {r['job']}: {r['detail'][:200]}" for r in wrong})

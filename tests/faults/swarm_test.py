@@ -24,6 +24,8 @@ class TwoHundredClients(Faults):
                 self.dir, server.address, SECONDS, clients=CLIENTS, roles=ROLES
             ) as swarm:
                 records = swarm.wait(SECONDS + 200)
+            self.nothing_wrong(records)
+            self.assert_everyone_is_served(records)
             self.tell_of(records)
             self.figure(
                 "processor time, server : clients", f"{server.cpu() - before:.0f} : {self.clients_cpu(swarm):.0f}", "s"
@@ -39,8 +41,27 @@ class TwoHundredClients(Faults):
             self.assert_serves(server)
             self.assert_rests(server, descriptors)
 
+    def assert_everyone_is_served(self, records):
+        """Who is refused tries again until he is served, or the load ends; who has been accepted is served at once."""
+        tries = select(records, role=("good", "bare"))
+        accepted = select(tries, accepted=True)
+        self.figure(
+            "jobs accepted of good and bare clients",
+            tally(r["outcome"] for r in accepted),
+            "",
+            "done, all of them",
+            bool(accepted) and len(select(accepted, "done")) == len(accepted),
+        )
+        last = {(r["client"], r["life"], r["call"]): r for r in tries}
+        self.figure(
+            f"calls of good and bare clients, in {len(tries)} tries",
+            tally(r["outcome"] for r in last.values()),
+            "",
+            "done, or cut by the end of the load",
+            len(select(last.values(), ("done", "cut"))) == len(last),
+        )
+
     def tell_of(self, records):
-        self.nothing_wrong(records)
         for role in sorted(set(ROLES)):
             self.figure(
                 f"{ROLES.count(role) * CLIENTS // len(ROLES)} {role} clients",
