@@ -255,8 +255,8 @@ class Faults(Case):
         self._add(what, value, unit, promise, {None: "", True: "yes", False: "no"}[kept])
 
     def bounded(self, what, value, unit, *, promised=None, fails_over):
-        """One line of the report, of a figure that noise may move. More than `promised` is a promise missed, and said to
-        be; only more than `fails_over` is a failure, for no noisy neighbour explains it."""
+        """One line of the report, of a figure that noise may move. More than `promised` is a promise missed, and said
+        to be; only more than `fails_over` is a failure, for no noisy neighbour explains it."""
         promise = f"<= {promised}; fails over {fails_over}" if promised is not None else f"fails over {fails_over}"
         if not value <= fails_over:
             kept = f"no ({words(value)} > {fails_over})"
