@@ -42,10 +42,11 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   crossings_.Clear();
   triangles_ = triangles;
   if (context.supercover != nullptr) return CoverAll(context);
-  if (!context.met.empty()) {
+  if (!context.edges.empty()) context.edges.Collect(block_, box_, layout_, PackedSteps(context), crossings_);
+  if (!context.is_tiny.empty()) {
     others_.clear();
-    FindTinyCrossings(context.mesh, triangles, context.met, context.frames, box_, layout_, context.cancelled,
-                      crossings_, others_);
+    std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(others_),
+                 [&](uint32_t t) { return context.is_tiny[t] == 0; });
     triangles_ = others_;
   }
   if (context.cancelled) return;
@@ -58,6 +59,16 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
     AddRim(context);
   } while (end < triangles_.size() && !context.cancelled);
+}
+
+std::array<int32_t, kPackedDirections> TileScan::PackedSteps(const TileContext& context) const {
+  std::array<int32_t, kPackedDirections> steps{};
+  for (size_t n = 0; n < context.frames.size(); ++n) {
+    const int32_t step = layout_.StepOf(context.frames[n].frame.q);
+    steps[2 * n] = -step;
+    steps[2 * n + 1] = step;
+  }
+  return steps;
 }
 
 void TileScan::CoverAll(const TileContext& context) {
@@ -148,14 +159,15 @@ bool TileScan::ForEachEnd(const TileContext& context, uint32_t voxel, const Star
 void TileScan::FindRest(const TileContext& context) {
   rest_.Resize(layout_.Words());  // empty
   maybe_.clear();
-  // For a while, rest_ holds what tiny triangles show essential, of which all edges are at hand.
+  // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
+  TileBits& essential = rest_;  // which lends its bits
   surface_.Find(crossings_.farther.view(), false, closed_);
-  for (const uint32_t n : closed_.view()) rest_.Set(crossings_.nearer[n]);
-  rest_.Find(crossings_.nearer.view(), false, inner_);
+  for (const uint32_t n : closed_.view()) essential.Set(crossings_.nearer[n]);
+  essential.Find(crossings_.nearer.view(), false, inner_);
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
   const auto add = [&](uint32_t voxel) {
-    if (!rest_.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
+    if (!essential.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
   };
   for (const uint32_t n : inner_.view()) add(crossings_.nearer[n]);
   size_t compact_at = kMany;
@@ -170,7 +182,7 @@ void TileScan::FindRest(const TileContext& context) {
   for (const auto& [voxel, star] : rim_only_) {
     if (ForEachEnd(context, voxel, star, in_surface)) add(voxel);
   }
-  for (const uint32_t n : closed_.view()) rest_.Clear(crossings_.nearer[n]);
+  for (const uint32_t n : closed_.view()) essential.Clear(crossings_.nearer[n]);
   for (const uint32_t voxel : maybe_) rest_.Set(voxel);
 }
 
@@ -234,7 +246,9 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
       }
     }
   }
-  for (const uint32_t n : closed_.view()) {
+  // That an edge leads out of the box shows nothing.
+  rest_.Find(crossings_.nearer.view(), true, inner_);
+  for (const uint32_t n : inner_.view()) {
     if (IsOutside(crossings_.farther[n])) rest_.Clear(crossings_.nearer[n]);
   }
 }

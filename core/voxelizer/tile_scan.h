@@ -9,14 +9,13 @@
 
 #include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
-#include "core/digitize/sift.h"
 #include "core/digitize/stars.h"
 #include "core/digitize/supercover.h"
-#include "core/digitize/tiny.h"
 #include "core/snap/snap.h"
 #include "core/thin/thin.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
+#include "core/tile/tile_edges.h"
 #include "core/tile/tile_tree.h"
 
 namespace latvox {
@@ -31,8 +30,9 @@ struct TileContext {
   const Supercover* supercover;  // if that is asked for; else null. It is not thinned
   Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
   bool minimal;                  // whether to thin
-  // If most triangles are tiny, what FindTinyCrossings goes by, else empty; set before the first tile.
-  const UninitializedVector<MetLines>& met;
+  const TileEdges& edges;        // of tiny triangles, if most are tiny; set before the first tile
+  // Which triangles these are, if nodes list them, too, else empty.
+  const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered
   const std::atomic<bool>& cancelled;
 
@@ -45,7 +45,8 @@ struct TileContext {
 class TileScan {
  public:
   // Finds all voxels of the surface in the box of `halo` steps around the node.
-  //   triangles   all that come within half a step of the box; more do no harm. Must live until the node is done
+  //   triangles   all that come within half a step of the box, but for those whose edges the context has; more do no
+  //               harm. Must live until the node is done
   // Leaves part of it undone once the job is cancelled.
   void Scan(const TileContext& context, const TileNode& node, int32_t halo, std::span<const uint32_t> triangles);
 
@@ -60,6 +61,7 @@ class TileScan {
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
+  std::array<int32_t, kPackedDirections> PackedSteps(const TileContext& context) const;
   void CoverAll(const TileContext& context);
   size_t Gather(const TileContext& context, size_t begin);
   template <class F>
@@ -86,7 +88,8 @@ class TileScan {
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and of voxels without one
+  NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and those of voxels that
+                               // no such edge shows essential
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;
