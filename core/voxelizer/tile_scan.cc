@@ -37,6 +37,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   block_ = {low, low + Vec3i{side, side, side}};
   box_ = {block_.min - context.reach * halo, block_.max + context.reach * halo};
   layout_ = BitsLayout(low, context.reach * (halo + 1), side);
+  for (size_t n = 0; n < context.frames.size(); ++n) steps_[n] = layout_.StepOf(context.frames[n].frame.q);
   surface_.words().assign(layout_.Words(), 0);
   candidates_.Clear();
   crossings_.Clear();
@@ -133,10 +134,10 @@ void TileScan::AddRim(const TileContext& context) {
 
 // Calls f(farther end) for the edges of a star, until that returns false; returns whether it never did.
 template <class F>
-bool TileScan::ForEachEnd(const TileContext& context, uint32_t voxel, const StarEdges& star, F&& f) const {
+bool TileScan::ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
   for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
     const int n = std::countr_zero(bits);
-    const int32_t step = layout_.StepOf(context.frames[static_cast<size_t>(n)].frame.q);
+    const int32_t step = steps_[static_cast<size_t>(n)];
     if (!f(voxel + static_cast<uint32_t>(star.forward >> n & 1 ? step : -step))) return false;
   }
   return true;
@@ -168,7 +169,7 @@ void TileScan::FindRest(const TileContext& context) {
   });
   const auto in_surface = [&](uint32_t end) { return surface_.Test(end); };
   for (const auto& [voxel, star] : rim_only_) {
-    if (ForEachEnd(context, voxel, star, in_surface)) add(voxel);
+    if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
   for (const uint32_t n : closed_.view()) rest_.Clear(crossings_.nearer[n]);
   for (const uint32_t voxel : maybe_) rest_.Set(voxel);
@@ -198,21 +199,34 @@ void TileScan::AskRest(const TileContext& context) {
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
 }
 
+// Voxels that one list's triangles prove essential spare those of the next.
 void TileScan::AskRestOfPart(const TileContext& context) {
-  pairs_.clear();
-  rest_.Find(candidates_.nearer.view(), true, positions_);
+  FindInRest(candidates_.nearer);
   for (const uint32_t n : positions_.view()) {
     if (IsOutside(candidates_.farther[n] & kNumberMask)) rest_.Clear(candidates_.nearer[n] & kNumberMask);
   }
-  AppendPairs(candidates_.nearer, positions_, candidates_.runs, &Candidates::Run::crossed_end, triangles_, pairs_);
-  rest_.Find(candidates_.rim.view(), true, positions_);
-  AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
+  AskAtPositions(context, candidates_.nearer, &Candidates::Run::crossed_end);
+  FindInRest(candidates_.rim);
+  AskAtPositions(context, candidates_.rim, &Candidates::Run::rim_end);
+}
+
+// Finds the positions of those voxels of a list that are in rest_.
+void TileScan::FindInRest(const NumberList& voxels) {
+  std::erase_if(maybe_, [&](uint32_t voxel) { return !rest_.Test(voxel); });
+  rest_.FindFew(voxels.view(), maybe_, positions_);
+}
+
+// Asks the triangles that put the voxels at these positions into their list.
+void TileScan::AskAtPositions(const TileContext& context, const NumberList& voxels,
+                              uint32_t Candidates::Run::*run_end) {
+  pairs_.clear();
+  AppendPairs(voxels, positions_, candidates_.runs, run_end, triangles_, pairs_);
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
     if (edges_.size() >= compact_at_) {
       CompactEdges(context);
       compact_at_ = std::max(kMany, 2 * edges_.size());
     }
-    const bool may_leave = ForEachEnd(context, z, star, [&](uint32_t end) {
+    const bool may_leave = ForEachEnd(z, star, [&](uint32_t end) {
       if (rest_.Test(end)) edges_.push_back({z, end});
       return !IsOutside(end);
     });
