@@ -40,7 +40,8 @@ HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numb
 }
 
 // Appends the positions of numbers that select(numbers) selects of a vector of them; returns how many it was asked of.
-template <class F>
+// kRare: it selects none of most vectors.
+template <bool kRare, class F>
 HWY_INLINE size_t AppendSelected(std::span<const uint32_t> numbers, NumberList& positions, F&& select) {
   const Numbers d;
   const auto step = hn::Set(d, kLanes);
@@ -48,7 +49,8 @@ HWY_INLINE size_t AppendSelected(std::span<const uint32_t> numbers, NumberList& 
   uint32_t* end = positions.end();
   size_t n = 0;
   for (; n + kLanes <= numbers.size(); n += kLanes) {
-    end += AppendLanes(d, position, select(numbers.data() + n), end);
+    const auto selected = select(numbers.data() + n);
+    if (!kRare || !hn::AllFalse(d, selected)) end += AppendLanes(d, position, selected, end);
     position = hn::Add(position, step);
   }
   positions.Grow(static_cast<size_t>(end - positions.end()));
@@ -58,7 +60,8 @@ HWY_INLINE size_t AppendSelected(std::span<const uint32_t> numbers, NumberList& 
 void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
   const auto unwanted = hn::FirstN(Numbers(), in_set ? 0 : kLanes);
   const auto wanted = [&](const uint32_t* some) HWY_ATTR { return hn::Xor(Members(words, some), unwanted); };
-  size_t n = AppendSelected(numbers, positions, wanted);
+  size_t n =
+      in_set ? AppendSelected<true>(numbers, positions, wanted) : AppendSelected<false>(numbers, positions, wanted);
   for (; n < numbers.size(); ++n) {
     if (IsMember(words, numbers[n]) == in_set) positions.Add(static_cast<uint32_t>(n));
   }
@@ -93,7 +96,7 @@ void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span
     const auto word = hn::IfThenElse(upper, hn::IfThenElse(odd, of(3), of(2)), hn::IfThenElse(odd, of(1), of(0)));
     return TestBits(word, hn::ShiftRight<kBitShift>(hash));
   };
-  size_t n = AppendSelected(numbers, positions, likely);
+  size_t n = AppendSelected<false>(numbers, positions, likely);
   for (; n < numbers.size(); ++n) positions.Add(static_cast<uint32_t>(n));
   positions.Keep([&](uint32_t at) { return IsMember(words, numbers[at]); });
 }

@@ -172,7 +172,11 @@ void TileScan::FindRest(const TileContext& context) {
     if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
   for (const uint32_t n : closed_.view()) rest_.Clear(crossings_.nearer[n]);
-  for (const uint32_t voxel : maybe_) rest_.Set(voxel);
+  std::erase_if(maybe_, [&](uint32_t voxel) {
+    const bool again = rest_.Test(voxel);
+    rest_.Set(voxel);
+    return again;
+  });
 }
 
 // Whether a voxel is known not to belong to the surface.
@@ -242,7 +246,8 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(layout_.StepOf(scan.frame.q));
       for (const uint32_t neighbour : {voxel + step, voxel - step}) {
-        if (!surface_.Test(neighbour) || complete.Contains(layout_.VoxelAt(neighbour))) continue;
+        if (!surface_.Test(neighbour) || rest_.Test(neighbour)) continue;
+        if (complete.Contains(layout_.VoxelAt(neighbour))) continue;
         rest_.Set(neighbour);
         maybe_.push_back(neighbour);
       }
@@ -261,7 +266,7 @@ bool TileScan::Thin(const TileContext& context) {
   if (context.cancelled) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
-  SortUnique(doubtful, context.cancelled);
+  Sort(doubtful, context.cancelled);
   const IndexBox known = Shrunk(box_, context.reach * 2);
   bool decided = latvox::Thin(layout_, doubtful, edges_, known, block_, surface_, context.cancelled);
   if (!decided) {

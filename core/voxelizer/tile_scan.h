@@ -96,7 +96,7 @@ class TileScan {
     StarEdges star;
   };
   std::vector<RimVoxel> rim_only_;  // members that no triangle crosses along its principal direction
-  std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
+  std::vector<uint32_t> maybe_;     // all of rest_, each once, and others
   std::vector<VoxelTriangle> pairs_;
   std::vector<CrossedEdge> edges_;
   size_t compact_at_ = 0;  // many edges: time to compact them
