@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
 #define LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <span>
@@ -61,7 +62,7 @@ class TileScan {
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
-  std::array<int32_t, kPackedDirections> PackedSteps(const TileContext& context) const;
+  std::array<int32_t, kPackedDirections> PackedSteps() const;
   void CoverAll(const TileContext& context);
   size_t Gather(const TileContext& context, size_t begin);
   template <class F>
@@ -70,16 +71,19 @@ class TileScan {
   void ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f);
   void AddRim(const TileContext& context);
   template <class F>
-  bool ForEachEnd(const TileContext& context, uint32_t voxel, const StarEdges& star, F&& f) const;
+  bool ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const;
   void FindRest(const TileContext& context);
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
   void AskRestOfPart(const TileContext& context);
+  void FindInRest(const NumberList& voxels);
+  void AskAtPositions(const TileContext& context, const NumberList& voxels, uint32_t Candidates::Run::*run_end);
   void CompactEdges(const TileContext& context);
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo
   BitsLayout layout_{{}, {}};
+  std::array<int32_t, kMaxDirections> steps_{};  // of layout_, along the frames
   TileBits surface_{0};
   TileBits rest_{0};                     // what nothing has shown essential yet
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
@@ -95,7 +99,7 @@ class TileScan {
     StarEdges star;
   };
   std::vector<RimVoxel> rim_only_;  // members that no triangle crosses along its principal direction
-  std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
+  std::vector<uint32_t> maybe_;     // all of rest_, each once, and others
   std::vector<VoxelTriangle> pairs_;
   std::vector<CrossedEdge> edges_;
   size_t compact_at_ = 0;  // many edges: time to compact them

@@ -434,6 +434,37 @@ TEST(TileBits, FindIsWhatTestSaysOnEachKernel) {
   }
 }
 
+TEST(TileBits, FindFewIsFindForSetsOfAnySizeOnEachKernel) {
+  std::mt19937 random(kSeed);
+  const BitsLayout layout({0, 0, 0}, {3, 3, 3});
+  const auto last = static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1);
+  std::uniform_int_distribution<uint32_t> number(0, last);
+  for (const size_t members : {size_t{0}, size_t{1}, size_t{50}, size_t{300}, size_t{5000}}) {
+    TileBits bits(layout.Words());
+    std::vector<uint32_t> listed, numbers;
+    for (size_t n = 0; n < members; ++n) {
+      listed.push_back(number(random));
+      bits.Set(listed.back());
+    }
+    for (size_t n = 0; n < members; n += 3) listed.push_back(listed[n]);
+    listed.push_back(number(random));  // perhaps no member
+    for (uint32_t n = 0; n < 10007; ++n) {
+      const uint32_t any = n % 5 == 0 ? listed[n % listed.size()] : number(random);
+      numbers.push_back(any | n << kNumberBits);
+    }
+    std::vector<uint32_t> in;
+    for (uint32_t n = 0; n < numbers.size(); ++n) {
+      if (bits.Test(numbers[n] & kNumberMask)) in.push_back(n);
+    }
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      NumberList found;
+      bits.FindFew(numbers, listed, found);
+      EXPECT_EQ(std::vector<uint32_t>(found.view().begin(), found.view().end()), in) << SimdInUse() << " " << members;
+    }
+  }
+}
+
 TEST(CutOut, GivesTheVoxelsOfTheTileAndRegionAsBricksOnEachKernel) {
   std::mt19937 random(kSeed);
   const Vec3i tile_min{64, -128, 0}, base_ijk{-640, 64, 128};
