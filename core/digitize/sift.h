@@ -1,35 +1,38 @@
-// Along which directions lattice lines may meet which triangles.
+// Which lattice lines may meet which triangles, where triangles are tiny.
 #ifndef LATVOX_CORE_DIGITIZE_SIFT_H_
 #define LATVOX_CORE_DIGITIZE_SIFT_H_
 
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "core/base/uninitialized.h"
-#include "core/digitize/fineness.h"
-#include "core/digitize/principal_scan.h"
+#include "core/digitize/line_forms.h"
 #include "core/snap/snap.h"
 
 namespace latvox {
 
-// Of a tiny triangle, one between whose corners lies no more than one lattice line, whatever the direction: bit n says
-// that a line along frames[n] may meet it. All others have kNotTiny alone.
-using MetLines = uint16_t;
-inline constexpr MetLines kNotTiny = 1 << 15;
-static_assert(kMaxPairs <= 15);
+// A triangle is tiny if no more than two integers lie between the values of each form at its corners: then it meets
+// four lattice lines of each direction at most. The scalar kernel takes none for tiny.
+inline constexpr int kMostIntegers = 2;
 
-// Sets met[t] for each of the triangles, and appends them to `kept`, in their order, but for the tiny ones that no line
-// can meet: they cross no lattice edge and contribute nothing. The scalar kernel takes none for tiny.
-void Sift(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-          std::span<MetLines> met, std::vector<uint32_t>& kept);
+// Lines that may meet tiny triangles of a list of up to kMost. Entry n stands for one line along each direction whose
+// bit is set in directions[n]: let a be the last integer that is not above all values of the first form at the corners
+// of the triangle, and b that of the second; it is the line (a - x, b - y),
+//   entries[n] = place in the list | x << kPlaceBits | y << (kPlaceBits + 1).
+struct SiftedLines {
+  static constexpr int kPlaceBits = 10;
+  static constexpr size_t kMost = size_t{1} << kPlaceBits, kSlack = 64;  // whole vectors can be read and written
 
-// The triangles of the mesh that lattice lines may meet, ascending, by all threads of the arena: by `fineness`, as
-// FindTouching says (core/digitize/touching.h), as Sift says, by both, or all. With Sift, `met` is sized for all
-// triangles and set for those returned. Some are missing once the job is cancelled.
-std::vector<uint32_t> SiftAll(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                              const std::atomic<bool>& cancelled, UninitializedVector<MetLines>& met);
+  size_t size = 0;
+  uint32_t entries[4 * kMost + kSlack], directions[4 * kMost + kSlack];
+};
+static_assert(kMaxPairs < 16, "directions have a bit each in 16, of which one is a sign");
+
+// Finds all lines that meet tiny ones of the triangles, and few others. Triangles that are not tiny are appended to
+// `kept`, in their order.
+//   is_tiny   if not null, set for each triangle, by its number; then `kept` gets tiny ones that lines may meet, too
+void Sift(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms, SiftedLines& lines,
+          std::vector<uint32_t>& kept, uint8_t* is_tiny);
 
 }  // namespace latvox
 

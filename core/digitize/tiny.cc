@@ -1,23 +1,27 @@
 // Triangles in the lanes, direction by direction.
 //
-// Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). Let a be the one integer between
-// the values of the first form at the corners, b that of the second: relative to it, the corners are (x, y) with
-// |x|, |y| <= U = kLatticeUnit. The line meets the triangle iff the origin lies inside, which is to say that
+// Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). With the corners (x, y) relative
+// to it, the line meets the triangle iff the origin lies inside, which is to say that
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
 // all have one sign. They are the barycentric weights of the corners n+2, too: so the triangle meets the line at depth
-// Z = sum(e[n] * z[n+2]) / D, D = sum(e). It is nearest to the voxel floor((Z + U/2) / U), which has few candidates.
+// Z = sum(e[n] * z[n+2]) / D, D = sum(e). With U = kLatticeUnit it is nearest to the voxel floor((Z + U/2) / U), which
+// has few candidates.
 //
 // Ties (core/digitize/crossing.h). The shift s = (t, t^2, t^3), infinitesimal t, moves (x, y) by (f.s, g.s), f and g
 // the forms, hence e[n] by
 //   f.s * (y[n+1] - y[n]) - g.s * (x[n+1] - x[n]) = sum_m s[m] * (f[m] * dy - g[m] * dx).
 // If that is 0 for the first m with (f[m], g[m]) != 0, (dx, dy) is parallel to these, and the next m for which (f[m],
-// g[m]) is not decides. So two of the entries do: the first is given a weight that outweighs the second.
+// g[m]) is not decides. So two of the entries do: the first is given a weight that outweighs the second. Ties are
+// seldom, and are asked for only where there is one.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/tiny.cc"
 #include "core/digitize/tiny.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
+
+#include <algorithm>
+#include <utility>
 
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
@@ -28,12 +32,13 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_TINY_CC_ONCE
 namespace {
 
-// |x|, |y| <= 2^8, |z| <= 2^9: e has 17 bits, D is twice an area within (2^9)^2, and Z * D + U/2 * D has 28.
-static_assert(kSubvoxelBits <= 8);
+// |x|, |y| < 3 * 2^8, and 0 <= z < 4 * 2^8: e is below 2 * (3 * 2^8)^2; D, twice an area, within (3 * 2^8)^2; and
+// (Z + U/2) * D below 2^30.
+static_assert(kSubvoxelBits <= 8 && kMostIntegers == 2);
 
-// |f[m] * dy - g[m] * dx| <= kMaxFrameRow * 2 * 2^9.
+// |f[m] * dy - g[m] * dx| <= kMaxFrameRow * 2 * 3 * 2^8.
 constexpr int32_t kOutweighs = 1 << 13;
-static_assert(kMaxFrameRow * 2 * 2 * kLatticeUnit < kOutweighs);
+static_assert(kMaxFrameRow * 2 * (kMostIntegers + 1) * kLatticeUnit < kOutweighs);
 
 // What a direction makes of forms.
 struct Direction {
@@ -43,10 +48,10 @@ struct Direction {
   int32_t tie_x, tie_y;    // by which the shift moves x and y, in proportion
   std::array<Vec3i, 2> u;  // columns of U for values of the forms: line (a, b) is a*u[0] + b*u[1] + c*q
   Vec3i q;
-  int32_t step;  // from a voxel to its neighbour along q, as numbers
+  uint32_t packed;  // backward
 };
 
-Direction DirectionOf(const Frame& frame, const LineForms& all, size_t n, const BitsLayout& layout) {
+Direction DirectionOf(const Frame& frame, const LineForms& all, size_t n) {
   const auto& [form, sign] = all.of_frame[n];
   const Vec3i &f = all.forms[form[0]], &g = all.forms[form[1]];
   size_t first = 0, second = 0;
@@ -59,37 +64,32 @@ Direction DirectionOf(const Frame& frame, const LineForms& all, size_t n, const 
           g[first] * kOutweighs + g[second],
           {frame.u[0] * sign[0], frame.u[1] * sign[1]},
           frame.q,
-          layout.StepOf(frame.q)};
+          2 * static_cast<uint32_t>(n)};
 }
+static_assert(2 * kMaxPairs <= kPackedDirections);
 
-// What all triangles of a box have in common.
+// What all triangles of a mesh have in common.
 struct Scene {
   const SnappedMesh& mesh;
   PaddedVertices vertices;
   LineForms all;
   std::vector<Direction> directions;
-  Vec3i size;      // of the box, voxels
-  Vec3i origin;    // of the box, lattice units
-  int32_t number;  // of its low corner
-  Vec3i stride;    // of numbers
+  Vec3i first;      // voxel of the first tile, local
+  IndexBox wanted;  // relative to it
 
-  Scene(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout)
-      : mesh(mesh),
-        vertices(mesh),
-        all(frames),
-        size(box.max - box.min),
-        origin(box.min * kLatticeUnit),
-        number(static_cast<int32_t>(layout.NumberOf(box.min))),
-        stride(layout.stride) {
-    for (size_t n = 0; n < frames.size(); ++n) directions.push_back(DirectionOf(frames[n].frame, all, n, layout));
+  Scene(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, const Vec3i& first_tile)
+      : mesh(mesh), vertices(mesh), all(frames), first(first_tile * kTileSide) {
+    for (size_t n = 0; n < frames.size(); ++n) directions.push_back(DirectionOf(frames[n].frame, all, n));
+    for (size_t m = 0; m < 3; ++m) {
+      wanted.min[m] = std::max(box.min[m] - first[m], 0);
+      wanted.max[m] = std::min(box.max[m] - first[m], kTileSide << kPackedTileBits);
+    }
   }
 };
 
-// Some tiny triangles, with the lines that they may meet.
-constexpr size_t kSome = 1024, kMostLanes = 64;
-struct TinyTriangles {
-  size_t size = 0;
-  uint32_t numbers[kSome + kMostLanes], lines[kSome + kMostLanes];  // whole vectors can be read
+// Packed edges with their tiles; whole vectors can be read.
+struct PackedEdges {
+  NumberList tiles, edges;
 };
 
 }  // namespace
@@ -102,112 +102,134 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
-void FindInLanes(const Scene&, const TinyTriangles&, std::vector<NumberList>&, Crossings&) {}
+void CrossAll(const Scene&, std::span<const uint32_t>, const SiftedLines&, NumberList&, PackedEdges&) {}
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A form's values at the corners of a tiny triangle.
+// A form's values at the corners of a tiny triangle, relative to the integer `from`.
 struct FormValues {
-  Ints3 relative;    // to the last integer that is not above all
-  Ints first, last;  // floors of the least and the largest
+  Ints3 relative;
+  Ints first, from;  // floors of the least and the largest, or less
 
-  HWY_INLINE FormValues(const Vec3i& form, const std::array<Ints3, 3>& v) : relative(ValuesOf(Lanes(), form, v)) {
+  HWY_INLINE FormValues(const Vec3i& form, const std::array<Ints3, 3>& v, Ints less)
+      : relative(ValuesOf(Lanes(), form, v)) {
     first = hn::ShiftRight<kSubvoxelBits>(Least(relative[0], relative[1], relative[2]));
-    last = hn::ShiftRight<kSubvoxelBits>(Most(relative[0], relative[1], relative[2]));
-    for (Ints& value : relative) value = hn::Sub(value, hn::ShiftLeft<kSubvoxelBits>(last));
+    from = hn::Sub(hn::ShiftRight<kSubvoxelBits>(Most(relative[0], relative[1], relative[2])), less);
+    for (Ints& value : relative) value = hn::Sub(value, hn::ShiftLeft<kSubvoxelBits>(from));
   }
 };
 
-// Up to kTriangleLanes tiny triangles, between whose corners a line along the direction lies. The lists have room.
+HWY_INLINE Ints Times(int32_t c, Ints v) {
+  return c == 0 ? hn::Zero(Lanes()) : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(Fill(c), v);
+}
+
+// Up to kTriangleLanes lines along the direction, each with a tiny triangle between whose corners it lies.
+//   entries   as in SiftedLines; padded
 HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<const uint32_t> triangles,
-                      uint32_t*& nearer, uint32_t*& farther) {
+                      const uint32_t* entries, size_t count, PackedEdges& out) {
   const Lanes d;
-  const Ints zero = hn::Zero(d);
-  const std::array<Ints3, 3> v = LoadCorners(scene.mesh, scene.vertices, LaneNumbers(triangles), scene.origin);
-  const auto& [a, b, c] = direction.form;
-  const FormValues first(scene.all.forms[a], v), second(scene.all.forms[b], v), third(scene.all.forms[c], v);
+  const hn::RebindToUnsigned<Lanes> du;
+  const Ints zero = hn::Zero(d), one = Fill(1);
+  std::array<uint32_t, 3> corners[kTriangleLanes];
+  for (size_t n = 0; n < kTriangleLanes; ++n) {
+    corners[n] = scene.mesh.triangles[triangles[entries[n] & (SiftedLines::kMost - 1)]];
+  }
+  const std::array<Ints3, 3> v = LoadCorners(corners, scene.vertices, scene.first * kLatticeUnit);
+  const Ints entry = hn::BitCast(d, hn::LoadU(du, entries));
+  const Ints less_a = hn::And(hn::ShiftRight<SiftedLines::kPlaceBits>(entry), one);
+  const Ints less_b = hn::ShiftRight<SiftedLines::kPlaceBits + 1>(entry);
+  const FormValues first(scene.all.forms[direction.form[0]], v, less_a);
+  const FormValues second(scene.all.forms[direction.form[1]], v, less_b);
+  const FormValues third(scene.all.forms[direction.form[2]], v, zero);
   const Ints3 &x = first.relative, &y = second.relative;
   const Ints3 e{Minor(x[0], x[1], y[0], y[1]), Minor(x[1], x[2], y[1], y[2]), Minor(x[2], x[0], y[2], y[0])};
-  const Ints tie_x = Fill(direction.tie_x), tie_y = Fill(direction.tie_y);
-  const auto moved = [&](size_t n) HWY_ATTR { return hn::Sub(hn::Mul(tie_x, y[n]), hn::Mul(tie_y, x[n])); };
-  const Ints3 by{moved(0), moved(1), moved(2)};
-  Ints3 side;
-  for (size_t n = 0; n < 3; ++n) side[n] = hn::IfThenElse(hn::Eq(e[n], zero), hn::Sub(by[(n + 1) % 3], by[n]), e[n]);
+  Ints3 side = e;
+  const auto given = hn::FirstN(d, count);
+  const auto tied = hn::Or(hn::Eq(e[0], zero), hn::Or(hn::Eq(e[1], zero), hn::Eq(e[2], zero)));
+  if (!hn::AllFalse(d, hn::And(given, tied))) {
+    const Ints tie_x = Fill(direction.tie_x), tie_y = Fill(direction.tie_y);
+    const auto moved = [&](size_t n) HWY_ATTR { return hn::Sub(hn::Mul(tie_x, y[n]), hn::Mul(tie_y, x[n])); };
+    const Ints3 by{moved(0), moved(1), moved(2)};
+    for (size_t n = 0; n < 3; ++n) side[n] = hn::IfThenElse(hn::Eq(e[n], zero), hn::Sub(by[(n + 1) % 3], by[n]), e[n]);
+  }
   const Ints least = Least(side[0], side[1], side[2]), most = Most(side[0], side[1], side[2]);
   const auto negative = hn::Lt(most, zero);
-  auto crossed = hn::And(hn::FirstN(d, triangles.size()), hn::Or(hn::Gt(least, zero), negative));
+  auto crossed = hn::And(given, hn::Or(hn::Gt(least, zero), negative));
 
   // From here on in units of the voxel, `whole`, along the direction: depth * D, D = area.
   const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
   const Ints area = hn::Add(hn::Add(weight[0], weight[1]), weight[2]);
   const Ints whole = hn::ShiftLeft<kSubvoxelBits>(area), half = hn::ShiftRight<1>(whole);
   Ints3 z = third.relative;
-  Ints from;
+  Ints depth;
   if (direction.z_is_negated) {
-    from = hn::Not(third.last);  // -last - 1
-    for (Ints& depth : z) depth = hn::Sub(Fill(kLatticeUnit), depth);
+    depth = hn::Not(third.from);  // -from - 1
+    for (Ints& at : z) at = hn::Sub(Fill(kLatticeUnit), at);
   } else {
-    from = third.first;
-    const Ints less = hn::ShiftLeft<kSubvoxelBits>(hn::Sub(third.last, from));
-    for (Ints& depth : z) depth = hn::Add(depth, less);
+    depth = third.first;
+    const Ints above = hn::ShiftLeft<kSubvoxelBits>(hn::Sub(third.from, third.first));
+    for (Ints& at : z) at = hn::Add(at, above);
   }
-  // The shift moves the plane down along the direction iff its normal, upward along the direction, has a first nonzero
-  // entry below 0.
-  const auto upward = hn::Gt(FirstNonzero(CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]))), zero);
-  const auto backward = direction.turned ? hn::Not(negative) : negative;
-  const Ints down = hn::IfThenElseZero(hn::Not(hn::Xor(upward, backward)), Fill(1));
-  Ints rest = hn::Sub(hn::Add(DotOf(weight, z), half), down);
-  for (int n = 0; n < 2; ++n) {
-    const auto more = hn::Not(hn::Lt(rest, whole));
+  Ints rest = hn::Add(DotOf(weight, z), half);
+  for (auto more = crossed;;) {
+    more = hn::And(more, hn::Not(hn::Lt(rest, whole)));
+    if (hn::AllFalse(d, more)) break;
     rest = hn::Sub(rest, hn::IfThenElseZero(more, whole));
-    from = hn::Add(from, hn::IfThenElseZero(more, Fill(1)));
+    depth = hn::Add(depth, hn::IfThenElseZero(more, one));
   }
-  Ints number = Fill(scene.number);
+  const auto midway = hn::And(crossed, hn::Or(hn::Eq(rest, zero), hn::Eq(rest, half)));
+  if (!hn::AllFalse(d, midway)) {
+    // The shift moves the plane down along the direction iff its normal, upward along the direction, has a first
+    // nonzero entry below 0.
+    const auto upward = hn::Gt(FirstNonzero(CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]))), zero);
+    const auto backward = direction.turned ? hn::Not(negative) : negative;
+    const auto down = hn::AndNot(hn::Xor(upward, backward), midway);
+    const auto beneath = hn::And(down, hn::Eq(rest, zero));
+    rest = hn::Sub(rest, hn::IfThenElseZero(down, one));
+    rest = hn::Add(rest, hn::IfThenElseZero(beneath, whole));
+    depth = hn::Sub(depth, hn::IfThenElseZero(beneath, one));
+  }
+
+  Ints tile = zero, edge = zero;
   for (size_t m = 0; m < 3; ++m) {
-    const Ints at =
-        hn::Add(hn::Mul(from, Fill(direction.q[m])),
-                hn::Add(hn::Mul(first.last, Fill(direction.u[0][m])), hn::Mul(second.last, Fill(direction.u[1][m]))));
-    crossed = hn::And(crossed, hn::And(hn::Gt(at, Fill(-1)), hn::Lt(at, Fill(scene.size[m]))));
-    number = hn::Add(number, hn::Mul(at, Fill(scene.stride[m])));
+    const Ints at = hn::Add(Times(direction.q[m], depth),
+                            hn::Add(Times(direction.u[0][m], first.from), Times(direction.u[1][m], second.from)));
+    crossed =
+        hn::And(crossed, hn::And(hn::Gt(at, Fill(scene.wanted.min[m] - 1)), hn::Lt(at, Fill(scene.wanted.max[m]))));
+    tile = hn::Or(hn::ShiftLeft<kPackedTileBits>(tile), hn::ShiftRight<kTileBits>(at));
+    edge = hn::Or(hn::ShiftLeft<kTileBits>(edge), hn::And(at, Fill(kTileSide - 1)));
   }
-  const Ints step = Fill(direction.step);
-  const Ints to_farther = hn::IfThenElse(hn::Lt(rest, half), hn::Neg(step), step);
+  const Ints forward = hn::IfThenZeroElse(hn::Lt(rest, half), one);
+  edge = hn::Or(hn::ShiftLeft<kPackedEndShift>(edge), hn::Or(Fill(direction.packed), forward));
   const SelectedLanes<Lanes> selected(d, crossed);
-  selected.Store(number, nearer);
-  selected.Store(hn::Add(number, to_farther), farther);
-  nearer += selected.count();
-  farther += selected.count();
+  selected.Store(tile, out.tiles.end());
+  selected.Store(edge, out.edges.end());
+  out.tiles.Grow(selected.count());
+  out.edges.Grow(selected.count());
 }
 
-void FindInLanes(const Scene& scene, const TinyTriangles& tiny, std::vector<NumberList>& lists, Crossings& out) {
+//   list   memory
+void CrossAll(const Scene& scene, std::span<const uint32_t> triangles, const SiftedLines& lines, NumberList& list,
+              PackedEdges& out) {
   const hn::RebindToUnsigned<Lanes> du;
-  const std::span<const uint32_t> triangles(tiny.numbers, tiny.size);
-  for (NumberList& list : lists) {
+  for (size_t direction = 0; direction < scene.directions.size(); ++direction) {
     list.Clear();
-    list.Reserve(triangles.size());
-  }
-  for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
-    PrefetchCorners(scene.mesh, triangles.subspan(n));
-    const auto given = hn::FirstN(du, triangles.size() - n);
-    const auto numbers = hn::LoadU(du, tiny.numbers + n);
-    const auto lines = hn::IfThenElseZero(given, hn::LoadU(du, tiny.lines + n));
-    for (size_t direction = 0; direction < lists.size(); ++direction) {
-      const auto may_meet = hn::TestBit(lines, hn::Set(du, 1U << direction));
-      lists[direction].Grow(AppendLanes(du, numbers, may_meet, lists[direction].end()));
+    list.Reserve(lines.size);
+    const auto bit = hn::Set(du, 1U << direction);
+    uint32_t* end = list.end();
+    for (size_t n = 0; n < lines.size; n += kTriangleLanes) {
+      const auto wanted =
+          hn::And(hn::FirstN(du, lines.size - n), hn::TestBit(hn::LoadU(du, lines.directions + n), bit));
+      end += AppendLanes(du, hn::LoadU(du, lines.entries + n), wanted, end);
     }
-  }
-  for (size_t direction = 0; direction < lists.size(); ++direction) {
-    const std::span<const uint32_t> list = lists[direction].view();
-    out.nearer.Reserve(list.size());
-    out.farther.Reserve(list.size());
-    uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
-    for (size_t n = 0; n < list.size(); n += kTriangleLanes) {
-      Cross(scene, scene.directions[direction], list.subspan(n, std::min(kTriangleLanes, list.size() - n)), nearer,
-            farther);
+    const auto count = static_cast<size_t>(end - list.end());
+    std::fill_n(end, kTriangleLanes, 0);
+    out.tiles.Reserve(count);
+    out.edges.Reserve(count);
+    for (size_t n = 0; n < count; n += kTriangleLanes) {
+      Cross(scene, scene.directions[direction], triangles, list.end() + n, std::min(kTriangleLanes, count - n), out);
     }
-    out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));
-    out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
   }
 }
 
@@ -219,36 +241,98 @@ void FindInLanes(const Scene& scene, const TinyTriangles& tiny, std::vector<Numb
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <numeric>
+
+#include "core/base/huge_pages.h"
 #include "core/base/simd.h"
+#include "core/digitize/touching.h"
+#include "core/tile/tile_tree.h"
 
 namespace latvox {
 namespace {
 
-HWY_EXPORT(FindInLanes);
+HWY_EXPORT(CrossAll);
+
+// What a thread needs for one list of triangles after the other.
+struct Memory {
+  SiftedLines lines;
+  NumberList list;
+  PackedEdges edges;
+};
+
+void FindTiny(const Scene& scene, std::span<const uint32_t> triangles, Memory& memory, TileEdges::Part& part,
+              const Vec3i& margin, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+  for (size_t n = 0; n < triangles.size(); n += SiftedLines::kMost) {
+    const auto some = triangles.subspan(n, std::min(SiftedLines::kMost, triangles.size() - n));
+    Sift(scene.mesh, some, scene.all, memory.lines, kept, is_tiny);
+    memory.edges.tiles.Clear();
+    memory.edges.edges.Clear();
+    HWY_DYNAMIC_DISPATCH(CrossAll)(scene, some, memory.lines, memory.list, memory.edges);
+    part.Append(memory.edges.tiles.view(), memory.edges.edges.view(), margin);
+  }
+}
 
 }  // namespace
 
-void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::span<const MetLines> met,
-                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
-                       const std::atomic<bool>& cancelled, Crossings& crossings, std::vector<uint32_t>& others) {
-  const Scene scene(mesh, frames, box, layout);
-  std::vector<NumberList> lists(frames.size());  // by direction, tiny triangles that a line may meet
-  TinyTriangles tiny;
-  for (size_t n = 0; n < triangles.size() && !cancelled; n += kSome) {
-    const auto some = triangles.subspan(n, std::min(kSome, triangles.size() - n));
-    others.resize(others.size() + some.size());
-    uint32_t* other = others.data() + others.size() - some.size();
-    tiny.size = 0;
-    for (const uint32_t t : some) {  // which of the two is hard to predict
-      const bool is_tiny = met[t] != kNotTiny;
-      tiny.numbers[tiny.size] = *other = t;
-      tiny.lines[tiny.size] = met[t];
-      tiny.size += is_tiny ? 1 : 0;
-      other += is_tiny ? 0 : 1;
+void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                       const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges,
+                       std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+  if (SimdIsScalar()) {
+    kept.insert(kept.end(), triangles.begin(), triangles.end());
+    if (is_tiny != nullptr) {
+      for (const uint32_t t : triangles) is_tiny[t] = 0;
     }
-    others.resize(static_cast<size_t>(other - others.data()));
-    HWY_DYNAMIC_DISPATCH(FindInLanes)(scene, tiny, lists, crossings);
+    return;
   }
+  std::unique_ptr<TileEdges::Part> part = edges.Take();
+  const auto memory = std::make_unique<Memory>();
+  FindTiny(Scene(mesh, frames, box, edges.first_tile()), triangles, *memory, *part, edges.margin(), kept, is_tiny);
+  edges.Give(std::move(part));
+}
+
+std::vector<uint32_t> SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
+                                  const Fineness& fineness, const IndexBox& box, const std::atomic<bool>& cancelled,
+                                  TileEdges& edges, UninitializedVector<uint8_t>* is_tiny) {
+  constexpr size_t kChunk = 1 << 14;
+  const size_t count = mesh.triangles.size();
+  const bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
+  uint8_t* marks = nullptr;
+  if (find_tiny && is_tiny != nullptr) {
+    is_tiny->resize(count);
+    AdviseHugePages(is_tiny->data(), count);
+    marks = is_tiny->data();
+  }
+  std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
+    std::vector<uint32_t> kept, next;
+    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
+      kept.resize(std::min(kChunk, count - n * kChunk));
+      std::iota(kept.begin(), kept.end(), static_cast<uint32_t>(n * kChunk));
+      if (marks != nullptr) std::fill_n(marks + n * kChunk, kept.size(), 1);  // those that no line can meet, too
+      if (fineness.few_touch) {
+        next.clear();
+        FindTouching(mesh, kept, frames, next);
+        kept.swap(next);
+      }
+      if (find_tiny) {
+        next.clear();
+        FindTinyCrossings(mesh, kept, frames, box, edges, next, marks);
+        kept.swap(next);
+      }
+      parts[n].assign(kept.begin(), kept.end());
+    }
+  });
+  edges.Finish();
+  size_t size = 0;
+  for (const auto& part : parts) size += part.size();
+  std::vector<uint32_t> all;
+  all.reserve(size);
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace latvox

@@ -1,4 +1,7 @@
-// Triangles that cross one lattice line of each direction at most.
+// The lattice edges that tiny triangles cross, of a whole mesh.
+//
+// Where triangles are smaller than voxels, few lines lie between their corners at all: the crossings of all directions
+// are found in one pass over the mesh, and these, not the triangles, are sorted into tiles. No candidates, no stars.
 #ifndef LATVOX_CORE_DIGITIZE_TINY_H_
 #define LATVOX_CORE_DIGITIZE_TINY_H_
 
@@ -7,31 +10,30 @@
 #include <span>
 #include <vector>
 
+#include "core/base/uninitialized.h"
+#include "core/digitize/fineness.h"
 #include "core/digitize/principal_scan.h"
 #include "core/digitize/sift.h"
 #include "core/snap/snap.h"
-#include "core/tile/tile_bits.h"
+#include "core/tile/tile_edges.h"
 
 namespace latvox {
 
-// Crossed lattice edges: from nearer[n], which is the surface's, to farther[n]. Voxels are numbers of one BitsLayout.
-struct Crossings {
-  NumberList nearer, farther;
+// Gives `edges` all edges, in all directions, that the tiny ones of the triangles cross. Others go to `kept`, as Sift
+// says.
+//   box    local voxels: of edges with a nearer end outside, nothing is wanted
+void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                       const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges,
+                       std::vector<uint32_t>& kept, uint8_t* is_tiny);
 
-  void Clear() {
-    nearer.Clear();
-    farther.Clear();
-  }
-};
-
-// Appends all edges, in all directions, that the tiny ones of the triangles cross, with nearer ends in `box`. The
-// triangles that are left go to `others`, in their order.
-//   met  of all triangles of the mesh, as Sift sets it (core/digitize/sift.h)
-//
-// No candidates, no stars: where triangles are smaller than voxels, few lines lie between their corners at all.
-void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles, std::span<const MetLines> met,
-                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
-                       const std::atomic<bool>& cancelled, Crossings& crossings, std::vector<uint32_t>& others);
+// The triangles of the mesh that are left to be digitized one by one, ascending, found by all threads of the arena: by
+// `fineness`, all but those that no lattice line can meet (core/digitize/touching.h), all but tiny ones, whose edges
+// go to `edges`, or all.
+//   is_tiny   if not null, sized for all triangles and set for those returned, as Sift says
+// Some are missing once the job is cancelled.
+std::vector<uint32_t> SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
+                                  const Fineness& fineness, const IndexBox& box, const std::atomic<bool>& cancelled,
+                                  TileEdges& edges, UninitializedVector<uint8_t>* is_tiny);
 
 }  // namespace latvox
 

@@ -98,16 +98,16 @@ HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
   }
 }
 
-// The corners, by axis, of the triangles, in lattice units from `origin`.
-HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
-                                            const LaneNumbers& triangles, const Vec3i& origin) {
+// The corners, by axis, of kTriangleLanes triangles, in lattice units from `origin`.
+HWY_INLINE std::array<Ints3, 3> LoadCorners(const std::array<uint32_t, 3>* triangles, const PaddedVertices& vertices,
+                                            const Vec3i& origin) {
   const Lanes d;
   const hn::Repartition<int64_t, Lanes> pairs;
   std::array<Ints3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
     // Every fourth triangle's corner, from the first to the fourth on; then, in each four lanes, rows become columns.
     const auto rows = [&](size_t first) HWY_ATTR {
-      return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[mesh.triangles[triangles[4 * m + first]][n]]; });
+      return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[triangles[4 * m + first][n]]; });
     };
     const Ints r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
     const auto x_y_01 = hn::BitCast(pairs, hn::InterleaveLower(d, r0, r1));
@@ -120,6 +120,12 @@ HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const Padde
                  Fill3(origin));
   }
   return v;
+}
+HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
+                                            const LaneNumbers& triangles, const Vec3i& origin) {
+  std::array<uint32_t, 3> corners[kTriangleLanes];
+  for (size_t n = 0; n < kTriangleLanes; ++n) corners[n] = mesh.triangles[triangles[n]];
+  return LoadCorners(corners, vertices, origin);
 }
 
 #endif

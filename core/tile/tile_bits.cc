@@ -21,31 +21,84 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr size_t kLanes = HWY_LANES(uint32_t);
 using Numbers = hn::ScalableTag<uint32_t>;
 
+bool IsMember(const uint32_t* words, uint32_t number) {
+  return (words[(number & kNumberMask) >> 5] >> (number & 31) & 1) != 0;
+}
+
+// Whether bit n of a word is set, lane by lane.
+HWY_INLINE hn::Mask<Numbers> TestBits(hn::Vec<Numbers> word, hn::Vec<Numbers> n) {
+  const Numbers d;
+  return hn::TestBit(hn::Shr(word, hn::And(n, hn::Set(d, 31))), hn::Set(d, 1));
+}
+
 // Which of the next kLanes numbers are in the set.
 HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numbers) {
   const Numbers d;
   const auto number = hn::And(hn::LoadU(d, numbers), hn::Set(d, kNumberMask));
   const auto index = hn::BitCast(hn::RebindToSigned<Numbers>(), hn::ShiftRight<5>(number));
-  const auto bit = hn::Shr(hn::GatherIndex(d, words, index), hn::And(number, hn::Set(d, 31)));
-  return hn::TestBit(bit, hn::Set(d, 1));
+  return TestBits(hn::GatherIndex(d, words, index), number);
 }
 
-void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
+// Appends the positions of numbers that select(numbers) selects of a vector of them; returns how many it was asked of.
+// kRare: it selects none of most vectors.
+template <bool kRare, class F>
+HWY_INLINE size_t AppendSelected(std::span<const uint32_t> numbers, NumberList& positions, F&& select) {
   const Numbers d;
-  const auto unwanted = hn::FirstN(d, in_set ? 0 : kLanes);
   const auto step = hn::Set(d, kLanes);
   auto position = hn::Iota(d, 0);
   uint32_t* end = positions.end();
   size_t n = 0;
   for (; n + kLanes <= numbers.size(); n += kLanes) {
-    end += AppendLanes(d, position, hn::Xor(Members(words, numbers.data() + n), unwanted), end);
+    const auto selected = select(numbers.data() + n);
+    if (!kRare || !hn::AllFalse(d, selected)) end += AppendLanes(d, position, selected, end);
     position = hn::Add(position, step);
   }
-  for (; n < numbers.size(); ++n) {
-    const uint32_t number = numbers[n] & kNumberMask;
-    if (((words[number >> 5] >> (number & 31) & 1) != 0) == in_set) *end++ = static_cast<uint32_t>(n);
-  }
   positions.Grow(static_cast<size_t>(end - positions.end()));
+  return n;
+}
+
+void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
+  const auto unwanted = hn::FirstN(Numbers(), in_set ? 0 : kLanes);
+  const auto wanted = [&](const uint32_t* some) HWY_ATTR { return hn::Xor(Members(words, some), unwanted); };
+  size_t n =
+      in_set ? AppendSelected<true>(numbers, positions, wanted) : AppendSelected<false>(numbers, positions, wanted);
+  for (; n < numbers.size(); ++n) {
+    if (IsMember(words, numbers[n]) == in_set) positions.Add(static_cast<uint32_t>(n));
+  }
+}
+
+// A table of so many vectors, of a bit for each hash.
+constexpr size_t kTableVectors = 4;
+constexpr size_t kTableWords = kTableVectors * kLanes;
+// Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
+constexpr uint32_t kHashFactor = 0x9E3779B1;
+constexpr int kBitShift = kNumberBits - 5, kWordShift = kBitShift - std::countr_zero(kTableWords);
+constexpr size_t kFewMembers = kTableWords * 32 / 3;  // with more, too many other numbers have their hashes
+
+// All numbers are looked up in the table, which is in registers; those found there, in the set.
+void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span<const uint32_t> members,
+             NumberList& positions) {
+  if (members.size() > kFewMembers) return Find(words, numbers, true, positions);
+  const Numbers d;
+  alignas(64) uint32_t hashed[kTableWords] = {};
+  for (const uint32_t member : members) {
+    const uint32_t hash = member * kHashFactor;
+    hashed[hash >> kWordShift & (kTableWords - 1)] |= 1U << (hash >> kBitShift & 31);
+  }
+  hn::Vec<Numbers> table[kTableVectors];
+  for (size_t m = 0; m < kTableVectors; ++m) table[m] = hn::Load(d, hashed + m * kLanes);
+  const auto likely = [&](const uint32_t* some) HWY_ATTR {
+    const auto hash = hn::Mul(hn::LoadU(d, some), hn::Set(d, kHashFactor));
+    const auto at = hn::ShiftRight<kWordShift>(hash);
+    const auto lane = hn::IndicesFromVec(d, hn::And(at, hn::Set(d, kLanes - 1)));
+    const auto odd = hn::TestBit(at, hn::Set(d, kLanes)), upper = hn::TestBit(at, hn::Set(d, 2 * kLanes));
+    const auto of = [&](size_t m) HWY_ATTR { return hn::TableLookupLanes(table[m], lane); };
+    const auto word = hn::IfThenElse(upper, hn::IfThenElse(odd, of(3), of(2)), hn::IfThenElse(odd, of(1), of(0)));
+    return TestBits(word, hn::ShiftRight<kBitShift>(hash));
+  };
+  size_t n = AppendSelected<false>(numbers, positions, likely);
+  for (; n < numbers.size(); ++n) positions.Add(static_cast<uint32_t>(n));
+  positions.Keep([&](uint32_t at) { return IsMember(words, numbers[at]); });
 }
 
 }  // namespace
@@ -60,6 +113,7 @@ namespace latvox {
 namespace {
 
 HWY_EXPORT(Find);
+HWY_EXPORT(FindFew);
 
 }  // namespace
 
@@ -89,6 +143,14 @@ void TileBits::Find(std::span<const uint32_t> numbers, bool in_set, NumberList& 
   for (size_t n = 0; n < numbers.size(); ++n) {
     if (Test(numbers[n] & kNumberMask) == in_set) positions.Add(static_cast<uint32_t>(n));
   }
+}
+
+void TileBits::FindFew(std::span<const uint32_t> numbers, std::span<const uint32_t> members,
+                       NumberList& positions) const {
+  if (SimdIsScalar()) return Find(numbers, true, positions);
+  positions.Clear();
+  positions.Reserve(numbers.size());
+  HWY_DYNAMIC_DISPATCH(FindFew)(words_.data(), numbers, members, positions);
 }
 
 }  // namespace latvox

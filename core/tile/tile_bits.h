@@ -70,6 +70,18 @@ class NumberList {
   void Grow(size_t by) { size_ += by; }
   void Clear() { size_ = 0; }
 
+  // Leaves out the numbers that wanted(number) is false for.
+  template <class F>
+  void Keep(F&& wanted) {
+    size_t kept = 0;
+    for (size_t n = 0; n < size_; ++n) {
+      const uint32_t number = data_[n];
+      data_[kept] = number;
+      kept += wanted(number) ? 1 : 0;
+    }
+    size_ = kept;
+  }
+
   size_t size() const { return size_; }
   uint32_t operator[](size_t n) const { return data_[n]; }
   std::span<const uint32_t> view() const { return {data_.get(), size_}; }
@@ -93,6 +105,10 @@ class TileBits {
 
   // The positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.
   void Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const;
+
+  // The same as Find(numbers, true, positions), faster where the set has few members. `members` are all of them;
+  // others and duplicates do no harm.
+  void FindFew(std::span<const uint32_t> numbers, std::span<const uint32_t> members, NumberList& positions) const;
 
   // What is added is 0.
   void Resize(size_t words) { words_.resize(words); }

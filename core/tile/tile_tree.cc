@@ -89,13 +89,14 @@ int TileCubeLevel(const IndexBox& box) {
 }
 
 std::vector<TileNode> TileTree::Top(std::optional<std::vector<uint32_t>> triangles) const {
-  if (triangles && triangles->empty()) return {};
+  if (triangles && triangles->empty() && (edges_ == nullptr || edges_->empty())) return {};
   // The cube begins at the lowest tile of the whole mesh, whatever the region, so that the order is always the same.
   TileNode root{{}, level(), {}, {}, 0, 1};
   for (size_t m = 0; m < 3; ++m) {
     if (region_.min[m] >= region_.max[m]) return {};
     root.tile_ijk[m] = mesh_.box.min[m] >> kTileBits;
   }
+  root.edges = EdgesIn(root.tile_ijk, root.level);
   if (triangles) {
     root.triangles = *std::move(triangles);
     return Split(root, root.triangles.size(), leaf_level_);
@@ -109,7 +110,7 @@ std::vector<TileNode> TileTree::Children(const TileNode& node) const {
 
 // `triangles` is the number of the node's, or of all, if it lists none.
 std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles, int leaf_level) const {
-  for (int levels = LevelsBelow(std::max(node.level - leaf_level, 0), triangles);; --levels) {
+  for (int levels = LevelsBelow(std::max(node.level - leaf_level, 0), triangles + node.edges);; --levels) {
     const size_t max_hits = levels > 1 ? std::max(kFewHits, kHitsPerTriangle * (triangles + node.fringe.size()))
                                        : std::numeric_limits<size_t>::max();
     if (auto children = SplitBy(levels, node, triangles, max_hits)) return *std::move(children);
@@ -142,15 +143,17 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   for (size_t cell = 0; cell < cells; ++cell) {
     const int level = node.level - levels;
     const Vec3i tile_ijk = node.tile_ijk + CellAt(cell) * (1 << level);
-    if (sizes[2 * cell] == 0 && !(keep_empty_ && MeetsRegion(tile_ijk, level))) continue;
-    children.push_back({tile_ijk, level, {}, {}, 0, 0});
+    const size_t edges = EdgesIn(tile_ijk, level);
+    if (sizes[2 * cell] == 0 && edges == 0 && !(keep_empty_ && MeetsRegion(tile_ijk, level))) continue;
+    children.push_back({tile_ijk, level, {}, {}, 0, 0, edges});
     numbers.push_back(cell);
-    total += sizes[2 * cell];
+    total += sizes[2 * cell] + edges;
   }
   double progress = node.progress;
   for (size_t n = 0; n < children.size(); ++n) {
     children[n].progress = progress;
-    children[n].share = node.share * sizes[2 * numbers[n]] / static_cast<double>(std::max<size_t>(total, 1));
+    const auto weight = static_cast<double>(sizes[2 * numbers[n]] + children[n].edges);
+    children[n].share = node.share * weight / static_cast<double>(std::max<size_t>(total, 1));
     progress += children[n].share;
   }
 
@@ -169,6 +172,11 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   return children;
 }
 
+// What no tile is delivered for does not count.
+size_t TileTree::EdgesIn(const Vec3i& tile_ijk, int level) const {
+  return edges_ != nullptr && MeetsRegion(tile_ijk, level) ? edges_->CountIn(tile_ijk, level) : 0;
+}
+
 bool TileTree::MeetsRegion(const Vec3i& tile_ijk, int level) const {
   for (size_t m = 0; m < 3; ++m) {
     const int32_t low = tile_ijk[m] * kTileSide, high = low + (kTileSide << level);
@@ -181,14 +189,13 @@ bool TileTree::MeetsRegion(const Vec3i& tile_ijk, int level) const {
 void TileTree::SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk) {
   chunk.first = static_cast<uint32_t>(begin);
   chunk.size = end - begin;
-  if (node.triangles.empty()) return;
+  if (node.triangles.empty() && node.fringe.empty()) return;
   chunk.ids = node.triangles.data() + begin;
   const auto fringe_before = [&](size_t n) {
-    if (n == 0) return node.fringe.begin();
-    if (n == node.triangles.size()) return node.fringe.end();
     return std::lower_bound(node.fringe.begin(), node.fringe.end(), node.triangles[n]);
   };
-  const auto fringe = fringe_before(begin), fringe_end = fringe_before(end);
+  const auto fringe = begin == 0 ? node.fringe.begin() : fringe_before(begin);
+  const auto fringe_end = end == node.triangles.size() ? node.fringe.end() : fringe_before(end);
   if (fringe == fringe_end) return;
   chunk.merged.resize(chunk.size + static_cast<size_t>(fringe_end - fringe));
   std::merge(chunk.ids, chunk.ids + chunk.size, fringe, fringe_end, chunk.merged.begin());

@@ -11,6 +11,7 @@
 #include "core/snap/snap.h"
 #include "core/tile/brick.h"
 #include "core/tile/cell_grid.h"
+#include "core/tile/tile_edges.h"
 
 namespace latvox {
 
@@ -25,6 +26,7 @@ struct TileNode {
   std::vector<uint32_t> fringe;     // the others that come within its far margin, ascending
   double progress;                  // estimated share of the work before this node,
   double share;                     // and of its own
+  size_t edges = 0;                 // how many of the tree's edges have their nearer end in it
 };
 
 // Depth first and in the order of children (Morton, i most significant), tiles come in Morton order: the canonical
@@ -50,6 +52,9 @@ class TileTree {
 
   void SetLeafLevel(int level) { leaf_level_ = level; }
 
+  // From now on nodes with these edges count as children, too, where they meet the region. Kept by reference.
+  void AddEdges(const TileEdges& edges) { edges_ = &edges; }
+
   // From now on nodes that no triangle comes near to count as children, too, where they meet the region.
   void KeepEmpty() { keep_empty_ = true; }
 
@@ -62,13 +67,14 @@ class TileTree {
   //   triangles  ascending: only these count; nullopt: all of the mesh
   std::vector<TileNode> Top(std::optional<std::vector<uint32_t>> triangles = std::nullopt) const;
 
-  // The children within the near margin of which triangles come, in canonical order; those of a leaf are its tiles.
-  // Precondition: node.level > 0.
+  // The children within the near margin of which triangles come, or with edges, in canonical order; those of a leaf are
+  // its tiles. Precondition: node.level > 0.
   std::vector<TileNode> Children(const TileNode& node) const;
 
  private:
   struct Chunk;
 
+  size_t EdgesIn(const Vec3i& tile_ijk, int level) const;
   std::vector<TileNode> Split(const TileNode& node, size_t triangles, int leaf_level) const;
   std::optional<std::vector<TileNode>> SplitBy(int levels, const TileNode& node, size_t triangles,
                                                size_t max_hits) const;
@@ -77,9 +83,10 @@ class TileTree {
   static void AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, std::vector<uint32_t>& sums);
   static void Fill(uint32_t* const* lists, Chunk& chunk);
 
-  const SnappedMesh& mesh_;
   bool MeetsRegion(const Vec3i& tile_ijk, int level) const;
 
+  const SnappedMesh& mesh_;
+  const TileEdges* edges_ = nullptr;
   int leaf_level_;
   bool keep_empty_ = false;
   Vec3i near_, far_;

@@ -12,7 +12,7 @@
 
 #include "core/band/band_scan.h"
 #include "core/digitize/fineness.h"
-#include "core/digitize/sift.h"
+#include "core/digitize/tiny.h"
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/attribute_tiles.h"
@@ -43,12 +43,15 @@ class ExactJob final : public VoxelizeJob {
         scan_frames_(MakeScanFrames(frames_)),
         supercover_(std::move(supercover)),
         fineness_(supercover_ ? Fineness{} : FinenessOf(mesh_, scan_frames_)),
+        edges_(Shifted(mesh_.box.min, kTileBits),
+               options.minimal && !supercover_ ? ReachOf(frames_) * kNearHalo : Vec3i{}),
         context_{mesh_,
                  scan_frames_,
                  supercover_.get(),
                  supercover_ ? supercover_->Margin() : ReachOf(frames_),
                  options.minimal && !supercover_,
-                 met_,
+                 edges_,
+                 is_tiny_,
                  region,
                  cancelled_},
         attributes_(mesh_, std::move(attributes), cancelled_),
@@ -93,7 +96,8 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<const Supercover> supercover_;
   std::atomic<bool> cancelled_ = false;
   const Fineness fineness_;
-  UninitializedVector<MetLines> met_;
+  TileEdges edges_;
+  UninitializedVector<uint8_t> is_tiny_;
   const TileContext context_;
   const AttributeTiles attributes_;
   TileTree tree_;
@@ -133,7 +137,9 @@ std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPla
 bool ExactJob::IsUnit(const TileNode& node) const {
   if (band_ || attributes_.wanted()) return tree_.IsLeaf(node);
   const int max_level = interior_ ? kMaxSolidUnitLevel : kMaxUnitLevel;
-  if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() > kMaxUnitTriangles)) return false;
+  if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() + node.edges > kMaxUnitTriangles)) {
+    return false;
+  }
   return IsSmall(node);
 }
 
@@ -158,7 +164,9 @@ uint64_t ExactJob::NumberOf(const Vec3i& tile_ijk) const { return TileNumber(til
 
 // Whether none of a node's tiles is delivered.
 bool ExactJob::IsLeftOut(const TileNode& node) const {
-  if (node.triangles.empty() && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) return true;
+  if (node.triangles.empty() && node.edges == 0 && !(interior_ && interior_->MayHold(node.tile_ijk, node.level))) {
+    return true;
+  }
   if (bounds_) {
     const Vec3i low = (node.tile_ijk + tile_base_) * kTileSide;
     const int32_t side = kTileSide << node.level;
@@ -171,7 +179,12 @@ bool ExactJob::IsLeftOut(const TileNode& node) const {
 // may still be the nearest to a voxel, whose attributes it then has.
 std::vector<TileNode> ExactJob::Top() {
   if (band_ || !(fineness_.few_touch || fineness_.most_tiny)) return tree_.Top();
-  std::vector<uint32_t> triangles = SiftAll(mesh_, scan_frames_, fineness_, cancelled_, met_);
+  const Vec3i margin = context_.FarMargin();
+  const IndexBox around{context_.region.min - margin, context_.region.max + margin};
+  const bool list_tiny = interior_ || attributes_.wanted();
+  std::vector<uint32_t> triangles =
+      SortOutFine(mesh_, scan_frames_, fineness_, around, cancelled_, edges_, list_tiny ? &is_tiny_ : nullptr);
+  tree_.AddEdges(edges_);
   return (interior_ && !has_axes_) || attributes_.wanted() ? tree_.Top() : tree_.Top(std::move(triangles));
 }
 

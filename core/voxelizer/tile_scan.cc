@@ -37,15 +37,17 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   block_ = {low, low + Vec3i{side, side, side}};
   box_ = {block_.min - context.reach * halo, block_.max + context.reach * halo};
   layout_ = BitsLayout(low, context.reach * (halo + 1), side);
+  for (size_t n = 0; n < context.frames.size(); ++n) steps_[n] = layout_.StepOf(context.frames[n].frame.q);
   surface_.words().assign(layout_.Words(), 0);
   candidates_.Clear();
   crossings_.Clear();
   triangles_ = triangles;
   if (context.supercover != nullptr) return CoverAll(context);
-  if (!context.met.empty()) {
+  if (!context.edges.empty()) context.edges.Collect(block_, box_, layout_, PackedSteps(), crossings_);
+  if (!context.is_tiny.empty()) {
     others_.clear();
-    FindTinyCrossings(context.mesh, triangles, context.met, context.frames, box_, layout_, context.cancelled,
-                      crossings_, others_);
+    std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(others_),
+                 [&](uint32_t t) { return context.is_tiny[t] == 0; });
     triangles_ = others_;
   }
   if (context.cancelled) return;
@@ -58,6 +60,15 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
     AddRim(context);
   } while (end < triangles_.size() && !context.cancelled);
+}
+
+std::array<int32_t, kPackedDirections> TileScan::PackedSteps() const {
+  std::array<int32_t, kPackedDirections> steps{};
+  for (size_t n = 0; n < kMaxPairs; ++n) {
+    steps[2 * n] = -steps_[n];
+    steps[2 * n + 1] = steps_[n];
+  }
+  return steps;
 }
 
 void TileScan::CoverAll(const TileContext& context) {
@@ -133,10 +144,10 @@ void TileScan::AddRim(const TileContext& context) {
 
 // Calls f(farther end) for the edges of a star, until that returns false; returns whether it never did.
 template <class F>
-bool TileScan::ForEachEnd(const TileContext& context, uint32_t voxel, const StarEdges& star, F&& f) const {
+bool TileScan::ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
   for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
     const int n = std::countr_zero(bits);
-    const int32_t step = layout_.StepOf(context.frames[static_cast<size_t>(n)].frame.q);
+    const int32_t step = steps_[static_cast<size_t>(n)];
     if (!f(voxel + static_cast<uint32_t>(star.forward >> n & 1 ? step : -step))) return false;
   }
   return true;
@@ -148,14 +159,15 @@ bool TileScan::ForEachEnd(const TileContext& context, uint32_t voxel, const Star
 void TileScan::FindRest(const TileContext& context) {
   rest_.Resize(layout_.Words());  // empty
   maybe_.clear();
-  // For a while, rest_ holds what tiny triangles show essential, of which all edges are at hand.
+  // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
+  TileBits& essential = rest_;  // which lends its bits
   surface_.Find(crossings_.farther.view(), false, closed_);
-  for (const uint32_t n : closed_.view()) rest_.Set(crossings_.nearer[n]);
-  rest_.Find(crossings_.nearer.view(), false, inner_);
+  for (const uint32_t n : closed_.view()) essential.Set(crossings_.nearer[n]);
+  essential.Find(crossings_.nearer.view(), false, inner_);
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
   const auto add = [&](uint32_t voxel) {
-    if (!rest_.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
+    if (!essential.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
   };
   for (const uint32_t n : inner_.view()) add(crossings_.nearer[n]);
   size_t compact_at = kMany;
@@ -168,10 +180,14 @@ void TileScan::FindRest(const TileContext& context) {
   });
   const auto in_surface = [&](uint32_t end) { return surface_.Test(end); };
   for (const auto& [voxel, star] : rim_only_) {
-    if (ForEachEnd(context, voxel, star, in_surface)) add(voxel);
+    if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
-  for (const uint32_t n : closed_.view()) rest_.Clear(crossings_.nearer[n]);
-  for (const uint32_t voxel : maybe_) rest_.Set(voxel);
+  for (const uint32_t n : closed_.view()) essential.Clear(crossings_.nearer[n]);
+  std::erase_if(maybe_, [&](uint32_t voxel) {
+    const bool again = rest_.Test(voxel);
+    rest_.Set(voxel);
+    return again;
+  });
 }
 
 // Whether a voxel is known not to belong to the surface.
@@ -198,21 +214,34 @@ void TileScan::AskRest(const TileContext& context) {
   std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
 }
 
+// Voxels that one list's triangles prove essential spare those of the next.
 void TileScan::AskRestOfPart(const TileContext& context) {
-  pairs_.clear();
-  rest_.Find(candidates_.nearer.view(), true, positions_);
+  FindInRest(candidates_.nearer);
   for (const uint32_t n : positions_.view()) {
     if (IsOutside(candidates_.farther[n] & kNumberMask)) rest_.Clear(candidates_.nearer[n] & kNumberMask);
   }
-  AppendPairs(candidates_.nearer, positions_, candidates_.runs, &Candidates::Run::crossed_end, triangles_, pairs_);
-  rest_.Find(candidates_.rim.view(), true, positions_);
-  AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
+  AskAtPositions(context, candidates_.nearer, &Candidates::Run::crossed_end);
+  FindInRest(candidates_.rim);
+  AskAtPositions(context, candidates_.rim, &Candidates::Run::rim_end);
+}
+
+// Finds the positions of those voxels of a list that are in rest_.
+void TileScan::FindInRest(const NumberList& voxels) {
+  std::erase_if(maybe_, [&](uint32_t voxel) { return !rest_.Test(voxel); });
+  rest_.FindFew(voxels.view(), maybe_, positions_);
+}
+
+// Asks the triangles that put the voxels at these positions into their list.
+void TileScan::AskAtPositions(const TileContext& context, const NumberList& voxels,
+                              uint32_t Candidates::Run::*run_end) {
+  pairs_.clear();
+  AppendPairs(voxels, positions_, candidates_.runs, run_end, triangles_, pairs_);
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
     if (edges_.size() >= compact_at_) {
       CompactEdges(context);
       compact_at_ = std::max(kMany, 2 * edges_.size());
     }
-    const bool may_leave = ForEachEnd(context, z, star, [&](uint32_t end) {
+    const bool may_leave = ForEachEnd(z, star, [&](uint32_t end) {
       if (rest_.Test(end)) edges_.push_back({z, end});
       return !IsOutside(end);
     });
@@ -228,13 +257,16 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(layout_.StepOf(scan.frame.q));
       for (const uint32_t neighbour : {voxel + step, voxel - step}) {
-        if (!surface_.Test(neighbour) || complete.Contains(layout_.VoxelAt(neighbour))) continue;
+        if (!surface_.Test(neighbour) || rest_.Test(neighbour)) continue;
+        if (complete.Contains(layout_.VoxelAt(neighbour))) continue;
         rest_.Set(neighbour);
         maybe_.push_back(neighbour);
       }
     }
   }
-  for (const uint32_t n : closed_.view()) {
+  // That an edge leads out of the box shows nothing.
+  rest_.Find(crossings_.nearer.view(), true, inner_);
+  for (const uint32_t n : inner_.view()) {
     if (IsOutside(crossings_.farther[n])) rest_.Clear(crossings_.nearer[n]);
   }
 }
@@ -247,7 +279,7 @@ bool TileScan::Thin(const TileContext& context) {
   if (context.cancelled) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
-  SortUnique(doubtful, context.cancelled);
+  Sort(doubtful, context.cancelled);
   const IndexBox known = Shrunk(box_, context.reach * 2);
   bool decided = latvox::Thin(layout_, doubtful, edges_, known, block_, surface_, context.cancelled);
   if (!decided) {

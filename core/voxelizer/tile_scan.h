@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
 #define LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <span>
@@ -9,14 +10,13 @@
 
 #include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
-#include "core/digitize/sift.h"
 #include "core/digitize/stars.h"
 #include "core/digitize/supercover.h"
-#include "core/digitize/tiny.h"
 #include "core/snap/snap.h"
 #include "core/thin/thin.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
+#include "core/tile/tile_edges.h"
 #include "core/tile/tile_tree.h"
 
 namespace latvox {
@@ -31,8 +31,9 @@ struct TileContext {
   const Supercover* supercover;  // if that is asked for; else null. It is not thinned
   Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
   bool minimal;                  // whether to thin
-  // If most triangles are tiny, what FindTinyCrossings goes by, else empty; set before the first tile.
-  const UninitializedVector<MetLines>& met;
+  const TileEdges& edges;        // of tiny triangles, if most are tiny; set before the first tile
+  // Which triangles these are, if nodes list them, too, else empty.
+  const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered
   const std::atomic<bool>& cancelled;
 
@@ -45,7 +46,8 @@ struct TileContext {
 class TileScan {
  public:
   // Finds all voxels of the surface in the box of `halo` steps around the node.
-  //   triangles   all that come within half a step of the box; more do no harm. Must live until the node is done
+  //   triangles   all that come within half a step of the box, but for those whose edges the context has; more do no
+  //               harm. Must live until the node is done
   // Leaves part of it undone once the job is cancelled.
   void Scan(const TileContext& context, const TileNode& node, int32_t halo, std::span<const uint32_t> triangles);
 
@@ -60,6 +62,7 @@ class TileScan {
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
+  std::array<int32_t, kPackedDirections> PackedSteps() const;
   void CoverAll(const TileContext& context);
   size_t Gather(const TileContext& context, size_t begin);
   template <class F>
@@ -68,16 +71,19 @@ class TileScan {
   void ForEachStar(const TileContext& context, const TileBits& bits, bool in_set, F&& f);
   void AddRim(const TileContext& context);
   template <class F>
-  bool ForEachEnd(const TileContext& context, uint32_t voxel, const StarEdges& star, F&& f) const;
+  bool ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const;
   void FindRest(const TileContext& context);
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
   void AskRestOfPart(const TileContext& context);
+  void FindInRest(const NumberList& voxels);
+  void AskAtPositions(const TileContext& context, const NumberList& voxels, uint32_t Candidates::Run::*run_end);
   void CompactEdges(const TileContext& context);
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo
   BitsLayout layout_{{}, {}};
+  std::array<int32_t, kMaxDirections> steps_{};  // of layout_, along the frames
   TileBits surface_{0};
   TileBits rest_{0};                     // what nothing has shown essential yet
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
@@ -86,13 +92,14 @@ class TileScan {
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and of voxels without one
+  NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and those of voxels that
+                               // no such edge shows essential
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;
   };
   std::vector<RimVoxel> rim_only_;  // members that no triangle crosses along its principal direction
-  std::vector<uint32_t> maybe_;     // what rest_ began with; duplicates
+  std::vector<uint32_t> maybe_;     // all of rest_, each once, and others
   std::vector<VoxelTriangle> pairs_;
   std::vector<CrossedEdge> edges_;
   size_t compact_at_ = 0;  // many edges: time to compact them

@@ -7,6 +7,7 @@ latvox_add_test(core_crossing_test UNSANITIZED SOURCES unit/core_crossing_test.c
 latvox_add_test(core_cancel_test UNSANITIZED SOURCES unit/core_cancel_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_voxelizer_test SOURCES unit/core_voxelizer_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_parts_test SOURCES unit/core_parts_test.cc LIBRARIES latvox::core latvox_oracle)
+latvox_add_test(core_fine_test SOURCES unit/core_fine_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_bounds_test SOURCES unit/core_bounds_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_solid_test UNSANITIZED SOURCES unit/core_solid_test.cc LIBRARIES latvox::core latvox_oracle)
 latvox_add_test(core_oracle_test SLOW SOURCES unit/core_oracle_test.cc LIBRARIES latvox::core latvox_oracle)

@@ -5,9 +5,9 @@
 #include <random>
 #include <set>
 
+#include "absl/strings/str_cat.h"
 #include "core/digitize/candidates.h"
 #include "core/digitize/crossing.h"
-#include "core/digitize/sift.h"
 #include "core/digitize/star.h"
 #include "core/digitize/stars.h"
 #include "core/digitize/tiny.h"
@@ -169,8 +169,24 @@ void AddEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, co
   }
 }
 
+// The edges that `edges` has in the box around a tile.
+Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, const Vec3i& tile_min,
+                const IndexBox& box, const BitsLayout& layout) {
+  std::array<int32_t, kPackedDirections> steps{};
+  for (size_t n = 0; n < frames.size(); ++n) {
+    steps[2 * n + 1] = layout.StepOf(frames[n].frame.q);
+    steps[2 * n] = -steps[2 * n + 1];
+  }
+  Crossings crossings;
+  edges.Collect({tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}}, box, layout, steps, crossings);
+  Edges collected;
+  for (size_t n = 0; n < crossings.nearer.size(); ++n) collected.insert({crossings.nearer[n], crossings.farther[n]});
+  return collected;
+}
+
 TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
   const Vec3i tile_min{128, 64, 192};
+  const IndexBox all{tile_min - Vec3i{64, 64, 64}, tile_min + Vec3i{128, 128, 128}};
   for (const ExactLattice& l : ExactLattices()) {
     for (int k : {0, 2}) {
       const auto frames = MakeScanFrames(l.lattice.frames(k));
@@ -184,30 +200,90 @@ TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
         for (const Triangle& triangle : triangles) AddEdges(triangle, frames, box, layout, expected);
         for (const Simd simd : SimdHere()) {
           const ForcedSimd forced(simd);
-          Crossings crossings;
-          std::vector<MetLines> met(triangles.size());
-          std::vector<uint32_t> kept{7}, others{7};  // what is there stays
-          Sift(mesh, Iota(triangles.size()), frames, met, kept);
-          kept.erase(kept.begin());
-          ASSERT_TRUE(std::is_sorted(kept.begin(), kept.end())) << SimdInUse();
-          if (size == 8 && simd != Simd::kScalar) {
-            EXPECT_LT(kept.size(), triangles.size() / 2) << l.name << " k " << k << " " << SimdInUse();
+          SCOPED_TRACE(absl::StrCat(l.name, " k ", k, " size ", size, " ", std::string(SimdInUse())));
+          // With the box within the margin of the tile, and beyond.
+          for (const Vec3i& margin : {reach * 2, Vec3i{}}) {
+            TileEdges found(Shifted(all.min, kTileBits), margin);
+            std::vector<uint32_t> others{7};  // what is there stays
+            FindTinyCrossings(mesh, Iota(triangles.size()), frames, all, found, others, nullptr);
+            found.Finish();
+            ASSERT_EQ(others.front(), 7U);
+            others.erase(others.begin());
+            ASSERT_TRUE(std::is_sorted(others.begin(), others.end()));
+            Edges edges = Collected(found, frames, tile_min, box, layout);
+            if (size <= 40 && simd != Simd::kScalar) {
+              EXPECT_GE(edges.size(), expected.size() / 10 * 9);
+            }
+            for (const uint32_t t : others) AddEdges(triangles[t], frames, box, layout, edges);
+            ASSERT_EQ(edges, expected);
           }
-          FindTinyCrossings(mesh, kept, met, frames, box, layout, kNotCancelled, crossings, others);
-          ASSERT_TRUE(std::is_sorted(others.begin() + 1, others.end())) << SimdInUse();
-          Edges edges;
-          for (size_t n = 0; n < crossings.nearer.size(); ++n) {
-            edges.insert({crossings.nearer[n], crossings.farther[n]});
-          }
-          if (size == 40 && simd != Simd::kScalar) {
-            EXPECT_GT(edges.size(), expected.size() / 3) << l.name << " k " << k << " " << SimdInUse();
-          }
-          for (size_t n = 1; n < others.size(); ++n) AddEdges(triangles[others[n]], frames, box, layout, edges);
-          ASSERT_EQ(edges, expected) << l.name << " k " << k << " size " << size << " " << SimdInUse();
         }
       }
     }
   }
+}
+
+TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyOnEachKernel) {
+  const Vec3i tile_min{64, 0, 0};
+  const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kBcc).frames(0));
+  const IndexBox box{{70, 3, 10}, {100, 60, 33}};
+  const BitsLayout layout(tile_min, ReachOf(frames));
+  const auto triangles = TrianglesAround(tile_min, 200, 2001);
+  const SnappedMesh mesh = MeshOf(triangles);
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    SCOPED_TRACE(std::string(SimdInUse()));
+    TileEdges found(Shifted(box.min, kTileBits), {});
+    std::vector<uint32_t> kept;
+    std::vector<uint8_t> is_tiny(triangles.size(), 7);
+    FindTinyCrossings(mesh, Iota(triangles.size()), frames, box, found, kept, is_tiny.data());
+    found.Finish();
+    Edges expected, edges = Collected(found, frames, tile_min, box, layout);
+    std::set<uint32_t> crossed;
+    for (uint32_t t = 0; t < triangles.size(); ++t) {
+      ASSERT_LE(is_tiny[t], 1);
+      Edges own;
+      AddEdges(triangles[t], frames, box, layout, own);
+      if (!own.empty()) crossed.insert(t);
+      if (is_tiny[t] != 0) expected.merge(own);
+    }
+    EXPECT_EQ(edges, expected);
+    EXPECT_EQ(edges.empty(), simd == Simd::kScalar);
+    ASSERT_TRUE(std::is_sorted(kept.begin(), kept.end()));
+    EXPECT_TRUE(std::includes(kept.begin(), kept.end(), crossed.begin(), crossed.end()));
+    if (simd != Simd::kScalar) {
+      EXPECT_LT(kept.size(), triangles.size());
+    }
+  }
+}
+
+TEST(TileEdges, CountWhatCubesHold) {
+  TileEdges edges({-1, 0, 2}, {1, 1, 1});
+  const auto tile = [](uint32_t i, uint32_t j, uint32_t k) {
+    return i << 2 * kPackedTileBits | j << kPackedTileBits | k;
+  };
+  const auto add = [&](uint32_t where, size_t count) {
+    auto part = edges.Take();
+    // Room for whole vectors.
+    std::vector<uint32_t> tiles(count + 64, where), packed(count + 64, 0);
+    part->Append({tiles.data(), count}, {packed.data(), count}, edges.margin());
+    edges.Give(std::move(part));
+  };
+  EXPECT_TRUE(edges.empty());
+  add(tile(0, 0, 0), 3);
+  auto held = edges.Take();  // so that the next makes a part of its own
+  add(tile(1, 0, 1), 20);
+  add(tile(0, 0, 0), 4);
+  edges.Give(std::move(held));
+  add(tile(2, 3, 0), 100);
+  edges.Finish();
+  EXPECT_FALSE(edges.empty());
+  EXPECT_EQ(edges.CountIn({-1, 0, 2}, 0), 7U);
+  EXPECT_EQ(edges.CountIn({0, 0, 3}, 0), 20U);
+  EXPECT_EQ(edges.CountIn({0, 1, 2}, 0), 0U);
+  EXPECT_EQ(edges.CountIn({-1, 0, 2}, 1), 27U);
+  EXPECT_EQ(edges.CountIn({1, 2, 2}, 1), 100U);
+  EXPECT_EQ(edges.CountIn({-1, 0, 2}, 2), 127U);
 }
 
 // Sizes on both sides of every limit: lines together or in blocks, 32 or 64 bits, and beyond the tile.
@@ -354,6 +430,37 @@ TEST(TileBits, FindIsWhatTestSaysOnEachKernel) {
       EXPECT_EQ(list(first), in) << SimdInUse();
       bits.Find(numbers, false, first);
       EXPECT_EQ(list(first), out) << SimdInUse();
+    }
+  }
+}
+
+TEST(TileBits, FindFewIsFindForSetsOfAnySizeOnEachKernel) {
+  std::mt19937 random(kSeed);
+  const BitsLayout layout({0, 0, 0}, {3, 3, 3});
+  const auto last = static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1);
+  std::uniform_int_distribution<uint32_t> number(0, last);
+  for (const size_t members : {size_t{0}, size_t{1}, size_t{50}, size_t{300}, size_t{5000}}) {
+    TileBits bits(layout.Words());
+    std::vector<uint32_t> listed, numbers;
+    for (size_t n = 0; n < members; ++n) {
+      listed.push_back(number(random));
+      bits.Set(listed.back());
+    }
+    for (size_t n = 0; n < members; n += 3) listed.push_back(listed[n]);
+    listed.push_back(number(random));  // perhaps no member
+    for (uint32_t n = 0; n < 10007; ++n) {
+      const uint32_t any = n % 5 == 0 ? listed[n % listed.size()] : number(random);
+      numbers.push_back(any | n << kNumberBits);
+    }
+    std::vector<uint32_t> in;
+    for (uint32_t n = 0; n < numbers.size(); ++n) {
+      if (bits.Test(numbers[n] & kNumberMask)) in.push_back(n);
+    }
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      NumberList found;
+      bits.FindFew(numbers, listed, found);
+      EXPECT_EQ(std::vector<uint32_t>(found.view().begin(), found.view().end()), in) << SimdInUse() << " " << members;
     }
   }
 }

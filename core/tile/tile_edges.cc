@@ -1,0 +1,210 @@
+// Neighbours in a list mostly lie in one tile: a vector of edges is appended at once, tile by tile of those in it.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/tile/tile_edges.cc"
+#include "core/tile/tile_edges.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "core/base/append_lanes-inl.h"
+
+namespace latvox {
+#ifndef LATVOX_CORE_TILE_TILE_EDGES_CC_ONCE
+#define LATVOX_CORE_TILE_TILE_EDGES_CC_ONCE
+namespace {
+
+constexpr uint32_t kInTile = kTileSide - 1;
+
+// How far the bits of an end's axis are from the lowest.
+constexpr int ShiftOf(size_t axis) { return kPackedEndShift + kTileBits * (2 - static_cast<int>(axis)); }
+
+// Where a tile lies in a layout, and in a box in it.
+struct Placed {
+  Vec3i from_box;        // the tile's low corner, from the box's
+  Vec3i size;            // of the box
+  Vec3i stride;          // of numbers
+  uint32_t number;       // of the box's low corner
+  const int32_t* steps;  // by packed direction
+};
+
+}  // namespace
+#endif
+}  // namespace latvox
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr size_t kLanes = HWY_LANES(uint32_t);
+using Numbers = hn::ScalableTag<uint32_t>;
+
+template <class V>
+HWY_INLINE V End(V edge, size_t axis) {
+  const Numbers d;
+  return hn::And(hn::ShiftRightSame(edge, ShiftOf(axis)), hn::Set(d, kInTile));
+}
+
+void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin,
+            TileEdges::Part& part) {
+  const Numbers d;
+  for (size_t n = 0; n < tiles.size(); n += kLanes) {
+    const size_t count = std::min(kLanes, tiles.size() - n);
+    const auto tile = hn::LoadU(d, tiles.data() + n), edge = hn::LoadU(d, edges.data() + n);
+    auto left = hn::FirstN(d, count);
+    auto inner = hn::FirstN(d, kLanes);
+    for (size_t m = 0; m < 3; ++m) {  // margin <= end < kTileSide - margin; what is below wraps around
+      const auto low = hn::Set(d, static_cast<uint32_t>(margin[m]));
+      const auto width = hn::Set(d, static_cast<uint32_t>(kTileSide - 2 * margin[m]));
+      inner = hn::And(inner, hn::Lt(hn::Sub(End(edge, m), low), width));
+    }
+    for (uint64_t bits = (uint64_t{1} << count) - 1; bits != 0;) {
+      const uint32_t first = tiles[n + static_cast<size_t>(std::countr_zero(bits))];
+      const auto same = hn::And(left, hn::Eq(tile, hn::Set(d, first)));
+      left = hn::AndNot(same, left);
+      bits = 0;
+      hn::StoreMaskBits(d, left, reinterpret_cast<uint8_t*>(&bits));
+      TileEdges::Part::Lists& lists = part.ListsOf(first);
+      const auto append = [&](auto which, NumberList& list) HWY_ATTR {
+        list.Reserve(kLanes);
+        list.Grow(AppendLanes(d, edge, which, list.end()));
+      };
+      append(same, lists.all);
+      const auto border = hn::AndNot(inner, same);
+      if (!hn::AllFalse(d, border)) append(border, lists.border);
+    }
+  }
+}
+
+void Collect(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
+  const Numbers d;
+  const hn::RebindToSigned<Numbers> di;
+  out.nearer.Reserve(edges.size());
+  out.farther.Reserve(edges.size());
+  uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
+  for (size_t n = 0; n < edges.size(); n += kLanes) {
+    const auto edge = hn::LoadU(d, edges.data() + n);
+    auto inside = hn::FirstN(d, edges.size() - n);
+    auto number = hn::Set(d, at.number);
+    for (size_t m = 0; m < 3; ++m) {
+      const auto end = hn::Add(End(edge, m), hn::Set(d, static_cast<uint32_t>(at.from_box[m])));
+      inside = hn::And(inside, hn::Lt(end, hn::Set(d, static_cast<uint32_t>(at.size[m]))));
+      number = hn::Add(number, hn::Mul(end, hn::Set(d, static_cast<uint32_t>(at.stride[m]))));
+    }
+    const auto direction = hn::And(edge, hn::Set(d, kPackedDirections - 1));
+    const auto step = hn::BitCast(d, hn::GatherIndex(di, at.steps, hn::BitCast(di, direction)));
+    const SelectedLanes<Numbers> selected(d, inside);
+    selected.Store(number, nearer);
+    selected.Store(hn::Add(number, step), farther);
+    nearer += selected.count();
+    farther += selected.count();
+  }
+  out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));
+  out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include "core/tile/tile_order.h"
+
+namespace latvox {
+namespace {
+
+HWY_EXPORT(Append);
+HWY_EXPORT(Collect);
+
+}  // namespace
+
+// Few tiles are asked for again and again: those around one place.
+TileEdges::Part::Lists& TileEdges::Part::ListsOf(uint32_t tile) {
+  Recent& recent = recent_[(tile >> 2 * kPackedTileBits & 3) << 4 | (tile >> kPackedTileBits & 3) << 2 | (tile & 3)];
+  if (recent.lists == nullptr || recent.tile != tile) {
+    std::unique_ptr<Lists>& lists = lists_[tile];
+    if (lists == nullptr) lists = std::make_unique<Lists>();
+    recent = {tile, lists.get()};
+  }
+  return *recent.lists;
+}
+
+void TileEdges::Part::Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin) {
+  HWY_DYNAMIC_DISPATCH(Append)(tiles, edges, margin, *this);
+}
+
+std::unique_ptr<TileEdges::Part> TileEdges::Take() {
+  const std::lock_guard lock(mutex_);
+  if (parts_.empty()) return std::make_unique<Part>();
+  std::unique_ptr<Part> part = std::move(parts_.back());
+  parts_.pop_back();
+  return part;
+}
+
+void TileEdges::Give(std::unique_ptr<Part> part) {
+  const std::lock_guard lock(mutex_);
+  parts_.push_back(std::move(part));
+}
+
+void TileEdges::Finish() {
+  constexpr uint32_t kMask = (1U << kPackedTileBits) - 1;
+  for (const std::unique_ptr<Part>& part : parts_) {
+    for (const auto& [tile, lists] : part->lists_) {
+      const Vec3i relative{static_cast<int32_t>(tile >> 2 * kPackedTileBits),
+                           static_cast<int32_t>(tile >> kPackedTileBits & kMask), static_cast<int32_t>(tile & kMask)};
+      tiles_.push_back({TileNumber(relative), lists.get(), 0});
+    }
+  }
+  std::sort(tiles_.begin(), tiles_.end(), [](const Tile& a, const Tile& b) { return a.number < b.number; });
+  for (Tile& tile : tiles_) {
+    tile.before = size_;
+    size_ += tile.lists->all.size();
+  }
+}
+
+std::vector<TileEdges::Tile>::const_iterator TileEdges::From(uint64_t number) const {
+  return std::lower_bound(tiles_.begin(), tiles_.end(), number,
+                          [](const Tile& tile, uint64_t n) { return tile.number < n; });
+}
+
+size_t TileEdges::CountIn(const Vec3i& tile_ijk, int level) const {
+  const uint64_t first = TileNumber(tile_ijk - first_tile_);
+  const auto before = [&](uint64_t number) {
+    const auto tile = From(number);
+    return tile == tiles_.end() ? size_ : tile->before;
+  };
+  return before(first + (uint64_t{1} << 3 * level)) - before(first);
+}
+
+void TileEdges::Collect(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
+                        const std::array<int32_t, kPackedDirections>& steps, Crossings& out) const {
+  Placed at{{}, box.max - box.min, layout.stride, layout.NumberOf(box.min), steps.data()};
+  bool beyond_margin = false;
+  Vec3i low, high;  // tiles that meet the box
+  for (size_t m = 0; m < 3; ++m) {
+    beyond_margin |= block.min[m] - box.min[m] > margin_[m] || box.max[m] - block.max[m] > margin_[m];
+    low[m] = std::max(box.min[m] >> kTileBits, first_tile_[m]);
+    high[m] = (box.max[m] - 1) >> kTileBits;
+  }
+  for (Vec3i tile = low; tile[0] <= high[0]; ++tile[0]) {
+    for (tile[1] = low[1]; tile[1] <= high[1]; ++tile[1]) {
+      for (tile[2] = low[2]; tile[2] <= high[2]; ++tile[2]) {
+        const uint64_t number = TileNumber(tile - first_tile_);
+        at.from_box = tile * kTileSide - box.min;
+        const bool all = beyond_margin || block.Contains(tile * kTileSide);
+        for (auto t = From(number); t != tiles_.end() && t->number == number; ++t) {
+          HWY_DYNAMIC_DISPATCH(Collect)(at, (all ? t->lists->all : t->lists->border).view(), out);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace latvox
+#endif  // HWY_ONCE

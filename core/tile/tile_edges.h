@@ -1,0 +1,105 @@
+// Crossed lattice edges, sorted into the tiles of their nearer ends.
+#ifndef LATVOX_CORE_TILE_TILE_EDGES_H_
+#define LATVOX_CORE_TILE_TILE_EDGES_H_
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/tile/brick.h"
+#include "core/tile/tile_bits.h"
+
+namespace latvox {
+
+// Crossed lattice edges: from nearer[n], which is the surface's, to farther[n]. Voxels are numbers of one BitsLayout.
+struct Crossings {
+  NumberList nearer, farther;
+
+  void Clear() {
+    nearer.Clear();
+    farther.Clear();
+  }
+};
+
+// An edge in a tile: (nearer end within the tile, as i << 12 | j << 6 | k) << kPackedEndShift | 2 * direction + 1 if it
+// goes forward along the direction, and + 0 if backward.
+inline constexpr int kPackedEndShift = 5;
+inline constexpr size_t kPackedDirections = size_t{1} << kPackedEndShift;
+static_assert(3 * kTileBits + kPackedEndShift <= 32);
+
+// A tile relative to the first: i << 20 | j << 10 | k.
+inline constexpr int kPackedTileBits = 10;
+
+// Filled by several threads, then read by several.
+class TileEdges {
+ public:
+  // What one thread has found.
+  class Part {
+   public:
+    // Appends edges[n] to the tile tiles[n], for all n; both packed.
+    //   margin   voxels, per axis: at most kTileSide / 2
+    void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin);
+
+    // The edges of a tile, and again those whose nearer ends lie within the margin of the tiles around.
+    struct Lists {
+      NumberList all, border;
+    };
+    Lists& ListsOf(uint32_t tile);
+
+   private:
+    friend class TileEdges;
+    struct Recent {
+      uint32_t tile = 0;
+      Lists* lists = nullptr;
+    };
+    absl::flat_hash_map<uint32_t, std::unique_ptr<Lists>> lists_;
+    std::array<Recent, 64> recent_;  // by the lowest bits of a tile's coordinates
+  };
+
+  // first_tile  the lowest there is, local
+  // margin      for Part::Append
+  TileEdges(const Vec3i& first_tile, const Vec3i& margin) : first_tile_(first_tile), margin_(margin) {}
+
+  const Vec3i& first_tile() const { return first_tile_; }
+  const Vec3i& margin() const { return margin_; }
+
+  // A part for a thread to go on with. Threads: any.
+  std::unique_ptr<Part> Take();
+  void Give(std::unique_ptr<Part> part);
+
+  // Once all parts are given back. What follows is for afterwards.
+  void Finish();
+
+  bool empty() const { return tiles_.empty(); }
+
+  // How many edges have their nearer ends in the cube of 2^level tiles a side, a subcube of one that begins at the
+  // first tile.
+  size_t CountIn(const Vec3i& tile_ijk, int level) const;
+
+  // Appends the edges whose nearer ends lie in `box`, a box around the tiles of `block`.
+  //   steps  by packed direction, of numbers of the layout
+  void Collect(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
+               const std::array<int32_t, kPackedDirections>& steps, Crossings& out) const;
+
+ private:
+  // A part's lists of a tile, by the tile's place in the canonical order.
+  struct Tile {
+    uint64_t number;
+    const Part::Lists* lists;
+    size_t before;  // edges in the tiles before this
+  };
+  std::vector<Tile>::const_iterator From(uint64_t number) const;
+
+  const Vec3i first_tile_, margin_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Part>> parts_;
+  std::vector<Tile> tiles_;  // ascending
+  size_t size_ = 0;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_TILE_TILE_EDGES_H_
