@@ -51,7 +51,7 @@ absl::Status CancelledByCaller() { return absl::CancelledError("cancelled by the
 Attempt::Attempt(const CallOptions& options, const Credentials& credentials)
     : options_(options), on_cancel_(options.cancellation, [this] { context_.TryCancel(); }) {
   if (options.deadline) context_.set_deadline(absl::ToChronoTime(*options.deadline));
-  AddCallMetadata(credentials, options.traceparent, context_);
+  AddCallMetadata(credentials, options, context_);
 }
 
 // gRPC's own words for the two ends that the caller brought about say less than these.

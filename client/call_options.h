@@ -17,6 +17,7 @@ struct CallOptions {
   Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
   RetryPolicy retry = {};              // how often and how soon to try again
   std::string traceparent = {};        // W3C trace context that the call belongs to; a malformed one is not sent
+  std::string tracestate = {};         // what goes with it; sent with a good traceparent only, up to 512 characters
 };
 
 }  // namespace latvox::client

@@ -14,6 +14,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/trace_context.h"
 
 namespace latvox::client {
 namespace {
@@ -93,11 +94,11 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials
   return grpc::InsecureChannelCredentials();
 }
 
-void AddCallMetadata(const Credentials& credentials, const std::string& traceparent, grpc::ClientContext& context) {
+void AddCallMetadata(const Credentials& credentials, const CallOptions& options, grpc::ClientContext& context) {
   if (!credentials.token.empty()) context.AddMetadata("authorization", absl::StrCat("Bearer ", credentials.token));
-  // gRPC would fail the call for what cannot stand in metadata.
-  const bool good = traceparent.find_first_not_of("0123456789abcdef-") == std::string::npos;
-  if (good && !traceparent.empty()) context.AddMetadata("traceparent", traceparent);
+  if (!IsTraceparent(options.traceparent)) return;
+  context.AddMetadata("traceparent", options.traceparent);
+  if (IsTracestate(options.tracestate)) context.AddMetadata("tracestate", options.tracestate);
 }
 
 }  // namespace latvox::client

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "client/call_options.h"
 #include "client/credentials.h"
 
 namespace latvox::client {
@@ -18,9 +19,8 @@ namespace latvox::client {
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(const std::string& address,
                                                                                  const Credentials& credentials);
 
-// What each call on such a channel has in its metadata: the token, and the trace it belongs to if `traceparent` is not
-// empty. Once for each context.
-void AddCallMetadata(const Credentials& credentials, const std::string& traceparent, grpc::ClientContext& context);
+// What each call on such a channel has in its metadata: the token, and the trace it belongs to. Once for each context.
+void AddCallMetadata(const Credentials& credentials, const CallOptions& options, grpc::ClientContext& context);
 
 }  // namespace latvox::client
 

@@ -250,7 +250,7 @@ struct Certificate {
 
 // Wall-clock milliseconds within the server; of a resumed call, within the last one.
 struct ServerTimings {
-  double upload_ms = 0;    // from the first to the last byte of the mesh
+  double upload_ms = 0;    // from the specification's arrival to that of the mesh's last byte; 0: none was sent
   double decode_ms = 0;    // Draco decoding and checking; 0 if its result was kept
   double voxelize_ms = 0;  // snapping, digitizing, thinning and, if asked for, verifying
   double stream_ms = 0;    // waiting for the client to take bricks

@@ -1,5 +1,6 @@
 #include "server/call.h"
 
+#include <google/protobuf/unknown_field_set.h>
 #include <grpc/grpc.h>
 
 #include <chrono>
@@ -9,6 +10,36 @@
 #include "server/errors.h"
 
 namespace latvox {
+namespace {
+
+// No field of the contract's, now or later.
+constexpr int kMark = (1 << 29) - 1;
+
+}  // namespace
+
+absl::Status CheckSize(const google::protobuf::Message& message, const Limits& limits) {
+  const uint64_t bytes = message.ByteSizeLong();
+  return bytes > limits.max_message_bytes ? LimitExceeded("message_bytes", bytes, limits.max_message_bytes)
+                                          : absl::OkStatus();
+}
+
+void MarkUnread(google::protobuf::Message& message) {
+  message.GetReflection()->MutableUnknownFields(&message)->AddVarint(kMark, 0);
+}
+
+bool IsUnread(const google::protobuf::Message& message) {
+  const auto& fields = message.GetReflection()->GetUnknownFields(message);
+  return fields.field_count() > 0 && fields.field(fields.field_count() - 1).number() == kMark;
+}
+
+absl::Status UnreadableMessage(const google::protobuf::Message& message) {
+  return BadStream(absl::StrCat("a message cannot be read as ", message.GetTypeName()));
+}
+
+absl::Status BrokenRead(const Limits& limits) {
+  return absl::CancelledError(absl::StrCat("the client is gone, or sent a message of more than ",
+                                           limits.received_message_bytes(), " bytes, which gRPC refuses"));
+}
 
 grpc::Status StatusForClient(const absl::Status& status, grpc::CallbackServerContext& context) {
   if (const auto delay = RetryDelayOf(status)) {

@@ -2,6 +2,7 @@
 #ifndef LATVOX_SERVER_CALL_H_
 #define LATVOX_SERVER_CALL_H_
 
+#include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/status.h>
 
@@ -9,8 +10,24 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "server/limits.h"
 
 namespace latvox {
+
+// RESOURCE_EXHAUSTED if the message is larger than the limit.
+absl::Status CheckSize(const google::protobuf::Message& message, const Limits& limits);
+
+// gRPC says the same, that a read failed, of a half-close, of a message that cannot be parsed, and of a call that is
+// broken, be it by a message larger than what gRPC receives. A mark that is put on the message before the read tells
+// the second: parsing takes it away. The third is known for certain in OnDone, where gRPC has cancelled the call.
+void MarkUnread(google::protobuf::Message& message);
+bool IsUnread(const google::protobuf::Message& message);
+
+// INVALID_ARGUMENT for what cannot be parsed.
+absl::Status UnreadableMessage(const google::protobuf::Message& message);
+
+// For the log, of a call that is broken and whose client seemed to have sent too little.
+absl::Status BrokenRead(const Limits& limits);
 
 // The status as it is sent. For one that is not OK, before it is sent: a client that retries by itself is told when to,
 // or (-1) that it is of no use.

@@ -13,10 +13,10 @@ namespace {
 // Long enough for many jobs to end, short enough not to leave a free place unused.
 constexpr absl::Duration kRetryDelay = absl::Seconds(1);
 
-absl::Status TooMany(absl::string_view what, absl::string_view reason, uint32_t limit) {
+absl::Status TooMany(absl::string_view what, const char* reason, uint32_t limit, const char* limit_name) {
   return WithRetry(MakeError(absl::StatusCode::kResourceExhausted,
                              absl::StrCat(what, ": ", limit, " of ", limit, " are in progress; try again"),
-                             {std::string{reason}, std::string{what}, absl::StrCat(limit), absl::StrCat(limit)}),
+                             {reason, std::string{what}, absl::StrCat(limit), absl::StrCat(limit), limit_name}),
                    kRetryDelay);
 }
 
@@ -46,12 +46,12 @@ void CallRegistry::Move(Entry& entry, State state) {
 absl::Status CallRegistry::CheckRoom(const std::string& client, uint32_t max_jobs_of_client) const {
   if (closed_) return Stopping();
   const uint32_t limit = limits_.max_jobs + limits_.max_queued_jobs;
-  if (calls_.size() - counts_[kVacated] >= limit) return TooMany("jobs", "TOO_MANY_JOBS", limit);
+  if (calls_.size() - counts_[kVacated] >= limit) return TooMany("jobs", "TOO_MANY_JOBS", limit, "");  // two limits
   const uint32_t share =
       max_jobs_of_client == 0 ? limits_.max_jobs_per_client : std::min(max_jobs_of_client, limits_.max_jobs_per_client);
   const auto found = clients_.find(client);
   if (found != clients_.end() && found->second.jobs >= share) {
-    return TooMany("jobs_of_client", "TOO_MANY_JOBS_OF_CLIENT", share);
+    return TooMany("jobs_of_client", "TOO_MANY_JOBS_OF_CLIENT", share, "max_jobs_per_client");
   }
   return absl::OkStatus();
 }

@@ -11,16 +11,13 @@
 #include "server/errors.h"
 #include "server/exceptions.h"
 #include "server/lane.h"
+#include "server/milliseconds.h"
 
 namespace latvox {
 namespace {
 
 // A batch leaves when it is full, or this old: someone may be watching the progress.
 constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
-
-double MillisecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 // How long a computation goes on while others wait.
 constexpr auto kSlice = std::chrono::milliseconds(20);
@@ -47,7 +44,7 @@ absl::Status BadResumePoint(const Vec3i& tile_ijk) {
 
 absl::Status UnknownMesh() {
   return MakeError(absl::StatusCode::kNotFound, "mesh_sha256: the server does not have this mesh",
-                   {"MESH_NOT_FOUND", "mesh_sha256", "", ""});
+                   {kMeshNotFound, "mesh_sha256", "", ""});
 }
 
 // Adds the time of a scope to `sum`.
@@ -89,7 +86,7 @@ absl::Status Computation::Receive(uint64_t bytes) { return memory_.Grow(bytes); 
 absl::Status Computation::TakeMesh(MeshUpload upload) {
   return WithoutExceptions([&]() -> absl::Status {
     mesh_bytes_ = upload.size();
-    upload_ms_ = upload.milliseconds();
+    upload_ms_ = upload.milliseconds().value_or(0);
     mesh_ = std::move(upload).Take();
     if (!spec_.mesh_digest) return absl::OkStatus();
     if (mesh_.empty()) {
@@ -118,7 +115,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
-      std::exchange(mesh_, {}), environment_.limits, spec_.attributes,
+      {std::exchange(mesh_, {}), spec_.attributes, request_id_}, environment_.limits,
       [this](uint64_t triangles, uint64_t vertices) {
         return memory_.Grow(mesh_bytes_ + BytesOf(triangles, vertices));
       },
@@ -186,7 +183,10 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
 absl::Status Computation::TakeEstimate(double voxels, double visits) {
   const uint64_t limit = environment_.limits.max_voxels;
   if (visits > static_cast<double>(limit)) {
-    return LimitExceeded("voxels (estimated)", static_cast<uint64_t>(std::min(visits, 1e19)), limit);
+    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     absl::StrCat("voxels (estimated) ", estimate, " exceeds ", limit),
+                     {"LIMIT_EXCEEDED", "voxels", absl::StrCat(estimate), absl::StrCat(limit)});
   }
   large_ = LastsLong(facts_.triangles, visits);
   if (spec_.options.algorithm == Algorithm::kExact) return memory_.Grow(job_bytes_);

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
+#include "server/process_facts.h"
 
 namespace latvox {
 namespace {
@@ -25,7 +26,7 @@ absl::Status CannotStart(const std::string& why) {
   return absl::UnavailableError(absl::StrCat("no decoder process can be started: ", why));
 }
 
-bool IsLarge(const DecodeJob& job) { return job.bytes.size() > kLargeBytes; }
+bool IsLarge(const DecodeJob& job) { return job.mesh.bytes.size() > kLargeBytes; }
 
 int ToPollTimeout(absl::Time until) {
   if (until == absl::InfiniteFuture()) return -1;
@@ -72,10 +73,9 @@ DecoderPool::~DecoderPool() {
   close(wake_);
 }
 
-std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(absl::Cord bytes, const Limits& limits,
-                                                          const MeshAttributes& wanted, Reserve reserve, Done done) {
-  auto job =
-      std::make_shared<DecodeJob>(DecodeJob{std::move(bytes), limits, wanted, std::move(reserve), std::move(done)});
+std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(EncodedMesh mesh, const Limits& limits, Reserve reserve,
+                                                          Done done) {
+  auto job = std::make_shared<DecodeJob>(DecodeJob{std::move(mesh), limits, std::move(reserve), std::move(done)});
   auto decode = std::make_shared<PooledDecode>(*this, job);
   {
     const std::lock_guard lock(mu_);
@@ -94,8 +94,18 @@ void DecoderPool::Cancel(std::shared_ptr<DecodeJob> job) {
 }
 
 DecoderFacts DecoderPool::facts() const {
-  return {options_.processes, counters_.decodes,         counters_.restarts,
-          counters_.crashes,  counters_.killed_for_time, counters_.killed_for_memory};
+  double memory = 0;
+  for (const auto& slot : slots_) {
+    if (const pid_t pid = slot->pid(); pid != 0) memory += PrivateMemoryBytes(pid);
+  }
+  return {options_.processes,
+          counters_.decodes,
+          counters_.restarts,
+          counters_.crashes,
+          counters_.killed_for_time,
+          counters_.killed_for_memory,
+          memory,
+          static_cast<double>(options_.processes) * static_cast<double>(options_.memory)};
 }
 
 void DecoderPool::Wake() {

@@ -27,6 +27,8 @@ struct DecoderFacts {
   uint64_t crashes = 0;            // of processes, with a decode under way
   uint64_t killed_for_time = 0;    // processes, by the pool
   uint64_t killed_for_memory = 0;  // processes that came to the end of their memory
+  double memory_bytes = 0;         // that the processes hold just now
+  double most_memory_bytes = 0;    // that decodes in all of them may take
 };
 
 // Decodes wait in order for a process that is free. Those of large meshes never take all processes, if there are two or
@@ -43,9 +45,9 @@ class DecoderPool final : public MeshDecoder {
   // What is lost with its process is done again by another: a mesh that two crash on is bad. Errors, besides those of
   // MeshDecoder: RESOURCE_EXHAUSTED with a retry delay if five were killed by someone else; UNAVAILABLE with one if no
   // process can be started.
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted, Reserve reserve,
-                                  Done done) override;
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override;
 
+  // Not while the pool is being destroyed.
   DecoderFacts facts() const;
 
  private:
@@ -67,7 +69,7 @@ class DecoderPool final : public MeshDecoder {
   const DecoderOptions options_;
   const int wake_;  // eventfd
 
-  // The thread's.
+  // The thread's, but for the slots' process ids; there are the same slots until the end.
   DecoderCounters counters_;
   std::vector<std::unique_ptr<DecoderSlot>> slots_;
   std::deque<std::shared_ptr<DecodeJob>> queue_;

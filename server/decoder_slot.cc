@@ -66,6 +66,7 @@ void DecoderSlot::StartProcess() {
   if (started_++ > 0) ++counters_.restarts;
   if (!process.ok()) return Fail(std::string(process.status().message()));
   process_ = *std::move(process);
+  pid_ = process_->pid();
   ready_ = killed_ = false;
   received_ = 0;
   state_ = State::kStarting;
@@ -82,12 +83,12 @@ void DecoderSlot::Fail(std::string why) {
 
 void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
   job_ = std::move(job);
-  const DecodeRequest request{job_->bytes.size(), job_->limits.max_triangles, job_->limits.max_vertices,
-                              job_->attributes};
+  const EncodedMesh& mesh = job_->mesh;
+  const DecodeRequest request{mesh.bytes.size(), job_->limits.max_triangles, job_->limits.max_vertices, mesh.wanted};
   unsent_ = absl::Cord(absl::string_view(reinterpret_cast<const char*>(&request), sizeof(request)));
-  unsent_.Append(job_->bytes);
-  receiver_.emplace(job_->limits, job_->reserve, job_->attributes);
-  memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * job_->bytes.size());
+  unsent_.Append(mesh.bytes);
+  receiver_.emplace(job_->limits, job_->reserve, mesh.wanted);
+  memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * mesh.bytes.size());
   if (options_.memory != kNoMemoryLimit && !kAddressSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_at_begin_ = process_->CpuTime();
   check_cpu_at_ = absl::Now() + options_.cpu_time;
@@ -153,7 +154,7 @@ void DecoderSlot::Receive() {
       return Abort(WithRetry(NoMemoryToDecode(), absl::Seconds(1)));  // the server's own memory
     }
     if (good) continue;
-    Log(LogLevel::kWarning, "decoder_broken", {{"pid", process_->pid()}});
+    LogTrouble("decoder_broken");
     return Kill();
   }
 }
@@ -229,15 +230,22 @@ void DecoderSlot::CheckTimes() {
     return Kill();
   }
   ++counters_.killed_for_time;
-  Log(LogLevel::kWarning, "decoder_too_slow", {{"pid", process_->pid()}, {"bytes", job_->bytes.size()}});
+  LogTrouble("decoder_too_slow");
   Abort(TooSlow(options_.cpu_time));
 }
 
+// With the process, and what it is busy with.
+void DecoderSlot::LogTrouble(absl::string_view event, const std::string& end) const {
+  std::vector<LogField> fields = {{"pid", process_->pid()}};
+  if (!end.empty()) fields.emplace_back("end", end);
+  fields.emplace_back("bytes", job_ ? job_->mesh.bytes.size() : 0);
+  if (job_) fields.emplace_back("request_id", job_->mesh.request_id);
+  Log(LogLevel::kWarning, event, fields);
+}
+
 std::shared_ptr<DecodeJob> DecoderSlot::TakeEnd(const ProcessEnd& end) {
-  if (ready_ && !killed_) {
-    Log(LogLevel::kWarning, "decoder_died",
-        {{"pid", process_->pid()}, {"end", end.ToString()}, {"bytes", job_ ? job_->bytes.size() : 0}});
-  }
+  if (ready_ && !killed_) LogTrouble("decoder_died", end.ToString());
+  pid_ = 0;
   process_.reset();
   state_ = State::kEmpty;
   start_at_ = absl::InfinitePast();

@@ -22,9 +22,8 @@
 namespace latvox {
 
 struct DecodeJob {
-  absl::Cord bytes;
+  EncodedMesh mesh;
   Limits limits;
-  MeshAttributes attributes;
   MeshDecoder::Reserve reserve;
   MeshDecoder::Done done;
   // Processes that ended while they had this job: by someone, and by themselves.
@@ -36,7 +35,8 @@ struct DecoderCounters {
   std::atomic<uint64_t> decodes = 0, restarts = 0, crashes = 0, killed_for_time = 0, killed_for_memory = 0;
 };
 
-// Not thread-safe: for the pool's thread. Never blocks for longer than it takes to start a process.
+// Not thread-safe, but for what says so: for the pool's thread. Never blocks for longer than it takes to start a
+// process.
 class DecoderSlot {
  public:
   DecoderSlot(const DecoderOptions& options, DecoderCounters& counters);
@@ -44,6 +44,9 @@ class DecoderSlot {
   // Whether there is a process that waits for a job.
   bool idle() const { return state_ == State::kIdle; }
   const std::shared_ptr<DecodeJob>& job() const { return job_; }
+
+  // Of the process; 0 if there is none. Thread-safe.
+  pid_t pid() const { return pid_; }
 
   // How often in a row a process could not be started, and why.
   int failures() const { return failures_; }
@@ -78,18 +81,19 @@ class DecoderSlot {
   void Receive();
   bool TakeFrames();
   bool TakeFrame(FrameKind kind, absl::string_view frame);
-  void TakeError(absl::string_view frame);
   void CheckTimes();
   std::shared_ptr<DecodeJob> TakeEnd(const ProcessEnd& end);
   std::shared_ptr<DecodeJob> TakeLostJob(bool crashed);
   void Finish(absl::StatusOr<DecodedMesh> result);
   void Kill();
+  void LogTrouble(absl::string_view event, const std::string& end = "") const;
 
   const DecoderOptions& options_;
   DecoderCounters& counters_;
 
   State state_ = State::kEmpty;
   std::unique_ptr<DecoderProcess> process_;
+  std::atomic<pid_t> pid_ = 0;           // for pid()
   bool ready_ = false, killed_ = false;  // the process has said so; this has killed it
   uint64_t idle_bytes_ = 0;              // of the process's address space
   absl::Time start_at_ = absl::InfinitePast();

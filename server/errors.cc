@@ -2,6 +2,8 @@
 
 #include <google/protobuf/any.pb.h>
 
+#include <utility>
+
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "google/rpc/error_details.pb.h"
@@ -13,6 +15,18 @@ namespace {
 constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
 constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
 
+// Limits that GetLimits tells, by what is held against them.
+absl::string_view LimitNameOf(absl::string_view field) {
+  static constexpr std::pair<absl::string_view, absl::string_view> kNames[] = {
+      {"mesh_bytes", "max_mesh_bytes"}, {"mesh.triangles", "max_triangles"},    {"mesh.vertices", "max_vertices"},
+      {"voxels", "max_voxels"},         {"message_bytes", "max_message_bytes"}, {"memory", "memory_budget_bytes"},
+      {"points", "max_points"},         {"crossings", "max_crossings"},         {"pixels", "max_pixels"}};
+  for (const auto& [name, limit] : kNames) {
+    if (name == field) return limit;
+  }
+  return {};
+}
+
 google::rpc::ErrorInfo ToProto(const ErrorCause& cause) {
   google::rpc::ErrorInfo info;
   info.set_reason(cause.reason);
@@ -21,6 +35,9 @@ google::rpc::ErrorInfo ToProto(const ErrorCause& cause) {
   if (!cause.field.empty()) metadata["field"] = cause.field;
   if (!cause.value.empty()) metadata["value"] = cause.value;
   if (!cause.limit.empty()) metadata["limit"] = cause.limit;
+  const bool has_known_limit = cause.limit_name.empty() && cause.reason == "LIMIT_EXCEEDED";
+  const absl::string_view limit_name = has_known_limit ? LimitNameOf(cause.field) : cause.limit_name;
+  if (!limit_name.empty()) metadata["limit_name"] = std::string{limit_name};
   return info;
 }
 
@@ -76,9 +93,10 @@ absl::Status BadStream(absl::string_view message) {
   return MakeError(absl::StatusCode::kInvalidArgument, message, {"BAD_STREAM", "part", "", ""});
 }
 
-absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit) {
-  return MakeError(absl::StatusCode::kResourceExhausted, absl::StrCat(field, " ", value, " exceeds ", limit),
-                   {"LIMIT_EXCEEDED", std::string{field}, absl::StrCat(value), absl::StrCat(limit)});
+absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit, absl::string_view limit_name) {
+  return MakeError(
+      absl::StatusCode::kResourceExhausted, absl::StrCat(field, " ", value, " exceeds ", limit),
+      {"LIMIT_EXCEEDED", std::string{field}, absl::StrCat(value), absl::StrCat(limit), std::string{limit_name}});
 }
 
 std::optional<ErrorCause> CauseOf(const absl::Status& status) {
@@ -89,7 +107,7 @@ std::optional<ErrorCause> CauseOf(const absl::Status& status) {
     const auto found = info.metadata().find(key);
     return found == info.metadata().end() ? std::string() : found->second;
   };
-  return ErrorCause{info.reason(), value("field"), value("value"), value("limit")};
+  return ErrorCause{info.reason(), value("field"), value("value"), value("limit"), value("limit_name")};
 }
 
 absl::Status WithCause(absl::Status status, const ErrorCause& cause) {
@@ -125,6 +143,10 @@ std::optional<absl::Duration> RetryDelayOf(const absl::Status& status) {
   google::rpc::RetryInfo info;
   if (!payload || !info.ParseFromString(std::string{*payload})) return std::nullopt;
   return absl::Seconds(info.retry_delay().seconds()) + absl::Nanoseconds(info.retry_delay().nanos());
+}
+
+absl::StatusCode CodeOnWire(const absl::Status& status) {
+  return static_cast<absl::StatusCode>(ToGrpcCode(status.code()));
 }
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {

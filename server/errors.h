@@ -16,6 +16,20 @@ namespace latvox {
 // ErrorInfo.domain of every error.
 inline constexpr absl::string_view kErrorDomain = "latvox";
 
+// The codes of the contract.
+inline constexpr absl::StatusCode kCodes[] = {
+    absl::StatusCode::kOk,          absl::StatusCode::kInvalidArgument,  absl::StatusCode::kResourceExhausted,
+    absl::StatusCode::kNotFound,    absl::StatusCode::kUnauthenticated,  absl::StatusCode::kCancelled,
+    absl::StatusCode::kUnavailable, absl::StatusCode::kDeadlineExceeded, absl::StatusCode::kInternal};
+
+inline constexpr char kMeshNotFound[] = "MESH_NOT_FOUND";
+
+// Its reasons, as the contract's table has them; an error that has been given none has its code for one.
+inline constexpr absl::string_view kReasons[] = {
+    "BAD_SPEC",        "BAD_MESH",       "BAD_STREAM",     "LIMIT_EXCEEDED", "MEMORY_IN_USE",
+    "OUT_OF_MEMORY",   "DECODER_TIME",   "DECODER_KILLED", "TOO_MANY_JOBS",  "TOO_MANY_JOBS_OF_CLIENT",
+    "SERVER_STOPPING", "CLIENT_STALLED", kMeshNotFound,    "UNAUTHENTICATED"};
+
 // The trailer by which gRPC's built-in retries learn how many milliseconds to wait.
 inline constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";
 
@@ -25,6 +39,7 @@ struct ErrorCause {
   std::string field;
   std::string value;
   std::string limit;
+  std::string limit_name = "";  // the field of GetLimitsResponse that the limit is; of LIMIT_EXCEEDED by the field
 
   bool operator==(const ErrorCause&) const = default;
 };
@@ -39,7 +54,7 @@ absl::Status BadStream(absl::string_view message);
 
 // RESOURCE_EXHAUSTED with the reason LIMIT_EXCEEDED and the message "field value exceeds limit". Trying again is
 // pointless.
-absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit);
+absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit, absl::string_view limit_name = {});
 
 // The cause that the status has been given, if any.
 std::optional<ErrorCause> CauseOf(const absl::Status& status);
@@ -56,6 +71,9 @@ absl::Status WithCauseOfCore(absl::Status status);
 // The same status with the advice to try again after `delay`.
 absl::Status WithRetry(absl::Status status, absl::Duration delay);
 std::optional<absl::Duration> RetryDelayOf(const absl::Status& status);
+
+// The code that the client gets.
+absl::StatusCode CodeOnWire(const absl::Status& status);
 
 // The table. Codes that the contract does not name become INTERNAL. grpc-status-details-bin holds a google.rpc.Status
 // with one ErrorInfo and, after WithRetry, one RetryInfo.

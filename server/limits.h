@@ -19,6 +19,14 @@ struct Limits {
   uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, also decoded
   uint64_t max_message_bytes = uint64_t{4} << 20;    // one message, either direction
 
+  // What gRPC is to receive: some more, so that most of what is too large is refused by name, with all that a client is
+  // to know, and not by gRPC, which has no details for it.
+  uint64_t received_message_bytes() const {
+    constexpr uint64_t kMost = INT32_MAX, kLeastMore = uint64_t{4} << 20;
+    const uint64_t bytes = std::min(max_message_bytes, kMost);
+    return std::min(bytes + std::max(bytes, kLeastMore), kMost);
+  }
+
   // Those of Pixelize follow from its one message each way.
   //
   // Points in all polylines. One takes 16 bytes, and 6 more if it is a polyline of its own, which leaves room for the

@@ -11,9 +11,9 @@
 #include <variant>
 #include <vector>
 
-#include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "core/base/simd.h"
+#include "server/configuration_watch.h"
 #include "server/decoder_worker.h"
 #include "server/log.h"
 #include "server/options.h"
@@ -57,21 +57,6 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
   return 0;
 }
 
-// Puts into force what can change while the server runs; the rest of a changed configuration file is named, and waits
-// for a new start. A file that is wrong changes nothing.
-void Reload(int argc, char** argv, const std::vector<latvox::Setting>& started_with, latvox::VoxelServer& server) {
-  const auto configuration = latvox::ReadOptionsAgain(argc, argv);
-  if (!configuration.ok()) {
-    Log(LogLevel::kError, "reload_failed", {{"error", configuration.status().message()}});
-    return;
-  }
-  latvox::SetLogLevel(configuration->options.log_level);
-  const std::vector<std::string> waiting = latvox::ChangedForRestart(started_with, configuration->settings);
-  if (!waiting.empty()) Log(LogLevel::kWarning, "restart_needed", {{"options", absl::StrJoin(waiting, ",")}});
-  server.Reload();
-  Log(LogLevel::kInfo, "reloaded", {});
-}
-
 // What a job gives back serves the next: without, a small job has 700 page faults, almost a tenth of its time. No more
 // than the C library by itself would keep after a job with arrays of 16 MiB.
 void KeepMemory() {
@@ -89,6 +74,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   KeepMemory();
+  latvox::ConfigurationWatch watch(argc, argv, configuration);
   const auto server = latvox::VoxelServer::Start(options.server);
   if (!server.ok()) return Fail(server.status());
   Log(LogLevel::kInfo, "started",
@@ -98,7 +84,12 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
        {std::pair("health", (*server)->health_address()), {"metrics", (*server)->metrics_address()}}) {
     if (!address.empty()) Log(LogLevel::kInfo, event, {{"address", address}});
   }
-  const std::string reason = signals.Wait([&] { Reload(argc, argv, configuration.settings, **server); });
+  watch.Follow();
+  const std::string reason = signals.Wait([&] {
+    if (!watch.Reload()) return;
+    (*server)->Reload();
+    Log(LogLevel::kInfo, "reloaded", {});
+  });
   return StopServer(**server, signals, reason, options.grace);
 }
 

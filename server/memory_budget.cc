@@ -30,7 +30,8 @@ absl::Status MemoryReservation::Grow(uint64_t bytes) {
     const std::string message = absl::StrCat("memory: ", bytes, " bytes are needed, and others have ",
                                              budget_->reserved() - bytes_, " of ", budget_->total(), "; try again");
     return WithRetry(MakeError(absl::StatusCode::kResourceExhausted, message,
-                               {"MEMORY_IN_USE", "memory", absl::StrCat(bytes), absl::StrCat(budget_->total())}),
+                               {"MEMORY_IN_USE", "memory", absl::StrCat(bytes), absl::StrCat(budget_->total()),
+                                "memory_budget_bytes"}),
                      kRetryDelay);
   }
   bytes_ = bytes;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
@@ -17,6 +18,12 @@ namespace latvox {
 struct DecodedMesh {
   TriangleMesh mesh;               // Validate(mesh) is OK; with the attributes that were wanted
   uint32_t quantization_bits = 0;  // of POSITION; 0: not quantized
+};
+
+struct EncodedMesh {
+  absl::Cord bytes;
+  MeshAttributes wanted;   // that the mesh must have
+  std::string request_id;  // for the log
 };
 
 // A decode can be interrupted only by ending whoever does it, and can not be bounded in memory from the header alone: a
@@ -45,11 +52,9 @@ class MeshDecoder {
 
   virtual ~MeshDecoder() = default;
 
-  // Returns at once, whatever the size: `bytes` are shared, not copied. `done` is called exactly once: not within Start
+  // Returns at once, whatever the size: bytes are shared, not copied. `done` is called exactly once: not within Start
   // or Cancel, so that both may be called under a lock that `done` takes, but maybe before Start has returned.
-  //   wanted   attributes that the mesh must have
-  virtual std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted,
-                                          Reserve reserve, Done done) = 0;
+  virtual std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) = 0;
 };
 
 }  // namespace latvox

@@ -94,7 +94,7 @@ class RecentMeshes {
 // encoded ones leave: they are a matter of milliseconds, the others of an upload.
 class MeshStore {
  public:
-  //   capacity        bytes of all meshes together
+  //   capacity        bytes of all meshes together; 0: none is kept
   //   keeps_decoded   whether KeepDecoded does anything
   explicit MeshStore(uint64_t capacity, bool keeps_decoded = true)
       : capacity_(capacity), keeps_decoded_(keeps_decoded) {}

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
+#include "server/milliseconds.h"
 
 namespace latvox {
 namespace {
@@ -20,7 +21,6 @@ absl::Status WrongLength(absl::string_view relation, uint64_t size, uint64_t dec
 
 absl::Status MeshUpload::Append(std::string&& piece) {
   last_ = std::chrono::steady_clock::now();
-  if (size_ == 0) first_ = last_;
   size_ += piece.size();
   if (size_ > limit_) return LimitExceeded("mesh_bytes", size_, limit_);
   if (declared_ != 0 && size_ > declared_) return WrongLength("at least ", size_, declared_);
@@ -44,6 +44,9 @@ absl::Cord MeshUpload::Take() && {
   return all;
 }
 
-double MeshUpload::milliseconds() const { return std::chrono::duration<double, std::milli>(last_ - first_).count(); }
+std::optional<double> MeshUpload::milliseconds() const {
+  if (size_ == 0) return std::nullopt;
+  return Milliseconds(last_ - began_);
+}
 
 }  // namespace latvox

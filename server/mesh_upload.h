@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace latvox {
 
 class MeshUpload {
  public:
-  // `declared` is the length that the client announced, 0 if none; `limit` the most that is taken.
+  // At the arrival of the specification. `declared` is the length that the client announced, 0 if none; `limit` the
+  // most that is taken.
   MeshUpload(uint64_t declared, uint64_t limit) : declared_(declared), limit_(limit) {}
 
   // Takes the next piece over. Cheap enough for a gRPC callback: pieces are kept, not copied, unless they are small.
@@ -29,13 +31,14 @@ class MeshUpload {
 
   uint64_t size() const { return size_; }
 
-  // From the first piece to the last.
-  double milliseconds() const;
+  // From the specification to the last piece; nothing if no byte has come.
+  std::optional<double> milliseconds() const;
 
  private:
   uint64_t declared_, limit_, size_ = 0;
   std::vector<std::string> pieces_;
-  std::chrono::steady_clock::time_point first_, last_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_;
 };
 
 }  // namespace latvox

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/simd.h"
+#include "latvox/v1/voxelizer.pb.h"
 #include "server/errors.h"
 #include "server/process_facts.h"
 
@@ -85,11 +86,11 @@ class Everything final : public prometheus::Collectable {
   Readings readings;
 };
 
-// What the caller's side of a call brought about, and what is a defect of ours, is no rejection.
-bool IsRejection(const absl::Status& status) {
-  switch (status.code()) {
+// What the server turns away or gives up. Not what the client or its deadline ends, nor a defect of ours, nor that a
+// mesh is not kept: that is the answer to a question.
+bool IsRejection(absl::StatusCode code) {
+  switch (code) {
     case absl::StatusCode::kInvalidArgument:
-    case absl::StatusCode::kNotFound:
     case absl::StatusCode::kResourceExhausted:
     case absl::StatusCode::kUnauthenticated:
     case absl::StatusCode::kUnavailable:
@@ -106,10 +107,12 @@ struct Metrics::Families {
   prometheus::Registry& registry = everything->registry;
 
   Counters& requests = Counter("latvox_requests_total", "Calls that are over, by method and status code.");
-  Counters& rejections = Counter("latvox_rejections_total", "Calls that were refused, by ErrorInfo.reason.");
+  Counters& rejections =
+      Counter("latvox_rejections_total", "Calls that were refused or given up, by ErrorInfo.reason.");
   Counters& received = Counter("latvox_received_bytes_total", "Bytes of meshes and drawings, by method.");
   Counters& sent = Counter("latvox_sent_bytes_total", "Bytes of messages that were sent, by method.");
-  prometheus::Counter& triangles = Counter("latvox_triangles_total", "Triangles decoded.").Add({});
+  prometheus::Counter& triangles =
+      Counter("latvox_triangles_total", "Triangles of meshes that were voxelized, decoded for it or kept.").Add({});
   prometheus::Counter& voxels = Counter("latvox_voxels_total", "Voxels found.").Add({});
   prometheus::Counter& pixels = Counter("latvox_pixels_total", "Pixels found.").Add({});
   Histograms& durations = Histogram("latvox_request_duration_seconds", "Time of calls that ended OK, by method.");
@@ -126,7 +129,36 @@ struct Metrics::Families {
     return prometheus::BuildHistogram().Name(name).Help(help).Register(registry);
   }
 
+  Families() { StartAtZero(); }
+
+  // All that can be counted is there from the start: of what appears with its first event, rate() does not see that.
+  void StartAtZero() {
+    const google::protobuf::ServiceDescriptor& service = *v1::VoxelizeRequest::descriptor()->file()->service(0);
+    for (int n = 0; n < service.method_count(); ++n) {
+      const std::string& method = service.method(n)->name();
+      for (const absl::StatusCode code : kCodes) requests.Add(CallLabels(method, code));
+      received.Add({{"method", method}});
+      sent.Add({{"method", method}});
+      durations.Add({{"method", method}}, Buckets());
+    }
+    for (const absl::string_view reason : kReasons) {
+      if (reason != kMeshNotFound) rejections.Add({{"reason", std::string{reason}}});
+    }
+    for (const absl::StatusCode code : kCodes) {
+      if (IsRejection(code)) rejections.Add({{"reason", absl::StatusCodeToString(code)}});
+    }
+    for (const char* stage : {"upload", "queue", "decode", "voxelize", "stream", "pixelize"}) {
+      stages.Add({{"stage", stage}}, Buckets());
+    }
+  }
+
+  static Metrics::Labels CallLabels(const std::string& method, absl::StatusCode code) {
+    return {{"method", method}, {"code", absl::StatusCodeToString(code)}};
+  }
+
   void ObserveStage(const char* stage, double ms) { stages.Add({{"stage", stage}}, Buckets()).Observe(ms / 1e3); }
+
+  static void Record(std::monostate /*nothing*/) {}
 
   void Record(const ComputationFacts& facts) {
     triangles.Increment(static_cast<double>(facts.triangles));
@@ -159,8 +191,9 @@ Metrics::~Metrics() = default;
 
 void Metrics::Record(const RequestRecord& record) {
   const std::string& method = record.origin.method;
-  families_->requests.Add({{"method", method}, {"code", absl::StatusCodeToString(record.status.code())}}).Increment();
-  if (IsRejection(record.status)) families_->rejections.Add({{"reason", ReasonOf(record.status)}}).Increment();
+  const absl::StatusCode code = CodeOnWire(record.status);
+  families_->requests.Add(Families::CallLabels(method, code)).Increment();
+  if (IsRejection(code)) families_->rejections.Add({{"reason", ReasonOf(record.status)}}).Increment();
   families_->received.Add({{"method", method}}).Increment(static_cast<double>(record.bytes_in));
   families_->sent.Add({{"method", method}}).Increment(static_cast<double>(record.bytes_out));
   if (record.status.ok()) families_->durations.Add({{"method", method}}, Buckets()).Observe(record.total_ms / 1e3);

@@ -23,9 +23,10 @@ void AddLimits(CLI::App& app, Limits& limits) {
       ->check(AtLeastOne());
   Add(app, "--max-voxels", limits.max_voxels, "Most voxels in one job, estimated from the area of its surface")
       ->check(AtLeastOne());
-  AddBytes(app, "--mesh-store-bytes", limits.mesh_store_bytes,
-           "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an eighth "
-           "of the memory budget");
+  Add(app, "--mesh-store-bytes", limits.mesh_store_bytes,
+      "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an eighth "
+      "of the memory budget. 0: none")
+      ->transform(CLI::AsSizeValue(false));
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 
@@ -132,6 +133,7 @@ struct Parser {
     configuration.options.server.shares_memory = configuration.options.exit_with_parent;
     configuration.settings = SettingsOf(app);
     configuration.misspelt = MisspeltVariables(app);
+    configuration.file = app.get_config_ptr()->as<std::string>();
   }
 };
 
@@ -141,12 +143,12 @@ std::string ManPageOf(const CLI::App& app) {
   ManPage page;
   page.section = 8;
   page.version = LATVOX_VERSION;
-  page.before = {
-      {"DESCRIPTION",
-       "latvoxd serves the protocol latvox.v1 until SIGTERM or SIGINT, of which the first lets running\n"
-       "jobs end. Each option may also be an environment variable, or a key of the configuration file: the\n"
-       "command line wins over the environment, and that over the file. SIGHUP applies the file's log level,\n"
-       "and reads certificates and tokens again.\n"}};
+  page.before = {{"DESCRIPTION",
+                  "latvoxd serves the protocol latvox.v1 until SIGTERM or SIGINT, of which the first lets running\n"
+                  "jobs end. Each option may also be an environment variable, or a key of the configuration file: the\n"
+                  "command line wins over the environment, and that over the file. A file that changes is read again,\n"
+                  "and also at SIGHUP: its log level holds at once, the rest at the next start. Certificates and\n"
+                  "tokens are read again likewise.\n"}};
   page.after = {{"EXIT STATUS", "0 after SIGTERM or SIGINT; 1 it could not serve; 2 wrong usage"},
                 {"EXAMPLES",
                  "  latvoxd --listen 127.0.0.1:50151\n"

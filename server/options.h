@@ -2,6 +2,7 @@
 #ifndef LATVOX_SERVER_OPTIONS_H_
 #define LATVOX_SERVER_OPTIONS_H_
 
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct Configuration {
   ProgramOptions options;
   std::vector<Setting> settings;  // the same, as text with their sources
   std::vector<MisspeltVariable> misspelt;
+  std::string file;  // path of the configuration file; empty: there is none
 };
 
 // The command line wins over the environment (LATVOX_LISTEN and so on), and that over the file. On --help, --version or

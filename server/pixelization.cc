@@ -9,6 +9,7 @@
 #include "core/plane/polyline.h"
 #include "server/errors.h"
 #include "server/exceptions.h"
+#include "server/milliseconds.h"
 #include "server/plane_convert.h"
 
 namespace latvox {
@@ -76,7 +77,7 @@ absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest
     facts.separability = spec->options.separability;
     return Answer(*spec, limits, memory, cancelled, facts);
   });
-  facts.pixelize_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+  facts.pixelize_ms = MillisecondsSince(began);
   if (response.ok()) response->set_pixelize_ms(facts.pixelize_ms);
   return response;
 }

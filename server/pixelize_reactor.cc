@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/metrics.h"
+#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -20,6 +21,7 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
 
 void PixelizeReactor::Begin() {
   self_ = shared_from_this();
+  if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return End(status);
   if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
       !status.ok()) {
     return End(status);
@@ -31,7 +33,7 @@ void PixelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (finishing_) return;
-    queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+    queue_ms_ = MillisecondsSince(began_);
     computing_ = true;
   }
   environment_.quick.Enqueue([self = shared_from_this()] { self->Compute(); });
@@ -92,11 +94,11 @@ void PixelizeReactor::OnDone() {
   record.status = status_;
   record.lattice = facts_.lattice;
   record.separability = facts_.separability;
-  record.work = facts_;
+  if (queue_ms_) record.work = facts_;
   record.bytes_in = bytes_in_;
   record.bytes_out = status_.ok() ? bytes_out_ : 0;
   record.queue_ms = queue_ms_;
-  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  record.total_ms = MillisecondsSince(began_);
   LogRequest(record);
   environment_.metrics.Record(record);
   memory_.Shrink(0);  // the server may be gone before this object is

@@ -4,12 +4,15 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <string>
 
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
@@ -41,6 +44,12 @@ double Seconds(const timeval& time) {
 }
 
 }  // namespace
+
+double PrivateMemoryBytes(pid_t pid) {
+  uint64_t size = 0, resident = 0, shared = 0;
+  std::ifstream(absl::StrCat("/proc/", pid, "/statm")) >> size >> resident >> shared;
+  return static_cast<double>(resident - std::min(resident, shared)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
 
 double ResidentMemoryBytes() { return StatField(24) * static_cast<double>(sysconf(_SC_PAGESIZE)); }
 

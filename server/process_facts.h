@@ -1,10 +1,13 @@
-// What the kernel counts of this process.
+// What the kernel counts of this process and its children.
 #ifndef LATVOX_SERVER_PROCESS_FACTS_H_
 #define LATVOX_SERVER_PROCESS_FACTS_H_
+
+#include <sys/types.h>
 
 namespace latvox {
 
 // Each is 0 if the kernel does not tell.
+double PrivateMemoryBytes(pid_t pid);  // resident, of any process, without what it shares, such as its program
 double ResidentMemoryBytes();
 double CpuSeconds();  // user and system, all threads
 double OpenFiles();

@@ -1,11 +1,11 @@
 #include "server/put_mesh_reactor.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "server/errors.h"
 #include "server/exceptions.h"
 #include "server/metrics.h"
+#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -26,6 +26,11 @@ void PutMeshReactor::Begin() {
   if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
       !status.ok())
     return End(status);
+  Read();
+}
+
+void PutMeshReactor::Read() {
+  MarkUnread(request_);
   StartRead(&request_);
 }
 
@@ -36,11 +41,12 @@ void PutMeshReactor::OnReadDone(bool ok) {
   if (!more.ok() || !*more) return End(more.status());
   const std::lock_guard lock(mu_);
   if (bytes_in_ > before || request_.has_spec()) last_read_ = Clock::now();
-  if (!finishing_) StartRead(&request_);
+  if (!finishing_) Read();
 }
 
 // Whether more is to be read.
 absl::StatusOr<bool> PutMeshReactor::TakeRequest() {
+  if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return status;
   switch (request_.part_case()) {
     case v1::PutMeshRequest::kSpec:
       if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");
@@ -63,8 +69,11 @@ absl::StatusOr<bool> PutMeshReactor::TakeSpec(const v1::PutMeshSpec& spec) {
   if (!digest.ok()) return digest.status();
   digest_ = *digest;
   if (spec.mesh_bytes() == 0) return BadSpec("mesh_bytes 0 is below 1", "mesh_bytes", "0", "1");
-  const uint64_t limit = std::min(environment_.limits.max_mesh_bytes, environment_.meshes.capacity());
+  const uint64_t limit = environment_.limits.max_mesh_bytes, capacity = environment_.meshes.capacity();
   if (spec.mesh_bytes() > limit) return LimitExceeded("mesh_bytes", spec.mesh_bytes(), limit);
+  if (spec.mesh_bytes() > capacity) {
+    return LimitExceeded("mesh_bytes", spec.mesh_bytes(), capacity, "mesh_store_bytes");
+  }
   if (environment_.meshes.Find(digest_)) {
     response_.set_already_stored(true);
     return false;
@@ -76,19 +85,29 @@ absl::StatusOr<bool> PutMeshReactor::TakeSpec(const v1::PutMeshSpec& spec) {
 // The client has half-closed, or the call is broken.
 void PutMeshReactor::FinishReading() {
   if (context_.IsCancelled()) return OnCancel();
-  if (!upload_) return End(BadStream("the stream ended before spec"));
-  if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  if (!IsUnread(request_)) return End(UnreadableMessage(request_));
+  if (const absl::Status status = CheckUpload(); !status.ok()) {
+    sent_too_little_ = true;
+    return End(status);
+  }
   {
     const std::lock_guard lock(mu_);
     reading_ = false;
+    upload_ms_ = upload_->milliseconds();
+    waits_since_ = Clock::now();
   }
   environment_.registry.AwaitTurn(this);
+}
+
+absl::Status PutMeshReactor::CheckUpload() const {
+  return upload_ ? upload_->CheckComplete() : BadStream("the stream ended before spec");
 }
 
 void PutMeshReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (finishing_) return;
+    queue_ms_ = MillisecondsSince(waits_since_);
     working_ = true;
   }
   Lane& lane = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
@@ -150,9 +169,11 @@ void PutMeshReactor::OnDone() {
   canceller_.Over();
   RequestRecord record;
   record.origin = origin_;
-  record.status = status_;
+  record.status = sent_too_little_ && context_.IsCancelled() ? BrokenRead(environment_.limits) : status_;
   record.bytes_in = bytes_in_;
-  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  record.upload_ms = upload_ms_;
+  record.queue_ms = queue_ms_;
+  record.total_ms = MillisecondsSince(began_);
   LogRequest(record);
   environment_.metrics.Record(record);
   memory_.Shrink(0);  // the server may be gone before this object is

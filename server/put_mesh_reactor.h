@@ -51,9 +51,11 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
  private:
   using Clock = std::chrono::steady_clock;
 
+  void Read();
   absl::StatusOr<bool> TakeRequest();
   absl::StatusOr<bool> TakeSpec(const v1::PutMeshSpec& spec);
   void FinishReading();
+  absl::Status CheckUpload() const;
   absl::Status Store();
   void End(const absl::Status& status);
   void SendStatus();
@@ -71,6 +73,7 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
   MeshDigest digest_{};
   std::optional<MeshUpload> upload_;
   MemoryReservation memory_;
+  bool sent_too_little_ = false;
   uint64_t bytes_in_ = 0;
   std::atomic<bool> cancelled_ = false;  // for the task
 
@@ -78,7 +81,8 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
   // All below is guarded by mu_.
   bool reading_ = true, working_ = false;
   bool finishing_ = false;  // status_ is final, and SendStatus called or about to be
-  Clock::time_point last_read_ = began_, finished_;
+  std::optional<double> upload_ms_, queue_ms_;
+  Clock::time_point waits_since_, last_read_ = began_, finished_;
   absl::Status status_;
 };
 

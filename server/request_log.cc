@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "server/log.h"
+#include "server/errors.h"
 
 namespace latvox {
 namespace {
@@ -19,6 +19,9 @@ Fields OriginFields(const CallOrigin& origin) {
   }
   return fields;
 }
+
+void AppendCounts(std::monostate /*nothing*/, Fields& /*fields*/) {}
+void AppendTimes(std::monostate /*nothing*/, Fields& /*fields*/) {}
 
 void AppendCounts(const ComputationFacts& facts, Fields& fields) {
   fields.emplace_back("triangles", facts.triangles);
@@ -43,9 +46,9 @@ void AppendTimes(const PixelizationFacts& facts, Fields& fields) {
 
 }  // namespace
 
-void LogRequest(const RequestRecord& record) {
+void LogRequest(const RequestRecord& record, LogLevel level) {
   Fields fields = OriginFields(record.origin);
-  fields.emplace_back("code", absl::StatusCodeToString(record.status.code()));
+  fields.emplace_back("code", absl::StatusCodeToString(CodeOnWire(record.status)));
   if (!record.lattice.empty()) {
     fields.emplace_back("lattice", record.lattice);
     fields.emplace_back("k", record.separability);
@@ -57,9 +60,12 @@ void LogRequest(const RequestRecord& record) {
   if (record.queue_ms) fields.emplace_back("queue_ms", *record.queue_ms);
   std::visit([&](const auto& facts) { AppendTimes(facts, fields); }, record.work);
   fields.emplace_back("total_ms", record.total_ms);
-  if (!record.status.ok()) fields.emplace_back("error", std::string{record.status.message()});
-  const bool ours = record.status.code() == absl::StatusCode::kInternal;
-  Log(ours ? LogLevel::kError : LogLevel::kInfo, "request", fields);
+  if (!record.status.ok()) {
+    fields.emplace_back("reason", ReasonOf(record.status));
+    fields.emplace_back("error", record.status.message());
+  }
+  const bool ours = CodeOnWire(record.status) == absl::StatusCode::kInternal;
+  Log(ours ? LogLevel::kError : level, "request", fields);
 }
 
 }  // namespace latvox

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "server/call_origin.h"
 #include "server/computation.h"
+#include "server/log.h"
 #include "server/pixelization.h"
 
 namespace latvox {
@@ -19,15 +20,15 @@ struct RequestRecord {
   absl::Status status;
   std::string lattice;  // empty: there was no good specification
   int separability = 0;
-  std::variant<ComputationFacts, PixelizationFacts> work;
-  uint64_t bytes_in = 0;   // encoded mesh; of Pixelize the message
-  uint64_t bytes_out = 0;  // messages
+  std::variant<std::monostate, ComputationFacts, PixelizationFacts> work;  // none: it did not come to that
+  uint64_t bytes_in = 0;                                                   // encoded mesh; of Pixelize the message
+  uint64_t bytes_out = 0;                                                  // messages
   double total_ms = 0;
-  std::optional<double> upload_ms, queue_ms;  // if the call came to the end of these stages
+  std::optional<double> upload_ms, queue_ms;  // if there was such a stage, and the call came to its end
 };
 
-// At level info; errors that are ours, at level error.
-void LogRequest(const RequestRecord& record);
+// At `level`; errors that are ours, at level error.
+void LogRequest(const RequestRecord& record, LogLevel level = LogLevel::kInfo);
 
 }  // namespace latvox
 

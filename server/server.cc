@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -21,6 +20,7 @@
 #include "server/access.h"
 #include "server/call_registry.h"
 #include "server/control_group.h"
+#include "server/decoder_pool.h"
 #include "server/endpoint.h"
 #include "server/health_server.h"
 #include "server/lane.h"
@@ -118,7 +118,6 @@ class Server final : public VoxelServer {
   size_t calls() const override { return registry_.size(); }
   uint64_t reserved_memory() const override { return memory_.reserved(); }
   void Reload() override { access_.Reload(); }
-  DecoderFacts decoder_facts() const override { return decoders_->facts(); }
   bool Stop(absl::Duration grace) override;
 
  private:
@@ -169,6 +168,10 @@ void Server::AddMetrics() {
   add("latvox_memory_reserved_bytes", "Memory that jobs have reserved.", [this] { return memory_.reserved(); });
   add("latvox_mesh_store_bytes", "Meshes that are kept, encoded and decoded.", [this] { return meshes_.bytes(); });
   add("latvox_decoder_processes", "Processes that decode meshes.", [this] { return decoders_->facts().processes; });
+  add("latvox_decoder_memory_bytes", "Memory that decoder processes hold, beyond that of this process.",
+      [this] { return decoders_->facts().memory_bytes; });
+  add("latvox_decoder_memory_limit_bytes", "Memory that decodes in all decoder processes may take, together.",
+      [this] { return decoders_->facts().most_memory_bytes; });
   const auto count = [this](const char* name, const char* help, uint64_t DecoderFacts::*fact) {
     metrics_.AddCounter(name, help, [this, fact] { return decoders_->facts().*fact; });
   };
@@ -183,8 +186,7 @@ void Server::AddMetrics() {
 }
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
-  const auto message_bytes = std::min<uint64_t>(options_.limits.max_message_bytes, std::numeric_limits<int>::max());
-  builder.SetMaxReceiveMessageSize(static_cast<int>(message_bytes));
+  builder.SetMaxReceiveMessageSize(static_cast<int>(options_.limits.received_message_bytes()));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, ToMilliseconds(options_.keepalive_time));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, ToMilliseconds(options_.keepalive_timeout));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "server/access.h"
-#include "server/decoder_pool.h"
+#include "server/decoder_process.h"
 #include "server/limits.h"
 
 namespace latvox {
@@ -72,8 +72,6 @@ class VoxelServer {
 
   // Bytes of the budget that jobs have reserved.
   virtual uint64_t reserved_memory() const = 0;
-
-  virtual DecoderFacts decoder_facts() const = 0;
 
   // Reads the files again that the options name. What is wrong with them is logged, and stays as it was. They are read
   // as well whenever they change. Thread-safe.

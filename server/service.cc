@@ -105,9 +105,10 @@ grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContex
   const grpc::Status status = Admit(*context, origin);
   if (status.ok()) {
     *response = LimitsToProto(LimitsOf(origin.caller, environment_.limits));
-    RequestRecord record;  // counted, but not worth a line
+    RequestRecord record;
     record.origin = std::move(origin);
     record.bytes_out = response->ByteSizeLong();
+    LogRequest(record, LogLevel::kDebug);  // that often, and that little
     environment_.metrics.Record(record);
   }
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();

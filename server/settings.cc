@@ -64,12 +64,16 @@ std::string SourceOf(const CLI::App& app, const CLI::Option& option) {
 
 absl::string_view Mark(const Setting& setting) {
   if (setting.reload == Reload::kContent) return "; read again when it changes, or on SIGHUP";
-  // A flag or an environment variable would win over the file again.
-  const bool the_file_decides = setting.source == "default" || absl::StartsWith(setting.source, "file ");
-  return setting.reload == Reload::kValue && the_file_decides ? "; SIGHUP applies the file's value" : "";
+  return setting.reload == Reload::kValue && FileDecides(setting)
+             ? "; the file's value holds when that changes, or on SIGHUP"
+             : "";
 }
 
 }  // namespace
+
+bool FileDecides(const Setting& setting) {
+  return setting.source == "default" || absl::StartsWith(setting.source, "file ");
+}
 
 std::vector<Setting> SettingsOf(const CLI::App& app) {
   std::vector<Setting> settings;

@@ -8,7 +8,7 @@
 
 namespace latvox {
 
-// What a signal SIGHUP does to an option of a running server.
+// What a changed file, or a signal SIGHUP, does to an option of a running server.
 enum class Reload {
   kNo,       // nothing
   kValue,    // the configuration file's new value holds
@@ -21,6 +21,9 @@ struct Setting {
   std::string source;  // "flag", "environment NAME", "file PATH" or "default"
   Reload reload = Reload::kNo;
 };
+
+// Whether the configuration file has a say in it: neither a flag nor a variable of the environment wins over it.
+bool FileDecides(const Setting& setting);
 
 // All options but --help, --version and the like, in the order they were added. After app.parse.
 std::vector<Setting> SettingsOf(const CLI::App& app);

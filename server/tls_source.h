@@ -20,7 +20,6 @@ class TlsSource {
   ~TlsSource();
 
   bool enabled() const { return !files_.certificate.empty(); }
-  const TlsFiles& files() const { return files_; }
 
   // Reads the files. As ReadTlsFiles; if they are wrong, what was read before stays. Does nothing if no path is given.
   absl::Status Read();

@@ -4,6 +4,7 @@
 
 #include "server/errors.h"
 #include "server/metrics.h"
+#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {
@@ -17,6 +18,11 @@ void VoxelizeReactor::Begin() {
   if (absl::Status status = environment_.registry.Admit(self_, origin_.caller.client, origin_.caller.limits.max_jobs);
       !status.ok())
     return End(status);
+  Read();
+}
+
+void VoxelizeReactor::Read() {
+  MarkUnread(request_);
   StartRead(&request_);
 }
 
@@ -26,10 +32,11 @@ void VoxelizeReactor::OnReadDone(bool ok) {
   if (absl::Status status = TakeRequest(); !status.ok()) return End(status);
   const std::lock_guard lock(mu_);
   if (bytes_in_ > before || request_.has_spec()) heard_of_client_ = Clock::now();
-  if (!ended_) StartRead(&request_);
+  if (!ended_) Read();
 }
 
 absl::Status VoxelizeReactor::TakeRequest() {
+  if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return status;
   switch (request_.part_case()) {
     case v1::VoxelizeRequest::kSpec:
       if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");
@@ -64,9 +71,10 @@ absl::Status VoxelizeReactor::TakeSpec(const v1::VoxelizeSpec& proto) {
 // The client has half-closed, or the call is broken.
 void VoxelizeReactor::FinishReading() {
   if (context_.IsCancelled()) return OnCancel();
-  if (!upload_) return End(BadStream("the stream ended before spec"));
-  if (!may_be_kept_ || upload_->size() > 0) {
-    if (absl::Status status = upload_->CheckComplete(); !status.ok()) return End(status);
+  if (!IsUnread(request_)) return End(UnreadableMessage(request_));
+  if (const absl::Status status = CheckUpload(); !status.ok()) {
+    sent_too_little_ = true;
+    return End(status);
   }
   {
     const std::lock_guard lock(mu_);
@@ -77,11 +85,16 @@ void VoxelizeReactor::FinishReading() {
   environment_.registry.AwaitTurn(this);
 }
 
+absl::Status VoxelizeReactor::CheckUpload() const {
+  if (!upload_) return BadStream("the stream ended before spec");
+  return may_be_kept_ && upload_->size() == 0 ? absl::OkStatus() : upload_->CheckComplete();
+}
+
 void VoxelizeReactor::Work() {
   {
     const std::lock_guard lock(mu_);
     if (ended_) return;
-    if (!queue_ms_) queue_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - waits_since_).count();
+    if (!queue_ms_) queue_ms_ = MillisecondsSince(waits_since_);
     computing_ = true;
   }
   if (!upload_) return Enqueue();
@@ -274,17 +287,17 @@ void VoxelizeReactor::OnDone() {
   record.bytes_in = bytes_in_;
   {
     const std::lock_guard lock(mu_);
-    record.status = status_;
+    record.status = sent_too_little_ && context_.IsCancelled() ? BrokenRead(environment_.limits) : status_;
     record.bytes_out = bytes_out_;
     record.upload_ms = upload_ms_;
     record.queue_ms = queue_ms_;
     if (computation_) {
       record.lattice = std::string{computation_->spec().lattice.name()};
       record.separability = computation_->spec().options.separability;
-      record.work = computation_->facts();
+      if (queue_ms_) record.work = computation_->facts();
     }
   }
-  record.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - began_).count();
+  record.total_ms = MillisecondsSince(began_);
   LogRequest(record);
   environment_.metrics.Record(record);
   environment_.registry.Remove(this);

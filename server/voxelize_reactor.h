@@ -68,9 +68,11 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
     bool pause = false, await_turn = false;
   };
 
+  void Read();
   absl::Status TakeRequest();
   absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
   void FinishReading();
+  absl::Status CheckUpload() const;
   void TakeMesh();
   void OnDecoded(const absl::Status& status);
   void Enqueue();
@@ -95,6 +97,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   v1::VoxelizeRequest request_;
   std::optional<MeshUpload> upload_;
   bool may_be_kept_ = false;  // the mesh; then none need come
+  bool sent_too_little_ = false;
   uint64_t bytes_in_ = 0;
 
   v1::VoxelizeResponse writing_message_;  // the write under way; nobody touches it meanwhile

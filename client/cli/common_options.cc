@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "client/trace_context.h"
 
 namespace latvox::client {
 namespace {
@@ -126,6 +127,13 @@ void AddServerOptions(CLI::App& command, ServerChoice& choice) {
       ->check(Whole(1, kMaxThreads))
       ->excludes("--server");
   AddCredentials(command, choice);
+  command
+      .add_option("--traceparent", choice.traceparent,
+                  "the W3C trace that the calls belong to, for the server's log (default: $TRACEPARENT)")
+      ->type_name("TRACE")
+      ->check([](const std::string& text) -> std::string {
+        return IsTraceparent(text) ? "" : absl::StrCat("\"", text, "\" is not VERSION-TRACE-SPAN-FLAGS of W3C");
+      });
 }
 
 }  // namespace latvox::client

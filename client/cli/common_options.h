@@ -113,7 +113,7 @@ void AddSizeOption(CLI::App& command, const std::string& what, int& size);
 // Refuses an output that is given twice, or in the place of the input, which is called `what`.
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what);
 
-// Adds --server, --timeout, --retries and --threads.
+// Adds --server and whatever says how to talk to it.
 void AddServerOptions(CLI::App& command, ServerChoice& choice);
 
 }  // namespace latvox::client

@@ -100,7 +100,9 @@ std::string ManPageOf(const CLI::App& app) {
        absl::StrCat(kExitStatus, ".\nOne line on standard error says what failed, of which field, and which limit.\n")},
       {"ENVIRONMENT",
        "NO_COLOR, if it is not empty, keeps colours off terminals; what is no terminal gets none.\n"
-       "LATVOX_LATVOXD is the program that is started as a private server, in place of the latvoxd beside latvox."}};
+       "LATVOX_LATVOXD is the program that is started as a private server, in place of the latvoxd beside latvox.\n"
+       "TRACEPARENT and TRACESTATE, without --traceparent, are the W3C trace context that calls belong to; "
+       "malformed ones are not sent."}};
   page.see_also = {"latvoxd(8)"};
   return ToMan(facts, page);
 }

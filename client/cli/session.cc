@@ -1,6 +1,7 @@
 #include "client/cli/session.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -19,6 +20,11 @@ absl::StatusOr<std::string> ReadToken(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold one word"));
   }
   return token;
+}
+
+std::string Variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
 }
 
 }  // namespace
@@ -54,6 +60,11 @@ CallOptions MakeCallOptions(const ServerChoice& choice, const Cancellation& canc
   if (choice.retries) options.retry.max_retries = *choice.retries;
   if (choice.address.empty()) options.retry.max_retries = 0;
   if (choice.timeout_seconds) options.deadline = absl::Now() + absl::Seconds(*choice.timeout_seconds);
+  options.traceparent = choice.traceparent;
+  if (choice.traceparent.empty()) {
+    options.traceparent = Variable("TRACEPARENT");
+    options.tracestate = Variable("TRACESTATE");
+  }
   return options;
 }
 

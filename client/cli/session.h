@@ -19,6 +19,7 @@ struct ServerChoice {
   Credentials credentials;     // for a server that was named
   std::string token_file;      // holds their token; empty: there is none
   std::optional<double> timeout_seconds;
+  std::string traceparent;     // W3C trace context of all calls; empty: that of the environment, if it has one
   std::optional<int> retries;  // of a server that was named; a private one that has died does not come back
 };
 
@@ -36,7 +37,8 @@ class Session {
   std::optional<Client> client_;
 };
 
-// The deadline counts from now.
+// The deadline counts from now. Without a traceparent of the choice, $TRACEPARENT and $TRACESTATE are passed on, as
+// OpenTelemetry's "Environment Variables as Context Propagation Carriers" has them.
 CallOptions MakeCallOptions(const ServerChoice& choice, const Cancellation& cancellation);
 
 }  // namespace latvox::client

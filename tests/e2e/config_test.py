@@ -1,4 +1,4 @@
-"""Options from flags, environment and file: --check-config tells them, SIGHUP reads the file again; the log's lines."""
+"""Options from flags, environment and file: --check-config tells them, a changed file is read again; the log's lines."""
 
 import json
 import os
@@ -66,6 +66,9 @@ class CheckConfig(Case):
         self.assertEqual({name: value for name, (value, _) in once.items()}, {name: value for name, (value, _) in again.items()})
         self.assertEqual({source for _, source in again.values()}, {"file again.toml"})
 
+    def test_a_mesh_store_of_nothing_may_be_asked_for(self):
+        self.assertEqual(self.settings("--mesh-store-bytes", 0)["mesh-store-bytes"], ("0", "flag"))
+
     def test_an_error_is_told_with_status_two(self):
         (self.dir / "typo.toml").write_text("max-jbs = 3\n")
         for says, arguments, environment in (
@@ -119,6 +122,29 @@ class RunningServer(Case):
             server.send_signal(signal.SIGHUP)
             self.await_log("level=error event=reload_failed error=.*max-jbs")
             self.assertIn('"max_jobs": 5', latvox("limits", "--json", "--server", server.address).stdout)
+
+    def test_a_file_that_changes_applies_its_log_level_without_a_signal(self):
+        file = self.dir / "latvoxd.toml"
+        file.write_text('log-level = "error"\n')
+        with harness.server(self.dir, "--config", file):
+            self.assertEqual(self.log(), "")
+            (self.dir / "new.toml").write_text('log-level = "info"\n')
+            (self.dir / "new.toml").rename(file)
+            self.await_log(f"level=info event=configuration_read path={file}\n")
+
+    def test_a_log_level_that_the_file_cannot_change_is_told_at_a_level_that_is_written(self):
+        (self.dir / "latvoxd.toml").write_text('log-level = "info"\n')
+        file = ["--config", self.dir / "latvoxd.toml"]
+        for options, environment, says in (
+            ([*file, "--log-level", "error"], {}, "level=error event=log_level_fixed by=flag\n"),
+            (file, {"LATVOX_LOG_LEVEL": "warning"}, 'level=warning event=log_level_fixed by="environment LATVOX_LOG_LEVEL"\n'),
+            ([], {}, 'level=warning event=log_level_fixed by="there is no configuration file"\n'),
+        ):
+            with self.subTest(says), unittest.mock.patch.dict(os.environ, environment):
+                (self.dir / "latvoxd.log").unlink(missing_ok=True)
+                with harness.server(self.dir, *options) as server:
+                    server.send_signal(signal.SIGHUP)
+                    self.await_log(says)
 
     def test_a_private_server_leaves_half_of_the_memory_unless_it_is_told_how_much_to_take(self):
         def memory_for_jobs(*options, **environment):

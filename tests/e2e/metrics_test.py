@@ -123,7 +123,7 @@ class Deploy(Case):
     """deploy/prometheus and deploy/grafana."""
 
     ELSEWHERE = {"up"}  # Prometheus's own
-    WORDS = set("sum by rate histogram_quantile max min count le changes time instance method code reason stage job cause".split())
+    WORDS = set("sum by rate absent histogram_quantile max min count le changes time instance method code reason stage job cause".split())
 
     def expressions(self):
         rules = (PROMETHEUS / "alerts.yaml").read_text()
@@ -148,6 +148,17 @@ class Deploy(Case):
         named = [word for text in self.expressions() for words in re.findall(r'reason=~?"([^"]*)"', text) for word in words.split("|")]
         self.assertGreater(len(named), 2)
         self.assertEqual([word for word in named if f'"{word}"' not in source], [])
+
+    def test_every_reason_and_code_is_counted_from_the_start(self):
+        source = "".join(path.read_text() for path in (ROOT / "server").glob("*.[ch]*"))
+        reasons = set(re.findall(r'\{"([A-Z]+(?:_[A-Z]+)*)", "', source)) | {"TOO_MANY_JOBS", "TOO_MANY_JOBS_OF_CLIENT"}
+        self.assertGreater(len(reasons), 10)
+        table = (ROOT / "proto/latvox/v1/voxelizer.proto").read_text()
+        self.assertEqual([reason for reason in reasons if f"\n//   {reason} " not in table], [])
+        with watched_server(self.dir) as server:
+            found = samples(server.scrape())
+        self.assertEqual([reason for reason in reasons if found.get(f'latvox_rejections_total{{reason="{reason}"}}') != 0], [])
+        self.assertEqual(found['latvox_requests_total{code="INTERNAL",method="PutMesh"}'], 0)
 
     def test_the_dashboards_panels_have_places_of_their_own(self):
         taken, ids = set(), [panel["id"] for panel in DASHBOARD["panels"]]

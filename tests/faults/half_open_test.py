@@ -10,7 +10,7 @@ import time
 import unittest
 
 import stage
-from stage import Faults, Server, Swarm, harness, select, tally
+from stage import Faults, Server, Swarm, harness
 
 CLONE_NEWNET = 0x40000000
 SKIP = 77  # ctest's word for it
@@ -103,13 +103,7 @@ class HalfOpen(Faults):
             records = swarm.wait(150)
         self.nothing_wrong(records)
         took = time.monotonic() - start
-        self.figure(
-            "cut off from one of two servers: calls",
-            tally(r["outcome"] for r in records),
-            "",
-            "done, all of them",
-            bool(records) and len(records) == len(select(records, "done")),
-        )
+        self.all_done(records, "cut off from one of two servers: ")
         self.figure(
             "cut off from one of two servers: all done after", took, "s", f"<= {CLIENT_SECONDS}", took <= CLIENT_SECONDS
         )

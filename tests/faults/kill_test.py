@@ -9,7 +9,7 @@ import unittest
 
 import stage
 from haproxy import haproxy
-from stage import SECONDS, SEED, Faults, Server, Swarm, harness, percentile, select, tally
+from stage import SECONDS, SEED, Faults, Server, Swarm, harness, percentile, select
 
 CLIENTS = 24
 JOBS = [
@@ -65,13 +65,7 @@ class Kill(Faults):
         self.nothing_wrong(records, f"{what}: ")
         done = select(records, "done")
         self.figure(f"{what}: kills", killer.kills, "", "some", killer.kills > 0)
-        self.figure(
-            f"{what}: calls",
-            tally(r["outcome"] for r in records),
-            "",
-            "done, all of them",
-            len(done) > 0 and all(r["outcome"] in ("done", "refused") for r in records),
-        )
+        self.all_done(records, f"{what}: ")
         if "server" in what:
             resumed = sum(r["resumed"] for r in done)
             self.figure(f"{what}: streams that went on after a break", resumed, "", "some", resumed > 0)

@@ -53,6 +53,7 @@ class Alarm {
 Participant::Participant(const Swarm& swarm, int number, int life, const Records& records)
     : swarm_(swarm),
       number_(number),
+      life_(life),
       role_(swarm.roles[static_cast<size_t>(number) % swarm.roles.size()]),
       records_(records),
       channel_(OwnChannel(FirstOf(swarm.server))),
@@ -60,7 +61,7 @@ Participant::Participant(const Swarm& swarm, int number, int life, const Records
 
 void Participant::Run() {
   Wait(absl::Milliseconds(chance_.Between(0, 300)));
-  while (absl::Now() < swarm_.end) {
+  for (; absl::Now() < swarm_.end; ++call_) {
     if (role_ == "hostile") {
       Record record = NewRecord("");
       const absl::Time start = absl::Now();
@@ -86,28 +87,30 @@ void Participant::CallBare() {
   request.set_mesh_piece(job.drc);
   script.messages.push_back(request.SerializeAsString());
   script.timeout = swarm_.patience;
-  for (const absl::Time first = absl::Now(); absl::Now() < swarm_.end;) {
+  for (const absl::Time first = absl::Now();;) {
     Record record = NewRecord(job.name);
     const absl::Time start = absl::Now();
     const Ending ending = faults::Run(*channel_, script);
     record.ms = MillisecondsSince(start);
     record.wait_ms = MillisecondsSince(first);
     record.detail = absl::StrCat(ending.status.error_code(), " ", ending.status.error_message());
+    record.accepted = ending.answers > 0;  // the first is Accepted
     v1::VoxelizeResponse last;
     const bool whole = ending.status.ok() && last.ParseFromString(ending.last_answer) && last.has_summary();
-    const auto delay = RetryDelayOf(ending.status);
+    const auto asked = RetryDelayOf(ending.status);
     int64_t pushback = -1;
     if (whole) {
       record.outcome = last.summary().certificate().digest() == job.digest ? "done" : "wrong";
-    } else if (ending.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED && delay &&
-               absl::SimpleAtoi(ending.pushback, &pushback) && pushback == absl::ToInt64Milliseconds(*delay)) {
+    } else if (ending.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED && !record.accepted && asked &&
+               absl::SimpleAtoi(ending.pushback, &pushback) && pushback == absl::ToInt64Milliseconds(*asked)) {
       record.outcome = "refused";
     } else {
       record.outcome = "wrong";
     }
-    records_.Write(record);
-    if (whole) return;
-    Wait(delay.value_or(kReconnectDelay) * chance_.Between(1, 1.5));
+    const absl::Duration delay = asked.value_or(kReconnectDelay) * chance_.Between(1, 1.5);
+    Write(record, delay);
+    if (record.outcome != "refused") return;
+    Wait(delay);
   }
 }
 
@@ -127,8 +130,13 @@ bool Participant::Connect(Record& record) {
   return false;
 }
 
-absl::StatusOr<client::Summary> Participant::CallOnce(const Job& job, const client::CallOptions& options) {
+absl::StatusOr<client::Summary> Participant::CallOnce(const Job& job, const client::CallOptions& options,
+                                                      Record& record) {
   client::VoxelizeHandlers handlers;
+  handlers.on_accepted = [&record](const client::Accepted&) {
+    record.accepted = true;
+    return absl::OkStatus();
+  };
   handlers.on_bricks = [this](const client::BrickBatch&) {
     if (role_ == "slow") absl::SleepFor(absl::Milliseconds(100));
     if (role_ == "stopped") absl::SleepFor(swarm_.end - absl::Now());
@@ -160,20 +168,20 @@ void Participant::CallBySdk() {
     alarm.emplace(swarm_.end - absl::Now(), [cancellation = options.cancellation] { cancellation.Cancel(); });
   }
   const absl::Time first = absl::Now();
-  for (bool again = true; again && absl::Now() < swarm_.end;) {
+  do {
     Record record = NewRecord(job.name);
-    if (!Connect(record)) continue;
+    if (!Connect(record)) return;
     const absl::Time start = absl::Now();
-    const auto summary = CallOnce(job, options);
+    const auto summary = CallOnce(job, options, record);
     record.ms = MillisecondsSince(start);
     record.wait_ms = MillisecondsSince(first);
     Judge(job, summary, reads_badly || role_ == "cancel", record);
-    records_.Write(record);
-    again = record.outcome == "refused";
-    if (!again) break;
-    Wait(client::GetErrorDetails(summary.status()).retry_after.value_or(kReconnectDelay) * chance_.Between(1, 1.5));
-    again = !options.cancellation.cancelled() && absl::Now() < *options.deadline;
-  }
+    const absl::Duration delay =
+        client::GetErrorDetails(summary.status()).retry_after.value_or(kReconnectDelay) * chance_.Between(1, 1.5);
+    Write(record, delay);
+    if (record.outcome != "refused") return;
+    Wait(delay);
+  } while (!options.cancellation.cancelled() && absl::Now() < *options.deadline);
 }
 
 void Participant::Judge(const Job& job, const absl::StatusOr<client::Summary>& summary, bool meant_to_stop,
@@ -188,7 +196,7 @@ void Participant::Judge(const Job& job, const absl::StatusOr<client::Summary>& s
   record.detail = status.ToString();
   if (meant_to_stop && (absl::IsCancelled(status) || absl::IsDeadlineExceeded(status))) {
     record.outcome = "stopped";
-  } else if (absl::IsResourceExhausted(status) && client::GetErrorDetails(status).retry_after) {
+  } else if (absl::IsResourceExhausted(status) && !record.accepted && client::GetErrorDetails(status).retry_after) {
     record.outcome = "refused";
   } else {
     record.outcome = "wrong";
@@ -208,11 +216,18 @@ const Job& Participant::AnyJob() {
 Record Participant::NewRecord(const std::string& job) const {
   Record record;
   record.client = number_;
+  record.life = life_;
+  record.call = call_;
   record.role = role_;
   record.job = job;
   return record;
 }
 
-void Participant::Wait(absl::Duration delay) { absl::SleepFor(std::min(delay, swarm_.end - absl::Now())); }
+void Participant::Write(Record& record, absl::Duration delay) const {
+  if (record.outcome == "refused" && absl::Now() + delay >= swarm_.end) record.outcome = "cut";
+  records_.Write(record);
+}
+
+void Participant::Wait(absl::Duration delay) const { absl::SleepFor(std::min(delay, swarm_.end - absl::Now())); }
 
 }  // namespace latvox::faults

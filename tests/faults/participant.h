@@ -48,19 +48,24 @@ class Participant {
   void CallBySdk();
   void CallBare();
   bool Connect(Record& record);
-  absl::StatusOr<client::Summary> CallOnce(const Job& job, const client::CallOptions& options);
+  // Sets record.accepted.
+  absl::StatusOr<client::Summary> CallOnce(const Job& job, const client::CallOptions& options, Record& record);
+  // Sets record.outcome from what has come.
   void Judge(const Job& job, const absl::StatusOr<client::Summary>& summary, bool meant_to_stop, Record& record) const;
   const Job& AnyJob();
   Record NewRecord(const std::string& job) const;
-  void Wait(absl::Duration delay);
+  // Writes what became of a try. One that is refused, and may be made again after `delay`, is cut if that is too late.
+  void Write(Record& record, absl::Duration delay) const;
+  void Wait(absl::Duration delay) const;
 
   const Swarm& swarm_;
-  const int number_;
+  const int number_, life_;
   const std::string role_;
   const Records& records_;
   const std::shared_ptr<grpc::Channel> channel_;  // connects when it is used
   Chance chance_;
   std::optional<client::Client> client_;
+  int call_ = 0;   // the one being made
   int calls_ = 0;  // over client_
 };
 

@@ -20,8 +20,11 @@ Records::Records(const std::string& path) : file_(open(path.c_str(), O_WRONLY | 
 void Records::Write(const Record& record) const {
   const nlohmann::json line{{"at", absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch())},
                             {"client", record.client},
+                            {"life", record.life},
+                            {"call", record.call},
                             {"role", record.role},
                             {"job", record.job},
+                            {"accepted", record.accepted},
                             {"outcome", record.outcome},
                             {"detail", record.detail},
                             {"ms", record.ms},

@@ -8,9 +8,13 @@ namespace latvox::faults {
 
 struct Record {
   int client = 0;
+  int life = 0;  // of the client's process: it is another one after the client has killed itself
+  int call = 0;  // within this life; the tries of one call have the same number
   std::string role, job;
+  bool accepted = false;  // Accepted came
   // done      the right voxels came
-  // refused   an overload answer, complete: with a delay after which to try again
+  // refused   an overload answer, complete: with a delay after which to try again; and nothing had been accepted
+  // cut       the same, and the load ends before the delay does
   // stopped   it was cancelled, or its deadline passed, as intended
   // rejected  a hostile call got the error it deserves
   // vanished  the process ends now, without a word

@@ -2,10 +2,16 @@
 
 import json
 import pathlib
+import re
 
 OUT = pathlib.Path(__file__).resolve().parents[2] / "build" / "faults"
 # In the order in which a reader asks.
 SCENARIOS = ["swarm", "kill", "sigterm", "half_open", "readers", "mutated", "cancel", "fairness", "overhead"]
+
+
+def in_bold(kept):
+    """The word, if the promise was not kept."""
+    return re.sub("^(no|missed)", r"**\1**", kept)
 
 
 def main():
@@ -21,9 +27,11 @@ def main():
         lines += [f"{report['seconds']:.0f} s of load; seed {report['seed']}; {report['took']:.0f} s in all.", ""]
         lines += ["| figure | value | promised | kept |", "|---|---|---|---|"]
         for row in report["figures"]:
-            kept = {None: "", True: "yes", False: "**no**"}[row["kept"]]
-            lines.append(f"| {row['what']} | {row['text']} | {row['promise']} | {kept} |")
+            lines.append(f"| {row['what']} | {row['text']} | {row['promise']} | {in_bold(row['kept'])} |")
         lines.append("")
+    every = [row["kept"] for report in reports for row in report["figures"]]
+    kept, missed, failed = (sum(k.startswith(word) for k in every) for word in ("yes", "missed", "no"))
+    lines += [f"Of {kept + missed + failed} promises {kept} were kept, {missed} missed, {failed} failed.", ""]
     missing = [name for name in SCENARIOS if not (OUT / f"{name}.json").exists()]
     if missing:
         lines += [f"Not run: {', '.join(missing)}.", ""]

@@ -212,6 +212,13 @@ def percentile(values, percent):
     return ordered[max(0, math.ceil(len(ordered) * percent / 100) - 1)] if ordered else math.nan
 
 
+def words(value):
+    """A figure as a reader wants it."""
+    if isinstance(value, float):
+        return f"{value:.3g}" if abs(value) < 100 else f"{value:.0f}"
+    return str(value)
+
+
 def tally(values):
     """How often each, as words: "3 a, 1 b"."""
     values = list(values)
@@ -245,18 +252,29 @@ class Faults(Case):
 
     def figure(self, what, value, unit="", promise="", kept=None):
         """One line of the report. `kept`: whether the promise was; it is a failure if it was not."""
-        text = (
-            f"{value:.3g}"
-            if isinstance(value, float) and abs(value) < 100
-            else f"{value:.0f}"
-            if isinstance(value, float)
-            else str(value)
-        )
-        row = {"what": what, "value": value, "text": f"{text} {unit}".strip(), "promise": promise, "kept": kept}
-        type(self).figures.append(row)
-        if kept is False:
+        self._add(what, value, unit, promise, {None: "", True: "yes", False: "no"}[kept])
+
+    def bounded(self, what, value, unit, *, promised=None, fails_over):
+        """One line of the report, of a figure that noise may move. More than `promised` is a promise missed, and said
+        to be; only more than `fails_over` is a failure, for no noisy neighbour explains it."""
+        promise = f"<= {promised}; fails over {fails_over}" if promised is not None else f"fails over {fails_over}"
+        if not value <= fails_over:
+            kept = f"no ({words(value)} > {fails_over})"
+        elif promised is None:
+            kept = ""
+        elif value > promised:
+            kept = f"missed ({words(value)} > {promised})"
+        else:
+            kept = "yes"
+        self._add(what, value, unit, promise, kept)
+
+    def _add(self, what, value, unit, promise, kept):
+        """`kept`: yes, no or missed, the latter two perhaps with a reason; or nothing."""
+        text = f"{words(value)} {unit}".strip()
+        type(self).figures.append({"what": what, "value": value, "text": text, "promise": promise, "kept": kept})
+        if kept.startswith("no"):
             with self.subTest(what):
-                self.fail(f"{what}: {row['text']}; promised: {promise}")
+                self.fail(f"{what}: {text}; promised: {promise}")
 
     def assert_serves(self, running, job="small bunny-64-bcc"):
         """A good request, right in the end."""
@@ -270,6 +288,11 @@ class Faults(Case):
             "right",
             bool(done) and len(done) == len(records),
         )
+
+    def all_done(self, records, what=""):
+        """No call failed, for none of the reasons that there are."""
+        promised = bool(records) and len(select(records, "done")) == len(records)
+        self.figure(f"{what}calls", tally(r["outcome"] for r in records), "", "done, all of them", promised)
 
     def nothing_wrong(self, records, what=""):
         wrong = select(records, "wrong")

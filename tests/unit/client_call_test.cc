@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <functional>
+#include <map>
+#include <string>
 
 #include "client/error.h"
 #include "tests/unit/client_fake_server.h"
@@ -48,6 +50,65 @@ TEST(Call, TakesNoSeparatingSetForASupercover) {
   answers.summary.mutable_summary()->mutable_certificate()->set_cover("supercover");
   const Fake known(Send(answers.All()));
   EXPECT_TRUE(known.client().Voxelize(request, kMesh, {}).ok());
+}
+
+// The metadata that a call with these options brings to the server.
+std::multimap<std::string, std::string> MetadataOf(const CallOptions& options) {
+  std::multimap<std::string, std::string> seen;
+  const Fake fake([&seen](grpc::ServerContext* context, Stream*) {
+    for (const auto& [name, value] : context->client_metadata()) {
+      seen.emplace(std::string(name.data(), name.size()), std::string(value.data(), value.size()));
+    }
+    return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "seen");
+  });
+  EXPECT_EQ(fake.client().Voxelize({}, kMesh, {}, options).status().code(), absl::StatusCode::kInvalidArgument);
+  return seen;
+}
+
+TEST(Call, CarriesTheTraceThatItBelongsTo) {
+  CallOptions options;
+  for (const char* good : {"00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01",
+                           "cc-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-00-what the future will be like"}) {
+    options.traceparent = good;
+    options.tracestate = "vendor=t61rcWkgMzE,other@vendor=1";
+    const auto metadata = MetadataOf(options);
+    EXPECT_THAT(metadata, testing::Contains(testing::Pair("traceparent", options.traceparent)));
+    EXPECT_THAT(metadata, testing::Contains(testing::Pair("tracestate", options.tracestate)));
+  }
+  for (const std::string& bad : {std::string(), std::string("a=1\n"), std::string(513, 'a')}) {
+    options.tracestate = bad;
+    const auto metadata = MetadataOf(options);
+    EXPECT_EQ(metadata.count("traceparent"), 1u);
+    EXPECT_EQ(metadata.count("tracestate"), 0u) << bad;
+  }
+}
+
+TEST(Call, CarriesNoTraceThatIsMalformed) {
+  const std::string trace = "4bf92f3577b34da6a3ce929d0e0e4736", span = "00f067aa0ba902b7";
+  for (const std::string& bad : {
+           std::string(),
+           std::string("abc-1"),
+           "00-" + trace + "-" + span,
+           "00-" + trace + "-" + span + "-0",
+           "00-" + trace + "-" + span + "-0x",
+           "00-" + trace + "-" + span + "-01-",
+           "00-" + trace + "-" + span + "-01-more",
+           "cc-" + trace + "-" + span + "-01.more",
+           "cc-" + trace + "-" + span + "-01-more\n",
+           "ff-" + trace + "-" + span + "-01",
+           "0x-" + trace + "-" + span + "-01",
+           "00_" + trace + "_" + span + "_01",
+           "00-" + std::string(32, '0') + "-" + span + "-01",
+           "00-" + trace + "-" + std::string(16, '0') + "-01",
+           "00-4BF92F3577B34DA6A3CE929D0E0E4736-" + span + "-01",
+       }) {
+    CallOptions options;
+    options.traceparent = bad;
+    options.tracestate = "vendor=1";
+    const auto metadata = MetadataOf(options);
+    EXPECT_EQ(metadata.count("traceparent"), 0u) << bad;
+    EXPECT_EQ(metadata.count("tracestate"), 0u) << bad;
+  }
 }
 
 TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {

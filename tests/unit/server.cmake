@@ -34,16 +34,19 @@ latvox_add_test(server_access_call_test SOURCES unit/server_access_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_call_test SOURCES unit/server_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_message_test SOURCES unit/server_message_test.cc
+                LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_call_end_test SOURCES unit/server_call_end_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_turns_test SOURCES unit/server_turns_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_request_log_test SOURCES unit/server_request_log_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_metrics_test SOURCES unit/server_metrics_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)
 
 # Tests that start the server's program, as a whole or as what decodes meshes.
 foreach(test server_access_call_test server_call_test server_call_end_test server_decoder_pool_test server_decoder_sandbox_test
-             server_process_test server_resume_test server_turns_test)
+             server_message_test server_process_test server_resume_test server_turns_test)
   if(TARGET ${test})
     target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
     add_dependencies(${test} latvoxd)

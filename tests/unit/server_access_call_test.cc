@@ -11,14 +11,14 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/server.h"
 #include "tests/unit/server_calls.h"
+#include "tests/unit/server_error_details.h"
 
 namespace latvox {
 namespace {
@@ -111,11 +111,9 @@ TEST_F(AccessTest, EveryCallNeedsAGoodTokenAndIsNotToldWhatIsWrongWithAnother) {
     EXPECT_EQ(limits_.version(), "");
   }
   EXPECT_EQ(server_->calls(), 0);
-  google::rpc::Status status;
-  google::rpc::ErrorInfo info;
-  ASSERT_TRUE(status.ParseFromString(*details));
-  ASSERT_TRUE(status.details(0).UnpackTo(&info));
-  EXPECT_EQ(info.reason(), "UNAUTHENTICATED");
+  const grpc::Status unauthenticated(grpc::StatusCode::UNAUTHENTICATED, "", *details);
+  EXPECT_EQ(ErrorInfoOf(unauthenticated).reason(), "UNAUTHENTICATED");
+  EXPECT_EQ(DetailsOf(unauthenticated).details_size(), 1) << "no RetryInfo";
 
   for (const char* scheme : {"Bearer ", "bearer ", "BEARER "}) {
     EXPECT_TRUE(GetLimits(std::string(scheme) + kAlice).ok());
@@ -144,6 +142,51 @@ TEST_F(AccessTest, ATokensLimitsHoldForItsCallsAndAreWhatItIsTold) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(status.error_message(), testing::HasSubstr("triangles"));
   EXPECT_TRUE(Voxelize(std::string("Bearer ") + kBob, SmallMesh()).ok());
+}
+
+// A call that its client leaves open.
+class OpenCall {
+ public:
+  OpenCall(v1::Voxelizer::Stub& stub, std::unique_ptr<grpc::ClientContext> context)
+      : context_(std::move(context)), stream_(stub.Voxelize(context_.get())) {
+    stream_->Write(SpecMessage(Spec(9)));
+  }
+  ~OpenCall() {
+    context_->TryCancel();
+    stream_->Finish();
+  }
+
+ private:
+  const std::unique_ptr<grpc::ClientContext> context_;
+  const std::unique_ptr<Stream> stream_;
+};
+
+TEST_F(AccessTest, ATokensMaxJobsHoldForItsOpenCallsAndLeaveOtherTokensAlone) {
+  const std::string alice = std::string("Bearer ") + kAlice, bob = std::string("Bearer ") + kBob;
+  ReplaceFile(token_file_, absl::StrCat("alice ", kAlice, " max-jobs=2\nbob ", kBob, "\n"));
+  server_->Reload();
+  ASSERT_TRUE(GetLimits(alice).ok());
+  EXPECT_EQ(limits_.max_jobs_per_client(), 2);
+  std::optional<OpenCall> first(std::in_place, *stub_, Context(alice)), second(std::in_place, *stub_, Context(alice));
+  ASSERT_TRUE(Eventually([this] { return server_->calls() == 2; }));
+
+  const grpc::Status refused = Voxelize(alice, SmallMesh());
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  const google::rpc::ErrorInfo info = ErrorInfoOf(refused);
+  EXPECT_EQ(info.reason(), "TOO_MANY_JOBS_OF_CLIENT");
+  EXPECT_EQ(info.metadata().at("limit"), "2");
+  EXPECT_EQ(info.metadata().at("limit_name"), "max_jobs_per_client");
+  google::rpc::RetryInfo retry;
+  ASSERT_EQ(DetailsOf(refused).details_size(), 2);
+  ASSERT_TRUE(DetailsOf(refused).details(1).UnpackTo(&retry));
+  EXPECT_EQ(retry.retry_delay().seconds(), 1);
+  EXPECT_EQ(ErrorInfoOf(Pixelize(alice)).reason(), "TOO_MANY_JOBS_OF_CLIENT") << "of any method";
+  EXPECT_TRUE(Voxelize(bob, SmallMesh()).ok());
+  EXPECT_TRUE(GetLimits(alice).ok()) << "takes no place";
+
+  first.reset();
+  ASSERT_TRUE(Eventually([this] { return server_->calls() == 1; }));
+  EXPECT_TRUE(Voxelize(alice, SmallMesh()).ok());
 }
 
 TEST_F(AccessTest, AChangedFileHoldsSoonAndABrokenOneNever) {

@@ -170,8 +170,8 @@ TEST_F(ServerTest, StopsRunningJobsAfterTheGrace) {
 // Never comes to an end by itself; ends a cancelled decode when it is told to.
 class StuckDecoder : public MeshDecoder {
  public:
-  std::shared_ptr<Decoding> Start(absl::Cord /*bytes*/, const Limits& /*limits*/, const MeshAttributes& /*wanted*/,
-                                  Reserve /*reserve*/, Done done) override {
+  std::shared_ptr<Decoding> Start(EncodedMesh /*mesh*/, const Limits& /*limits*/, Reserve /*reserve*/,
+                                  Done done) override {
     auto decoding = std::make_shared<Stuck>();
     done_ = std::move(done);
     cancelled_ = decoding->cancelled.get_future();

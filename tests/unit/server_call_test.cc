@@ -12,16 +12,15 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/tile/brick.h"
 #include "core/voxelizer/digest.h"
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "tests/unit/server_calls.h"
-#include "tests/unit/server_environment.h"
+#include "tests/unit/server_error_details.h"
 
 namespace latvox {
 namespace {
@@ -109,13 +108,34 @@ TEST_F(ServerTest, RefusesABadSpecBeforeTheMeshIsSent) {
   const Answer answer = call.Send(SpecMessage(Spec(70000))).Receive();  // no half-close
   EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(answer.status.error_message(), "resolution 70000 exceeds 65536");
-  google::rpc::Status details;
-  google::rpc::ErrorInfo info;
-  ASSERT_TRUE(details.ParseFromString(answer.status.error_details()));
-  ASSERT_TRUE(details.details(0).UnpackTo(&info));
+  const google::rpc::ErrorInfo info = ErrorInfoOf(answer.status);
   EXPECT_EQ(info.metadata().at("field"), "resolution");
   EXPECT_EQ(info.metadata().at("value"), "70000");
   EXPECT_EQ(info.metadata().at("limit"), "65536");
+}
+
+TEST_F(ServerTest, DoesNotAskToTryAgainWhatWillNeverDo) {
+  options_.limits.max_voxels = 1000;
+  Start();
+  v1::VoxelizeSpec unknown = Spec(9);
+  unknown.set_mesh_sha256(std::string(32, 'x'));
+  for (const auto& [reason, spec, mesh] :
+       {std::tuple("MESH_NOT_FOUND", unknown, std::string()), std::tuple("BAD_SPEC", Spec(70000), std::string()),
+        std::tuple("BAD_MESH", Spec(9), std::string("v 0 0 0\n")),
+        std::tuple("BAD_STREAM", v1::VoxelizeSpec(), std::string()),
+        std::tuple("LIMIT_EXCEEDED", Spec(500), SphereBytes())}) {
+    VoxelizeCall call(*stub_);
+    call.Send(reason == std::string("BAD_STREAM") ? PieceMessage("x") : SpecMessage(spec));
+    if (!mesh.empty()) call.Send(PieceMessage(mesh));
+    const Answer answer = call.HalfCloseAndReceive();
+    EXPECT_EQ(ErrorInfoOf(answer.status).reason(), reason);
+    EXPECT_EQ(DetailsOf(answer.status).details_size(), 1) << reason << " with RetryInfo";
+    const bool exhausted = answer.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
+    EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), exhausted ? "-1" : "") << reason;
+    if (!exhausted) continue;
+    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("field"), "voxels");
+    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("limit_name"), "max_voxels");
+  }
 }
 
 TEST_F(ServerTest, RefusesEveryOtherOrderOfMessages) {
@@ -161,6 +181,9 @@ TEST_F(ServerTest, HoldsMeshesAgainstItsLimits) {
     EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
     EXPECT_THAT(answer.status.error_message(), HasSubstr(message));
     EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), "-1");
+    EXPECT_EQ(DetailsOf(answer.status).details_size(), 1) << "no RetryInfo";
+    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("limit_name"),
+              message.find("triangles") == std::string::npos ? "max_mesh_bytes" : "max_triangles");
   };
   ASSERT_GT(SphereBytes().size(), 2000);
   expect(Spec(9), SphereBytes(), "mesh_bytes");
@@ -168,15 +191,6 @@ TEST_F(ServerTest, HoldsMeshesAgainstItsLimits) {
   v1::VoxelizeSpec spec = Spec(9);
   spec.set_mesh_bytes(3000);
   expect(spec, "", "mesh_bytes 3000 exceeds 2000");
-}
-
-TEST_F(ServerTest, RefusesOversizedMessages) {
-  options_.limits.max_message_bytes = 1 << 16;
-  Start();
-  VoxelizeCall call(*stub_);
-  const Answer answer = call.Send(SpecMessage(Spec(9))).Send(PieceMessage(std::string(1 << 17, 'x'))).Receive();
-  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_TRUE(Eventually([&] { return server_->calls() == 0; }));
 }
 
 TEST_F(ServerTest, TellsItsLimits) {

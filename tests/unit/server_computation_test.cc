@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/time/clock.h"
 #include "server/brick_batch.h"
 #include "server/computation.h"
 #include "server/convert.h"
@@ -103,6 +105,19 @@ TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
   EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
 }
 
+TEST(MeshUpload, TakesTheTimeFromTheSpecificationToTheLastByte) {
+  MeshUpload upload(0, 10);
+  EXPECT_EQ(upload.milliseconds(), std::nullopt);
+  absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_TRUE(upload.Append("x").ok());
+  const double one_piece = upload.milliseconds().value();
+  EXPECT_GE(one_piece, 5);
+  absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_EQ(upload.milliseconds(), one_piece);
+  EXPECT_TRUE(upload.Append("y").ok());
+  EXPECT_GE(upload.milliseconds().value(), one_piece + 5);
+}
+
 v1::VoxelizeSpec GoodSpec() {
   v1::VoxelizeSpec spec;
   spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
@@ -157,10 +172,9 @@ TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
 
 class CountingDecoder final : public MeshDecoder {
  public:
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted, Reserve reserve,
-                                  Done done) override {
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override {
     ++decodes;
-    return decoder_.Start(std::move(bytes), limits, wanted, std::move(reserve), std::move(done));
+    return decoder_.Start(std::move(mesh), limits, std::move(reserve), std::move(done));
   }
   int decodes = 0;
 

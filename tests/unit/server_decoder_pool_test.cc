@@ -25,11 +25,13 @@
 #include "server/draco_decoder.h"
 #include "server/errors.h"
 #include "tests/unit/server_decoders.h"
+#include "tests/unit/server_log_lines.h"
 #include "tests/unit/server_meshes.h"
 
 namespace latvox {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 // With AddressSanitizer, processes of the lowest priority (see StartStopped) take their time on a busy machine.
@@ -62,7 +64,7 @@ class Decode {
   Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {},
          const MeshAttributes& wanted = {})
       : result_(promise_.get_future()),
-        decoding_(pool.Start(absl::Cord(bytes), limits, wanted, std::move(reserve), [this](auto mesh) {
+        decoding_(pool.Start({absl::Cord(bytes), wanted, "id-7"}, limits, std::move(reserve), [this](auto mesh) {
           ended_ = absl::Now();
           promise_.set_value(std::move(mesh));
         })) {}
@@ -235,10 +237,13 @@ TEST_F(DecoderPoolTest, DecodesAreCancelledWhereverTheyAre) {
 
 TEST_F(DecoderPoolTest, AProcessKilledInADecodeLosesNothing) {
   const pid_t pid = StartStopped();
+  LogLines lines;
   Decode decode(*pool_, Large());
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   kill(pid, SIGKILL);
   ExpectSame(decode.Get(), Large());
+  EXPECT_THAT(lines.End(), HasSubstr(absl::StrCat("event=decoder_died pid=", pid, " end=\"signal 9 (Killed)\" bytes=",
+                                                  Large().size(), " request_id=id-7\n")));
   EXPECT_EQ(pool_->facts().restarts, 1);
   EXPECT_EQ(pool_->facts().crashes, 0);
 }
@@ -301,6 +306,22 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsMemoryLimit) {
   EXPECT_EQ(pool_->facts().killed_for_memory, 1);
 }
 
+TEST_F(DecoderPoolTest, TellsWhatMemoryItsProcessesHold) {
+  Start();
+  ExpectSame(Decode(*pool_, Small()).Get(), Small());
+  const double idle = pool_->facts().memory_bytes;
+  EXPECT_GT(idle, 100'000);
+  double at_work = 0;
+  const auto look = [&](uint64_t /*triangles*/, uint64_t /*vertices*/) {
+    at_work = pool_->facts().memory_bytes;
+    return absl::OkStatus();
+  };
+  ExpectSame(Decode(*pool_, Large(), {}, look).Get(), Large());
+  EXPECT_GT(at_work, idle + static_cast<double>(Large().size()));
+  EXPECT_EQ(pool_->facts().most_memory_bytes,
+            static_cast<double>(options_.memory) * static_cast<double>(options_.processes));
+}
+
 TEST_F(DecoderPoolTest, AMeshThatThereIsNoMemoryForIsRefusedBeforeItTakesAny) {
   options_.processes = 1;
   Start();
@@ -323,6 +344,7 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
   EXPECT_EQ(status.message(), "mesh: decoding takes more than 0.02 s");
   EXPECT_EQ(CauseOf(status)->reason, "DECODER_TIME");
   EXPECT_EQ(CauseOf(status)->limit, "0.02");
+  EXPECT_FALSE(RetryDelayOf(status));
   EXPECT_EQ(pool_->facts().killed_for_time, 1);
   // It is the limit of one mesh: many may take more together.
   for (int n = 0; n < 100; ++n) ExpectSame(Decode(*pool_, Small()).Get(), Small());
@@ -332,8 +354,10 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
 TEST_F(DecoderPoolTest, AProcessThatDoesNothingIsGivenUp) {
   options_.cpu_time = absl::Milliseconds(20);
   StartStopped();
+  LogLines lines;
   const absl::Status status = Decode(*pool_, Small()).Get().status();
   EXPECT_EQ(ReasonOf(status), "DECODER_TIME") << status;
+  EXPECT_THAT(lines.End(), ContainsRegex("event=decoder_too_slow pid=[0-9]+ bytes=[0-9]+ request_id=id-7\n"));
   ExpectSame(Decode(*pool_, Small()).Get(), Small());
 }
 

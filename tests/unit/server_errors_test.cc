@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "latvox/v1/voxelizer.pb.h"
 #include "server/errors.h"
 #include "tests/unit/server_error_details.h"
 
@@ -59,6 +61,22 @@ TEST(ErrorTable, CarriesCauseAndRetryDelay) {
   ASSERT_TRUE(DetailsOf(wire).details(1).UnpackTo(&retry));
   EXPECT_EQ(retry.retry_delay().seconds(), 1);
   EXPECT_EQ(retry.retry_delay().nanos(), 250'000'000);
+}
+
+TEST(ErrorTable, NamesTheLimitThatGetLimitsTells) {
+  const auto& limits = *v1::GetLimitsResponse::descriptor();
+  const auto name = [](const absl::Status& status) {
+    const auto metadata = ErrorInfoOf(ToGrpcStatus(status)).metadata();
+    return metadata.contains("limit_name") ? metadata.at("limit_name") : "";
+  };
+  for (const char* field : {"mesh_bytes", "mesh.triangles", "mesh.vertices", "voxels", "message_bytes", "memory",
+                            "points", "crossings", "pixels"}) {
+    const std::string limit_name = name(LimitExceeded(field, 2, 1));
+    EXPECT_NE(limits.FindFieldByName(limit_name), nullptr) << field << ": " << limit_name;
+  }
+  EXPECT_EQ(name(LimitExceeded("mesh_bytes", 2, 1)), "max_mesh_bytes");
+  EXPECT_EQ(name(LimitExceeded("mesh_bytes", 2, 1, "mesh_store_bytes")), "mesh_store_bytes");
+  EXPECT_EQ(name(BadSpec("mesh_bytes 3 was declared", "mesh_bytes", "3", "2")), "");
 }
 
 TEST(ErrorTable, KeepsTheFirstCause) {

@@ -1,9 +1,6 @@
 // What is counted, and how Prometheus gets it.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <ctime>
@@ -16,10 +13,12 @@
 #include "server/errors.h"
 #include "server/metrics.h"
 #include "server/metrics_server.h"
+#include "tests/unit/server_http.h"
 
 namespace latvox {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -53,8 +52,40 @@ TEST(Metrics, CountACallOnceInEachFamilyThatItBelongsTo) {
         "latvox_stage_duration_seconds_count{stage=\"stream\"} 2\n"}) {
     EXPECT_THAT(text, HasSubstr(line));
   }
-  EXPECT_THAT(text, Not(HasSubstr("stage=\"queue\"")));
-  EXPECT_THAT(text, Not(HasSubstr("latvox_rejections_total{")));
+  EXPECT_THAT(text, HasSubstr("latvox_stage_duration_seconds_count{stage=\"queue\"} 0\n"));
+  EXPECT_THAT(text, Not(ContainsRegex("latvox_rejections_total\\{[^\n]*\\} [1-9]")));
+}
+
+TEST(Metrics, AreThereFromTheStartForEveryMethodCodeReasonAndStage) {
+  const std::string text = Metrics().Text();
+  for (const char* method : {"Voxelize", "PutMesh", "Pixelize", "GetLimits"}) {
+    for (const absl::StatusCode code : kCodes) {
+      EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_requests_total{code=\"", absl::StatusCodeToString(code),
+                                               "\",method=\"", method, "\"} 0\n")));
+    }
+    for (const char* name : {"received_bytes_total", "sent_bytes_total", "request_duration_seconds_count"}) {
+      EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_", name, "{method=\"", method, "\"} 0\n")));
+    }
+  }
+  for (const absl::string_view reason : kReasons) {
+    if (reason == kMeshNotFound) continue;
+    EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_rejections_total{reason=\"", reason, "\"} 0\n")));
+  }
+  EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"UNAVAILABLE\"} 0\n"));
+  for (const char* stage : {"upload", "queue", "decode", "voxelize", "stream", "pixelize"}) {
+    EXPECT_THAT(text, HasSubstr(absl::StrCat("latvox_stage_duration_seconds_count{stage=\"", stage, "\"} 0\n")));
+  }
+}
+
+TEST(Metrics, CountADefectAsTheInternalThatTheClientGets) {
+  Metrics metrics;
+  RequestRecord record;
+  record.origin.method = "Voxelize";
+  for (const absl::StatusCode code : {absl::StatusCode::kInternal, absl::StatusCode::kUnknown}) {
+    record.status = absl::Status(code, "a defect");
+    metrics.Record(record);
+  }
+  EXPECT_THAT(metrics.Text(), HasSubstr("latvox_requests_total{code=\"INTERNAL\",method=\"Voxelize\"} 2\n"));
 }
 
 TEST(Metrics, CountRefusalsByReasonAndLeaveTheirDurationsOut) {
@@ -67,14 +98,21 @@ TEST(Metrics, CountRefusalsByReasonAndLeaveTheirDurationsOut) {
   metrics.Record(record);
   record.status = absl::CancelledError("the client cancelled the call");
   metrics.Record(record);
+  record.status = MakeError(absl::StatusCode::kNotFound, "not kept", {kMeshNotFound, "", "", ""});
+  metrics.Record(record);
+  record.status = MakeError(absl::StatusCode::kUnavailable, "stalled", {"CLIENT_STALLED", "", "", ""});
+  metrics.Record(record);
   const std::string text = metrics.Text();
   EXPECT_THAT(text, HasSubstr("latvox_requests_total{code=\"RESOURCE_EXHAUSTED\",method=\"Voxelize\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_requests_total{code=\"CANCELLED\",method=\"Voxelize\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"LIMIT_EXCEEDED\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"INVALID_ARGUMENT\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("latvox_rejections_total{reason=\"CLIENT_STALLED\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("latvox_requests_total{code=\"NOT_FOUND\",method=\"Voxelize\"} 1\n"));
+  EXPECT_THAT(text, Not(HasSubstr("reason=\"MESH_NOT_FOUND\"")));
   EXPECT_THAT(text, Not(HasSubstr("reason=\"CANCELLED\"")));
-  EXPECT_THAT(text, Not(HasSubstr("latvox_request_duration_seconds_count")));
-  EXPECT_THAT(text, Not(HasSubstr("stage=")));
+  EXPECT_THAT(text, HasSubstr("latvox_request_duration_seconds_count{method=\"Voxelize\"} 0\n"));
+  EXPECT_THAT(text, Not(ContainsRegex("stage_duration_seconds_count\\{[^\n]*\\} [1-9]")));
 }
 
 TEST(Metrics, ReadWhatOthersCountWhenTheyAreAsked) {
@@ -116,23 +154,6 @@ TEST(Metrics, TellOfTheProcessWhatTheKernelCounts) {
   close(one_more);
   EXPECT_EQ(ValueOf(metrics.Text(), "process_threads"), 1);
   EXPECT_GT(ValueOf(metrics.Text(), "process_cpu_seconds_total"), 0);
-}
-
-std::string Fetch(const std::string& address, const std::string& request) {
-  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in server{};
-  server.sin_family = AF_INET;
-  server.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  int port = 0;
-  EXPECT_TRUE(absl::SimpleAtoi(address.substr(address.rfind(':') + 1), &port));
-  server.sin_port = htons(static_cast<uint16_t>(port));
-  EXPECT_EQ(connect(fd, reinterpret_cast<const sockaddr*>(&server), sizeof server), 0);
-  EXPECT_EQ(write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
-  std::string answer;
-  char buffer[4096];
-  for (ssize_t got = 0; (got = read(fd, buffer, sizeof buffer)) > 0;) answer.append(buffer, static_cast<size_t>(got));
-  close(fd);
-  return answer;
 }
 
 TEST(MetricsServer, ServesThemUnderOnePathAndNamesAnAddressThatItCannotHave) {

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/voxelizer/digest.h"
 #include "tests/unit/server_calls.h"
+#include "tests/unit/server_error_details.h"
 
 namespace latvox {
 namespace {
@@ -46,6 +47,20 @@ TEST_F(ResumeTest, AMeshThatIsNotKeptIsNotFoundUntilItIsSentWithItsDigest) {
   EXPECT_THAT(missing.status.error_message(), HasSubstr("mesh_sha256"));
   EXPECT_TRUE(Voxelize(*stub_, spec, SphereBytes()).status.ok());
   EXPECT_TRUE(Voxelize(*stub_, spec, "").status.ok());
+}
+
+TEST_F(ResumeTest, AStoreOfNoBytesKeepsNothingAndTurnsNoJobAway) {
+  options_.limits.mesh_store_bytes = 0;
+  Start();
+  const v1::VoxelizeSpec spec = SpecOfKept(20, SphereBytes());
+  for (int n = 0; n < 2; ++n) {
+    EXPECT_TRUE(Voxelize(*stub_, spec, SphereBytes()).status.ok());
+    EXPECT_EQ(Voxelize(*stub_, spec, "").status.error_code(), grpc::StatusCode::NOT_FOUND);
+  }
+  v1::PutMeshResponse response;
+  const grpc::Status refused = PutMesh(*stub_, WholeMesh(SphereBytes()), response);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ErrorInfoOf(refused).metadata().at("limit_name"), "mesh_store_bytes");
 }
 
 TEST_F(ResumeTest, RefusesAMeshUnderAnothersDigest) {

@@ -21,12 +21,11 @@ class ThreadDecoder : public MeshDecoder {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted,
-                                  Reserve /*reserve*/, Done done) override {
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve /*reserve*/, Done done) override {
     auto decoding = std::make_shared<Flag>();
-    OnThread([decoding, bytes = std::string(bytes), limits, wanted, done = std::move(done)] {
-      auto mesh = DecodeDraco(bytes, limits, wanted);
-      done(decoding->cancelled ? absl::CancelledError("the decode was cancelled") : std::move(mesh));
+    OnThread([decoding, bytes = std::string(mesh.bytes), limits, wanted = mesh.wanted, done = std::move(done)] {
+      auto decoded = DecodeDraco(bytes, limits, wanted);
+      done(decoding->cancelled ? absl::CancelledError("the decode was cancelled") : std::move(decoded));
     });
     return decoding;
   }

@@ -19,10 +19,9 @@ namespace {
 // Keeps its first decode until it is cancelled.
 class SlowAtFirstDecoder : public ThreadDecoder {
  public:
-  std::shared_ptr<Decoding> Start(absl::Cord bytes, const Limits& limits, const MeshAttributes& wanted, Reserve reserve,
-                                  Done done) override {
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override {
     if (std::exchange(first_over_, true))
-      return ThreadDecoder::Start(bytes, limits, wanted, std::move(reserve), std::move(done));
+      return ThreadDecoder::Start(std::move(mesh), limits, std::move(reserve), std::move(done));
     first_.set_value();
     return std::make_shared<Stuck>(*this, std::move(done));
   }

@@ -1,0 +1,19 @@
+// Durations as the log, the metrics and the contract tell them.
+#ifndef LATVOX_SERVER_MILLISECONDS_H_
+#define LATVOX_SERVER_MILLISECONDS_H_
+
+#include <chrono>
+
+namespace latvox {
+
+inline double Milliseconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+inline double MillisecondsSince(std::chrono::steady_clock::time_point start) {
+  return Milliseconds(std::chrono::steady_clock::now() - start);
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_MILLISECONDS_H_
