@@ -1,4 +1,5 @@
 # Tests of the programs as they are built, seen from outside; no C++ here.
+#   arm        whether the kernels compile for it; where a cross compiler is
 #   bench      what scripts rely on in latvox_bench
 #   layering   who depends on whom
 #   node       a client of its own, from the protocol file alone
@@ -20,6 +21,7 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
   latvox_add_system_test(e2e.errors "${latvox_python};e2e/errors_test.py")
 endif()
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  latvox_add_system_test(arm "${latvox_python};arm/compile_test.py" SKIP_RETURN_CODE 77 LABELS slow)
   latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
   latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")
   latvox_add_system_test(deploy.kustomize "node;deploy/kubernetes/kustomize.test.js" SKIP_RETURN_CODE 77)

@@ -1,4 +1,14 @@
 // The voxels that a set of triangles may contribute.
+//
+// In what order to read this folder, from the rule to its fastest forms, each of which says the same as those before:
+//   crossing.h                   the crossing rule: one triangle, one direction
+//   principal_scan.h, star.h     one triangle, all directions: candidates on the lines along its principal direction,
+//                                and which of them it contributes; plain C++ stops here
+//   line_scan.h                  that scan in integers that are linear over the lines, and fit lanes of 32 bits
+//   line_scan_lanes-inl.h,       many triangles' scans and a triangle's lines in lanes, put together in candidates.cc;
+//   line_blocks-inl.h, stars.h   many stars in lanes
+//   touching.h, sift.h, tiny.h   triangles smaller than voxels: those that no line meets, and the others' crossings
+// The supercover (supercover.h) is another rule.
 #ifndef LATVOX_CORE_DIGITIZE_CANDIDATES_H_
 #define LATVOX_CORE_DIGITIZE_CANDIDATES_H_
 

@@ -61,17 +61,6 @@ class Star {
     return true;
   }
 
-  // Whether an edge at z along q is crossed; `other` is then the step to its other end.
-  bool IsEnd(const Vec3i& q, Vec3i& other) const {
-    const int64_t along = Dot(normal_, q);
-    const Wide size = Wide{along < 0 ? -along : along} * kLatticeUnit;
-    if (!(-size < distance_ && distance_ <= size) || along == 0) return false;
-    const Vec3i up = along > 0 ? q : -q;
-    if (!Meets(up)) return false;
-    other = distance_ <= 0 ? up : -up;
-    return true;
-  }
-
  private:
   using Wide = __int128;
 

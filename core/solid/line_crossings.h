@@ -52,8 +52,8 @@ class LineCrossing {
 // Joins the parts, ascending. By slabs, so that it ends soon once cancelled; then the result means nothing.
 inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_t>>&& parts,
                                                  const std::atomic<bool>& cancelled) {
-  std::vector<size_t> next(LineCrossing::kSlabs +
-                           1);  // where each slab's next crossing goes; in the end, where it ends
+  // Where each slab's next crossing goes; in the end, where it ends.
+  std::vector<size_t> next(LineCrossing::kSlabs + 1);
   for (const auto& part : parts) {
     for (const uint64_t crossing : part) ++next[LineCrossing::Slab(crossing) + 1];
   }

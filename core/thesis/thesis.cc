@@ -3,12 +3,12 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "core/base/sort.h"
 #include "core/thesis/brute_force.h"
 #include "core/thesis/degenerate.h"
 #include "core/thesis/incremental.h"
@@ -32,7 +32,7 @@ VoxelSet Collect(size_t count, const Vec3i& base_ijk, const std::atomic<bool>& c
   VoxelSet all;
   for (VoxelSet& part : parts) {
     if (all.size() < part.size()) std::swap(all, part);
-    all.Add(part);
+    all.Add(part, cancelled);
   }
   return all;
 }
@@ -49,10 +49,9 @@ struct EdgeUse {
 // The mesh on the lattice: vertices rounded, and welded where that brings them together.
 class RoundedMesh {
  public:
-  RoundedMesh(const SnappedMesh& mesh, const Lattice& lattice)
-      : rounded_(RoundedVertices(mesh, lattice)), points_(rounded_), triangles_(mesh.triangles) {
-    oneapi::tbb::parallel_sort(points_.begin(), points_.end());
-    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+  RoundedMesh(const SnappedMesh& mesh, const Lattice& lattice, const std::atomic<bool>& cancelled)
+      : rounded_(RoundedVertices(mesh, lattice, cancelled)), points_(rounded_), triangles_(mesh.triangles) {
+    SortUnique(points_, cancelled);
   }
 
   size_t triangles() const { return triangles_.size(); }
@@ -63,9 +62,9 @@ class RoundedMesh {
   const Vec3i& PointAt(uint32_t number) const { return points_[number]; }
 
   // The edges of all triangles with area, sorted.
-  std::vector<EdgeUse> Edges() const {
+  std::vector<EdgeUse> Edges(const std::atomic<bool>& cancelled) const {
     std::vector<EdgeUse> edges;
-    for (size_t t = 0; t < triangles_.size(); ++t) {
+    for (size_t t = 0; t < triangles_.size() && !cancelled; ++t) {
       const VoxelTriangle v = At(t);
       if (NormalOf(v) == Vec<int64_t, 3>{}) continue;
       const std::array<uint32_t, 3> number{NumberOf(v[0]), NumberOf(v[1]), NumberOf(v[2])};
@@ -74,7 +73,7 @@ class RoundedMesh {
         edges.push_back({low, high, static_cast<uint32_t>(t)});
       }
     }
-    oneapi::tbb::parallel_sort(edges.begin(), edges.end());
+    Sort(edges, cancelled);
     return edges;
   }
 
@@ -97,7 +96,7 @@ VoxelSet BruteForce(const SnappedMesh& mesh, const Neighborhood& neighborhood, c
 
 VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhood& neighborhood,
                const std::atomic<bool>& cancelled) {
-  const std::vector<EdgeUse> edges = mesh.Edges();
+  const std::vector<EdgeUse> edges = mesh.Edges(cancelled);
   return Collect(edges.size(), base_ijk, cancelled, [&](size_t n, EmitVoxel emit) {
     if (n > 0 && edges[n].SameEdge(edges[n - 1])) return;
     std::vector<Vec<int64_t, 3>> normals;
@@ -110,7 +109,7 @@ VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhoo
 
 VoxelSet Incremental(const SnappedMesh& snapped, const Neighborhood& neighborhood, bool optimized,
                      const std::atomic<bool>& cancelled) {
-  const RoundedMesh mesh(snapped, neighborhood.lattice);
+  const RoundedMesh mesh(snapped, neighborhood.lattice, cancelled);
   // Lines separate nothing: seams do. So they take all of the lattice's steps, which gives the fewest voxels.
   const LineTracer tracer(Neighborhood(neighborhood.lattice, 0));
   VoxelSet voxels = Collect(mesh.triangles(), snapped.base_ijk, cancelled, [&](size_t n, EmitVoxel emit) {
@@ -123,17 +122,18 @@ VoxelSet Incremental(const SnappedMesh& snapped, const Neighborhood& neighborhoo
       IncrementalTriangle(triangle, neighborhood.frames, cancelled, emit);
     }
   });
-  if (!cancelled) voxels.Add(Seams(mesh, snapped.base_ijk, neighborhood, cancelled));
+  if (!cancelled) voxels.Add(Seams(mesh, snapped.base_ijk, neighborhood, cancelled), cancelled);
   return voxels;
 }
 
 }  // namespace
 
-std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice) {
+std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice,
+                                   const std::atomic<bool>& cancelled) {
   std::vector<Vec3i> rounded(mesh.vertices_lat.size());
   constexpr size_t kGrain = 1024;
   oneapi::tbb::parallel_for(blocked_range<size_t>(0, rounded.size(), kGrain), [&](const blocked_range<size_t>& range) {
-    for (size_t n = range.begin(); n < range.end(); ++n) {
+    for (size_t n = range.begin(); n < range.end() && !cancelled; ++n) {
       rounded[n] = NearestLatticePoint(lattice, ToDouble(mesh.vertices_lat[n]) * (1.0 / kLatticeUnit));
     }
   });

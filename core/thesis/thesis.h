@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/cancelled.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
 #include "core/snap/snap.h"
@@ -33,7 +34,8 @@ absl::StatusOr<VoxelSet> VoxelizeByThesis(const TriangleMesh& mesh, const Grid& 
                                           const std::atomic<bool>& cancelled);
 
 // The nearest lattice points of the mesh's vertices, local.
-std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice);
+std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice,
+                                   const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // For Snap: per axis, twice the distance from the mesh beyond which the algorithm sets no voxel.
 Vec3i ThesisReach(const Lattice& lattice, int k, Algorithm algorithm);

@@ -1,6 +1,8 @@
 #include "core/tile/voxel_set.h"
 
-#include <algorithm>
+#include <utility>
+
+#include "core/base/sort.h"
 
 namespace latvox {
 namespace {
@@ -34,8 +36,11 @@ void VoxelSet::Add(const Brick& brick) {
   size_ += CountVoxels(mask);
 }
 
-void VoxelSet::Add(const VoxelSet& other) {
-  for (const auto& [brick_ijk, index] : other.index_) Add({brick_ijk, other.masks_[index]});
+void VoxelSet::Add(const VoxelSet& other, const std::atomic<bool>& cancelled) {
+  for (const auto& [brick_ijk, index] : other.index_) {
+    if (cancelled) return;
+    Add({brick_ijk, other.masks_[index]});
+  }
 }
 
 void VoxelSet::Insert(const Vec3i& ijk) {
@@ -53,11 +58,15 @@ std::optional<uint64_t> VoxelSet::Find(const Vec3i& ijk) const {
   return uint64_t{entry->second} << 9 | place.bit;
 }
 
-std::vector<Brick> VoxelSet::Bricks() const {
+std::vector<Brick> VoxelSet::Bricks(const std::atomic<bool>& cancelled) const {
+  std::vector<std::pair<Vec3i, uint32_t>> places(index_.begin(), index_.end());
+  Sort(places, cancelled);
   std::vector<Brick> bricks;
-  bricks.reserve(index_.size());
-  for (const auto& [brick_ijk, index] : index_) bricks.push_back({brick_ijk, masks_[index]});
-  std::sort(bricks.begin(), bricks.end(), [](const Brick& a, const Brick& b) { return a.brick_ijk < b.brick_ijk; });
+  bricks.reserve(places.size());
+  for (const auto& [brick_ijk, index] : places) {
+    if (cancelled) break;
+    bricks.push_back({brick_ijk, masks_[index]});
+  }
   return bricks;
 }
 

@@ -2,12 +2,14 @@
 #ifndef LATVOX_CORE_TILE_VOXEL_SET_H_
 #define LATVOX_CORE_TILE_VOXEL_SET_H_
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <tuple>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/cancelled.h"
 #include "core/tile/brick.h"
 
 namespace latvox {
@@ -16,7 +18,7 @@ namespace latvox {
 class VoxelSet {
  public:
   void Add(const Brick& brick);
-  void Add(const VoxelSet& other);
+  void Add(const VoxelSet& other, const std::atomic<bool>& cancelled = kNeverCancelled);
   void Insert(const Vec3i& ijk);
 
   bool Contains(const Vec3i& ijk) const { return Find(ijk).has_value(); }
@@ -27,7 +29,7 @@ class VoxelSet {
   size_t words() const { return masks_.size() * std::tuple_size_v<BrickMask>; }
 
   // All bricks, in lexicographic order of brick_ijk, whatever order they were added in.
-  std::vector<Brick> Bricks() const;
+  std::vector<Brick> Bricks(const std::atomic<bool>& cancelled = kNeverCancelled) const;
 
  private:
   BrickMask& MaskOf(const Vec3i& brick_ijk);

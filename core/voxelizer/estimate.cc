@@ -59,7 +59,8 @@ double SumOver(const TriangleMesh& mesh, const std::atomic<bool>& cancelled, con
 // Of all that lies within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World
 // units.
 double VolumeWithin(const Corners& at, double width) {
-  return width * (TwiceAreaOf(at) + M_PI / 2 * width * LengthAround(at) + M_PI * 4 / 3 * width * width);
+  using std::numbers::pi;
+  return width * (TwiceAreaOf(at) + pi / 2 * width * LengthAround(at) + pi * 4 / 3 * width * width);
 }
 
 double VolumeOf(const IndexBox& box) {

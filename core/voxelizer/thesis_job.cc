@@ -1,9 +1,10 @@
 #include "core/voxelizer/thesis_job.h"
 
-#include <algorithm>
+#include <atomic>
 #include <utility>
 #include <vector>
 
+#include "core/base/sort.h"
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
 #include "core/voxelizer/job_facts.h"
@@ -15,16 +16,21 @@ namespace {
 // The set within `region` (ijk) and `bounds` as tiles; low_tile is the first of the order; those outside of `span` are
 // left out.
 std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                const Vec3i& low_tile, const TileSpan& span) {
+                                const Vec3i& low_tile, const TileSpan& span, const std::atomic<bool>& cancelled) {
   const auto tile_of = [](const Brick& brick) { return Shifted(brick.brick_ijk, kTileBits - kBrickBits); };
-  const auto number_of = [&](const Brick& brick) { return TileNumber(tile_of(brick) - low_tile); };
-  std::vector<Brick> bricks = voxels.Bricks();
-  for (Brick& brick : bricks) ClipBrick(region, brick);
-  std::erase_if(bricks, [&](const Brick& b) { return CountVoxels(b.mask) == 0 || !span.Contains(number_of(b)); });
-  std::stable_sort(bricks.begin(), bricks.end(),
-                   [&](const Brick& a, const Brick& b) { return number_of(a) < number_of(b); });
+  std::vector<Brick> bricks = voxels.Bricks(cancelled);
+  std::vector<std::pair<uint64_t, size_t>> order;  // of bricks: first that of their tiles, then the one they have
+  for (size_t n = 0; n < bricks.size() && !cancelled; ++n) {
+    ClipBrick(region, bricks[n]);
+    if (CountVoxels(bricks[n].mask) == 0) continue;
+    const uint64_t number = TileNumber(tile_of(bricks[n]) - low_tile);
+    if (span.Contains(number)) order.emplace_back(number, n);
+  }
+  Sort(order, cancelled);
   std::vector<TileBricks> tiles;
-  for (const Brick& brick : bricks) {
+  for (const auto& [number, n] : order) {
+    if (cancelled) return {};
+    const Brick& brick = bricks[n];
     const Vec3i tile_ijk = tile_of(brick);
     if (tiles.empty() || tiles.back().tile_ijk != tile_ijk) tiles.push_back({tile_ijk, {}});
     tiles.back().bricks.push_back(brick);
@@ -75,7 +81,7 @@ class ThesisJob : public VoxelizeJob {
     if (facts_.index_box) {
       const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, cancelled_);
       if (!voxels.ok()) return voxels.status();
-      tiles_ = TilesOf(*voxels, *facts_.index_box, bounds_, facts_.first_tile_ijk, span_);
+      tiles_ = TilesOf(*voxels, *facts_.index_box, bounds_, facts_.first_tile_ijk, span_, cancelled_);
     }
     computed_ = true;
     return absl::OkStatus();

@@ -1,12 +1,19 @@
 """latvox_bench keeps what scripts rely on: fields, exit statuses, the same digest from every kernel."""
 
+import importlib.machinery
 import json
 import os
 import pathlib
 import subprocess
+import types
 import unittest
 
 BENCH = pathlib.Path(os.environ["LATVOX_BIN"]) / "latvox_bench"
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
+# The program beside this file, of which `count` is wanted.
+COUNTER = types.ModuleType("instructions")
+COUNTER.__file__ = str(pathlib.Path(__file__).with_name("instructions"))
+importlib.machinery.SourceFileLoader("instructions", COUNTER.__file__).exec_module(COUNTER)
 FIELDS = {"voxels", "ms_min", "ms_median", "ns_per_triangle", "mvoxels_per_s", "peak_rss_bytes", "threads", "simd", "digest"}
 
 
@@ -18,6 +25,21 @@ def measured(*words):
     done = run(*words, "--reps", "2", "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+def once(*words):
+    done = run(*words, "--warmups", "0", "--reps", "1", "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def instructions(*words):
+    """By valgrind, which has no AVX-512: the same on every machine, however busy it is."""
+    return COUNTER.count(BENCH, [*words, "--warmups", "0"], "avx2")
+
+
+def cost_of_a_voxel(*words):
+    return instructions(*words) / once(*words)["voxels"]
 
 
 class Bench(unittest.TestCase):
@@ -88,6 +110,32 @@ class Bench(unittest.TestCase):
         self.assertEqual([answer.get("triangles") for answer in answers], [12, None, None, 48])
         self.assertIn("RESOLUTION", answers[1]["error"])
         self.assertIn("none.obj", answers[2]["error"])
+
+    def test_memory_does_not_grow_with_the_resolution(self):
+        out = once(BUNNY, "8192", "--separability", "2", "--discard", "--threads", "2")
+        self.assertGreater(out["voxels"], 100_000_000)
+        self.assertLess(out["peak_rss_bytes"], 300e6)
+
+    def test_a_large_mesh_takes_few_bytes_beyond_its_own_arrays(self):
+        out = once("sphere:2000000", "256", "--threads", "2")
+        if out["job_peak_bytes"] is None:
+            self.skipTest("the kernel does not forget peaks of memory")
+        self.assertGreater(out["triangles"], 1_900_000)
+        self.assertLess(out["job_peak_bytes"] / out["triangles"], 60)
+
+    def test_cost_grows_with_output_not_with_volume(self):
+        # Some twenty triangles: a lattice of 8 times the volume has 4 times the voxels. The column meets a part of the
+        # surface that is as large as that at 256, in a lattice of 2^48 points.
+        words = ("sphere:20", "--separability", "2", "--discard")
+        column = ("65536", "--region", "30000,30000,0,30200,30200,65536")
+        coarse, fine, part = (cost_of_a_voxel(*words, *more) for more in (("256",), ("512",), column))
+        self.assertLess(fine, 1.5 * coarse)
+        self.assertLess(part, 5 * coarse)
+
+    def test_an_empty_region_of_a_huge_lattice_costs_next_to_nothing(self):
+        words = ("sphere:20", "65536", "--region", "30000,30000,30000,30999,30999,30999")
+        self.assertEqual(once(*words)["voxels"], 0)
+        self.assertLess(instructions(*words), 5_000_000)
 
     def test_exit_statuses(self):
         for words, status in (

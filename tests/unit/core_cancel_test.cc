@@ -15,6 +15,8 @@
 #include "core/plane/pixelize.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
+#include "tests/unit/core_job_kinds.h"
+#include "tests/unit/core_sphere.h"
 
 namespace latvox {
 namespace {
@@ -77,6 +79,21 @@ TEST(Cancelling, StopsAHeapOfTrianglesInOneTile) {
   const TriangleMesh heap = Heap(40000);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   EXPECT_LT(MostToStop([&] { return std::make_unique<Digitizing>(*VoxelizeJob::Create(heap, grid, {})); }), kPromised);
+}
+
+TEST(Cancelling, StopsEveryKindOfJob) {
+  for (const JobKind& kind : JobKinds()) {
+    const TriangleMesh heap = HeapOfTetrahedra(kind.tetrahedra);
+    EXPECT_LT(MostToStop([&] { return std::make_unique<Digitizing>(kind.Job(heap)); }), kPromised) << kind.name;
+  }
+}
+
+// Before and after their scans the thesis's algorithms sort edges, voxels and tiles.
+TEST(Cancelling, StopsTheThesissAlgorithmsOnManyTrianglesAndOnLargeOnes) {
+  const JobKind kind{"", 0, {.algorithm = Algorithm::kOptimizedIncremental}};
+  for (const TriangleMesh& mesh : {Sphere(300, 150), Sphere(20, 800)}) {
+    EXPECT_LT(MostToStop([&] { return std::make_unique<Digitizing>(kind.Job(mesh)); }), kPromised);
+  }
 }
 
 struct Verifying : Digitizing {

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "core/base/simd.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
 #include "core/tile/brick.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/oracle/meshes.h"
 #include "tests/oracle/oracle.h"
+#include "tests/unit/core_simd.h"
 #include "tests/unit/dose.h"
 
 namespace latvox {
@@ -41,24 +41,6 @@ inline std::vector<ExactLattice> ExactLattices() {
   lattices.push_back(make("mirrored", {{{0, 2, 0}, {1, 0, 0}, {0, 0, 4}}}));
   return lattices;
 }
-
-// The kernels that this processor can run, plain C++ first. A test that forces one leaves the choice as it found it:
-//   for (const Simd simd : SimdHere()) { const ForcedSimd forced(simd); ... }
-inline std::vector<Simd> SimdHere() {
-  std::vector<Simd> here;
-  for (const auto& [simd, name] : kSimdNames) {
-    if (ForceSimd(simd).ok()) here.push_back(simd);
-  }
-  EXPECT_TRUE(ForceSimd(Simd::kBest).ok());
-  return here;
-}
-class ForcedSimd {
- public:
-  explicit ForcedSimd(Simd simd) { EXPECT_TRUE(ForceSimd(simd).ok()); }
-  ~ForcedSimd() { EXPECT_TRUE(ForceSimd(Simd::kBest).ok()); }
-  ForcedSimd(const ForcedSimd&) = delete;
-  ForcedSimd& operator=(const ForcedSimd&) = delete;
-};
 
 inline oracle::Int3 ToOracle(const Vec3i& v) { return {v[0], v[1], v[2]}; }
 

@@ -13,9 +13,9 @@
 #include <string>
 
 #include "core/base/huge_pages.h"
-#include "core/base/simd.h"
 #include "core/snap/snap.h"
 #include "core/snap/surface_facts.h"
+#include "tests/unit/core_simd.h"
 
 namespace latvox {
 namespace {
@@ -34,12 +34,11 @@ Vec3i GlobalUnits(const SnappedMesh& mesh, size_t vertex) {
 // Calls f with each kind of kernel that this processor runs.
 template <class F>
 void WithEachSimd(const F& f) {
-  for (const auto& [simd, name] : kSimdNames) {
-    if (!ForceSimd(simd).ok()) continue;
-    SCOPED_TRACE(name);
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    SCOPED_TRACE(SimdInUse());
     f();
   }
-  ASSERT_TRUE(ForceSimd(Simd::kBest).ok());
 }
 
 TEST(Mesh, ValidationNamesTheElement) {

@@ -1,0 +1,67 @@
+// Jobs of every kind, for tests of what all of them promise.
+#ifndef LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
+#define LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/voxelizer/voxelizer.h"
+
+namespace latvox {
+
+struct JobKind {
+  std::string name;
+  uint32_t tetrahedra;  // of a heap that takes one thread a tenth of a second or more
+  VoxelizeOptions options;
+  NamedLattice lattice = NamedLattice::kCartesian;
+
+  // Of a mesh, whose vertices get attributes if the kind has some.
+  std::unique_ptr<VoxelizeJob> Job(TriangleMesh mesh) const {
+    for (size_t n = 0; n < mesh.vertices.size() * options.attributes; ++n) {
+      mesh.attributes.push_back(static_cast<uint32_t>(n % 7));
+    }
+    return *VoxelizeJob::Create(std::move(mesh), {Lattice::Named(lattice), {0, 0, 0}}, options);
+  }
+};
+
+inline std::vector<JobKind> JobKinds() {
+  return {{"k = 0", 8000, {}},
+          {"k = 2", 30000, {.separability = 2}},
+          {"BCC", 8000, {}, NamedLattice::kBcc},
+          {"band", 8000, {.band = Band{2, true}}},
+          {"signed band", 8000, {.band = Band{2, true, true}}},
+          {"solid", 8000, {.solid = Solid{}}},
+          {"open solid", 8000, {.solid = Solid{.rule = InteriorRule::kWinding, .force_open = true}}},
+          {"attributes", 8000, {.attributes = 2}},
+          {"supercover", 40000, {.cover = Cover::kSupercover}},
+          {"brute force", 8000, {.algorithm = Algorithm::kBruteForce}},
+          {"incremental", 20000, {.algorithm = Algorithm::kIncremental}},
+          {"optimized incremental", 20000, {.algorithm = Algorithm::kOptimizedIncremental}}};
+}
+
+// Tetrahedra up to 2 `size` voxels wide, in a cube of `side` voxels, by default in a single tile. The four faces of
+// each are a closed surface.
+inline TriangleMesh HeapOfTetrahedra(uint32_t count, float side = 40, float size = 2) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> place(0, side), corner(-size, size);
+  TriangleMesh heap;
+  for (uint32_t n = 0; n < 4 * count; n += 4) {
+    const Vec3f at{place(random), place(random), place(random)};
+    for (int c = 0; c < 4; ++c) {
+      heap.vertices.push_back({at[0] + corner(random), at[1] + corner(random), at[2] + corner(random)});
+    }
+    for (const auto& [a, b, c] : {std::array{0U, 1U, 2U}, {0U, 2U, 3U}, {0U, 3U, 1U}, {1U, 3U, 2U}}) {
+      heap.triangles.push_back({n + a, n + b, n + c});
+    }
+  }
+  return heap;
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
