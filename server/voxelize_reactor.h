@@ -71,7 +71,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   absl::Status TakeRequest();
   absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
   void FinishReading();
-  void TakeMesh();
+  void TakeMesh(const Lane& digesting);
   void OnDecoded(const absl::Status& status);
   void Enqueue();
   Lane& lane() const;
@@ -83,6 +83,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   void EndLocked(const absl::Status& status);
   Step NextStep();
   void Proceed();
+  void ProceedFrom(const Lane& lane);
 
   grpc::CallbackServerContext& context_;
   CallCanceller canceller_;

@@ -13,6 +13,7 @@ SMALL = "small bunny-64-bcc"
 HUGE = "huge bunny-8192-cartesian"
 LOAD = max(2.0, SECONDS / 6)
 GROSS = 30  # promised: 3
+BULK = "latvoxd-bulk"
 
 
 class Fairness(Faults):
@@ -59,6 +60,9 @@ class Fairness(Faults):
             )
             self.beside(server, "many voxels", HUGE, idle)
             self.beside(server, "many triangles", "huge bunny-x16-512-cartesian", idle)
+            # Not of gRPC's threads either, which inherit it from those that start them.
+            nicer = {name for name, nice in server.niceness() if nice != 0}
+            self.figure("threads of lower priority", ", ".join(nicer), "", BULK, nicer == {BULK})
 
 
 if __name__ == "__main__":
