@@ -74,9 +74,26 @@ TEST(Lane, AllThreadsOfANiceOneHaveItsPriorityAndOthersKeepTheirs) {
 }
 
 TEST(Lane, OneThreadIsAllThatANiceLaneOfOneHas) {
-  Lane bulk(1, kNiceness);
+  std::promise<void> go_on;
   std::set<pid_t> threads;
-  for (int round = 0; round < 20; ++round) threads.merge(SeeParallelTask(bulk).threads);
+  std::atomic<int> ran = 0;
+  {
+    Lane bulk(1, kNiceness);
+    bulk.Enqueue([&] {
+      go_on.get_future().wait();
+      threads.insert(gettid());
+      ++ran;
+    });
+    for (int n = 0; n < 20; ++n) {
+      bulk.Enqueue([&] {
+        threads.insert(gettid());
+        ++ran;
+      });
+    }
+    std::this_thread::sleep_for(20ms);
+    go_on.set_value();
+  }
+  EXPECT_EQ(ran, 21);
   EXPECT_EQ(threads.size(), 1);
 }
 
