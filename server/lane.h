@@ -1,40 +1,66 @@
-// Where tasks compute. Small work must not wait for large work: each has a lane, an arena with as many threads as there
-// are cores, and the operating system divides the cores between the two.
+// Where tasks compute. Small work must not wait for large work: each has a lane, with as many threads as there are
+// cores, and the operating system divides the cores between the two, by the priority of their threads.
+//
+// oneTBB's workers go from arena to arena, and a thread that has lowered its priority may not raise it again without
+// privileges (RLIMIT_NICE). Hence a lane of lower priority has threads of its own, which stay.
 #ifndef LATVOX_SERVER_LANE_H_
 #define LATVOX_SERVER_LANE_H_
 
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <atomic>
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace latvox {
 
 // Thread-safe.
 class Lane {
  public:
-  explicit Lane(int threads) : threads_(threads), arena_(threads, 0) {}
+  // `niceness` is what the lane's threads add to the process's; 0: they are oneTBB's workers.
+  Lane(int threads, int niceness);
+  // Waits for all tasks.
+  ~Lane() noexcept;
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
 
   int threads() const { return threads_; }
 
-  // Runs task() on a thread of the arena, after what was enqueued before.
+  // Whether its threads have a lower priority than the process's others. Those that they start have it, too.
+  bool nice() const { return !residents_.empty(); }
+
+  // Runs task() on a thread of the lane, after what was enqueued before. Parallel algorithms within it run on all.
   template <class F>
   void Enqueue(F task) {
     ++waiting_;
-    arena_.enqueue([this, task = std::move(task)] {
+    arena_.enqueue(tasks_.defer([this, task = std::move(task)]() noexcept {
       --waiting_;
       task();
-    });
+    }));
   }
 
   // Whether tasks wait for those that run: long ones should make way.
   bool contended() const { return waiting_ > 0; }
 
  private:
+  class Resident;
+
   const int threads_;
   oneapi::tbb::task_arena arena_;
+  oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated};
+  oneapi::tbb::task_group tasks_{context_};
   std::atomic<int> waiting_ = 0;
+  std::vector<std::unique_ptr<Resident>> residents_;
 };
+
+// Does for a task of `lane` what calls gRPC: at once, but from a nice lane on a thread of `ordinary`. For gRPC starts
+// threads of its own from those that call it, and holds locks meanwhile that other calls need.
+template <class F>
+void DoOrdinarily(const Lane& lane, Lane& ordinary, F act) {
+  lane.nice() ? ordinary.Enqueue(std::move(act)) : act();
+}
 
 }  // namespace latvox
 

@@ -131,6 +131,8 @@ struct Parser {
   void Parse(int argc, const char* const* argv) {
     app.parse(argc, argv);
     configuration.options.server.shares_memory = configuration.options.exit_with_parent;
+    // A single client's job is not to wait for other programs.
+    if (configuration.options.exit_with_parent) configuration.options.server.bulk_niceness = 0;
     configuration.settings = SettingsOf(app);
     configuration.misspelt = MisspeltVariables(app);
     configuration.file = app.get_config_ptr()->as<std::string>();

@@ -111,7 +111,7 @@ void PutMeshReactor::Work() {
     working_ = true;
   }
   Lane& lane = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
-  lane.Enqueue([self = shared_from_this()] {
+  lane.Enqueue([self = shared_from_this(), &lane] {
     const absl::Status stored = WithoutExceptions([&self] { return self->Store(); });
     {
       const std::lock_guard lock(self->mu_);
@@ -120,7 +120,7 @@ void PutMeshReactor::Work() {
       self->finished_ = Clock::now();
       if (self->status_.ok()) self->status_ = stored;
     }
-    self->SendStatus();
+    DoOrdinarily(lane, self->environment_.quick, [self] { self->SendStatus(); });
   });
 }
 

@@ -96,8 +96,8 @@ class Server final : public VoxelServer {
       : options_(options),
         threads_(ThreadsOf(options)),
         parallelism_(oneapi::tbb::global_control::max_allowed_parallelism, 2 * static_cast<size_t>(threads_) + 1),
-        quick_(threads_),
-        bulk_(threads_),
+        quick_(threads_, 0),
+        bulk_(threads_, options_.bulk_niceness),
         decoders_(std::move(decoders)),
         meshes_(options_.limits.mesh_store_bytes, !options_.decode_always),
         memory_(options_.limits.memory_budget_bytes),
@@ -129,8 +129,7 @@ class Server final : public VoxelServer {
 
   const ServerOptions options_;
   const int threads_;
-  // oneTBB starts one worker less than this; reserving no place for other threads in the lanes, all of their threads
-  // are workers.
+  // oneTBB starts one worker less than this, at most what both lanes have places for.
   const oneapi::tbb::global_control parallelism_;
   Lane quick_, bulk_;
   const std::unique_ptr<DecoderPool> decoders_;

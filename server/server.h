@@ -23,6 +23,10 @@ struct ServerOptions {
   std::string health_listen;   // of grpc.health.v1 alone, in plain text; empty: none
   DecoderOptions decoder;      // its `program` has to be set: the server has none of its own
 
+  // What the threads for large jobs add to the process's niceness. With 10 they get a tenth of a core that is wanted
+  // for something else, by small jobs or gRPC or the client; with 0 as much as that does.
+  int bulk_niceness = 10;
+
   bool decode_always = false;  // a mesh for each request, rather than keep what it was decoded to
 
   // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three

@@ -99,10 +99,10 @@ void VoxelizeReactor::Work() {
   }
   if (!upload_) return Enqueue();
   Lane& digesting = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
-  digesting.Enqueue([self = shared_from_this()] { self->TakeMesh(); });
+  digesting.Enqueue([self = shared_from_this(), &digesting] { self->TakeMesh(digesting); });
 }
 
-void VoxelizeReactor::TakeMesh() {
+void VoxelizeReactor::TakeMesh(const Lane& digesting) {
   const absl::Status status = computation_->TakeMesh(*std::exchange(upload_, std::nullopt));
   bool decode = false;
   {
@@ -111,7 +111,7 @@ void VoxelizeReactor::TakeMesh() {
     if (!status.ok()) EndLocked(status);
     decoding_ = decode = !ended_;
   }
-  if (!decode) return Proceed();
+  if (!decode) return ProceedFrom(digesting);
   computation_->Decode([self = shared_from_this()](const absl::Status& decoded) { self->OnDecoded(decoded); });
 }
 
@@ -147,7 +147,7 @@ void VoxelizeReactor::Compute() {
       paused_ = true;
     }
   }
-  Proceed();
+  ProceedFrom(lane());
 }
 
 bool VoxelizeReactor::HasCredit() {
@@ -173,7 +173,7 @@ bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
     outbox_.push_back(std::move(response));
     more = unwritten_bytes_ < kCredit;
   }
-  Proceed();
+  ProceedFrom(lane());
   return more;
 }
 
@@ -277,6 +277,10 @@ void VoxelizeReactor::Proceed() {
   }
   if (step.pause) environment_.registry.Pause(this);
   if (step.await_turn) environment_.registry.AwaitTurn(this);
+}
+
+void VoxelizeReactor::ProceedFrom(const Lane& lane) {
+  DoOrdinarily(lane, environment_.quick, [self = shared_from_this()] { self->Proceed(); });
 }
 
 // Nothing else runs any more: no callback, no task.

@@ -73,7 +73,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
   void FinishReading();
   absl::Status CheckUpload() const;
-  void TakeMesh();
+  void TakeMesh(const Lane& digesting);
   void OnDecoded(const absl::Status& status);
   void Enqueue();
   Lane& lane() const;
@@ -85,6 +85,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   void EndLocked(const absl::Status& status);
   Step NextStep();
   void Proceed();
+  void ProceedFrom(const Lane& lane);
 
   grpc::CallbackServerContext& context_;
   CallCanceller canceller_;

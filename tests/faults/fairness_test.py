@@ -11,6 +11,7 @@ HUGE = "huge bunny-8192-cartesian"
 LOAD = max(2.0, SECONDS / 6)
 PROMISED = 3
 GROSS = 30
+BULK = "latvoxd-bulk"
 
 
 class Fairness(Faults):
@@ -53,6 +54,9 @@ class Fairness(Faults):
             )
             self.beside(server, "many voxels", HUGE, idle)
             self.beside(server, "many triangles", "huge bunny-x16-512-cartesian", idle)
+            # Not of gRPC's threads either, which inherit it from those that start them.
+            nicer = {name for name, nice in server.niceness() if nice != 0}
+            self.figure("threads of lower priority", ", ".join(nicer), "", BULK, nicer == {BULK})
 
 
 if __name__ == "__main__":

@@ -125,6 +125,15 @@ class Server:
     def threads(self):
         return len(os.listdir(f"/proc/{self.pid}/task"))
 
+    def niceness(self):
+        """Of each thread, beyond the first one's: pairs of name and number."""
+        found = []
+        for stat in sorted(pathlib.Path(f"/proc/{self.pid}/task").glob("*/stat"), key=lambda path: int(path.parent.name)):
+            with contextlib.suppress(OSError):
+                name, _, fields = stat.read_text().partition("(")[2].rpartition(")")
+                found.append((name, int(fields.split()[16])))
+        return [(name, nice - found[0][1]) for name, nice in found]
+
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.pid}/fd"))
 

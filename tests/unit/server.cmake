@@ -41,6 +41,7 @@ latvox_add_test(server_call_end_test SOURCES unit/server_call_end_test.cc
 latvox_add_test(server_turns_test SOURCES unit/server_turns_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_request_log_test SOURCES unit/server_request_log_test.cc LIBRARIES latvox::server GTest::gmock)
+latvox_add_test(server_lane_test SOURCES unit/server_lane_test.cc LIBRARIES latvox::server TBB::tbb)
 latvox_add_test(server_metrics_test SOURCES unit/server_metrics_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_process_test UNSANITIZED SOURCES unit/server_process_test.cc LIBRARIES latvox::proto GTest::gmock)
 

@@ -6,6 +6,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <map>
 #include <regex>
 #include <string>
 #include <vector>
@@ -182,6 +184,35 @@ TEST(Latvoxd, EndsWithItsParentIfItWasAskedTo) {
   for (int status = 0; waitpid(-1, &status, WNOHANG) > 0;) {
   }
   prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+// How many threads for large jobs a process has, by their niceness beyond the process's.
+std::map<int, int> NicenessOfBulk(pid_t pid) {
+  std::map<int, int> threads;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::string name;
+    std::getline(std::ifstream(thread.path() / "comm"), name);
+    const auto number = static_cast<id_t>(std::stoi(thread.path().filename()));
+    if (name == "latvoxd-bulk") {
+      ++threads[getpriority(PRIO_PROCESS, number) - getpriority(PRIO_PROCESS, static_cast<id_t>(pid))];
+    }
+  }
+  return threads;
+}
+
+TEST(Latvoxd, LowersThePriorityOfLargeJobsUnlessItIsPrivate) {
+  const std::string path = TemporaryDirectory() + "/socket";
+  for (const bool is_private : {false, true}) {
+    std::vector<std::string> options{"--listen", "unix:" + path, "--threads", "3"};
+    if (is_private) options.emplace_back("--exit-with-parent");
+    Process server(Latvoxd(options));
+    server.ReadUntil("event=listening");
+    const std::map<int, int> expected = is_private ? std::map<int, int>{} : std::map<int, int>{{10, 3}};
+    // The threads may have been started only.
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (NicenessOfBulk(server.pid()) != expected && std::chrono::steady_clock::now() < patience) usleep(1000);
+    EXPECT_EQ(NicenessOfBulk(server.pid()), expected);
+  }
 }
 
 std::vector<pid_t> ChildrenOf(pid_t pid) {

@@ -1,0 +1,61 @@
+#include "server/lane.h"
+
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <thread>
+
+#include "server/log.h"
+
+namespace latvox {
+namespace {
+
+// Of this thread: Linux has a niceness for each. Everyone may raise it; where a sandbox forbids even that, work goes
+// on, less fairly.
+void AddToNiceness(int niceness) {
+  const auto self = static_cast<id_t>(gettid());
+  errno = 0;
+  const int before = getpriority(PRIO_PROCESS, self);  // -1 is a niceness, too
+  if (errno == 0 && setpriority(PRIO_PROCESS, self, before + niceness) == 0) return;
+  Log(LogLevel::kWarning, "priority_not_lowered", {{"error", std::strerror(errno)}});
+}
+
+// Of an arena with places for others. Of one with a single place, a worker would take what is enqueued.
+int PlacesFor(int threads) { return std::max(threads, 2); }
+
+}  // namespace
+
+// A thread that waits in the arena for what comes in the end only. As everyone does who waits within oneTBB, it takes
+// up the arena's tasks meanwhile, and sleeps while there are none.
+class Lane::Resident {
+ public:
+  Resident(oneapi::tbb::task_arena& arena, int niceness)
+      : end_(awaited_.defer([] {})), thread_([this, &arena, niceness] {
+          pthread_setname_np(pthread_self(), "latvoxd-bulk");
+          AddToNiceness(niceness);
+          arena.execute([this] { awaited_.wait(); });
+        }) {}
+  ~Resident() {
+    end_ = {};
+    thread_.join();
+  }
+
+ private:
+  oneapi::tbb::task_group awaited_;
+  oneapi::tbb::task_handle end_;
+  std::thread thread_;
+};
+
+Lane::Lane(int threads, int niceness)
+    : threads_(threads), arena_(niceness == 0 ? threads : PlacesFor(threads), niceness == 0 ? 0 : PlacesFor(threads)) {
+  if (niceness == 0) return;
+  for (int n = 0; n < threads; ++n) residents_.push_back(std::make_unique<Resident>(arena_, niceness));
+}
+
+Lane::~Lane() noexcept { tasks_.wait(); }
+
+}  // namespace latvox
