@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_TILE_TILE_EDGES_H_
 #define LATVOX_CORE_TILE_TILE_EDGES_H_
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -39,7 +40,8 @@ class TileEdges {
   // What one thread has found.
   class Part {
    public:
-    // Appends edges[n] to the tile tiles[n], for all n; both packed.
+    // Appends edges[n] to the tile tiles[n], for all n; both packed. What lies behind them is read as well, as far as
+    // NumberList::kSlack, and not used.
     //   margin   voxels, per axis: at most kTileSide / 2
     void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin);
 
