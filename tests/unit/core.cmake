@@ -36,6 +36,7 @@ latvox_add_core_test(core_band_openvdb_test OpenVDB::openvdb)
 latvox_add_core_test(core_principal_test)
 latvox_add_core_test(core_supercover_test)
 latvox_add_core_test(core_kernel_test)
+latvox_add_core_test(core_tiny_test)
 latvox_add_core_test(core_threads_test)
 
 # The programs whose results go through kernels, once more on the kernels that are not the best; see tests/README.md. Not

@@ -5,45 +5,19 @@
 #include <random>
 #include <set>
 
-#include "absl/strings/str_cat.h"
 #include "core/digitize/candidates.h"
 #include "core/digitize/crossing.h"
 #include "core/digitize/star.h"
 #include "core/digitize/stars.h"
-#include "core/digitize/tiny.h"
 #include "core/digitize/touching.h"
 #include "core/tile/cut_out.h"
 #include "tests/unit/core_exact.h"
+#include "tests/unit/core_triangles.h"
 
 namespace latvox {
 namespace {
 
-constexpr unsigned kSeed = 7;
 const std::atomic<bool> kNotCancelled = false;
-
-SnappedMesh MeshOf(const std::vector<Triangle>& triangles) {
-  SnappedMesh mesh{};
-  for (const Triangle& triangle : triangles) {
-    const auto n = static_cast<uint32_t>(mesh.vertices_lat.size());
-    mesh.vertices_lat.insert(mesh.vertices_lat.end(), triangle.begin(), triangle.end());
-    mesh.triangles.push_back({n, n + 1, n + 2});
-  }
-  return mesh;
-}
-
-std::vector<uint32_t> Iota(size_t size) {
-  std::vector<uint32_t> numbers(size);
-  for (uint32_t n = 0; n < size; ++n) numbers[n] = n;
-  return numbers;
-}
-
-Vec3i ReachOf(const std::vector<ScanFrame>& frames) {
-  Vec3i reach{};
-  for (const ScanFrame& scan : frames) {
-    for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
-  }
-  return reach;
-}
 
 using Found = std::set<std::pair<uint32_t, Vec3i>>;  // triangle, voxel
 
@@ -102,30 +76,6 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
   return found;
 }
 
-// Triangles of a given size around a tile, a third of them with corners on multiples of a quarter voxel, where ties
-// are.
-std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size, size_t count) {
-  std::mt19937 random(kSeed);
-  std::uniform_int_distribution<int32_t> place(-8 * kLatticeUnit, 72 * kLatticeUnit), side(-size, size);
-  std::vector<Triangle> triangles;
-  for (size_t n = 0; n < count; ++n) {
-    Triangle triangle;
-    Vec3i at;
-    for (int32_t& x : at) x = place(random);
-    for (size_t v = 0; v < 3; ++v) {
-      for (size_t m = 0; m < 3; ++m) {
-        const int32_t x = tile_min[m] * kLatticeUnit + at[m] + side(random);
-        triangle[v][m] = n % 3 == 0 ? x & ~(kLatticeUnit / 4 - 1) : x;
-      }
-    }
-    if (n % 2 == 0)
-      triangle[2] = (tile_min * kLatticeUnit + at) * 3 - triangle[0] - triangle[1];  // its middle is there
-    if (n % 17 == 0) triangle[2] = triangle[n % 2];
-    triangles.push_back(triangle);
-  }
-  return triangles;
-}
-
 TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel) {
   const Vec3i tile_min{64, 0, 0};
   constexpr int32_t kFar = 1 << 20;
@@ -155,135 +105,6 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
       }
     }
   }
-}
-
-// Crossed edges, with their numbers: nearer, farther.
-using Edges = std::multiset<std::pair<uint32_t, uint32_t>>;
-
-void AddEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, const IndexBox& box,
-              const BitsLayout& layout, Edges& edges) {
-  for (const ScanFrame& scan : frames) {
-    ForEachCrossing(triangle, scan.frame, box, [&](const Vec3i& nearer, const Vec3i& farther) {
-      edges.insert({layout.NumberOf(nearer), layout.NumberOf(farther)});
-    });
-  }
-}
-
-// The edges that `edges` has in the box around a tile.
-Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, const Vec3i& tile_min,
-                const IndexBox& box, const BitsLayout& layout) {
-  std::array<int32_t, kPackedDirections> steps{};
-  for (size_t n = 0; n < frames.size(); ++n) {
-    steps[2 * n + 1] = layout.StepOf(frames[n].frame.q);
-    steps[2 * n] = -steps[2 * n + 1];
-  }
-  Crossings crossings;
-  edges.Collect({tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}}, box, layout, steps, crossings);
-  Edges collected;
-  for (size_t n = 0; n < crossings.nearer.size(); ++n) collected.insert({crossings.nearer[n], crossings.farther[n]});
-  return collected;
-}
-
-TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
-  const Vec3i tile_min{128, 64, 192};
-  const IndexBox all{tile_min - Vec3i{64, 64, 64}, tile_min + Vec3i{128, 128, 128}};
-  for (const ExactLattice& l : ExactLattices()) {
-    for (int k : {0, 2}) {
-      const auto frames = MakeScanFrames(l.lattice.frames(k));
-      const Vec3i reach = ReachOf(frames);
-      const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
-      const BitsLayout layout(tile_min, tile_min - box.min + reach);
-      for (const int32_t size : {8, 40, 90, 200}) {
-        const auto triangles = TrianglesAround(tile_min, size, 3001);
-        const SnappedMesh mesh = MeshOf(triangles);
-        Edges expected;
-        for (const Triangle& triangle : triangles) AddEdges(triangle, frames, box, layout, expected);
-        for (const Simd simd : SimdHere()) {
-          const ForcedSimd forced(simd);
-          SCOPED_TRACE(absl::StrCat(l.name, " k ", k, " size ", size, " ", std::string(SimdInUse())));
-          // With the box within the margin of the tile, and beyond.
-          for (const Vec3i& margin : {reach * 2, Vec3i{}}) {
-            TileEdges found(Shifted(all.min, kTileBits), margin);
-            std::vector<uint32_t> others{7};  // what is there stays
-            FindTinyCrossings(mesh, Iota(triangles.size()), frames, all, found, others, nullptr);
-            found.Finish();
-            ASSERT_EQ(others.front(), 7U);
-            others.erase(others.begin());
-            ASSERT_TRUE(std::is_sorted(others.begin(), others.end()));
-            Edges edges = Collected(found, frames, tile_min, box, layout);
-            if (size <= 40 && simd != Simd::kScalar) {
-              EXPECT_GE(edges.size(), expected.size() / 10 * 9);
-            }
-            for (const uint32_t t : others) AddEdges(triangles[t], frames, box, layout, edges);
-            ASSERT_EQ(edges, expected);
-          }
-        }
-      }
-    }
-  }
-}
-
-TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyOnEachKernel) {
-  const Vec3i tile_min{64, 0, 0};
-  const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kBcc).frames(0));
-  const IndexBox box{{70, 3, 10}, {100, 60, 33}};
-  const BitsLayout layout(tile_min, ReachOf(frames));
-  const auto triangles = TrianglesAround(tile_min, 200, 2001);
-  const SnappedMesh mesh = MeshOf(triangles);
-  for (const Simd simd : SimdHere()) {
-    const ForcedSimd forced(simd);
-    SCOPED_TRACE(std::string(SimdInUse()));
-    TileEdges found(Shifted(box.min, kTileBits), {});
-    std::vector<uint32_t> kept;
-    std::vector<uint8_t> is_tiny(triangles.size(), 7);
-    FindTinyCrossings(mesh, Iota(triangles.size()), frames, box, found, kept, is_tiny.data());
-    found.Finish();
-    Edges expected, edges = Collected(found, frames, tile_min, box, layout);
-    std::set<uint32_t> crossed;
-    for (uint32_t t = 0; t < triangles.size(); ++t) {
-      ASSERT_LE(is_tiny[t], 1);
-      Edges own;
-      AddEdges(triangles[t], frames, box, layout, own);
-      if (!own.empty()) crossed.insert(t);
-      if (is_tiny[t] != 0) expected.merge(own);
-    }
-    EXPECT_EQ(edges, expected);
-    EXPECT_EQ(edges.empty(), simd == Simd::kScalar);
-    ASSERT_TRUE(std::is_sorted(kept.begin(), kept.end()));
-    EXPECT_TRUE(std::includes(kept.begin(), kept.end(), crossed.begin(), crossed.end()));
-    if (simd != Simd::kScalar) {
-      EXPECT_LT(kept.size(), triangles.size());
-    }
-  }
-}
-
-TEST(TileEdges, CountWhatCubesHold) {
-  TileEdges edges({-1, 0, 2}, {1, 1, 1});
-  const auto tile = [](uint32_t i, uint32_t j, uint32_t k) {
-    return i << 2 * kPackedTileBits | j << kPackedTileBits | k;
-  };
-  const auto add = [&](uint32_t where, size_t count) {
-    auto part = edges.Take();
-    // Room for whole vectors.
-    std::vector<uint32_t> tiles(count + 64, where), packed(count + 64, 0);
-    part->Append({tiles.data(), count}, {packed.data(), count}, edges.margin());
-    edges.Give(std::move(part));
-  };
-  EXPECT_TRUE(edges.empty());
-  add(tile(0, 0, 0), 3);
-  auto held = edges.Take();  // so that the next makes a part of its own
-  add(tile(1, 0, 1), 20);
-  add(tile(0, 0, 0), 4);
-  edges.Give(std::move(held));
-  add(tile(2, 3, 0), 100);
-  edges.Finish();
-  EXPECT_FALSE(edges.empty());
-  EXPECT_EQ(edges.CountIn({-1, 0, 2}, 0), 7U);
-  EXPECT_EQ(edges.CountIn({0, 0, 3}, 0), 20U);
-  EXPECT_EQ(edges.CountIn({0, 1, 2}, 0), 0U);
-  EXPECT_EQ(edges.CountIn({-1, 0, 2}, 1), 27U);
-  EXPECT_EQ(edges.CountIn({1, 2, 2}, 1), 100U);
-  EXPECT_EQ(edges.CountIn({-1, 0, 2}, 2), 127U);
 }
 
 // Sizes on both sides of every limit: lines together or in blocks, 32 or 64 bits, and beyond the tile.
