@@ -189,9 +189,10 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
                      {"LIMIT_EXCEEDED", "voxels", absl::StrCat(estimate), absl::StrCat(limit)});
   }
   large_ = LastsLong(facts_.triangles, visits);
-  if (spec_.options.algorithm == Algorithm::kExact) return memory_.Grow(job_bytes_);
-  job_bytes_ += static_cast<uint64_t>(std::min(voxels * kBytesPerKeptVoxel, 1e18));
-  return memory_.Grow(job_bytes_);
+  const auto kept = static_cast<uint64_t>(std::min(voxels * kBytesPerKeptVoxel, 1e18));
+  if (spec_.options.algorithm != Algorithm::kExact) job_bytes_ += kept;
+  // What verification keeps is reserved now, by an estimate that is seldom too low: a job that is accepted should end.
+  return memory_.Grow(spec_.verify ? job_bytes_ + kept : job_bytes_);
 }
 
 // Once. Keeps what is asked for a second time: most meshes come once.

@@ -170,6 +170,35 @@ TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
   EXPECT_THAT(digests, ::testing::Each(digests.front()));
 }
 
+// Else, it could be refused when it has been accepted.
+TEST(Computation, ReservesBeforehandWhatVerificationKeeps) {
+  const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
+  ThreadDecoder decoder;
+  for (const auto named : {v1::NAMED_LATTICE_CARTESIAN, v1::NAMED_LATTICE_BCC, v1::NAMED_LATTICE_FCC}) {
+    uint64_t without = 0;
+    for (const bool verify : {false, true}) {
+      TestEnvironment environment(decoder);
+      v1::VoxelizeSpec spec = GoodSpec();
+      spec.mutable_lattice()->set_named(named);
+      spec.set_verify(verify);
+      Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+      ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
+      ASSERT_TRUE(computation.Start(ignore).ok());
+      const uint64_t reserved = environment.memory.reserved();
+      for (bool done = false; !done;) {
+        const absl::StatusOr<bool> advanced = computation.Advance([](v1::VoxelizeResponse&&) { return false; }, kNever);
+        ASSERT_TRUE(advanced.ok()) << advanced.status();
+        EXPECT_EQ(environment.memory.reserved(), reserved);
+        done = *advanced;
+      }
+      if (verify) {
+        EXPECT_GT(reserved, without);
+      }
+      without = reserved;
+    }
+  }
+}
+
 class CountingDecoder final : public MeshDecoder {
  public:
   std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override {
