@@ -29,7 +29,8 @@ void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triang
 // The triangles of the mesh that are left to be digitized one by one, ascending, found by all threads of the arena: by
 // `fineness`, all but those that no lattice line can meet (core/digitize/touching.h), all but tiny ones, whose edges
 // go to `edges`, or all.
-//   is_tiny   if not null, sized for all triangles and set for those returned, as Sift says
+//   is_tiny   if not null and most are tiny, sized and set for all triangles: 0 for those to be digitized one by one;
+//             then tiny ones that lines may meet are returned, too, as Sift says
 // Some are missing once the job is cancelled.
 std::vector<uint32_t> SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
                                   const Fineness& fineness, const IndexBox& box, const std::atomic<bool>& cancelled,
