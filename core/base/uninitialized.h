@@ -29,6 +29,20 @@ struct UninitializedAllocator : std::allocator<T> {
 template <class T>
 using UninitializedVector = std::vector<T, UninitializedAllocator<T>>;
 
+// The same with memory for one element more, behind the last, which kernels may read and not use.
+template <class T>
+struct PaddedAllocator : UninitializedAllocator<T> {
+  template <class U>
+  struct rebind {
+    using other = PaddedAllocator<U>;
+  };
+  T* allocate(size_t count) { return std::allocator<T>::allocate(count + 1); }
+  void deallocate(T* at, size_t count) { std::allocator<T>::deallocate(at, count + 1); }
+};
+
+template <class T>
+using PaddedVector = std::vector<T, PaddedAllocator<T>>;
+
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_BASE_UNINITIALIZED_H_

@@ -50,7 +50,7 @@ static_assert(kDepthDenominatorBits <= 62, "twice a remainder of depths must fit
 // A mesh in fixed-point lattice coordinates.
 struct SnappedMesh {
   Vec3i base_ijk;                                  // a multiple of kTileSide on every axis
-  UninitializedVector<Vec3i> vertices_lat;         // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
+  PaddedVector<Vec3i> vertices_lat;                // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
   std::vector<std::array<uint32_t, 3>> triangles;  // indices into vertices_lat
   IndexBox box;  // local voxels: no k-neighbour half-edge that starts outside meets the mesh
 };
