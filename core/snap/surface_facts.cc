@@ -13,13 +13,16 @@
 #define HWY_TARGET_INCLUDE "core/snap/surface_facts.cc"
 #include "core/snap/surface_facts.h"
 
+#define HWY_WANT_AVX3_DL         // which has AES for whole vectors
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "core/snap/padded_vertices.h"
+#include "core/snap/triangle_lanes-inl.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -71,16 +74,21 @@ Hash HashOf(const Vec3i& position) {
   return {hash.low64, hash.high64};
 }
 
+// Counts the triangle if it has no area. Whether its edges count: no two of its corners are equal.
+bool HasEdges(const SnappedMesh& mesh, const Triangle& triangle, FactsSum& sum) {
+  const auto [i, j, k] = triangle;
+  const Vec3i &a = mesh.vertices_lat[i], &b = mesh.vertices_lat[j], &c = mesh.vertices_lat[k];
+  if (HasArea(a, b, c)) return true;
+  ++sum.degenerate;
+  return a != b && b != c && c != a;
+}
+
 FactsSum PlainSum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
   FactsSum sum;
   for (size_t t = 0; t < count; ++t) {
+    if (!HasEdges(mesh, triangles[t], sum)) continue;
     const auto [i, j, k] = triangles[t];
-    const Vec3i &a = mesh.vertices_lat[i], &b = mesh.vertices_lat[j], &c = mesh.vertices_lat[k];
-    if (!HasArea(a, b, c)) {
-      ++sum.degenerate;
-      if (a == b || b == c || c == a) continue;
-    }
-    const Hash ha = HashOf(a), hb = HashOf(b), hc = HashOf(c);
+    const Hash ha = HashOf(mesh.vertices_lat[i]), hb = HashOf(mesh.vertices_lat[j]), hc = HashOf(mesh.vertices_lat[k]);
     for (size_t n = 0; n < 2; ++n) {
       const Hash product = Multiply(ha[n] ^ hb[n], ha[n] ^ hc[n]);
       for (size_t m = 0; m < 2; ++m) sum.products[n][m] ^= product[m];
@@ -108,24 +116,37 @@ FactsSum Sum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
 
 #else
 
-namespace hn = hwy::HWY_NAMESPACE;
+// Whether any 128 bits of the vector are zero.
+template <class V>
+HWY_INLINE bool AnyBlockIsZero(V v) {
+  const hn::DFromV<V> d;
+  if constexpr (hn::MaxLanes(d) == 4) return hn::AllTrue(d, hn::Eq(v, hn::Zero(d)));
+  uint64_t lanes = 0;
+  hn::StoreMaskBits(d, hn::Eq(v, hn::Zero(d)), reinterpret_cast<uint8_t*>(&lanes));
+  lanes &= lanes >> 1;
+  return (lanes & lanes >> 2 & 0x1111'1111'1111'1111) != 0;
+}
+
+// Triangles at a time, each in 128 bits of a vector: as many blocks as one instruction of AES takes.
+constexpr size_t kBlocks = HWY_TARGET == HWY_AVX3_DL ? 4 : 1;
 
 FactsSum Sum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
-  const hn::FixedTag<int32_t, 4> di;
-  const hn::FixedTag<uint64_t, 2> du;
-  const hn::FixedTag<uint8_t, 16> db;
+  const hn::FixedTag<int32_t, 4 * kBlocks> di;
+  const hn::FixedTag<uint64_t, 2 * kBlocks> du;
+  const hn::FixedTag<uint8_t, 16 * kBlocks> db;
   const PaddedVertices vertices(mesh);
-  alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0}, kRotation[] = {1, 2, 0, 3};
-  const auto axes = hn::Load(di, kAxes);
-  const auto rotation = hn::SetTableIndices(di, kRotation);
-  const auto load = [&](uint32_t index) HWY_ATTR { return hn::And(hn::LoadU(di, vertices[index]), axes); };
+  alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0};
+  alignas(16) static constexpr uint8_t kRotation[] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
+  const auto axes = hn::LoadDup128(di, kAxes);
+  const auto rotation = hn::BitCast(di, hn::LoadDup128(db, kRotation));
+  const auto rotated = [&](auto v) HWY_ATTR { return hn::TableLookupBytes(v, rotation); };
   // The hash: rounds of AES, each one to one, of which four leave no structure that differences of inputs could show
   // [Daemen and Rijmen, The Design of Rijndael, 9.5: 25 active S-boxes]. Cheaper here than to keep a hash per vertex.
   alignas(16) static constexpr uint64_t kKeys[4][2] = {{0x243F6A8885A308D3, 0x13198A2E03707344},
                                                        {0xA4093822299F31D0, 0x082EFA98EC4E6C89},
                                                        {0x452821E638D01377, 0xBE5466CF34E90C6C},
                                                        {0xC0AC29B7C97C50DD, 0x3F84D5B5B5470917}};  // of pi
-  const auto key = [&](size_t n) HWY_ATTR { return hn::BitCast(db, hn::Load(du, kKeys[n])); };
+  const auto key = [&](size_t n) HWY_ATTR { return hn::BitCast(db, hn::LoadDup128(du, kKeys[n])); };
   const auto k0 = key(0), k1 = key(1), k2 = key(2), k3 = key(3);
   const auto hash = [&](auto position) HWY_ATTR {
     const auto block = hn::AESRound(hn::AESRound(hn::BitCast(db, position), k0), k1);
@@ -133,28 +154,41 @@ FactsSum Sum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
   };
   auto first = hn::Zero(du), second = first, corners = first;
   FactsSum sum;
-  for (size_t t = 0; t < count; ++t) {
-    const auto [i, j, k] = triangles[t];
-    const auto a = load(i), b = load(j), c = load(k);
+  for (size_t t = 0; t < count; t += kBlocks) {
+    // Behind the last triangle, others of one corner: they have no area, and do not count.
+    Triangle padded[kBlocks]{};
+    const size_t here = std::min(kBlocks, count - t);
+    if (here < kBlocks) std::copy_n(&triangles[t], here, padded);
+    const Triangle* const block = here < kBlocks ? padded : &triangles[t];
+    const auto load = [&](size_t corner) HWY_ATTR {
+      return hn::And(LoadRows(di, [&](size_t n) HWY_ATTR { return vertices[block[n][corner]]; }), axes);
+    };
+    const auto a = load(0), b = load(1), c = load(2);
+    auto ha = hash(a), x = hn::Xor(ha, hash(b));
+    const auto y = hn::Xor(ha, hash(c));
     // The axes of (b - a) x (c - a) modulo 2^32, rotated. Few triangles are left to be looked at closely.
     const auto u = hn::Sub(b, a), v = hn::Sub(c, a);
-    const auto normal =
-        hn::Sub(hn::Mul(u, hn::TableLookupLanes(v, rotation)), hn::Mul(hn::TableLookupLanes(u, rotation), v));
-    if (hn::AllTrue(di, hn::Eq(normal, hn::Zero(di)))) {
-      const Vec3i &va = mesh.vertices_lat[i], &vb = mesh.vertices_lat[j], &vc = mesh.vertices_lat[k];
-      if (!HasArea(va, vb, vc)) {
-        ++sum.degenerate;
-        if (va == vb || vb == vc || vc == va) continue;
+    const auto normal = hn::Sub(hn::Mul(u, rotated(v)), hn::Mul(rotated(u), v));
+    if (AnyBlockIsZero(normal)) {
+      alignas(64) Hash counts[kBlocks]{};
+      for (size_t n = 0; n < here; ++n) {
+        if (HasEdges(mesh, block[n], sum)) counts[n] = {~uint64_t{0}, ~uint64_t{0}};
       }
+      ha = hn::And(ha, hn::Load(du, counts->data()));
+      x = hn::And(x, hn::Load(du, counts->data()));
     }
-    const auto ha = hash(a), x = hn::Xor(ha, hash(b)), y = hn::Xor(ha, hash(c));
     first = hn::Xor(first, hn::CLMulLower(x, y));
     second = hn::Xor(second, hn::CLMulUpper(x, y));
     corners = hn::Xor(corners, ha);
   }
-  hn::StoreU(first, du, sum.products[0].data());
-  hn::StoreU(second, du, sum.products[1].data());
-  hn::StoreU(corners, du, sum.corners.data());
+  const auto total = [&](auto blocks) HWY_ATTR {
+    Hash hashes[kBlocks], total{};
+    hn::StoreU(blocks, du, hashes->data());
+    for (const Hash& h : hashes) total = {total[0] ^ h[0], total[1] ^ h[1]};
+    return total;
+  };
+  sum.products = {total(first), total(second)};
+  sum.corners = total(corners);
   return sum;
 }
 
