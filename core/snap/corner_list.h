@@ -12,7 +12,7 @@ namespace latvox {
 
 // Whole vectors can be read and written; what lies behind the list means nothing.
 struct CornerList {
-  static constexpr size_t kMost = 512, kSlack = 64;  // about what a core's first-level cache holds
+  static constexpr size_t kMost = 1024, kSlack = 64;  // small beside a core's second-level cache
 
   size_t size = 0;
   uint32_t triangles[kMost + kSlack];                             // their numbers
