@@ -15,9 +15,10 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <span>
 
 #include "core/base/append_lanes-inl.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/snap/corner_list-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -25,11 +26,12 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-void SiftInLanes(const SnappedMesh&, std::span<const uint32_t> triangles, const LineForms&, SiftedLines&,
-                 std::vector<uint32_t>& kept, uint8_t* is_tiny) {
-  kept.insert(kept.end(), triangles.begin(), triangles.end());
+void SiftInLanes(const CornerList& triangles, const LineForms&, SiftedLines&, std::vector<uint32_t>& kept,
+                 uint8_t* is_tiny) {
+  const std::span numbers(triangles.triangles, triangles.size);
+  kept.insert(kept.end(), numbers.begin(), numbers.end());
   if (is_tiny != nullptr) {
-    for (const uint32_t t : triangles) is_tiny[t] = 0;
+    for (const uint32_t t : numbers) is_tiny[t] = 0;
   }
 }
 #else
@@ -41,7 +43,7 @@ using Shorts = hn::Vec<ShortLanes>;
 using Shorts3 = std::array<Shorts, 3>;
 using ShortMask = hn::Mask<ShortLanes>;
 constexpr size_t kSiftLanes = 2 * kTriangleLanes;
-static_assert(kSiftLanes <= SiftedLines::kSlack);
+static_assert(kSiftLanes <= SiftedLines::kSlack && kSiftLanes <= CornerList::kSlack);
 
 // Positions are within kNearest of a voxel close to the triangle, else it is not taken for tiny; values of forms are
 // sums of kMaxFrameRow of these at most.
@@ -139,49 +141,23 @@ HWY_INLINE Shorts3 MoreDirectionsOf(const LineForms& forms, const Values& values
   return directions;
 }
 
-// Up to kSiftLanes triangles.
-class Batch {
- public:
-  explicit HWY_INLINE Batch(std::span<const uint32_t> triangles)
-      : full_(triangles.size() == kSiftLanes),
-        low_(triangles),
-        high_(triangles.subspan(std::min(kTriangleLanes, triangles.size() - 1))) {}
-
-  // Their numbers.
-  HWY_INLINE auto low() const { return low_.Load(); }
-  HWY_INLINE auto high() const { return high_.Load(); }
-
-  // The corners, by axis, relative to a voxel close to the first one; what does not fit is as far away as can be.
-  HWY_INLINE std::array<Shorts3, 3> LoadNear(const SnappedMesh& mesh, const PaddedVertices& vertices) const {
-    const ShortLanes d;
-    const hn::Half<ShortLanes> half;
-    std::array<uint32_t, 3> copies[kSiftLanes];
-    const std::array<uint32_t, 3>* corners = &mesh.triangles[low_[0]];  // which mostly follow each other there
-    if (!full_ || high_[kTriangleLanes - 1] - low_[0] != kSiftLanes - 1) {
-      for (size_t n = 0; n < kTriangleLanes; ++n) {
-        copies[n] = mesh.triangles[low_[n]];
-        copies[n + kTriangleLanes] = mesh.triangles[high_[n]];
-      }
-      corners = copies;
+// The corners of kSiftLanes triangles, by axis, relative to a voxel close to the first one; what does not fit is as far
+// away as can be.
+//   u, v   corners of the first half of them, and of the second
+HWY_INLINE std::array<Shorts3, 3> Near(const std::array<Ints3, 3>& u, const std::array<Ints3, 3>& v) {
+  const ShortLanes d;
+  const hn::Half<ShortLanes> half;
+  std::array<Shorts3, 3> near;
+  for (size_t m = 0; m < 3; ++m) {
+    const Ints fraction = Fill(kLatticeUnit - 1), from_u = hn::AndNot(fraction, u[0][m]);
+    const Ints from_v = hn::AndNot(fraction, v[0][m]);
+    for (size_t c = 0; c < 3; ++c) {
+      near[c][m] =
+          hn::Combine(d, hn::DemoteTo(half, hn::Sub(v[c][m], from_v)), hn::DemoteTo(half, hn::Sub(u[c][m], from_u)));
     }
-    const std::array<Ints3, 3> u = LoadCorners(corners, vertices, {});
-    const std::array<Ints3, 3> v = LoadCorners(corners + kTriangleLanes, vertices, {});
-    std::array<Shorts3, 3> near;
-    for (size_t m = 0; m < 3; ++m) {
-      const Ints fraction = Fill(kLatticeUnit - 1), from_u = hn::AndNot(fraction, u[0][m]);
-      const Ints from_v = hn::AndNot(fraction, v[0][m]);
-      for (size_t c = 0; c < 3; ++c) {
-        near[c][m] =
-            hn::Combine(d, hn::DemoteTo(half, hn::Sub(v[c][m], from_v)), hn::DemoteTo(half, hn::Sub(u[c][m], from_u)));
-      }
-    }
-    return near;
   }
-
- private:
-  bool full_;
-  LaneNumbers low_, high_;
-};
+  return near;
+}
 
 // Appends, of two vectors, the lanes that the mask selects to a list.
 HWY_INLINE void AppendBoth(hn::Vec<hn::RebindToUnsigned<Lanes> > low, hn::Vec<hn::RebindToUnsigned<Lanes> > high,
@@ -212,22 +188,19 @@ HWY_INLINE void AppendLines(Shorts directions, hn::Vec<hn::RebindToUnsigned<Lane
   append(hn::UpperHalf(half, directions), high);
 }
 
-void SiftInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
-                 SiftedLines& lines, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
+                 uint8_t* is_tiny) {
   const ShortLanes d;
   const hn::RebindToUnsigned<Lanes> du;
-  const PaddedVertices vertices(mesh);
   lines.size = 0;
   const size_t before = kept.size();
-  kept.resize(before + triangles.size() + kSiftLanes);
+  kept.resize(before + triangles.size + kSiftLanes);
   uint32_t* kept_end = kept.data() + before;
-  uint32_t again[SiftedLines::kMost + SiftedLines::kSlack], again_triangles[SiftedLines::kMost];
+  uint32_t again[CornerList::kMost + CornerList::kSlack];
   uint32_t* again_end = again;
-  for (size_t n = 0; n < triangles.size(); n += kSiftLanes) {
-    const auto some = triangles.subspan(n, std::min(kSiftLanes, triangles.size() - n));
-    const Batch batch(some);
-    const Values values(forms, batch.LoadNear(mesh, vertices));
-    const ShortMask given = hn::FirstN(d, some.size());
+  for (size_t n = 0; n < triangles.size; n += kSiftLanes) {
+    const Values values(forms, Near(LoadCorners(triangles, n), LoadCorners(triangles, n + kTriangleLanes)));
+    const ShortMask given = hn::FirstN(d, triangles.size - n);
     const Shorts directions = hn::IfThenElseZero(given, DirectionsOf(forms, values));
     Shorts most = hn::Zero(d);
     for (size_t f = 0; f < forms.between; ++f) most = hn::Max(most, values.integers[f]);
@@ -240,22 +213,25 @@ void SiftInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
       keep = hn::Or(keep, hn::Or(several, hn::Ne(directions, hn::Zero(d))));
       uint64_t bits = 0;
       hn::StoreMaskBits(d, values.tiny, reinterpret_cast<uint8_t*>(&bits));
-      for (size_t m = 0; m < some.size(); ++m) is_tiny[some[m]] = bits >> m & 1;
+      const size_t count = std::min(kSiftLanes, triangles.size - n);
+      for (size_t m = 0; m < count; ++m) is_tiny[triangles.triangles[n + m]] = bits >> m & 1;
     }
     if (hn::AllFalse(d, keep)) continue;
-    AppendBoth(batch.low(), batch.high(), keep, kept_end);
+    const uint32_t* numbers = triangles.triangles + n;
+    AppendBoth(hn::LoadU(du, numbers), hn::LoadU(du, numbers + kTriangleLanes), keep, kept_end);
   }
   kept.resize(static_cast<size_t>(kept_end - kept.data()));
 
   const auto count = static_cast<size_t>(again_end - again);
-  for (size_t n = 0; n < count; ++n) again_triangles[n] = triangles[again[n]];
+  std::fill_n(again_end, kSiftLanes, 0);
   for (size_t n = 0; n < count; n += kSiftLanes) {
-    const std::span<const uint32_t> some(again_triangles + n, std::min(kSiftLanes, count - n));
-    const Values values(forms, Batch(some).LoadNear(mesh, vertices));
+    const uint32_t* places = again + n;
+    const Values values(forms,
+                        Near(LoadCornersAt(triangles, places), LoadCornersAt(triangles, places + kTriangleLanes)));
     const auto append = [&](Shorts lines_of, uint32_t which) HWY_ATTR {
       const auto more = hn::Set(du, which << SiftedLines::kPlaceBits);
-      AppendLines(hn::IfThenElseZero(hn::FirstN(d, some.size()), lines_of), hn::Add(hn::LoadU(du, again + n), more),
-                  hn::Add(hn::LoadU(du, again + n + kTriangleLanes), more), lines);
+      AppendLines(hn::IfThenElseZero(hn::FirstN(d, count - n), lines_of), hn::Add(hn::LoadU(du, places), more),
+                  hn::Add(hn::LoadU(du, places + kTriangleLanes), more), lines);
     };
     const Shorts3 directions = MoreDirectionsOf(forms, values);
     for (size_t which = 0; which < 3; ++which) append(directions[which], static_cast<uint32_t>(which) + 1);
@@ -279,9 +255,9 @@ HWY_EXPORT(SiftInLanes);
 
 }  // namespace
 
-void Sift(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms, SiftedLines& lines,
-          std::vector<uint32_t>& kept, uint8_t* is_tiny) {
-  HWY_DYNAMIC_DISPATCH(SiftInLanes)(mesh, triangles, forms, lines, kept, is_tiny);
+void Sift(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
+          uint8_t* is_tiny) {
+  HWY_DYNAMIC_DISPATCH(SiftInLanes)(triangles, forms, lines, kept, is_tiny);
 }
 
 }  // namespace latvox

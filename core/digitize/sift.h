@@ -2,12 +2,12 @@
 #ifndef LATVOX_CORE_DIGITIZE_SIFT_H_
 #define LATVOX_CORE_DIGITIZE_SIFT_H_
 
+#include <bit>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/digitize/line_forms.h"
-#include "core/snap/snap.h"
+#include "core/snap/corner_list.h"
 
 namespace latvox {
 
@@ -15,24 +15,24 @@ namespace latvox {
 // four lattice lines of each direction at most. The scalar kernel takes none for tiny.
 inline constexpr int kMostIntegers = 2;
 
-// Lines that may meet tiny triangles of a list of up to kMost. Entry n stands for one line along each direction whose
+// Lines that may meet tiny triangles of a list. Entry n stands for one line along each direction whose
 // bit is set in directions[n]: let a be the last integer that is not above all values of the first form at the corners
 // of the triangle, and b that of the second; it is the line (a - x, b - y),
 //   entries[n] = place in the list | x << kPlaceBits | y << (kPlaceBits + 1).
 struct SiftedLines {
-  static constexpr int kPlaceBits = 10;
-  static constexpr size_t kMost = size_t{1} << kPlaceBits, kSlack = 64;  // whole vectors can be read and written
+  static constexpr int kPlaceBits = std::countr_zero(CornerList::kMost);
+  static constexpr size_t kMost = 4 * CornerList::kMost, kSlack = 64;  // whole vectors can be read and written
 
   size_t size = 0;
-  uint32_t entries[4 * kMost + kSlack], directions[4 * kMost + kSlack];
+  uint32_t entries[kMost + kSlack], directions[kMost + kSlack];
 };
 static_assert(kMaxPairs < 16, "directions have a bit each in 16, of which one is a sign");
 
-// Finds all lines that meet tiny ones of the triangles, and few others. Triangles that are not tiny are appended to
-// `kept`, in their order.
+// Finds all lines that meet tiny ones of the triangles, and few others. The numbers of triangles that are not tiny are
+// appended to `kept`, in their order.
 //   is_tiny   if not null, set for each triangle, by its number; then `kept` gets tiny ones that lines may meet, too
-void Sift(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms, SiftedLines& lines,
-          std::vector<uint32_t>& kept, uint8_t* is_tiny);
+void Sift(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
+          uint8_t* is_tiny);
 
 }  // namespace latvox
 

@@ -25,7 +25,7 @@
 
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/snap/corner_list-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_TINY_CC_ONCE
@@ -70,15 +70,13 @@ static_assert(2 * kMaxPairs <= kPackedDirections);
 
 // What all triangles of a mesh have in common.
 struct Scene {
-  const SnappedMesh& mesh;
-  PaddedVertices vertices;
   LineForms all;
   std::vector<Direction> directions;
   Vec3i first;      // voxel of the first tile, local
   IndexBox wanted;  // relative to it
 
-  Scene(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, const Vec3i& first_tile)
-      : mesh(mesh), vertices(mesh), all(frames), first(first_tile * kTileSide) {
+  Scene(const std::vector<ScanFrame>& frames, const IndexBox& box, const Vec3i& first_tile)
+      : all(frames), first(first_tile * kTileSide) {
     for (size_t n = 0; n < frames.size(); ++n) directions.push_back(DirectionOf(frames[n].frame, all, n));
     for (size_t m = 0; m < 3; ++m) {
       wanted.min[m] = std::max(box.min[m] - first[m], 0);
@@ -102,7 +100,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
-void CrossAll(const Scene&, std::span<const uint32_t>, const SiftedLines&, NumberList&, PackedEdges&) {}
+void CrossAll(const Scene&, const CornerList&, const SiftedLines&, NumberList&, PackedEdges&) {}
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -126,16 +124,12 @@ HWY_INLINE Ints Times(int32_t c, Ints v) {
 
 // Up to kTriangleLanes lines along the direction, each with a tiny triangle between whose corners it lies.
 //   entries   as in SiftedLines; padded
-HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<const uint32_t> triangles,
+HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const CornerList& triangles,
                       const uint32_t* entries, size_t count, PackedEdges& out) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
   const Ints zero = hn::Zero(d), one = Fill(1);
-  std::array<uint32_t, 3> corners[kTriangleLanes];
-  for (size_t n = 0; n < kTriangleLanes; ++n) {
-    corners[n] = scene.mesh.triangles[triangles[entries[n] & (SiftedLines::kMost - 1)]];
-  }
-  const std::array<Ints3, 3> v = LoadCorners(corners, scene.vertices, scene.first * kLatticeUnit);
+  const std::array<Ints3, 3> v = LoadCornersAt(triangles, entries);
   const Ints entry = hn::BitCast(d, hn::LoadU(du, entries));
   const Ints less_a = hn::And(hn::ShiftRight<SiftedLines::kPlaceBits>(entry), one);
   const Ints less_b = hn::ShiftRight<SiftedLines::kPlaceBits + 1>(entry);
@@ -193,8 +187,9 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
 
   Ints tile = zero, edge = zero;
   for (size_t m = 0; m < 3; ++m) {
-    const Ints at = hn::Add(Times(direction.q[m], depth),
-                            hn::Add(Times(direction.u[0][m], first.from), Times(direction.u[1][m], second.from)));
+    const Ints local = hn::Add(Times(direction.q[m], depth),
+                               hn::Add(Times(direction.u[0][m], first.from), Times(direction.u[1][m], second.from)));
+    const Ints at = hn::Sub(local, Fill(scene.first[m]));
     crossed =
         hn::And(crossed, hn::And(hn::Gt(at, Fill(scene.wanted.min[m] - 1)), hn::Lt(at, Fill(scene.wanted.max[m]))));
     tile = hn::Or(hn::ShiftLeft<kPackedTileBits>(tile), hn::ShiftRight<kTileBits>(at));
@@ -210,7 +205,7 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, std::span<
 }
 
 //   list   memory
-void CrossAll(const Scene& scene, std::span<const uint32_t> triangles, const SiftedLines& lines, NumberList& list,
+void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines& lines, NumberList& list,
               PackedEdges& out) {
   const hn::RebindToUnsigned<Lanes> du;
   for (size_t direction = 0; direction < scene.directions.size(); ++direction) {
@@ -245,7 +240,7 @@ HWY_AFTER_NAMESPACE();
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include <numeric>
+#include <optional>
 
 #include "core/base/huge_pages.h"
 #include "core/base/simd.h"
@@ -257,46 +252,41 @@ namespace {
 
 HWY_EXPORT(CrossAll);
 
-// What a thread needs for one list of triangles after the other.
-struct Memory {
-  SiftedLines lines;
-  NumberList list;
-  PackedEdges edges;
-};
-
-void FindTiny(const Scene& scene, std::span<const uint32_t> triangles, Memory& memory, TileEdges::Part& part,
-              const Vec3i& margin, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
-  for (size_t n = 0; n < triangles.size(); n += SiftedLines::kMost) {
-    const auto some = triangles.subspan(n, std::min(SiftedLines::kMost, triangles.size() - n));
-    Sift(scene.mesh, some, scene.all, memory.lines, kept, is_tiny);
-    memory.edges.tiles.Clear();
-    memory.edges.edges.Clear();
-    HWY_DYNAMIC_DISPATCH(CrossAll)(scene, some, memory.lines, memory.list, memory.edges);
-    part.Append(memory.edges.tiles.view(), memory.edges.edges.view(), margin);
-  }
-}
-
 }  // namespace
 
-void FindTinyCrossings(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                       const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges,
-                       std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+struct TinyCrossings::Memory {
+  Scene scene;
+  TileEdges& edges;
+  std::unique_ptr<TileEdges::Part> part;
+  SiftedLines lines = {};
+  NumberList list = {};
+  PackedEdges found = {};
+};
+
+TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges)
+    : memory_(new Memory{Scene(frames, box, edges.first_tile()), edges, edges.Take()}) {}
+
+TinyCrossings::~TinyCrossings() { memory_->edges.Give(std::move(memory_->part)); }
+
+void TinyCrossings::Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+  auto& [scene, edges, part, lines, list, found] = *memory_;
   if (SimdIsScalar()) {
-    kept.insert(kept.end(), triangles.begin(), triangles.end());
-    if (is_tiny != nullptr) {
-      for (const uint32_t t : triangles) is_tiny[t] = 0;
+    for (size_t n = 0; n < triangles.size; ++n) {
+      kept.push_back(triangles.triangles[n]);
+      if (is_tiny != nullptr) is_tiny[triangles.triangles[n]] = 0;
     }
     return;
   }
-  std::unique_ptr<TileEdges::Part> part = edges.Take();
-  const auto memory = std::make_unique<Memory>();
-  FindTiny(Scene(mesh, frames, box, edges.first_tile()), triangles, *memory, *part, edges.margin(), kept, is_tiny);
-  edges.Give(std::move(part));
+  Sift(triangles, scene.all, lines, kept, is_tiny);
+  found.tiles.Clear();
+  found.edges.Clear();
+  HWY_DYNAMIC_DISPATCH(CrossAll)(scene, triangles, lines, list, found);
+  part->Append(found.tiles.view(), found.edges.view(), edges.margin());
 }
 
-std::vector<uint32_t> SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames,
-                                  const Fineness& fineness, const IndexBox& box, const std::atomic<bool>& cancelled,
-                                  TileEdges& edges, UninitializedVector<uint8_t>* is_tiny) {
+FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
+                          const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
+                          UninitializedVector<uint8_t>* is_tiny) {
   constexpr size_t kChunk = 1 << 14;
   const size_t count = mesh.triangles.size();
   const bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
@@ -306,33 +296,45 @@ std::vector<uint32_t> SortOutFine(const SnappedMesh& mesh, const std::vector<Sca
     AdviseHugePages(is_tiny->data(), count);
     marks = is_tiny->data();
   }
-  std::vector<std::vector<uint32_t>> parts((count + kChunk - 1) / kChunk);
+  struct Part {
+    std::vector<uint32_t> kept;
+    SurfaceSums sums;
+  };
+  std::vector<Part> parts((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
-    std::vector<uint32_t> kept, next;
+    const LineForms forms(frames);
+    const auto list = std::make_unique<CornerList>();
+    std::optional<TinyCrossings> tiny;
+    if (find_tiny) tiny.emplace(frames, box, edges);
+    std::vector<uint32_t> kept;
     for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
-      kept.resize(std::min(kChunk, count - n * kChunk));
-      std::iota(kept.begin(), kept.end(), static_cast<uint32_t>(n * kChunk));
-      if (marks != nullptr) std::fill_n(marks + n * kChunk, kept.size(), 1);  // those that no line can meet, too
-      if (fineness.few_touch) {
-        next.clear();
-        FindTouching(mesh, kept, frames, next);
-        kept.swap(next);
+      kept.clear();
+      const size_t end = std::min((n + 1) * kChunk, count);
+      if (marks != nullptr) std::fill(marks + n * kChunk, marks + end, 1);  // those that no line can meet, too
+      for (size_t first = n * kChunk; first < end; first += CornerList::kMost) {
+        list->Fill(mesh, first, std::min(CornerList::kMost, end - first));
+        parts[n].sums.Add(*list);
+        if (fineness.few_touch) KeepTouching(forms, *list);
+        if (find_tiny) {
+          tiny->Find(*list, kept, marks);
+        } else {
+          kept.insert(kept.end(), list->triangles, list->triangles + list->size);
+        }
       }
-      if (find_tiny) {
-        next.clear();
-        FindTinyCrossings(mesh, kept, frames, box, edges, next, marks);
-        kept.swap(next);
-      }
-      parts[n].assign(kept.begin(), kept.end());
+      parts[n].kept.assign(kept.begin(), kept.end());
     }
   });
   edges.Finish();
+  SurfaceSums sums;
   size_t size = 0;
-  for (const auto& part : parts) size += part.size();
-  std::vector<uint32_t> all;
-  all.reserve(size);
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  for (const Part& part : parts) {
+    sums.Add(part.sums);
+    size += part.kept.size();
+  }
+  FineTriangles fine{{}, sums.Facts()};
+  fine.kept.reserve(size);
+  for (const Part& part : parts) fine.kept.insert(fine.kept.end(), part.kept.begin(), part.kept.end());
+  return fine;
 }
 
 }  // namespace latvox

@@ -7,11 +7,10 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
+#include <utility>
 
-#include "core/base/append_lanes-inl.h"
-#include "core/digitize/line_forms.h"
-#include "core/snap/padded_vertices.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/snap/corner_list-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_TOUCHING_CC_ONCE
@@ -28,11 +27,10 @@ bool Touches(const LineForms& forms, const std::array<Vec3i, 3>& v) {
                      [&](const auto& frame) { return between[frame.form[0]] && between[frame.form[1]]; });
 }
 
-void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
-                std::vector<uint32_t>& touching) {
-  for (const uint32_t t : triangles) {
-    const auto& [v0, v1, v2] = mesh.triangles[t];
-    if (Touches(forms, {mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]})) touching.push_back(t);
+void KeepPlain(const LineForms& forms, CornerList& list) {
+  const size_t count = std::exchange(list.size, 0);
+  for (size_t n = 0; n < count; ++n) {
+    if (Touches(forms, {list.Corner(0, n), list.Corner(1, n), list.Corner(2, n)})) list.Append(list, n);
   }
 }
 
@@ -46,27 +44,16 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
-                 std::vector<uint32_t>& touching) {
-  FindScalar(mesh, triangles, forms, touching);
-}
+void KeepInLanes(const LineForms& forms, CornerList& list) { KeepPlain(forms, list); }
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const LineForms& forms,
-                 std::vector<uint32_t>& touching) {
+void KeepInLanes(const LineForms& forms, CornerList& list) {
   const Lanes d;
-  const hn::RebindToUnsigned<Lanes> du;
-  const PaddedVertices vertices(mesh);
-  const size_t before = touching.size();
-  touching.resize(before + triangles.size() + kTriangleLanes);
-  uint32_t* end = touching.data() + before;
-  for (size_t first = 0; first < triangles.size(); first += kTriangleLanes) {
-    const auto some = triangles.subspan(first, std::min(kTriangleLanes, triangles.size() - first));
-    PrefetchCorners(mesh, triangles.subspan(first));
-    const LaneNumbers numbers(some);
-    const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, numbers, {});
+  const size_t count = std::exchange(list.size, 0);
+  for (size_t first = 0; first < count; first += kTriangleLanes) {
+    const std::array<Ints3, 3> v = LoadCorners(list, first);
     // A bit for each form between whose floors at the corners there is a difference.
     Ints between = hn::Zero(d);
     for (size_t n = 0; n < forms.between; ++n) {
@@ -80,10 +67,10 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
       const Ints both = Fill(1 << frame.form[0] | 1 << frame.form[1]);
       touches = hn::Or(touches, hn::Eq(hn::And(between, both), both));
     }
-    touches = hn::And(touches, hn::FirstN(d, some.size()));
-    end += AppendLanes(du, numbers.Load(), hn::RebindMask(du, touches), end);
+    uint64_t bits = 0;
+    hn::StoreMaskBits(d, hn::And(touches, hn::FirstN(d, count - first)), reinterpret_cast<uint8_t*>(&bits));
+    for (; bits != 0; bits &= bits - 1) list.Append(list, first + static_cast<size_t>(std::countr_zero(bits)));
   }
-  touching.resize(static_cast<size_t>(end - touching.data()));
 }
 
 #endif
@@ -99,15 +86,12 @@ HWY_AFTER_NAMESPACE();
 namespace latvox {
 namespace {
 
-HWY_EXPORT(FindInLanes);
+HWY_EXPORT(KeepInLanes);
 
 }  // namespace
 
-void FindTouching(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  std::vector<uint32_t>& touching) {
-  const LineForms forms(frames);
-  SimdIsScalar() ? FindScalar(mesh, triangles, forms, touching)
-                 : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, forms, touching);
+void KeepTouching(const LineForms& forms, CornerList& triangles) {
+  SimdIsScalar() ? KeepPlain(forms, triangles) : HWY_DYNAMIC_DISPATCH(KeepInLanes)(forms, triangles);
 }
 
 }  // namespace latvox

@@ -11,18 +11,18 @@
 // corners cancel, or do not count.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/snap/surface_facts.cc"
+#define HWY_WANT_AVX3_DL  // for AES of whole vectors
 #include "core/snap/surface_facts.h"
 
-#define HWY_WANT_AVX3_DL         // which has AES for whole vectors
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
-#include "core/snap/padded_vertices.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/snap/corner_list-inl.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -34,22 +34,7 @@
 namespace latvox {
 namespace {
 
-using Triangle = std::array<uint32_t, 3>;
-using Hash = std::array<uint64_t, 2>;  // two polynomials in GF(2)[x], of degrees below 64
-
-struct FactsSum {
-  uint64_t degenerate = 0;
-  std::array<Hash, 2> products{};  // of each half, the 128 bits of the sum of (a + b)(a + c)
-  Hash corners{};                  // the sum of a
-
-  void Add(const FactsSum& other) {
-    degenerate += other.degenerate;
-    for (size_t n = 0; n < 2; ++n) {
-      for (size_t m = 0; m < 2; ++m) products[n][m] ^= other.products[n][m];
-      corners[n] ^= other.corners[n];
-    }
-  }
-};
+using Hash = SurfaceSums::Hash;
 
 // The product of two polynomials in GF(2)[x], low half first.
 Hash Multiply(uint64_t a, uint64_t b) {
@@ -74,28 +59,20 @@ Hash HashOf(const Vec3i& position) {
   return {hash.low64, hash.high64};
 }
 
-// Counts the triangle if it has no area. Whether its edges count: no two of its corners are equal.
-bool HasEdges(const SnappedMesh& mesh, const Triangle& triangle, FactsSum& sum) {
-  const auto [i, j, k] = triangle;
-  const Vec3i &a = mesh.vertices_lat[i], &b = mesh.vertices_lat[j], &c = mesh.vertices_lat[k];
-  if (HasArea(a, b, c)) return true;
-  ++sum.degenerate;
-  return a != b && b != c && c != a;
-}
-
-FactsSum PlainSum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
-  FactsSum sum;
-  for (size_t t = 0; t < count; ++t) {
-    if (!HasEdges(mesh, triangles[t], sum)) continue;
-    const auto [i, j, k] = triangles[t];
-    const Hash ha = HashOf(mesh.vertices_lat[i]), hb = HashOf(mesh.vertices_lat[j]), hc = HashOf(mesh.vertices_lat[k]);
+void AddPlain(const CornerList& list, SurfaceSums& sums) {
+  for (size_t t = 0; t < list.size; ++t) {
+    const Vec3i a = list.Corner(0, t), b = list.Corner(1, t), c = list.Corner(2, t);
+    if (!HasArea(a, b, c)) {
+      ++sums.degenerate;
+      if (a == b || b == c || c == a) continue;
+    }
+    const Hash ha = HashOf(a), hb = HashOf(b), hc = HashOf(c);
     for (size_t n = 0; n < 2; ++n) {
       const Hash product = Multiply(ha[n] ^ hb[n], ha[n] ^ hc[n]);
-      for (size_t m = 0; m < 2; ++m) sum.products[n][m] ^= product[m];
-      sum.corners[n] ^= ha[n];
+      for (size_t m = 0; m < 2; ++m) sums.products[n][m] ^= product[m];
+      sums.corners[n] ^= ha[n];
     }
   }
-  return sum;
 }
 
 }  // namespace
@@ -110,86 +87,84 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which has no vectors of two
 
-FactsSum Sum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
-  return PlainSum(mesh, triangles, count);
-}
+void AddInLanes(const CornerList& list, SurfaceSums& sums) { AddPlain(list, sums); }
 
 #else
 
-// Whether any 128 bits of the vector are zero.
-template <class V>
-HWY_INLINE bool AnyBlockIsZero(V v) {
-  const hn::DFromV<V> d;
-  if constexpr (hn::MaxLanes(d) == 4) return hn::AllTrue(d, hn::Eq(v, hn::Zero(d)));
-  uint64_t lanes = 0;
-  hn::StoreMaskBits(d, hn::Eq(v, hn::Zero(d)), reinterpret_cast<uint8_t*>(&lanes));
-  lanes &= lanes >> 1;
-  return (lanes & lanes >> 2 & 0x1111'1111'1111'1111) != 0;
+namespace hn = hwy::HWY_NAMESPACE;
+
+using HashLanes = hn::Repartition<uint64_t, Lanes>;
+using Hashes = hn::Vec<HashLanes>;
+
+// Which of the triangles from place `first` on, up to kTriangleLanes, have no area modulo 2^32: a bit for each.
+HWY_INLINE uint64_t FlatOnes(const CornerList& list, size_t first) {
+  const Lanes d;
+  const std::array<Ints3, 3> v = LoadCorners(list, first);
+  const Ints3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
+  const auto flat = hn::Eq(hn::Or(hn::Or(normal[0], normal[1]), normal[2]), hn::Zero(d));
+  uint64_t bits = 0;
+  hn::StoreMaskBits(d, hn::And(flat, hn::FirstN(d, list.size - first)), reinterpret_cast<uint8_t*>(&bits));
+  return bits;
 }
 
-// Triangles at a time, each in 128 bits of a vector: as many blocks as one instruction of AES takes.
-constexpr size_t kBlocks = HWY_TARGET == HWY_AVX3_DL ? 4 : 1;
-
-FactsSum Sum(const SnappedMesh& mesh, const Triangle* triangles, size_t count) {
-  const hn::FixedTag<int32_t, 4 * kBlocks> di;
-  const hn::FixedTag<uint64_t, 2 * kBlocks> du;
-  const hn::FixedTag<uint8_t, 16 * kBlocks> db;
-  const PaddedVertices vertices(mesh);
-  alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0};
-  alignas(16) static constexpr uint8_t kRotation[] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
-  const auto axes = hn::LoadDup128(di, kAxes);
-  const auto rotation = hn::BitCast(di, hn::LoadDup128(db, kRotation));
-  const auto rotated = [&](auto v) HWY_ATTR { return hn::TableLookupBytes(v, rotation); };
-  // The hash: rounds of AES, each one to one, of which four leave no structure that differences of inputs could show
-  // [Daemen and Rijmen, The Design of Rijndael, 9.5: 25 active S-boxes]. Cheaper here than to keep a hash per vertex.
+// The hash: rounds of AES, each one to one, of which four leave no structure that differences of inputs could show
+// [Daemen and Rijmen, The Design of Rijndael, 9.5: 25 active S-boxes]. Cheaper here than to keep a hash per vertex.
+HWY_INLINE Hashes HashesOf(Ints positions) {
   alignas(16) static constexpr uint64_t kKeys[4][2] = {{0x243F6A8885A308D3, 0x13198A2E03707344},
                                                        {0xA4093822299F31D0, 0x082EFA98EC4E6C89},
                                                        {0x452821E638D01377, 0xBE5466CF34E90C6C},
                                                        {0xC0AC29B7C97C50DD, 0x3F84D5B5B5470917}};  // of pi
-  const auto key = [&](size_t n) HWY_ATTR { return hn::BitCast(db, hn::LoadDup128(du, kKeys[n])); };
-  const auto k0 = key(0), k1 = key(1), k2 = key(2), k3 = key(3);
-  const auto hash = [&](auto position) HWY_ATTR {
-    const auto block = hn::AESRound(hn::AESRound(hn::BitCast(db, position), k0), k1);
-    return hn::BitCast(du, hn::AESRound(hn::AESRound(block, k2), k3));
-  };
-  auto first = hn::Zero(du), second = first, corners = first;
-  FactsSum sum;
-  for (size_t t = 0; t < count; t += kBlocks) {
-    // Behind the last triangle, others of one corner: they have no area, and do not count.
-    Triangle padded[kBlocks]{};
-    const size_t here = std::min(kBlocks, count - t);
-    if (here < kBlocks) std::copy_n(&triangles[t], here, padded);
-    const Triangle* const block = here < kBlocks ? padded : &triangles[t];
-    const auto load = [&](size_t corner) HWY_ATTR {
-      return hn::And(LoadRows(di, [&](size_t n) HWY_ATTR { return vertices[block[n][corner]]; }), axes);
-    };
-    const auto a = load(0), b = load(1), c = load(2);
-    auto ha = hash(a), x = hn::Xor(ha, hash(b));
-    const auto y = hn::Xor(ha, hash(c));
-    // The axes of (b - a) x (c - a) modulo 2^32, rotated. Few triangles are left to be looked at closely.
-    const auto u = hn::Sub(b, a), v = hn::Sub(c, a);
-    const auto normal = hn::Sub(hn::Mul(u, rotated(v)), hn::Mul(rotated(u), v));
-    if (AnyBlockIsZero(normal)) {
-      alignas(64) Hash counts[kBlocks]{};
-      for (size_t n = 0; n < here; ++n) {
-        if (HasEdges(mesh, block[n], sum)) counts[n] = {~uint64_t{0}, ~uint64_t{0}};
-      }
-      ha = hn::And(ha, hn::Load(du, counts->data()));
-      x = hn::And(x, hn::Load(du, counts->data()));
+  const hn::Repartition<uint8_t, Lanes> bytes;
+  auto block = hn::BitCast(bytes, positions);
+  for (const uint64_t* key : kKeys) block = hn::AESRound(block, hn::BitCast(bytes, hn::LoadDup128(HashLanes(), key)));
+  return hn::BitCast(HashLanes(), block);
+}
+
+void AddProducts(const CornerList& list, SurfaceSums& sums) {
+  const Lanes d;
+  const HashLanes dh;
+  constexpr size_t kRows = kTriangleLanes / 4;  // of a vector
+  alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0};
+  const Ints axes = hn::LoadDup128(d, kAxes);
+  Hashes first = hn::Zero(dh), second = first, corners = first;
+  for (size_t t = 0; t < list.size; t += kRows) {
+    const auto hashes = [&](size_t n)
+                            HWY_ATTR { return HashesOf(hn::And(hn::LoadU(d, list.corners[n][t].data()), axes)); };
+    Hashes a = hashes(0), x = hn::Xor(a, hashes(1));
+    const Hashes y = hn::Xor(a, hashes(2));
+    if (list.size - t < kRows) {
+      const auto given = hn::FirstN(dh, 2 * (list.size - t));
+      a = hn::IfThenElseZero(given, a);
+      x = hn::IfThenElseZero(given, x);
     }
     first = hn::Xor(first, hn::CLMulLower(x, y));
     second = hn::Xor(second, hn::CLMulUpper(x, y));
-    corners = hn::Xor(corners, ha);
+    corners = hn::Xor(corners, a);
   }
-  const auto total = [&](auto blocks) HWY_ATTR {
-    Hash hashes[kBlocks], total{};
-    hn::StoreU(blocks, du, hashes->data());
-    for (const Hash& h : hashes) total = {total[0] ^ h[0], total[1] ^ h[1]};
-    return total;
+  const auto add = [&](Hashes of, Hash& sum) HWY_ATTR {
+    uint64_t halves[2 * kRows];
+    hn::StoreU(of, dh, halves);
+    for (size_t n = 0; n < 2 * kRows; ++n) sum[n % 2] ^= halves[n];
   };
-  sum.products = {total(first), total(second)};
-  sum.corners = total(corners);
-  return sum;
+  add(first, sums.products[0]);
+  add(second, sums.products[1]);
+  add(corners, sums.corners);
+}
+
+// Triangles of two equal corners are few: what they added is taken away by adding it again.
+void AddInLanes(const CornerList& list, SurfaceSums& sums) {
+  CornerList collapsed;
+  for (size_t first = 0; first < list.size; first += kTriangleLanes) {
+    for (uint64_t bits = FlatOnes(list, first); bits != 0; bits &= bits - 1) {
+      const size_t t = first + static_cast<size_t>(std::countr_zero(bits));
+      const Vec3i a = list.Corner(0, t), b = list.Corner(1, t), c = list.Corner(2, t);
+      if (HasArea(a, b, c)) continue;
+      ++sums.degenerate;
+      if (a == b || b == c || c == a) collapsed.Append(list, t);
+    }
+  }
+  AddProducts(list, sums);
+  if (collapsed.size > 0) AddProducts(collapsed, sums);
 }
 
 #endif
@@ -208,27 +183,44 @@ HWY_AFTER_NAMESPACE();
 
 namespace latvox {
 
-HWY_EXPORT(Sum);
+HWY_EXPORT(AddInLanes);
+
+void SurfaceSums::Add(const CornerList& triangles) {
+  SimdIsScalar() ? AddPlain(triangles, *this) : HWY_DYNAMIC_DISPATCH(AddInLanes)(triangles, *this);
+}
+
+void SurfaceSums::Add(const SurfaceSums& other) {
+  degenerate += other.degenerate;
+  for (size_t n = 0; n < 2; ++n) {
+    for (size_t m = 0; m < 2; ++m) products[n][m] ^= other.products[n][m];
+    corners[n] ^= other.corners[n];
+  }
+}
+
+SurfaceFacts SurfaceSums::Facts() const {
+  bool closed = true;
+  for (size_t n = 0; n < 2; ++n) closed &= products[n] == Multiply(corners[n], corners[n]);
+  return {degenerate, closed};
+}
 
 SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
   constexpr size_t kGrain = 4096;  // triangles a task
   using Part = oneapi::tbb::blocked_range<size_t>;
-  const FactsSum sum = oneapi::tbb::parallel_reduce(
-      Part(0, mesh.triangles.size(), kGrain), FactsSum{},
-      [&](const Part& part, FactsSum s) {
-        if (cancelled) return s;
-        const Triangle* triangles = &mesh.triangles[part.begin()];
-        s.Add(SimdIsScalar() ? PlainSum(mesh, triangles, part.size())
-                             : HWY_DYNAMIC_DISPATCH(Sum)(mesh, triangles, part.size()));
+  const SurfaceSums sums = oneapi::tbb::parallel_reduce(
+      Part(0, mesh.triangles.size(), kGrain), SurfaceSums{},
+      [&](const Part& part, SurfaceSums s) {
+        CornerList list;
+        for (size_t n = part.begin(); n < part.end() && !cancelled; n += CornerList::kMost) {
+          list.Fill(mesh, n, std::min(CornerList::kMost, part.end() - n));
+          s.Add(list);
+        }
         return s;
       },
-      [](FactsSum a, const FactsSum& b) {
+      [](SurfaceSums a, const SurfaceSums& b) {
         a.Add(b);
         return a;
       });
-  bool closed = true;
-  for (size_t n = 0; n < 2; ++n) closed &= sum.products[n] == Multiply(sum.corners[n], sum.corners[n]);
-  return {sum.degenerate, closed};
+  return sums.Facts();
 }
 
 }  // namespace latvox

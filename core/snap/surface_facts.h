@@ -2,8 +2,10 @@
 #ifndef LATVOX_CORE_SNAP_SURFACE_FACTS_H_
 #define LATVOX_CORE_SNAP_SURFACE_FACTS_H_
 
+#include <array>
 #include <cstdint>
 
+#include "core/snap/corner_list.h"
 #include "core/snap/snap.h"
 
 namespace latvox {
@@ -11,6 +13,19 @@ namespace latvox {
 struct SurfaceFacts {
   uint64_t degenerate_triangles = 0;  // no area after snapping
   bool closed = false;                // every edge, by position, in an even number of triangles
+};
+
+// The same in the making: triangles may be added in any order, and sums of parts added up.
+struct SurfaceSums {
+  void Add(const CornerList& triangles);
+  void Add(const SurfaceSums& other);
+  SurfaceFacts Facts() const;
+
+  // For the kernels: two polynomials in GF(2)[x], of degrees below 64.
+  using Hash = std::array<uint64_t, 2>;
+  uint64_t degenerate = 0;
+  std::array<Hash, 2> products{};  // of each half, the 128 bits of the sum of (a + b)(a + c)
+  Hash corners{};                  // the sum of a
 };
 
 // `closed` welds by position, which codecs' duplicated vertices do not disturb. It is never denied to a mesh that is

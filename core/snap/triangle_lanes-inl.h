@@ -98,34 +98,41 @@ HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
   }
 }
 
-// The corners, by axis, of kTriangleLanes triangles, in lattice units from `origin`.
-HWY_INLINE std::array<Ints3, 3> LoadCorners(const std::array<uint32_t, 3>* triangles, const PaddedVertices& vertices,
-                                            const Vec3i& origin) {
+// In each four lanes, rows become columns, of which the last is left out.
+HWY_INLINE Ints3 ColumnsOf(const std::array<Ints, 4>& rows) {
   const Lanes d;
   const hn::Repartition<int64_t, Lanes> pairs;
+  const auto x_y_01 = hn::BitCast(pairs, hn::InterleaveLower(d, rows[0], rows[1]));
+  const auto x_y_23 = hn::BitCast(pairs, hn::InterleaveLower(d, rows[2], rows[3]));
+  const auto z_01 = hn::BitCast(pairs, hn::InterleaveUpper(d, rows[0], rows[1]));
+  const auto z_23 = hn::BitCast(pairs, hn::InterleaveUpper(d, rows[2], rows[3]));
+  return {hn::BitCast(d, hn::InterleaveLower(pairs, x_y_01, x_y_23)),
+          hn::BitCast(d, hn::InterleaveUpper(pairs, x_y_01, x_y_23)),
+          hn::BitCast(d, hn::InterleaveLower(pairs, z_01, z_23))};
+}
+
+// The corners, by axis, of kTriangleLanes triangles: row(c, n) is corner c of the n-th.
+template <class Row>
+HWY_INLINE std::array<Ints3, 3> LoadCorners(const Row& row) {
   std::array<Ints3, 3> v;
-  for (size_t n = 0; n < 3; ++n) {
-    // Every fourth triangle's corner, from the first to the fourth on; then, in each four lanes, rows become columns.
+  for (size_t c = 0; c < 3; ++c) {
+    // Every fourth triangle's corner, from the first to the fourth on.
     const auto rows = [&](size_t first) HWY_ATTR {
-      return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[triangles[4 * m + first][n]]; });
+      return LoadRows(Lanes(), [&](size_t m) HWY_ATTR { return row(c, 4 * m + first); });
     };
-    const Ints r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
-    const auto x_y_01 = hn::BitCast(pairs, hn::InterleaveLower(d, r0, r1));
-    const auto x_y_23 = hn::BitCast(pairs, hn::InterleaveLower(d, r2, r3));
-    const auto z_01 = hn::BitCast(pairs, hn::InterleaveUpper(d, r0, r1));
-    const auto z_23 = hn::BitCast(pairs, hn::InterleaveUpper(d, r2, r3));
-    v[n] = Minus({hn::BitCast(d, hn::InterleaveLower(pairs, x_y_01, x_y_23)),
-                  hn::BitCast(d, hn::InterleaveUpper(pairs, x_y_01, x_y_23)),
-                  hn::BitCast(d, hn::InterleaveLower(pairs, z_01, z_23))},
-                 Fill3(origin));
+    v[c] = ColumnsOf({rows(0), rows(1), rows(2), rows(3)});
   }
   return v;
 }
+
+// The same, in lattice units from `origin`.
 HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
                                             const LaneNumbers& triangles, const Vec3i& origin) {
   std::array<uint32_t, 3> corners[kTriangleLanes];
   for (size_t n = 0; n < kTriangleLanes; ++n) corners[n] = mesh.triangles[triangles[n]];
-  return LoadCorners(corners, vertices, origin);
+  std::array<Ints3, 3> v = LoadCorners([&](size_t c, size_t n) HWY_ATTR { return vertices[corners[n][c]]; });
+  for (Ints3& corner : v) corner = Minus(corner, Fill3(origin));
+  return v;
 }
 
 #endif

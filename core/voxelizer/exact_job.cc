@@ -42,7 +42,7 @@ class ExactJob final : public VoxelizeJob {
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
         supercover_(std::move(supercover)),
-        fineness_(supercover_ ? Fineness{} : FinenessOf(mesh_, scan_frames_)),
+        fineness_(supercover_ || band ? Fineness{} : FinenessOf(mesh_, scan_frames_)),
         edges_(Shifted(mesh_.box.min, kTileBits),
                options.minimal && !supercover_ ? ReachOf(frames_) * kNearHalo : Vec3i{}),
         context_{mesh_,
@@ -57,8 +57,9 @@ class ExactJob final : public VoxelizeJob {
         attributes_(mesh_, std::move(attributes), cancelled_),
         tree_(mesh_, 0, attributes_.AtLeastReach(band ? band->reach : context_.NearMargin()),
               attributes_.AtLeastReach(band ? band->reach : context_.FarMargin()), region, cancelled_),
+        fine_(SortOut(options, cancelled)),
         bounds_(bounds),
-        facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
+        facts_(FactsOfJob(mesh_, fine_ ? fine_->facts : FactsOf(mesh_, cancelled), region, bounds)),
         solid_(options.solid),
         band_(MakeBandContext(band, region, cancelled)),
         shard_(options.shard.value_or(Shard{})),
@@ -76,6 +77,7 @@ class ExactJob final : public VoxelizeJob {
   }
 
  private:
+  std::optional<FineTriangles> SortOut(const VoxelizeOptions& options, const std::atomic<bool>& cancelled);
   std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
                                              const std::atomic<bool>& cancelled) const;
   bool IsUnit(const TileNode& node) const;
@@ -101,6 +103,7 @@ class ExactJob final : public VoxelizeJob {
   const TileContext context_;
   const AttributeTiles attributes_;
   TileTree tree_;
+  std::optional<FineTriangles> fine_;  // if the mesh is fine
   mutable ScanPool<BlockScan> scans_;
   mutable ScanPool<BandScan> band_scans_;
   const std::optional<WorldBox> bounds_;
@@ -123,6 +126,15 @@ int BlockLevel(int tree_level) {
   constexpr int kBlocksPerThread = 4;  // of which IsSmall has the last ones taken apart
   const int threads = oneapi::tbb::this_task_arena::max_concurrency();
   return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
+}
+
+// Of a fine mesh, what has to look at every triangle is done in one pass.
+std::optional<FineTriangles> ExactJob::SortOut(const VoxelizeOptions& options, const std::atomic<bool>& cancelled) {
+  if (!fineness_.few_touch && !fineness_.most_tiny) return std::nullopt;
+  const Vec3i margin = context_.FarMargin();
+  const IndexBox around{context_.region.min - margin, context_.region.max + margin};
+  const bool list_tiny = options.solid || attributes_.wanted();
+  return SortOutFine(mesh_, scan_frames_, fineness_, around, cancelled, edges_, list_tiny ? &is_tiny_ : nullptr);
 }
 
 std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
@@ -178,14 +190,10 @@ bool ExactJob::IsLeftOut(const TileNode& node) const {
 // The top of the tree, of triangles that can have voxels. The interior asks lines along an axis; and what meets no line
 // may still be the nearest to a voxel, whose attributes it then has.
 std::vector<TileNode> ExactJob::Top() {
-  if (band_ || !(fineness_.few_touch || fineness_.most_tiny)) return tree_.Top();
-  const Vec3i margin = context_.FarMargin();
-  const IndexBox around{context_.region.min - margin, context_.region.max + margin};
-  const bool list_tiny = interior_ || attributes_.wanted();
-  std::vector<uint32_t> triangles =
-      SortOutFine(mesh_, scan_frames_, fineness_, around, cancelled_, edges_, list_tiny ? &is_tiny_ : nullptr);
+  if (!fine_) return tree_.Top();
   tree_.AddEdges(edges_);
-  return (interior_ && !has_axes_) || attributes_.wanted() ? tree_.Top() : tree_.Top(std::move(triangles));
+  const bool all = (interior_ && !has_axes_) || attributes_.wanted();
+  return all ? tree_.Top() : tree_.Top(std::move(fine_->kept));
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are

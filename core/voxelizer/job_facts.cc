@@ -1,7 +1,5 @@
 #include "core/voxelizer/job_facts.h"
 
-#include "core/snap/surface_facts.h"
-
 namespace latvox {
 namespace {
 
@@ -29,9 +27,8 @@ bool HasTile(const IndexBox& box, const Vec3i& tile_ijk) {
 
 bool JobFacts::HasTile(const Vec3i& tile_ijk) const { return index_box && latvox::HasTile(*index_box, tile_ijk); }
 
-JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::optional<WorldBox>& bounds,
-                    const std::atomic<bool>& cancelled) {
-  const SurfaceFacts surface = FactsOf(mesh, cancelled);
+JobFacts FactsOfJob(const SnappedMesh& mesh, const SurfaceFacts& surface, const IndexBox& region,
+                    const std::optional<WorldBox>& bounds) {
   JobFacts facts;
   facts.triangles = mesh.triangles.size();
   facts.vertices = mesh.vertices_lat.size();

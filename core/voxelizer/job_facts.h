@@ -2,18 +2,18 @@
 #ifndef LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 #define LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 
-#include <atomic>
 #include <optional>
 
 #include "core/snap/snap.h"
+#include "core/snap/surface_facts.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
 
 namespace latvox {
 
 // Facts of a job that delivers the voxels of `region` (local; empty if none) within `bounds`.
-JobFacts FactsOfJob(const SnappedMesh& mesh, const IndexBox& region, const std::optional<WorldBox>& bounds,
-                    const std::atomic<bool>& cancelled);
+JobFacts FactsOfJob(const SnappedMesh& mesh, const SurfaceFacts& surface, const IndexBox& region,
+                    const std::optional<WorldBox>& bounds);
 
 bool IsEmpty(const IndexBox& box);
 

@@ -54,7 +54,7 @@ class ThesisJob : public VoxelizeJob {
         lattice_(lattice),
         options_(options),
         bounds_(bounds),
-        facts_(FactsOfJob(mesh_, region, bounds, cancelled)),
+        facts_(FactsOfJob(mesh_, FactsOf(mesh_, cancelled), region, bounds)),
         span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, bounds, cancelled)) {}
 
   const JobFacts& facts() const override { return facts_; }

@@ -91,10 +91,13 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
         std::vector<uint32_t> scalar;
         for (const Simd simd : SimdHere()) {
           const ForcedSimd forced(simd);
-          std::vector<uint32_t> touching{7};  // what is there stays
-          FindTouching(mesh, Iota(triangles.size()), frames, touching);
-          ASSERT_TRUE(std::is_sorted(touching.begin() + 1, touching.end())) << SimdInUse();
-          ASSERT_TRUE(std::includes(touching.begin() + 1, touching.end(), crossed.begin(), crossed.end()))
+          std::vector<uint32_t> touching;
+          ForEachList(mesh, [&](CornerList& list) {
+            KeepTouching(LineForms(frames), list);
+            touching.insert(touching.end(), list.triangles, list.triangles + list.size);
+          });
+          ASSERT_TRUE(std::is_sorted(touching.begin(), touching.end())) << SimdInUse();
+          ASSERT_TRUE(std::includes(touching.begin(), touching.end(), crossed.begin(), crossed.end()))
               << l.name << " k " << k << " size " << size << " " << SimdInUse();
           if (simd == Simd::kScalar) scalar = touching;
           EXPECT_EQ(touching, scalar) << SimdInUse();

@@ -42,6 +42,12 @@ Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, co
   return collected;
 }
 
+void FindAll(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges,
+             std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+  TinyCrossings crossings(frames, box, edges);
+  ForEachList(mesh, [&](const CornerList& list) { crossings.Find(list, kept, is_tiny); });
+}
+
 TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
   const Vec3i tile_min{128, 64, 192};
   const IndexBox all{tile_min - Vec3i{64, 64, 64}, tile_min + Vec3i{128, 128, 128}};
@@ -63,7 +69,7 @@ TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
           for (const Vec3i& margin : {reach * 2, Vec3i{}}) {
             TileEdges found(Shifted(all.min, kTileBits), margin);
             std::vector<uint32_t> others{7};  // what is there stays
-            FindTinyCrossings(mesh, Iota(triangles.size()), frames, all, found, others, nullptr);
+            FindAll(mesh, frames, all, found, others, nullptr);
             found.Finish();
             ASSERT_EQ(others.front(), 7U);
             others.erase(others.begin());
@@ -94,7 +100,7 @@ TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyO
     TileEdges found(Shifted(box.min, kTileBits), {});
     std::vector<uint32_t> kept;
     std::vector<uint8_t> is_tiny(triangles.size(), 7);
-    FindTinyCrossings(mesh, Iota(triangles.size()), frames, box, found, kept, is_tiny.data());
+    FindAll(mesh, frames, box, found, kept, is_tiny.data());
     found.Finish();
     Edges expected, edges = Collected(found, frames, tile_min, box, layout);
     std::set<uint32_t> crossed;

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <random>
 #include <vector>
 
 #include "core/digitize/crossing.h"
 #include "core/digitize/principal_scan.h"
+#include "core/snap/corner_list.h"
 #include "core/snap/snap.h"
 
 namespace latvox {
@@ -30,6 +32,16 @@ inline std::vector<uint32_t> Iota(size_t size) {
   std::vector<uint32_t> numbers(size);
   for (uint32_t n = 0; n < size; ++n) numbers[n] = n;
   return numbers;
+}
+
+// Calls f(CornerList&) for all triangles, list after list.
+template <class F>
+void ForEachList(const SnappedMesh& mesh, F&& f) {
+  const auto list = std::make_unique<CornerList>();
+  for (size_t first = 0; first < mesh.triangles.size(); first += CornerList::kMost) {
+    list->Fill(mesh, first, std::min(CornerList::kMost, mesh.triangles.size() - first));
+    f(*list);
+  }
 }
 
 inline Vec3i ReachOf(const std::vector<ScanFrame>& frames) {
