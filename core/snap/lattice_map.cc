@@ -30,10 +30,9 @@ Vec3d ToLattice(const LatticeMap& map, const Vec3f& p) {
   return v;
 }
 
-LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count) {
+LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count) {
   LatticeRange range;
   for (size_t n = 0; n < count; ++n) {
-    if (used[n] == 0) continue;
     const Vec3d v = ToLattice(map, vertices[n]);
     range.Add({v, v});
   }
@@ -86,32 +85,27 @@ HWY_INLINE Vertices LoadLattice(const LatticeMap& map, const Vec3f* vertices) {
   return {row(0), row(1), row(2)};
 }
 
-LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count) {
+LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count) {
   const D d;
-  const hn::Rebind<uint8_t, D> bytes;
-  const hn::RebindToUnsigned<D> words;
   const size_t lanes = hn::Lanes(d);
   LatticeRange range;
   V low_x = hn::Set(d, range.min[0]), low_y = low_x, low_z = low_x;
   V high_x = hn::Set(d, range.max[0]), high_y = high_x, high_z = high_x;
   size_t n = 0;
   for (; n + lanes <= count; n += lanes) {
-    const auto counts = hn::RebindMask(
-        d, hn::Ne(hn::PromoteTo(words, hn::PromoteTo(hn::Rebind<uint32_t, D>(), hn::LoadU(bytes, used + n))),
-                  hn::Zero(words)));
     const Vertices v = LoadLattice(map, vertices + n);
-    low_x = hn::IfThenElse(counts, hn::Min(v.x, low_x), low_x);
-    low_y = hn::IfThenElse(counts, hn::Min(v.y, low_y), low_y);
-    low_z = hn::IfThenElse(counts, hn::Min(v.z, low_z), low_z);
-    high_x = hn::IfThenElse(counts, hn::Max(v.x, high_x), high_x);
-    high_y = hn::IfThenElse(counts, hn::Max(v.y, high_y), high_y);
-    high_z = hn::IfThenElse(counts, hn::Max(v.z, high_z), high_z);
+    low_x = hn::Min(v.x, low_x);
+    low_y = hn::Min(v.y, low_y);
+    low_z = hn::Min(v.z, low_z);
+    high_x = hn::Max(v.x, high_x);
+    high_y = hn::Max(v.y, high_y);
+    high_z = hn::Max(v.z, high_z);
   }
   range.min = {hn::GetLane(hn::MinOfLanes(d, low_x)), hn::GetLane(hn::MinOfLanes(d, low_y)),
                hn::GetLane(hn::MinOfLanes(d, low_z))};
   range.max = {hn::GetLane(hn::MaxOfLanes(d, high_x)), hn::GetLane(hn::MaxOfLanes(d, high_y)),
                hn::GetLane(hn::MaxOfLanes(d, high_z))};
-  range.Add(PlainRangeOf(map, vertices + n, used + n, count - n));
+  range.Add(PlainRangeOf(map, vertices + n, count - n));
   return range;
 }
 
@@ -155,9 +149,9 @@ void LatticeRange::Add(const LatticeRange& other) {
   }
 }
 
-LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count) {
-  if (SimdIsScalar()) return PlainRangeOf(map, vertices, used, count);
-  return HWY_DYNAMIC_DISPATCH(RangeOf)(map, vertices, used, count);
+LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count) {
+  if (SimdIsScalar()) return PlainRangeOf(map, vertices, count);
+  return HWY_DYNAMIC_DISPATCH(RangeOf)(map, vertices, count);
 }
 
 void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,

@@ -23,8 +23,8 @@ struct LatticeRange {
   void Add(const LatticeRange& other);
 };
 
-// The range of those of `count` vertices that are used, which is to say that used[n] != 0.
-LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, const uint8_t* used, size_t count);
+// The range of `count` vertices.
+LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count);
 
 // Clamps the lattice coordinates of `count` vertices to `range` and rounds them half to even to multiples of
 // 1/kLatticeUnit, which out[n] counts from `base_ijk`.

@@ -2,16 +2,15 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_reduce.h>
 
 #include <atomic>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/base/huge_pages.h"
 #include "core/snap/lattice_map.h"
+#include "core/snap/mesh_range.h"
 
 namespace latvox {
 namespace {
@@ -19,40 +18,8 @@ namespace {
 using oneapi::tbb::blocked_range;
 using Part = blocked_range<size_t>;
 
-constexpr size_t kGrain = 4096;  // vertices or triangles a task
+constexpr size_t kGrain = 4096;  // vertices a task
 constexpr char kAxisName[] = "ijk";
-
-// Nonzero for each vertex that a triangle uses.
-std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
-  std::vector<uint8_t> used(mesh.vertices.size());
-  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
-    if (cancelled) return;
-    // Bytes may alias anything, pointers to them included; hence the copies. And they are not read first: whether a
-    // mark is set already is hard to predict.
-    uint8_t* const marks = used.data();
-    const std::span triangles(&mesh.triangles[part.begin()], part.size());
-    for (const std::array<uint32_t, 3> triangle : triangles) {
-      for (uint32_t index : triangle) std::atomic_ref(marks[index]).store(1, std::memory_order_relaxed);
-    }
-  });
-  return used;
-}
-
-// Only vertices that triangles use count.
-LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled) {
-  const std::vector<uint8_t> used = UsedVertices(mesh, cancelled);
-  return oneapi::tbb::parallel_reduce(
-      Part(0, mesh.vertices.size(), kGrain), LatticeRange{},
-      [&](const Part& part, LatticeRange range) {
-        if (cancelled) return range;
-        range.Add(RangeOf(map, &mesh.vertices[part.begin()], &used[part.begin()], part.size()));
-        return range;
-      },
-      [](LatticeRange a, const LatticeRange& b) {
-        a.Add(b);
-        return a;
-      });
-}
 
 // How far the mesh reaches is told first: where it is too far, so may be where it lies, and no origin would help.
 absl::Status CheckRange(const LatticeRange& range, double voxel_size) {

@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +12,8 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/huge_pages.h"
 #include "core/snap/snap.h"
@@ -198,6 +201,88 @@ TEST(Snap, VerticesThatNoTriangleUsesChangeNothingWhereverTheyAre) {
       ASSERT_EQ(snapped->vertices_lat[used[n]], expected->vertices_lat[n]) << kSeed;
     }
   });
+}
+
+// A bumpy sheet whose vertices are numbered as its triangles come.
+TriangleMesh Sheet() {
+  constexpr unsigned kSeed = 18;
+  constexpr uint32_t kSide = 180;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> bump(-20, 20);
+  TriangleMesh sheet;
+  for (uint32_t n = 0; n < kSide * kSide; ++n) {
+    sheet.vertices.push_back({static_cast<float>(n / kSide) - 90, static_cast<float>(n % kSide), bump(random)});
+    if (n / kSide + 1 == kSide || n % kSide + 1 == kSide) continue;
+    sheet.triangles.push_back({n, n + 1, n + kSide});
+    sheet.triangles.push_back({n + 1, n + kSide + 1, n + kSide});
+  }
+  return sheet;
+}
+
+TEST(Snap, TheRangeIsThatOfUsedVerticesHoweverTheyAreNumbered) {
+  constexpr unsigned kSeed = 23;
+  std::mt19937 random(kSeed);
+  const TriangleMesh sheet = Sheet();
+  const Lattice bcc = *Lattice::Named(NamedLattice::kBcc).Scaled(0.7);
+  const Vec3d origin{-0.3, 4, 0};
+  const auto expected = Snap(sheet, bcc, origin, {1, 1, 1});
+  ASSERT_TRUE(expected.ok());
+  const auto expect_same_range = [&](const TriangleMesh& mesh) {
+    WithEachSimd([&] {
+      const auto snapped = Snap(mesh, bcc, origin, {1, 1, 1});
+      ASSERT_TRUE(snapped.ok()) << snapped.status();
+      EXPECT_EQ(snapped->base_ijk, expected->base_ijk);
+      EXPECT_EQ(snapped->box, expected->box);
+    });
+  };
+  TriangleMesh shuffled = sheet;
+  std::shuffle(shuffled.triangles.begin(), shuffled.triangles.end(), random);
+  expect_same_range(shuffled);
+  // One unused vertex, beyond or beside each used one, at either end or in the middle.
+  const auto with_unused = [](TriangleMesh mesh, size_t at, const Vec3f& position) {
+    mesh.vertices.insert(mesh.vertices.begin() + static_cast<ptrdiff_t>(at), position);
+    for (auto& triangle : mesh.triangles) {
+      for (uint32_t& index : triangle) index += index >= at ? 1 : 0;
+    }
+    return mesh;
+  };
+  const size_t count = sheet.vertices.size();
+  for (const TriangleMesh* mesh : {&sheet, &std::as_const(shuffled)}) {
+    for (const size_t at : {size_t{0}, count / 2, count}) {
+      for (size_t m = 0; m < 3; ++m) {
+        Vec3f position{};
+        for (const float far : {-1000.0F, 1000.0F}) {
+          position[m] = far;
+          expect_same_range(with_unused(*mesh, at, position));
+        }
+        const auto by_axis = [m](const Vec3f& a, const Vec3f& b) { return a[m] < b[m]; };
+        const auto [least, most] = std::minmax_element(sheet.vertices.begin(), sheet.vertices.end(), by_axis);
+        expect_same_range(with_unused(*mesh, at, *least));
+        expect_same_range(with_unused(*mesh, at, *most));
+      }
+    }
+  }
+  // An extreme of its own, used by one triangle alone, far from where others use such numbers.
+  const std::vector<uint32_t> numbers{0, static_cast<uint32_t>(count) / 2, static_cast<uint32_t>(count)};
+  for (const uint32_t number : numbers) {
+    for (const size_t at : {size_t{0}, sheet.triangles.size() / 2, sheet.triangles.size()}) {
+      TriangleMesh mesh = with_unused(sheet, number, {0, 1000, 0});
+      const std::array<uint32_t, 3> triangle{number, number == 0 ? 1U : 0U, 2};
+      mesh.triangles.insert(mesh.triangles.begin() + static_cast<ptrdiff_t>(at), triangle);
+      TriangleMesh last = sheet;
+      last.vertices.push_back({0, 1000, 0});
+      last.triangles.push_back({0, 1, static_cast<uint32_t>(count)});
+      const auto reached = Snap(last, bcc, origin, {1, 1, 1}), snapped = Snap(mesh, bcc, origin, {1, 1, 1});
+      ASSERT_TRUE(reached.ok() && snapped.ok());
+      EXPECT_EQ(snapped->box, reached->box);
+      EXPECT_NE(snapped->box, expected->box);
+    }
+  }
+}
+
+TEST(Snap, SaysSoWhereItWasCancelled) {
+  const std::atomic<bool> cancelled = true;
+  EXPECT_TRUE(absl::IsCancelled(Snap(Sheet(), Cartesian(), {0, 0, 0}, {1, 1, 1}, cancelled).status()));
 }
 
 // Facts from a table of all edges, and from exact areas.

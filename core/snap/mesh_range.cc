@@ -1,0 +1,134 @@
+#include "core/snap/mesh_range.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace latvox {
+namespace {
+
+using Part = oneapi::tbb::blocked_range<size_t>;
+
+constexpr size_t kGrain = 4096;  // vertices or triangles a task
+
+// 1 for each vertex that a triangle uses, else 0.
+std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
+  std::vector<uint8_t> used(mesh.vertices.size());
+  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+    if (cancelled) return;
+    // Bytes may alias anything, pointers to them included; hence the copies. And they are not read first: whether a
+    // mark is set already is hard to predict.
+    uint8_t* const marks = used.data();
+    const std::span triangles(&mesh.triangles[part.begin()], part.size());
+    for (const std::array<uint32_t, 3> triangle : triangles) {
+      for (uint32_t index : triangle) std::atomic_ref(marks[index]).store(1, std::memory_order_relaxed);
+    }
+  });
+  return used;
+}
+
+// The ranges of each kBlock vertices.
+class BlockRanges {
+ public:
+  // Of the vertices that `used` marks; of all if it is empty. Keeps references to the mesh and the map.
+  BlockRanges(const TriangleMesh& mesh, const LatticeMap& map, const std::vector<uint8_t>& used,
+              const std::atomic<bool>& cancelled)
+      : mesh_(mesh), map_(map), ranges_((mesh.vertices.size() + kBlock - 1) / kBlock) {
+    oneapi::tbb::parallel_for(Part(0, ranges_.size(), kGrain / kBlock), [&](const Part& part) {
+      for (size_t b = part.begin(); b < part.end() && !cancelled; ++b) ranges_[b] = RangeOfBlock(b * kBlock, used);
+    });
+    for (const LatticeRange& range : ranges_) all_.Add(range);
+  }
+
+  const LatticeRange& all() const { return all_; }
+
+  // A vertex that attains all().*side on an axis, if all vertices count. Nullopt: none does, since numbers overflow.
+  std::optional<uint32_t> VertexAt(Vec3d LatticeRange::*side, size_t axis) const {
+    const auto attains = [&](const LatticeRange& range) { return (range.*side)[axis] == (all_.*side)[axis]; };
+    const auto block = std::find_if(ranges_.begin(), ranges_.end() - 1, attains);
+    size_t first = static_cast<size_t>(block - ranges_.begin()) * kBlock;
+    size_t count = std::min(kBlock, mesh_.vertices.size() - first);
+    while (count > 1) {
+      const size_t half = count / 2;
+      const bool before = attains(RangeOf(map_, &mesh_.vertices[first], half));
+      first += before ? 0 : half;
+      count = before ? half : count - half;
+    }
+    if (!attains(RangeOf(map_, &mesh_.vertices[first], 1))) return std::nullopt;
+    return static_cast<uint32_t>(first);
+  }
+
+ private:
+  static constexpr size_t kBlock = 1024;
+
+  LatticeRange RangeOfBlock(size_t first, const std::vector<uint8_t>& used) const {
+    const size_t size = std::min(kBlock, mesh_.vertices.size() - first);
+    const Vec3f* const vertices = &mesh_.vertices[first];
+    if (used.empty()) return RangeOf(map_, vertices, size);
+    std::array<Vec3f, kBlock> counted;
+    size_t count = 0;
+    for (size_t n = 0; n < size; ++n) {
+      counted[count] = vertices[n];
+      count += used[first + n];
+    }
+    return RangeOf(map_, counted.data(), count);
+  }
+
+  const TriangleMesh& mesh_;
+  const LatticeMap& map_;
+  std::vector<LatticeRange> ranges_;
+  LatticeRange all_;
+};
+
+// Whether a triangle uses the vertex, of the quarter around the one whose numbers, in a sample, are nearest to its own:
+// most meshes number vertices as their triangles come, at least in parts.
+bool IsUsedNearby(const TriangleMesh& mesh, uint32_t vertex, const std::atomic<bool>& cancelled) {
+  constexpr size_t kMostSamples = 4096, kLeastGap = 256, kStep = 2048;
+  const std::span triangles(mesh.triangles);
+  size_t center = 0;
+  int64_t nearest = std::numeric_limits<int64_t>::max();
+  for (size_t t = 0; t < triangles.size(); t += std::max(triangles.size() / kMostSamples, kLeastGap)) {
+    for (const uint32_t index : triangles[t]) {
+      const int64_t distance = std::abs(int64_t{index} - vertex);
+      if (distance < nearest) center = t;
+      nearest = std::min(nearest, distance);
+    }
+  }
+  const std::span corners(triangles.front().data(), 3 * triangles.size());
+  const auto is_used = [&](size_t first, size_t end) {
+    uint32_t used = 0;
+    for (const uint32_t index : corners.subspan(3 * first, 3 * (end - first))) used |= index == vertex ? 1 : 0;
+    return used != 0;
+  };
+  for (size_t distance = 0; distance <= triangles.size() / 8 && !cancelled; distance += kStep) {
+    const size_t below = center - std::min(center, distance), above = std::min(center + distance, triangles.size());
+    if (is_used(below - std::min(below, kStep), below)) return true;
+    if (is_used(above, std::min(above + kStep, triangles.size()))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+// To mark used vertices takes a pass over all triangles, and is hardly ever needed: where used ones attain every
+// extreme, the others change nothing.
+LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled) {
+  const BlockRanges ranges(mesh, map, {}, cancelled);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    for (const auto side : {&LatticeRange::min, &LatticeRange::max}) {
+      const std::optional<uint32_t> vertex = ranges.VertexAt(side, axis);
+      if (vertex && IsUsedNearby(mesh, *vertex, cancelled)) continue;
+      return BlockRanges(mesh, map, UsedVertices(mesh, cancelled), cancelled).all();
+    }
+  }
+  return ranges.all();
+}
+
+}  // namespace latvox

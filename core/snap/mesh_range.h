@@ -1,0 +1,17 @@
+// How far a mesh reaches in lattice coordinates.
+#ifndef LATVOX_CORE_SNAP_MESH_RANGE_H_
+#define LATVOX_CORE_SNAP_MESH_RANGE_H_
+
+#include <atomic>
+
+#include "core/mesh/mesh.h"
+#include "core/snap/lattice_map.h"
+
+namespace latvox {
+
+// The range of the vertices that triangles use. Precondition: Validate(mesh).
+LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_SNAP_MESH_RANGE_H_
