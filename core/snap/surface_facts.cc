@@ -19,10 +19,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 
-#include "core/snap/corner_list-inl.h"
+#include "core/snap/corner_list.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -59,18 +58,22 @@ Hash HashOf(const Vec3i& position) {
   return {hash.low64, hash.high64};
 }
 
+// Counts a triangle of the list if it has no area. Whether its edges count: no two of its corners are equal.
+bool HasEdges(const CornerList& list, size_t place, SurfaceSums& sums) {
+  const Vec3i a = list.Corner(0, place), b = list.Corner(1, place), c = list.Corner(2, place);
+  if (HasArea(a, b, c)) return true;
+  ++sums.degenerate;
+  return a != b && b != c && c != a;
+}
+
 void AddPlain(const CornerList& list, SurfaceSums& sums) {
   for (size_t t = 0; t < list.size; ++t) {
-    const Vec3i a = list.Corner(0, t), b = list.Corner(1, t), c = list.Corner(2, t);
-    if (!HasArea(a, b, c)) {
-      ++sums.degenerate;
-      if (a == b || b == c || c == a) continue;
-    }
-    const Hash ha = HashOf(a), hb = HashOf(b), hc = HashOf(c);
+    if (!HasEdges(list, t, sums)) continue;
+    const Hash a = HashOf(list.Corner(0, t)), b = HashOf(list.Corner(1, t)), c = HashOf(list.Corner(2, t));
     for (size_t n = 0; n < 2; ++n) {
-      const Hash product = Multiply(ha[n] ^ hb[n], ha[n] ^ hc[n]);
+      const Hash product = Multiply(a[n] ^ b[n], a[n] ^ c[n]);
       for (size_t m = 0; m < 2; ++m) sums.products[n][m] ^= product[m];
-      sums.corners[n] ^= ha[n];
+      sums.corners[n] ^= a[n];
     }
   }
 }
@@ -93,78 +96,71 @@ void AddInLanes(const CornerList& list, SurfaceSums& sums) { AddPlain(list, sums
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using HashLanes = hn::Repartition<uint64_t, Lanes>;
-using Hashes = hn::Vec<HashLanes>;
+// Triangles at a time, each in 128 bits of a vector: as many blocks as one instruction of AES takes.
+constexpr size_t kBlocks = HWY_TARGET == HWY_AVX3_DL ? 4 : 1;
 
-// Which of the triangles from place `first` on, up to kTriangleLanes, have no area modulo 2^32: a bit for each.
-HWY_INLINE uint64_t FlatOnes(const CornerList& list, size_t first) {
-  const Lanes d;
-  const std::array<Ints3, 3> v = LoadCorners(list, first);
-  const Ints3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
-  const auto flat = hn::Eq(hn::Or(hn::Or(normal[0], normal[1]), normal[2]), hn::Zero(d));
-  uint64_t bits = 0;
-  hn::StoreMaskBits(d, hn::And(flat, hn::FirstN(d, list.size - first)), reinterpret_cast<uint8_t*>(&bits));
-  return bits;
-}
+using Positions = hn::FixedTag<int32_t, 4 * kBlocks>;
+using Hashes = hn::FixedTag<uint64_t, 2 * kBlocks>;
+using Bytes = hn::FixedTag<uint8_t, 16 * kBlocks>;
 
 // The hash: rounds of AES, each one to one, of which four leave no structure that differences of inputs could show
 // [Daemen and Rijmen, The Design of Rijndael, 9.5: 25 active S-boxes]. Cheaper here than to keep a hash per vertex.
-HWY_INLINE Hashes HashesOf(Ints positions) {
+HWY_INLINE hn::Vec<Hashes> HashesOf(hn::Vec<Positions> positions) {
   alignas(16) static constexpr uint64_t kKeys[4][2] = {{0x243F6A8885A308D3, 0x13198A2E03707344},
                                                        {0xA4093822299F31D0, 0x082EFA98EC4E6C89},
                                                        {0x452821E638D01377, 0xBE5466CF34E90C6C},
                                                        {0xC0AC29B7C97C50DD, 0x3F84D5B5B5470917}};  // of pi
-  const hn::Repartition<uint8_t, Lanes> bytes;
-  auto block = hn::BitCast(bytes, positions);
-  for (const uint64_t* key : kKeys) block = hn::AESRound(block, hn::BitCast(bytes, hn::LoadDup128(HashLanes(), key)));
-  return hn::BitCast(HashLanes(), block);
+  auto block = hn::BitCast(Bytes(), positions);
+  for (const auto& key : kKeys) block = hn::AESRound(block, hn::BitCast(Bytes(), hn::LoadDup128(Hashes(), key)));
+  return hn::BitCast(Hashes(), block);
 }
 
-void AddProducts(const CornerList& list, SurfaceSums& sums) {
-  const Lanes d;
-  const HashLanes dh;
-  constexpr size_t kRows = kTriangleLanes / 4;  // of a vector
+// Whether any 128 bits of the vector are zero.
+HWY_INLINE bool AnyBlockIsZero(hn::Vec<Positions> v) {
+  const Positions d;
+  uint64_t lanes = 0;
+  hn::StoreMaskBits(d, hn::Eq(v, hn::Zero(d)), reinterpret_cast<uint8_t*>(&lanes));
+  lanes &= lanes >> 1;
+  return (lanes & lanes >> 2 & 0x1111'1111'1111'1111) != 0;
+}
+
+void AddInLanes(const CornerList& list, SurfaceSums& sums) {
+  const Positions d;
+  const Hashes dh;
   alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0};
-  const Ints axes = hn::LoadDup128(d, kAxes);
-  Hashes first = hn::Zero(dh), second = first, corners = first;
-  for (size_t t = 0; t < list.size; t += kRows) {
-    const auto hashes = [&](size_t n)
-                            HWY_ATTR { return HashesOf(hn::And(hn::LoadU(d, list.corners[n][t].data()), axes)); };
-    Hashes a = hashes(0), x = hn::Xor(a, hashes(1));
-    const Hashes y = hn::Xor(a, hashes(2));
-    if (list.size - t < kRows) {
-      const auto given = hn::FirstN(dh, 2 * (list.size - t));
-      a = hn::IfThenElseZero(given, a);
-      x = hn::IfThenElseZero(given, x);
+  alignas(16) static constexpr uint8_t kRotation[] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
+  const auto axes = hn::LoadDup128(d, kAxes), rotation = hn::BitCast(d, hn::LoadDup128(Bytes(), kRotation));
+  const auto rotated = [&](auto v) HWY_ATTR { return hn::TableLookupBytes(v, rotation); };
+  auto first = hn::Zero(dh), second = first, corners = first;
+  for (size_t t = 0; t < list.size; t += kBlocks) {
+    const auto load = [&](size_t n) HWY_ATTR { return hn::And(hn::LoadU(d, list.corners[n][t].data()), axes); };
+    const auto a = load(0), b = load(1), c = load(2);
+    auto h = HashesOf(a), x = hn::Xor(h, HashesOf(b));
+    const auto y = hn::Xor(h, HashesOf(c));
+    // The axes of (b - a) x (c - a) modulo 2^32, rotated. Few triangles are left to be looked at closely.
+    const auto u = hn::Sub(b, a), v = hn::Sub(c, a);
+    const auto normal = hn::Sub(hn::Mul(u, rotated(v)), hn::Mul(rotated(u), v));
+    const size_t here = std::min(kBlocks, list.size - t);
+    if (here < kBlocks || AnyBlockIsZero(normal)) {
+      alignas(64) Hash counts[kBlocks]{};
+      for (size_t n = 0; n < here; ++n) {
+        if (HasEdges(list, t + n, sums)) counts[n] = {~uint64_t{0}, ~uint64_t{0}};
+      }
+      h = hn::And(h, hn::Load(dh, counts->data()));
+      x = hn::And(x, hn::Load(dh, counts->data()));
     }
     first = hn::Xor(first, hn::CLMulLower(x, y));
     second = hn::Xor(second, hn::CLMulUpper(x, y));
-    corners = hn::Xor(corners, a);
+    corners = hn::Xor(corners, h);
   }
-  const auto add = [&](Hashes of, Hash& sum) HWY_ATTR {
-    uint64_t halves[2 * kRows];
-    hn::StoreU(of, dh, halves);
-    for (size_t n = 0; n < 2 * kRows; ++n) sum[n % 2] ^= halves[n];
+  const auto add = [&](auto blocks, Hash& sum) HWY_ATTR {
+    Hash hashes[kBlocks];
+    hn::StoreU(blocks, dh, hashes->data());
+    for (const Hash& hash : hashes) sum = {sum[0] ^ hash[0], sum[1] ^ hash[1]};
   };
   add(first, sums.products[0]);
   add(second, sums.products[1]);
   add(corners, sums.corners);
-}
-
-// Triangles of two equal corners are few: what they added is taken away by adding it again.
-void AddInLanes(const CornerList& list, SurfaceSums& sums) {
-  CornerList collapsed;
-  for (size_t first = 0; first < list.size; first += kTriangleLanes) {
-    for (uint64_t bits = FlatOnes(list, first); bits != 0; bits &= bits - 1) {
-      const size_t t = first + static_cast<size_t>(std::countr_zero(bits));
-      const Vec3i a = list.Corner(0, t), b = list.Corner(1, t), c = list.Corner(2, t);
-      if (HasArea(a, b, c)) continue;
-      ++sums.degenerate;
-      if (a == b || b == c || c == a) collapsed.Append(list, t);
-    }
-  }
-  AddProducts(list, sums);
-  if (collapsed.size > 0) AddProducts(collapsed, sums);
 }
 
 #endif
