@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "core/base/append_lanes-inl.h"
 
@@ -42,6 +43,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kLanes = HWY_LANES(uint32_t);
+static_assert(kLanes <= EdgeList::kSlack);
 using Numbers = hn::ScalableTag<uint32_t>;
 
 template <class V>
@@ -70,8 +72,8 @@ void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, co
       bits = 0;
       hn::StoreMaskBits(d, left, reinterpret_cast<uint8_t*>(&bits));
       TileEdges::Part::Lists& lists = part.ListsOf(first);
-      const auto append = [&](auto which, NumberList& list) HWY_ATTR {
-        list.Reserve(kLanes);
+      const auto append = [&](auto which, EdgeList& list) HWY_ATTR {
+        list.Reserve(part.memory());
         list.Grow(AppendLanes(d, edge, which, list.end()));
       };
       append(same, lists.all);
@@ -81,11 +83,10 @@ void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, co
   }
 }
 
+// Precondition: `out` has room.
 void Collect(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
   const Numbers d;
   const hn::RebindToSigned<Numbers> di;
-  out.nearer.Reserve(edges.size());
-  out.farther.Reserve(edges.size());
   uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
   for (size_t n = 0; n < edges.size(); n += kLanes) {
     const auto edge = hn::LoadU(d, edges.data() + n);
@@ -123,6 +124,29 @@ HWY_EXPORT(Append);
 HWY_EXPORT(Collect);
 
 }  // namespace
+
+uint32_t* EdgeBlocks::Next() {
+  constexpr size_t kFirst = 64 * kBlock;
+  static_assert(kHugePage / sizeof(uint32_t) % kBlock == 0);
+  if (next_ == end_ && first_ == nullptr) {
+    first_ = std::make_unique_for_overwrite<uint32_t[]>(kFirst);
+    next_ = first_.get();
+    end_ = next_ + kFirst;
+  } else if (next_ == end_) {
+    auto& edges = pieces_.emplace_back(std::make_unique_for_overwrite<Piece>())->edges;
+    AdviseHugePages(edges.data(), kHugePage);
+    next_ = edges.data();
+    end_ = next_ + edges.size();
+  }
+  return std::exchange(next_, next_ + kBlock);
+}
+
+void EdgeList::Extend(EdgeBlocks& memory) {
+  if (end_ != begin_) full_.emplace_back(begin_, end_);
+  full_size_ += static_cast<size_t>(end_ - begin_);
+  begin_ = end_ = memory.Next();
+  limit_ = begin_ + EdgeBlocks::kBlock;
+}
 
 // Few tiles are asked for again and again: those around one place.
 TileEdges::Part::Lists& TileEdges::Part::ListsOf(uint32_t tile) {
@@ -192,17 +216,29 @@ void TileEdges::Collect(const IndexBox& block, const IndexBox& box, const BitsLa
     low[m] = std::max(box.min[m] >> kTileBits, first_tile_[m]);
     high[m] = (box.max[m] - 1) >> kTileBits;
   }
+  struct Wanted {
+    const EdgeList* edges;
+    Vec3i tile;
+  };
+  std::vector<Wanted> wanted;
+  size_t size = 0;
   for (Vec3i tile = low; tile[0] <= high[0]; ++tile[0]) {
     for (tile[1] = low[1]; tile[1] <= high[1]; ++tile[1]) {
       for (tile[2] = low[2]; tile[2] <= high[2]; ++tile[2]) {
         const uint64_t number = TileNumber(tile - first_tile_);
-        at.from_box = tile * kTileSide - box.min;
         const bool all = beyond_margin || block.Contains(tile * kTileSide);
         for (auto t = From(number); t != tiles_.end() && t->number == number; ++t) {
-          HWY_DYNAMIC_DISPATCH(Collect)(at, (all ? t->lists->all : t->lists->border).view(), out);
+          wanted.push_back({all ? &t->lists->all : &t->lists->border, tile});
+          size += wanted.back().edges->size();
         }
       }
     }
+  }
+  out.nearer.Reserve(size);
+  out.farther.Reserve(size);
+  for (const auto& [edges, tile] : wanted) {
+    at.from_box = tile * kTileSide - box.min;
+    edges->ForEachBlock([&](std::span<const uint32_t> some) { HWY_DYNAMIC_DISPATCH(Collect)(at, some, out); });
   }
 }
 

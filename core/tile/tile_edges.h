@@ -3,6 +3,7 @@
 #define LATVOX_CORE_TILE_TILE_EDGES_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/huge_pages.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
 
@@ -34,6 +36,54 @@ static_assert(3 * kTileBits + kPackedEndShift <= 32);
 // A tile relative to the first: i << 20 | j << 10 | k.
 inline constexpr int kPackedTileBits = 10;
 
+// Memory for many lists that grow at the same time. A list that is enlarged by itself copies what it holds, and the
+// system hands out, and clears, its memory page by page.
+class EdgeBlocks {
+ public:
+  static constexpr size_t kBlock = 1024;  // edges
+
+  // A block, indeterminate, which is there as long as this.
+  uint32_t* Next();
+
+ private:
+  struct alignas(kHugePage) Piece {
+    std::array<uint32_t, kHugePage / sizeof(uint32_t)> edges;
+  };
+
+  std::unique_ptr<uint32_t[]> first_;  // enough for small meshes
+  std::vector<std::unique_ptr<Piece>> pieces_;
+  uint32_t *next_ = nullptr, *end_ = nullptr;
+};
+
+// Packed edges, in blocks.
+class EdgeList {
+ public:
+  static constexpr ptrdiff_t kSlack = 16;  // edges: a vector's worth
+
+  // Makes room for up to kSlack edges at end(), which may move.
+  void Reserve(EdgeBlocks& memory) {
+    if (limit_ - end_ < 2 * kSlack) Extend(memory);
+  }
+  uint32_t* end() { return end_; }
+  void Grow(size_t by) { end_ += by; }
+
+  size_t size() const { return full_size_ + static_cast<size_t>(end_ - begin_); }
+
+  // Calls f(span) for all of them, block by block; behind each kSlack more can be read.
+  template <class F>
+  void ForEachBlock(F&& f) const {
+    for (const std::span<const uint32_t>& block : full_) f(block);
+    f(std::span<const uint32_t>(begin_, end_));
+  }
+
+ private:
+  void Extend(EdgeBlocks& memory);
+
+  std::vector<std::span<const uint32_t>> full_;  // all blocks but the last
+  size_t full_size_ = 0;
+  uint32_t *begin_ = nullptr, *end_ = nullptr, *limit_ = nullptr;  // of the last
+};
+
 // Filled by several threads, then read by several.
 class TileEdges {
  public:
@@ -47,9 +97,10 @@ class TileEdges {
 
     // The edges of a tile, and again those whose nearer ends lie within the margin of the tiles around.
     struct Lists {
-      NumberList all, border;
+      EdgeList all, border;
     };
     Lists& ListsOf(uint32_t tile);
+    EdgeBlocks& memory() { return memory_; }
 
    private:
     friend class TileEdges;
@@ -57,6 +108,7 @@ class TileEdges {
       uint32_t tile = 0;
       Lists* lists = nullptr;
     };
+    EdgeBlocks memory_;
     absl::flat_hash_map<uint32_t, std::unique_ptr<Lists>> lists_;
     std::array<Recent, 64> recent_;  // by the lowest bits of a tile's coordinates
   };
