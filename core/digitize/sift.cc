@@ -5,7 +5,7 @@
 // corners lie on both sides of a, and on both sides of b (core/digitize/touching.h). Let the corners be (x, y) relative
 // to such a line: it meets the triangle iff the origin lies inside, which is to say that
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
-// all have one sign. That need not be decided where e is close to 0: whatever is let pass, FindTinyCrossings decides
+// all have one sign. That need not be decided where e is close to 0: whatever is let pass, TinyCrossings decides
 // (core/digitize/tiny.h). So 16 bits do, and the few units that products are rounded by.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/sift.cc"
@@ -20,19 +20,32 @@
 #include "core/base/append_lanes-inl.h"
 #include "core/snap/corner_list-inl.h"
 
+namespace latvox {
+#ifndef LATVOX_CORE_DIGITIZE_SIFT_CC_ONCE
+#define LATVOX_CORE_DIGITIZE_SIFT_CC_ONCE
+namespace {
+
+void TakeNone(const CornerList& triangles, SiftedLines& lines, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+  lines.size = 0;
+  const std::span numbers(triangles.triangles, triangles.size);
+  kept.insert(kept.end(), numbers.begin(), numbers.end());
+  if (is_tiny == nullptr) return;
+  for (const uint32_t t : numbers) is_tiny[t] = 0;
+}
+
+}  // namespace
+#endif
+}  // namespace latvox
+
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-void SiftInLanes(const CornerList& triangles, const LineForms&, SiftedLines&, std::vector<uint32_t>& kept,
+void SiftInLanes(const CornerList& triangles, const LineForms&, SiftedLines& lines, std::vector<uint32_t>& kept,
                  uint8_t* is_tiny) {
-  const std::span numbers(triangles.triangles, triangles.size);
-  kept.insert(kept.end(), numbers.begin(), numbers.end());
-  if (is_tiny != nullptr) {
-    for (const uint32_t t : numbers) is_tiny[t] = 0;
-  }
+  TakeNone(triangles, lines, kept, is_tiny);
 }
 #else
 
@@ -257,6 +270,7 @@ HWY_EXPORT(SiftInLanes);
 
 void Sift(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
           uint8_t* is_tiny) {
+  if (SimdIsScalar()) return TakeNone(triangles, lines, kept, is_tiny);
   HWY_DYNAMIC_DISPATCH(SiftInLanes)(triangles, forms, lines, kept, is_tiny);
 }
 

@@ -25,6 +25,7 @@
 
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
+#include "core/digitize/sift.h"
 #include "core/snap/corner_list-inl.h"
 
 namespace latvox {
@@ -237,16 +238,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
-#include <optional>
-
-#include "core/base/huge_pages.h"
-#include "core/base/simd.h"
-#include "core/digitize/touching.h"
-#include "core/tile/tile_tree.h"
-
 namespace latvox {
 namespace {
 
@@ -254,7 +245,7 @@ HWY_EXPORT(CrossAll);
 
 }  // namespace
 
-struct TinyCrossings::Memory {
+struct TinyCrossings::State {
   Scene scene;
   TileEdges& edges;
   std::unique_ptr<TileEdges::Part> part;
@@ -264,77 +255,18 @@ struct TinyCrossings::Memory {
 };
 
 TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges)
-    : memory_(new Memory{Scene(frames, box, edges.first_tile()), edges, edges.Take()}) {}
+    : state_(new State{Scene(frames, box, edges.first_tile()), edges, edges.Take()}) {}
 
-TinyCrossings::~TinyCrossings() { memory_->edges.Give(std::move(memory_->part)); }
+TinyCrossings::~TinyCrossings() { state_->edges.Give(std::move(state_->part)); }
 
 void TinyCrossings::Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
-  auto& [scene, edges, part, lines, list, found] = *memory_;
-  if (SimdIsScalar()) {
-    for (size_t n = 0; n < triangles.size; ++n) {
-      kept.push_back(triangles.triangles[n]);
-      if (is_tiny != nullptr) is_tiny[triangles.triangles[n]] = 0;
-    }
-    return;
-  }
+  auto& [scene, edges, part, lines, list, found] = *state_;
   Sift(triangles, scene.all, lines, kept, is_tiny);
+  if (lines.size == 0) return;
   found.tiles.Clear();
   found.edges.Clear();
   HWY_DYNAMIC_DISPATCH(CrossAll)(scene, triangles, lines, list, found);
   part->Append(found.tiles.view(), found.edges.view(), edges.margin());
-}
-
-FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
-                          UninitializedVector<uint8_t>* is_tiny) {
-  constexpr size_t kChunk = 1 << 14;
-  const size_t count = mesh.triangles.size();
-  const bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
-  uint8_t* marks = nullptr;
-  if (find_tiny && is_tiny != nullptr) {
-    is_tiny->resize(count);
-    AdviseHugePages(is_tiny->data(), count);
-    marks = is_tiny->data();
-  }
-  struct Part {
-    std::vector<uint32_t> kept;
-    SurfaceSums sums;
-  };
-  std::vector<Part> parts((count + kChunk - 1) / kChunk);
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
-    const LineForms forms(frames);
-    const auto list = std::make_unique<CornerList>();
-    std::optional<TinyCrossings> tiny;
-    if (find_tiny) tiny.emplace(frames, box, edges);
-    std::vector<uint32_t> kept;
-    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
-      kept.clear();
-      const size_t end = std::min((n + 1) * kChunk, count);
-      if (marks != nullptr) std::fill(marks + n * kChunk, marks + end, 1);  // those that no line can meet, too
-      for (size_t first = n * kChunk; first < end; first += CornerList::kMost) {
-        list->Fill(mesh, first, std::min(CornerList::kMost, end - first));
-        parts[n].sums.Add(*list);
-        if (fineness.few_touch) KeepTouching(forms, *list);
-        if (find_tiny) {
-          tiny->Find(*list, kept, marks);
-        } else {
-          kept.insert(kept.end(), list->triangles, list->triangles + list->size);
-        }
-      }
-      parts[n].kept.assign(kept.begin(), kept.end());
-    }
-  });
-  edges.Finish();
-  SurfaceSums sums;
-  size_t size = 0;
-  for (const Part& part : parts) {
-    sums.Add(part.sums);
-    size += part.kept.size();
-  }
-  FineTriangles fine{{}, sums.Facts()};
-  fine.kept.reserve(size);
-  for (const Part& part : parts) fine.kept.insert(fine.kept.end(), part.kept.begin(), part.kept.end());
-  return fine;
 }
 
 }  // namespace latvox

@@ -2,7 +2,9 @@
 #ifndef LATVOX_CORE_SNAP_CORNER_LIST_H_
 #define LATVOX_CORE_SNAP_CORNER_LIST_H_
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -10,7 +12,7 @@
 
 namespace latvox {
 
-// Whole vectors can be read and written; what lies behind the list means nothing.
+// Whole vectors can be read; what lies behind the list means nothing.
 struct CornerList {
   static constexpr size_t kMost = 1024, kSlack = 64;  // small beside a core's second-level cache
 
@@ -21,7 +23,7 @@ struct CornerList {
   // Of the mesh's triangles from `first` on, up to kMost of them.
   void Fill(const SnappedMesh& mesh, size_t first, size_t count);
 
-  // Of a list that may be this one, if the place is not before the end.
+  // Of a list that may be this one, with place >= size.
   void Append(const CornerList& other, size_t place) {
     triangles[size] = other.triangles[place];
     for (size_t n = 0; n < 3; ++n) corners[n][size] = other.corners[n][place];
@@ -33,6 +35,17 @@ struct CornerList {
     return {corner[0], corner[1], corner[2]};
   }
 };
+static_assert(std::has_single_bit(CornerList::kMost) && CornerList::kMost < 1 << 15,
+              "places are masked, and fit 16 bits");
+
+// Calls f() with `list` filled with the mesh's triangles from `begin` to `end`, one part after the other.
+template <class F>
+void ForEachList(const SnappedMesh& mesh, size_t begin, size_t end, CornerList& list, F&& f) {
+  for (size_t first = begin; first < end; first += CornerList::kMost) {
+    list.Fill(mesh, first, std::min(CornerList::kMost, end - first));
+    f();
+  }
+}
 
 }  // namespace latvox
 

@@ -3,7 +3,6 @@
 #define LATVOX_CORE_SNAP_LATTICE_MAP_H_
 
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 
 #include "core/base/vec.h"

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <optional>
@@ -121,6 +124,7 @@ bool IsUsedNearby(const TriangleMesh& mesh, uint32_t vertex, const std::atomic<b
 // extreme, the others change nothing.
 LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled) {
   const BlockRanges ranges(mesh, map, {}, cancelled);
+  if (cancelled) return {};
   for (size_t axis = 0; axis < 3; ++axis) {
     for (const auto side : {&LatticeRange::min, &LatticeRange::max}) {
       const std::optional<uint32_t> vertex = ranges.VertexAt(side, axis);

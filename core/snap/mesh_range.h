@@ -9,7 +9,8 @@
 
 namespace latvox {
 
-// The range of the vertices that triangles use. Precondition: Validate(mesh).
+// The range of the vertices that triangles use; once cancelled, it means nothing. Precondition: Validate(mesh), unless
+// cancelled.
 LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled);
 
 }  // namespace latvox

@@ -206,10 +206,7 @@ SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled
       Part(0, mesh.triangles.size(), kGrain), SurfaceSums{},
       [&](const Part& part, SurfaceSums s) {
         CornerList list;
-        for (size_t n = part.begin(); n < part.end() && !cancelled; n += CornerList::kMost) {
-          list.Fill(mesh, n, std::min(CornerList::kMost, part.end() - n));
-          s.Add(list);
-        }
+        if (!cancelled) ForEachList(mesh, part.begin(), part.end(), list, [&] { s.Add(list); });
         return s;
       },
       [](SurfaceSums a, const SurfaceSums& b) {

@@ -76,7 +76,6 @@ class LaneNumbers {
   LaneNumbers& operator=(const LaneNumbers&) = delete;
 
   HWY_INLINE uint32_t operator[](size_t lane) const { return numbers_[lane]; }
-  HWY_INLINE auto Load() const { return hn::LoadU(hn::RebindToUnsigned<Lanes>(), numbers_); }
 
  private:
   const uint32_t* numbers_;

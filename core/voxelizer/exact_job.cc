@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "core/band/band_scan.h"
-#include "core/digitize/fineness.h"
-#include "core/digitize/tiny.h"
+#include "core/digitize/fine_pass.h"
+#include "core/snap/surface_facts.h"
 #include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/attribute_tiles.h"
@@ -128,7 +128,7 @@ int BlockLevel(int tree_level) {
   return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
 }
 
-// Of a fine mesh, what has to look at every triangle is done in one pass.
+// Of a fine mesh, facts and crossings of tiny triangles are found in one pass.
 std::optional<FineTriangles> ExactJob::SortOut(const VoxelizeOptions& options, const std::atomic<bool>& cancelled) {
   if (!fineness_.few_touch && !fineness_.most_tiny) return std::nullopt;
   const Vec3i margin = context_.FarMargin();
@@ -192,8 +192,9 @@ bool ExactJob::IsLeftOut(const TileNode& node) const {
 std::vector<TileNode> ExactJob::Top() {
   if (!fine_) return tree_.Top();
   tree_.AddEdges(edges_);
+  std::vector<uint32_t> kept = std::move(fine_->kept);  // which is not kept any longer
   const bool all = (interior_ && !has_axes_) || attributes_.wanted();
-  return all ? tree_.Top() : tree_.Top(std::move(fine_->kept));
+  return all ? tree_.Top() : tree_.Top(std::move(kept));
 }
 
 // Takes the tree apart until its next part is one unit of work. The pipeline waits for that: hence large nodes are

@@ -21,7 +21,8 @@ namespace latvox {
 //   supercover, band, attributes   null, and nullopt, where options do not ask for them
 //   region                         local voxels to deliver, within mesh.box
 //   bounds                         of these, deliver only the ones within
-// Memory: the mesh and the tiles in flight; of a solid with force_open, also all crossings of lines along k.
+// Memory: the mesh, the edges that its tiny triangles cross, and the tiles in flight; of a solid with force_open, also
+// all crossings of lines along k.
 std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Frame>& frames,
                                           std::unique_ptr<const Supercover> supercover,
                                           const std::optional<BandPlan>& band,

@@ -1,4 +1,4 @@
-// What a job says of its mesh before it computes.
+// What a job says of its mesh before its first tile.
 #ifndef LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 #define LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/sort.h"
+#include "core/snap/surface_facts.h"
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
 #include "core/voxelizer/job_facts.h"

@@ -84,14 +84,15 @@ struct JobTotals {
 // any number of threads and any order of triangles.
 //
 // Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
-// calling thread. Memory: the snapped mesh and a bounded number of tiles; for the thesis's algorithms, which are jobs
-// with the same promises (core/voxelizer/thesis_job.h), the whole set.
+// calling thread. Memory: the snapped mesh, what Create keeps, and a bounded number of tiles; for the thesis's
+// algorithms, which are jobs with the same promises (core/voxelizer/thesis_job.h), the whole set.
 class VoxelizeJob {
  public:
-  // Snaps the mesh. Errors: INVALID_ARGUMENT naming field, value and limit: mesh (see Validate), extent, position,
-  // separability, region, bounds, shard, resume_after, solid, band, cover, attributes (each with another algorithm than
-  // kExact), basis (of a supercover; see IntegerCell). Also CANCELLED, soon, once `cancelled` is set, which concerns
-  // Create alone.
+  // Snaps the mesh, and states its facts. Of a fine one, whose triangles are smaller than voxels, the edges that these
+  // cross are found by the same pass, most of the work; they are kept from then on. Errors: INVALID_ARGUMENT naming
+  // field, value and limit: mesh (see Validate), extent, position, separability, region, bounds, shard, resume_after,
+  // solid, band, cover, attributes (each with another algorithm than kExact), basis (of a supercover; see IntegerCell).
+  // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);

@@ -4,6 +4,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <thread>
@@ -25,7 +26,7 @@ struct Run {
   std::unique_ptr<VoxelizeJob> job = nullptr;
   std::vector<TileBricks> tiles = {};
   absl::Status status = absl::OkStatus();
-  Clock::time_point start{}, created{}, first_tile{}, end{};
+  Clock::time_point start{}, first_tile{}, end{};
 };
 
 // The whole of what is timed, and the function that tests/bench/instructions counts.
@@ -35,7 +36,6 @@ extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, c
   run.status = job.status();
   if (!job.ok()) return;
   run.job = *std::move(job);
-  run.created = Clock::now();
   const auto sink = [&](TileBricks&& tile) {
     if (run.first_tile == Clock::time_point{}) run.first_tile = Clock::now();
     if (!arguments.discard) run.tiles.push_back(std::move(tile));
@@ -45,23 +45,31 @@ extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, c
   run.end = Clock::now();
 }
 
-// The longest time from a Cancel to the end of Advance, which returns when every thread has stopped; of cancels at five
-// points of the work, which takes `advance` in all.
+// The longest time from a cancel to the end of Create or Advance, which return when every thread has stopped; of
+// cancels at five points of the work, which takes `whole` in all.
 absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMesh& mesh, const Grid& grid,
-                                    Clock::duration advance) {
+                                    Clock::duration whole) {
   double most = 0;
   for (const int percent : {5, 25, 50, 75, 95}) {
-    auto job = VoxelizeJob::Create(mesh, grid, arguments.options);
-    if (!job.ok()) return job.status();
+    TriangleMesh copy = mesh;
+    std::atomic<bool> cancel = false;
+    std::atomic<VoxelizeJob*> running = nullptr;
     Clock::time_point cancelled;
     std::thread canceller([&] {
-      std::this_thread::sleep_for(advance * percent / 100);
+      std::this_thread::sleep_for(whole * percent / 100);
       cancelled = Clock::now();
-      (*job)->Cancel();
+      cancel = true;
+      if (VoxelizeJob* const job = running) job->Cancel();
     });
-    (*job)->Advance([](TileBricks&&) { return true; }).IgnoreError();
+    auto job = VoxelizeJob::Create(std::move(copy), grid, arguments.options, cancel);
+    if (job.ok()) {
+      running = job->get();
+      if (cancel) (*job)->Cancel();
+      (*job)->Advance([](TileBricks&&) { return true; }).IgnoreError();
+    }
     const auto end = Clock::now();
     canceller.join();
+    if (!job.ok() && !absl::IsCancelled(job.status())) return job.status();
     most = std::max(most, Milliseconds(end - cancelled));  // negative if it was too late
   }
   return most;
@@ -77,7 +85,7 @@ absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& 
   Measurement out;
   out.simd = SimdInUse();
   std::optional<PeakMemory> memory;
-  Clock::duration advance{};
+  Clock::duration whole{};
   const int runs = arguments.warmups + arguments.reps;
   for (int n = 0; n < runs; ++n) {
     Run run{CopyOrTake(mesh, last_use && !arguments.cancel && n + 1 == runs)};
@@ -90,7 +98,7 @@ absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& 
     }
     out.voxels = totals.voxels;
     out.digest = totals.digest.ToHex();
-    advance = run.end - run.created;
+    whole = run.end - run.start;
     if (n < arguments.warmups) continue;
     out.milliseconds.push_back(Milliseconds(run.end - run.start));
     if (run.first_tile == Clock::time_point{}) continue;
@@ -100,7 +108,7 @@ absl::StatusOr<Measurement> MeasureOurs(const Arguments& arguments, const Grid& 
   out.peak_rss_bytes = memory->Bytes();
   out.job_peak_bytes = memory->BytesBeyondStart();
   if (arguments.cancel) {
-    const auto most = MostToCancel(arguments, mesh, grid, advance);
+    const auto most = MostToCancel(arguments, mesh, grid, whole);
     if (!most.ok()) return most.status();
     out.cancel_milliseconds = *most;
   }

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/digitize/fineness.h"
+#include "core/snap/surface_facts.h"
 #include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
@@ -77,6 +78,34 @@ TEST(FineMeshes, HaveTheSameVoxelsOnAllKernelsAndThreads) {
       }
     }
   }
+}
+
+TEST(FineMeshes, HaveTheFactsOfAnyMesh) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  TriangleMesh open = FineSphere(), flat = FineSphere(), heaps = FineMesh(500);
+  open.triangles.erase(open.triangles.begin() + 5000);
+  for (uint32_t n = 0; n < 3000; n += 3) flat.triangles.push_back({n, n + 1, n});
+  for (const TriangleMesh& mesh : {FineSphere(), open, flat, heaps}) {
+    const auto frames = grid.lattice.frames(0);
+    const SurfaceFacts expected = FactsOf(*Snap(mesh, grid.lattice, grid.origin, ReachOf(frames)));
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      for (const bool solid : {false, true}) {
+        VoxelizeOptions options;
+        if (solid) options.solid = Solid{.force_open = true};
+        const auto job = VoxelizeJob::Create(mesh, grid, options);
+        ASSERT_TRUE(job.ok()) << job.status();
+        EXPECT_EQ((*job)->facts().closed, expected.closed) << SimdInUse();
+        EXPECT_EQ((*job)->facts().degenerate_triangles, expected.degenerate_triangles) << SimdInUse();
+      }
+    }
+  }
+  const auto facts = [&](const TriangleMesh& mesh) {
+    return FactsOf(*Snap(mesh, grid.lattice, grid.origin, {1, 1, 1}));
+  };
+  EXPECT_TRUE(facts(flat).closed);
+  EXPECT_EQ(facts(flat).degenerate_triangles, facts(FineSphere()).degenerate_triangles + 1000);
+  EXPECT_FALSE(facts(open).closed);
 }
 
 TEST(FineMeshes, ComeInCanonicalOrderWithProgress) {

@@ -379,6 +379,27 @@ TEST(SurfaceFacts, OneTriangleMoreOrLessOpensALargeClosedMesh) {
   });
 }
 
+TEST(SurfaceFacts, CountEveryTriangleOfEveryPartOfAMesh) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int32_t> any(0, 7);
+  SnappedMesh mesh{};
+  for (int n = 0; n < 100; ++n) mesh.vertices_lat.push_back({any(random), any(random), any(random)});
+  std::uniform_int_distribution<uint32_t> vertex(0, 99);
+  for (const size_t size : {1, 2, 3, 4, 5, 15, 16, 17, 1023, 1024, 1025, 2050, 4096, 4099}) {
+    while (mesh.triangles.size() < size) mesh.triangles.push_back({vertex(random), vertex(random), vertex(random)});
+    mesh.triangles.back() = {99, 99, 99};
+    const SurfaceFacts expected = CountedFacts(mesh);
+    SnappedMesh twice = mesh;  // which closes it
+    twice.triangles.insert(twice.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+    WithEachSimd([&] {
+      EXPECT_EQ(FactsOf(mesh).degenerate_triangles, expected.degenerate_triangles) << size;
+      EXPECT_EQ(FactsOf(mesh).closed, expected.closed) << size;
+      EXPECT_EQ(FactsOf(twice).degenerate_triangles, 2 * expected.degenerate_triangles) << size;
+      EXPECT_TRUE(FactsOf(twice).closed) << size;
+    });
+  }
+}
+
 TEST(SurfaceFacts, AnAreaThatVanishesModuloTwoToThe32IsAnArea) {
   SnappedMesh mesh;
   mesh.vertices_lat = {{0, 0, 0}, {1 << 16, 0, 0}, {0, 1 << 16, 0}, {1 << 17, 0, 0}};

@@ -38,10 +38,7 @@ inline std::vector<uint32_t> Iota(size_t size) {
 template <class F>
 void ForEachList(const SnappedMesh& mesh, F&& f) {
   const auto list = std::make_unique<CornerList>();
-  for (size_t first = 0; first < mesh.triangles.size(); first += CornerList::kMost) {
-    list->Fill(mesh, first, std::min(CornerList::kMost, mesh.triangles.size() - first));
-    f(*list);
-  }
+  ForEachList(mesh, 0, mesh.triangles.size(), *list, [&] { f(*list); });
 }
 
 inline Vec3i ReachOf(const std::vector<ScanFrame>& frames) {

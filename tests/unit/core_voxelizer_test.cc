@@ -237,6 +237,9 @@ TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   std::atomic<bool> cancelled = true;
   EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {}, cancelled).status().code(), absl::StatusCode::kCancelled);
+  // What is not valid has not been looked at by then.
+  const TriangleMesh no_vertices{.vertices = {}, .triangles = {{0, 0, 0}}};
+  EXPECT_EQ(VoxelizeJob::Create(no_vertices, grid, {}, cancelled).status().code(), absl::StatusCode::kCancelled);
   EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.algorithm = Algorithm::kIncremental}, cancelled).status().code(),
             absl::StatusCode::kCancelled);
   for (int n = 0; n < 20; ++n) {

@@ -1,0 +1,98 @@
+#include "core/digitize/fine_pass.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "core/base/huge_pages.h"
+#include "core/base/simd.h"
+#include "core/digitize/line_forms.h"
+#include "core/digitize/tiny.h"
+#include "core/digitize/touching.h"
+#include "core/snap/corner_list.h"
+#include "core/tile/tile_tree.h"
+
+namespace latvox {
+namespace {
+
+constexpr size_t kChunk = 1 << 14;  // triangles
+
+// What is found in one chunk of the mesh.
+struct Chunk {
+  std::vector<uint32_t> kept;
+  SurfaceSums sums;
+};
+
+// Goes through chunks, one after the other, in one thread.
+class ChunkPass {
+ public:
+  //   tiny   null: none is to be taken for tiny
+  //   marks  of is_tiny, or null
+  ChunkPass(const SnappedMesh& mesh, const LineForms& forms, bool few_touch, TinyCrossings* tiny, uint8_t* marks)
+      : mesh_(mesh), forms_(forms), few_touch_(few_touch), tiny_(tiny), marks_(marks) {}
+
+  Chunk Do(size_t begin, size_t end) {
+    Chunk chunk;
+    kept_.clear();
+    if (marks_ != nullptr) std::fill(marks_ + begin, marks_ + end, 1);  // those that no line can meet, too
+    ForEachList(mesh_, begin, end, *list_, [&] {
+      chunk.sums.Add(*list_);
+      if (few_touch_) KeepTouching(forms_, *list_);
+      if (tiny_ != nullptr) return tiny_->Find(*list_, kept_, marks_);
+      kept_.insert(kept_.end(), list_->triangles, list_->triangles + list_->size);
+    });
+    chunk.kept = kept_;  // no larger than it must be
+    return chunk;
+  }
+
+ private:
+  const SnappedMesh& mesh_;
+  const LineForms& forms_;
+  const bool few_touch_;
+  TinyCrossings* const tiny_;
+  uint8_t* const marks_;
+  const std::unique_ptr<CornerList> list_ = std::make_unique<CornerList>();
+  std::vector<uint32_t> kept_;
+};
+
+}  // namespace
+
+FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
+                          const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
+                          UninitializedVector<uint8_t>* is_tiny) {
+  const size_t count = mesh.triangles.size();
+  const bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
+  uint8_t* marks = nullptr;
+  if (find_tiny && is_tiny != nullptr) {
+    is_tiny->resize(count);
+    AdviseHugePages(is_tiny->data(), count);
+    marks = is_tiny->data();
+  }
+  const LineForms forms(frames);
+  std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
+    std::optional<TinyCrossings> tiny;
+    if (find_tiny) tiny.emplace(frames, box, edges);
+    ChunkPass pass(mesh, forms, fineness.few_touch, tiny ? &*tiny : nullptr, marks);
+    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
+      chunks[n] = pass.Do(n * kChunk, std::min((n + 1) * kChunk, count));
+    }
+  });
+  edges.Finish();
+
+  SurfaceSums sums;
+  size_t size = 0;
+  for (const Chunk& chunk : chunks) {
+    sums.Add(chunk.sums);
+    size += chunk.kept.size();
+  }
+  FineTriangles fine{{}, sums.Facts()};
+  fine.kept.reserve(size);
+  for (const Chunk& chunk : chunks) fine.kept.insert(fine.kept.end(), chunk.kept.begin(), chunk.kept.end());
+  return fine;
+}
+
+}  // namespace latvox

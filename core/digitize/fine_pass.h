@@ -1,0 +1,36 @@
+// One pass over a fine mesh, which does all that can be done triangle by triangle before there are tiles.
+#ifndef LATVOX_CORE_DIGITIZE_FINE_PASS_H_
+#define LATVOX_CORE_DIGITIZE_FINE_PASS_H_
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/uninitialized.h"
+#include "core/digitize/fineness.h"
+#include "core/digitize/principal_scan.h"
+#include "core/snap/snap.h"
+#include "core/snap/surface_facts.h"
+#include "core/tile/tile_edges.h"
+
+namespace latvox {
+
+struct FineTriangles {
+  std::vector<uint32_t> kept;  // those left to be digitized one by one, ascending
+  SurfaceFacts facts;
+};
+
+// Goes through the mesh with all threads of the arena. By `fineness`, left to be digitized are all triangles but those
+// that no lattice line can meet (core/digitize/touching.h), all but tiny ones, whose edges go to `edges`
+// (core/digitize/tiny.h), or all.
+//   box       local voxels: of edges with a nearer end outside, nothing is wanted
+//   is_tiny   if not null and most are tiny, sized and set for all triangles: 0 for those to be digitized one by one;
+//             then tiny ones that lines may meet are kept, too, as Sift says
+// Once the job is cancelled, parts are missing.
+FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
+                          const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
+                          UninitializedVector<uint8_t>* is_tiny);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_DIGITIZE_FINE_PASS_H_
