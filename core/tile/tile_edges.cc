@@ -165,7 +165,10 @@ void TileEdges::Part::Append(std::span<const uint32_t> tiles, std::span<const ui
 
 std::unique_ptr<TileEdges::Part> TileEdges::Take() {
   const std::lock_guard lock(mutex_);
-  if (parts_.empty()) return std::make_unique<Part>();
+  if (parts_.empty()) {
+    parts_.reserve(++made_);
+    return std::make_unique<Part>();
+  }
   std::unique_ptr<Part> part = std::move(parts_.back());
   parts_.pop_back();
   return part;

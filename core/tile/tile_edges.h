@@ -122,7 +122,7 @@ class TileEdges {
 
   // A part for a thread to go on with. Threads: any.
   std::unique_ptr<Part> Take();
-  void Give(std::unique_ptr<Part> part);
+  void Give(std::unique_ptr<Part> part);  // throws nothing
 
   // Once all parts are given back. What follows is for afterwards.
   void Finish();
@@ -150,6 +150,7 @@ class TileEdges {
   const Vec3i first_tile_, margin_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Part>> parts_;
+  size_t made_ = 0;          // parts, for which parts_ has room
   std::vector<Tile> tiles_;  // ascending
   size_t size_ = 0;
 };
