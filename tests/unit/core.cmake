@@ -11,6 +11,7 @@ endfunction()
 
 latvox_add_core_test(core_lattice_test)
 latvox_add_core_test(core_snap_test)
+latvox_add_core_test(core_surface_facts_test)
 latvox_add_core_test(core_tile_tree_test)
 latvox_add_core_test(core_crossing_test UNSANITIZED)
 # Promises of time, which sanitizers do not keep.

@@ -36,6 +36,16 @@ inline std::vector<Simd> SimdHere() {
   return here;
 }
 
+// Calls f with each of them.
+template <class F>
+void WithEachSimd(const F& f) {
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    SCOPED_TRACE(SimdInUse());
+    f();
+  }
+}
+
 }  // namespace latvox
 
 #endif  // LATVOX_TESTS_UNIT_CORE_SIMD_H_
