@@ -30,7 +30,7 @@ bool Touches(const LineForms& forms, const std::array<Vec3i, 3>& v) {
 void KeepPlain(const LineForms& forms, CornerList& list) {
   const size_t count = std::exchange(list.size, 0);
   for (size_t n = 0; n < count; ++n) {
-    if (Touches(forms, {list.Corner(0, n), list.Corner(1, n), list.Corner(2, n)})) list.Append(list, n);
+    if (Touches(forms, {list.Corner(0, n), list.Corner(1, n), list.Corner(2, n)})) list.Keep(n);
   }
 }
 
@@ -69,7 +69,7 @@ void KeepInLanes(const LineForms& forms, CornerList& list) {
     }
     uint64_t bits = 0;
     hn::StoreMaskBits(d, hn::And(touches, hn::FirstN(d, count - first)), reinterpret_cast<uint8_t*>(&bits));
-    for (; bits != 0; bits &= bits - 1) list.Append(list, first + static_cast<size_t>(std::countr_zero(bits)));
+    for (; bits != 0; bits &= bits - 1) list.Keep(first + static_cast<size_t>(std::countr_zero(bits)));
   }
 }
 

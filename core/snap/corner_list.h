@@ -23,10 +23,10 @@ struct CornerList {
   // Of the mesh's triangles from `first` on, up to kMost of them.
   void Fill(const SnappedMesh& mesh, size_t first, size_t count);
 
-  // Of a list that may be this one, with place >= size.
-  void Append(const CornerList& other, size_t place) {
-    triangles[size] = other.triangles[place];
-    for (size_t n = 0; n < 3; ++n) corners[n][size] = other.corners[n][place];
+  // Appends the triangle at a place >= size, which was in the list before `size` was set back: so some are left out.
+  void Keep(size_t place) {
+    triangles[size] = triangles[place];
+    for (auto& corner : corners) corner[size] = corner[place];
     ++size;
   }
 

@@ -15,7 +15,8 @@ struct SurfaceFacts {
   bool closed = false;                // every edge, by position, in an even number of triangles
 };
 
-// The same in the making: triangles may be added in any order, and sums of parts added up.
+// The same in the making: triangles may be added in any order, and sums of parts added up, all on the same kernels, of
+// which each kind has its own hash.
 struct SurfaceSums {
   void Add(const CornerList& triangles);
   void Add(const SurfaceSums& other);
