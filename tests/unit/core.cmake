@@ -2,7 +2,13 @@
 
 # Choose the kernels that a program runs on.
 add_library(latvox_core_main OBJECT unit/core_main.cc)
-target_link_libraries(latvox_core_main PRIVATE latvox_build latvox::core GTest::gtest)
+target_link_libraries(latvox_core_main PRIVATE latvox_build latvox::core latvox_oracle GTest::gmock)
+target_precompile_headers(
+  latvox_core_main PRIVATE
+  <algorithm> <array> <atomic> <cmath> <functional> <map> <memory> <optional> <random> <set> <span> <string> <utility>
+  <vector>
+  <absl/container/flat_hash_map.h> <absl/status/statusor.h> <absl/strings/str_cat.h> <absl/strings/str_format.h>
+  <gmock/gmock.h> <gmpxx.h> <gtest/gtest.h>)
 
 # Adds the program NAME from unit/NAME.cc, with further arguments of latvox_add_test.
 function(latvox_add_core_test NAME)

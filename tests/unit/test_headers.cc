@@ -1,0 +1,1 @@
+// Nothing: what this target precompiles is what it is for.
