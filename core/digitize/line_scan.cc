@@ -1,6 +1,7 @@
 #include "core/digitize/line_scan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace latvox {
@@ -10,9 +11,7 @@ int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
   for (const ScanFrame& scan : frames) {
     for (const Vec3i& u : scan.frame.u) most = std::max(most, std::abs(u[0]) + std::abs(u[1]) + std::abs(u[2]));
   }
-  int32_t extent = 1 << 14;
-  while (int64_t{extent} * extent * most >= int64_t{1} << 30) extent /= 2;
-  return extent;
+  return std::min(1 << 14, static_cast<int32_t>(std::sqrt(((1 << 30) - 1) / most)));
 }
 
 FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box) : size(frames.size()) {

@@ -7,6 +7,7 @@
 
 #include "core/digitize/candidates.h"
 #include "core/digitize/crossing.h"
+#include "core/digitize/line_scan.h"
 #include "core/digitize/star.h"
 #include "core/digitize/stars.h"
 #include "core/digitize/touching.h"
@@ -123,6 +124,7 @@ TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
                                         {1500, 200},
                                         {2200, 200},
                                         {9000, 40},
+                                        {14000, 40},
                                         {40000, 10},
                                         {1 << 22, 5}}) {
         const auto triangles = TrianglesAround(tile_min, size, count);
@@ -158,6 +160,31 @@ TEST(Candidates, RoundDepthsDownOnEachKernel) {
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);
       EXPECT_EQ(FromCandidates({c.triangle}, frames, box, tile_min), expected) << SimdInUse();
+    }
+  }
+}
+
+// Triangles between the corners of a cube have the largest normals.
+TEST(Candidates, OfTheLargestTrianglesThatFit32BitsAreThoseOfThePlainScanOnEachKernel) {
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    const int32_t extent = NarrowExtent(frames);
+    EXPECT_GE(extent, 1 << 13) << l.name;
+    const Vec3i reach = ReachOf(frames), tile_min{0, 0, 0};
+    const IndexBox box{tile_min - reach, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach};
+    for (const int32_t side : {extent, extent + 1}) {
+      std::vector<Triangle> triangles;
+      const auto corner = [&](int n) { return Vec3i{n >> 2, n >> 1 & 1, n & 1} * side; };
+      for (int a = 0; a < 8; ++a) {
+        for (int b = a + 1; b < 8; ++b) {
+          for (int c = b + 1; c < 8; ++c) triangles.push_back({corner(a), corner(b), corner(c)});
+        }
+      }
+      const Found expected = Expected(triangles, frames, box);
+      for (const Simd simd : SimdHere()) {
+        const ForcedSimd forced(simd);
+        ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min), expected) << l.name << " " << SimdInUse();
+      }
     }
   }
 }
