@@ -86,11 +86,6 @@ struct Scene {
   }
 };
 
-// Packed edges with their tiles; whole vectors can be read.
-struct PackedEdges {
-  NumberList tiles, edges;
-};
-
 }  // namespace
 #endif
 }  // namespace latvox
@@ -201,8 +196,7 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   const SelectedLanes<Lanes> selected(d, crossed);
   selected.Store(tile, out.tiles.end());
   selected.Store(edge, out.edges.end());
-  out.tiles.Grow(selected.count());
-  out.edges.Grow(selected.count());
+  out.Grow(selected.count());
 }
 
 //   list   memory
@@ -221,8 +215,7 @@ void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines
     }
     const auto count = static_cast<size_t>(end - list.end());
     std::fill_n(end, kTriangleLanes, 0);
-    out.tiles.Reserve(count);
-    out.edges.Reserve(count);
+    out.Reserve(count);
     for (size_t n = 0; n < count; n += kTriangleLanes) {
       Cross(scene, scene.directions[direction], triangles, list.end() + n, std::min(kTriangleLanes, count - n), out);
     }
@@ -263,10 +256,8 @@ void TinyCrossings::Find(const CornerList& triangles, std::vector<uint32_t>& kep
   auto& [scene, edges, part, lines, list, found] = *state_;
   Sift(triangles, scene.all, lines, kept, is_tiny);
   if (lines.size == 0) return;
-  found.tiles.Clear();
-  found.edges.Clear();
   HWY_DYNAMIC_DISPATCH(CrossAll)(scene, triangles, lines, list, found);
-  part->Append(found.tiles.view(), found.edges.view(), edges.margin());
+  part->Move(found, edges.margin());
 }
 
 }  // namespace latvox

@@ -10,6 +10,7 @@
 #include <bit>
 
 #include "core/base/append_lanes-inl.h"
+#include "core/base/table_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -67,9 +68,8 @@ void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set,
   }
 }
 
-// A table of so many vectors, of a bit for each hash.
-constexpr size_t kTableVectors = 4;
-constexpr size_t kTableWords = kTableVectors * kLanes;
+// A table of a bit for each hash.
+constexpr size_t kTableWords = 4 * kLanes;
 // Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
 constexpr uint32_t kHashFactor = 0x9E3779B1;
 constexpr int kBitShift = kNumberBits - 5, kWordShift = kBitShift - std::countr_zero(kTableWords);
@@ -85,15 +85,10 @@ void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span
     const uint32_t hash = member * kHashFactor;
     hashed[hash >> kWordShift & (kTableWords - 1)] |= 1U << (hash >> kBitShift & 31);
   }
-  hn::Vec<Numbers> table[kTableVectors];
-  for (size_t m = 0; m < kTableVectors; ++m) table[m] = hn::Load(d, hashed + m * kLanes);
+  const LaneTable<kTableWords> table(hashed);
   const auto likely = [&](const uint32_t* some) HWY_ATTR {
     const auto hash = hn::Mul(hn::LoadU(d, some), hn::Set(d, kHashFactor));
-    const auto at = hn::ShiftRight<kWordShift>(hash);
-    const auto lane = hn::IndicesFromVec(d, hn::And(at, hn::Set(d, kLanes - 1)));
-    const auto odd = hn::TestBit(at, hn::Set(d, kLanes)), upper = hn::TestBit(at, hn::Set(d, 2 * kLanes));
-    const auto of = [&](size_t m) HWY_ATTR { return hn::TableLookupLanes(table[m], lane); };
-    const auto word = hn::IfThenElse(upper, hn::IfThenElse(odd, of(3), of(2)), hn::IfThenElse(odd, of(1), of(0)));
+    const auto word = table.At(hn::ShiftRight<kWordShift>(hash));
     return TestBits(word, hn::ShiftRight<kBitShift>(hash));
   };
   size_t n = AppendSelected<false>(numbers, positions, likely);

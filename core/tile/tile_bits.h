@@ -66,6 +66,7 @@ class NumberList {
     if (size_ + more + kSlack > capacity_) Enlarge(more);
   }
   void Add(uint32_t number) { data_[size_++] = number; }  // Precondition: reserved
+  uint32_t* data() { return data_.get(); }
   uint32_t* end() { return data_.get() + size_; }
   void Grow(size_t by) { size_ += by; }
   void Clear() { size_ = 0; }
@@ -100,6 +101,9 @@ class TileBits {
 
   bool Test(uint32_t number) const { return words_[number >> 5] >> (number & 31) & 1; }
   void Set(uint32_t number) { words_[number >> 5] |= 1U << (number & 31); }
+  void Add(uint32_t number, bool is_member) {  // no branch
+    words_[number >> 5] |= static_cast<uint32_t>(is_member) << (number & 31);
+  }
   void SetRun(uint32_t first, uint32_t count);  // count > 0
   void Clear(uint32_t number) { words_[number >> 5] &= ~(1U << (number & 31)); }
 

@@ -1,4 +1,4 @@
-// Neighbours in a list mostly lie in one tile: a vector of edges is appended at once, tile by tile of those in it.
+// The edges of one list of triangles mostly lie in few tiles: they are moved to these tile by tile, in vectors.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tile/tile_edges.cc"
 #include "core/tile/tile_edges.h"
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/append_lanes-inl.h"
+#include "core/base/table_lanes-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_TILE_TILE_EDGES_CC_ONCE
@@ -21,6 +22,9 @@ constexpr uint32_t kInTile = kTileSide - 1;
 
 // How far the bits of an end's axis are from the lowest.
 constexpr int ShiftOf(size_t axis) { return kPackedEndShift + kTileBits * (2 - static_cast<int>(axis)); }
+
+// So many tiles of a list have their edges moved together; those of further tiles, one by one.
+constexpr size_t kFewTiles = 12;
 
 // Where a tile lies in a layout, and in a box in it.
 struct Placed {
@@ -52,41 +56,63 @@ HWY_INLINE V End(V edge, size_t axis) {
   return hn::And(hn::ShiftRightSame(edge, ShiftOf(axis)), hn::Set(d, kInTile));
 }
 
-void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin,
-            TileEdges::Part& part) {
+// Moves the edges of the first one's tile to its list, and the others to the front; returns how many others there are.
+size_t MoveOneTile(uint32_t* tiles, uint32_t* edges, size_t size, EdgeList& list, EdgeBlocks& memory) {
   const Numbers d;
-  for (size_t n = 0; n < tiles.size(); n += kLanes) {
-    const size_t count = std::min(kLanes, tiles.size() - n);
-    const auto tile = hn::LoadU(d, tiles.data() + n), edge = hn::LoadU(d, edges.data() + n);
-    auto left = hn::FirstN(d, count);
-    auto inner = hn::FirstN(d, kLanes);
+  const auto wanted = hn::Set(d, tiles[0]);
+  size_t left = 0;
+  for (size_t n = 0; n < size; n += kLanes) {
+    const auto tile = hn::LoadU(d, tiles + n), edge = hn::LoadU(d, edges + n);
+    const auto given = hn::FirstN(d, size - n), same = hn::And(given, hn::Eq(tile, wanted));
+    list.Reserve(memory);
+    list.Grow(AppendLanes(d, edge, same, list.end()));
+    const SelectedLanes<Numbers> others(d, hn::AndNot(same, given));
+    others.Store(tile, tiles + left);
+    others.Store(edge, edges + left);
+    left += others.count();
+  }
+  return left;
+}
+
+// Moves all edges to their tiles' lists.
+void Move(uint32_t* tiles, uint32_t* edges, size_t size, EdgeList TileEdges::Part::Lists::*list,
+          TileEdges::Part& part) {
+  for (size_t n = 0; n < kFewTiles && size > 0; ++n) {
+    size = MoveOneTile(tiles, edges, size, part.ListsOf(tiles[0]).*list, part.memory());
+  }
+  for (size_t n = 0; n < size; ++n) {
+    EdgeList& to = part.ListsOf(tiles[n]).*list;
+    to.Reserve(part.memory());
+    *to.end() = edges[n];
+    to.Grow(1);
+  }
+}
+
+// Appends to `border` what lies within the margin of other tiles.
+void CopyBorder(const PackedEdges& edges, const Vec3i& margin, PackedEdges& border) {
+  const Numbers d;
+  const size_t size = edges.size();
+  border.Reserve(size);
+  for (size_t n = 0; n < size; n += kLanes) {
+    const auto tile = hn::LoadU(d, edges.tiles.view().data() + n), edge = hn::LoadU(d, edges.edges.view().data() + n);
+    const auto given = hn::FirstN(d, size - n);
+    auto inner = given;
     for (size_t m = 0; m < 3; ++m) {  // margin <= end < kTileSide - margin; what is below wraps around
       const auto low = hn::Set(d, static_cast<uint32_t>(margin[m]));
       const auto width = hn::Set(d, static_cast<uint32_t>(kTileSide - 2 * margin[m]));
       inner = hn::And(inner, hn::Lt(hn::Sub(End(edge, m), low), width));
     }
-    for (uint64_t bits = (uint64_t{1} << count) - 1; bits != 0;) {
-      const uint32_t first = tiles[n + static_cast<size_t>(std::countr_zero(bits))];
-      const auto same = hn::And(left, hn::Eq(tile, hn::Set(d, first)));
-      left = hn::AndNot(same, left);
-      bits = 0;
-      hn::StoreMaskBits(d, left, reinterpret_cast<uint8_t*>(&bits));
-      TileEdges::Part::Lists& lists = part.ListsOf(first);
-      const auto append = [&](auto which, EdgeList& list) HWY_ATTR {
-        list.Reserve(part.memory());
-        list.Grow(AppendLanes(d, edge, which, list.end()));
-      };
-      append(same, lists.all);
-      const auto border = hn::AndNot(inner, same);
-      if (!hn::AllFalse(d, border)) append(border, lists.border);
-    }
+    const SelectedLanes<Numbers> selected(d, hn::AndNot(inner, given));
+    selected.Store(tile, border.tiles.end());
+    selected.Store(edge, border.edges.end());
+    border.Grow(selected.count());
   }
 }
 
 // Precondition: `out` has room.
 void Collect(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
   const Numbers d;
-  const hn::RebindToSigned<Numbers> di;
+  const LaneTable<kPackedDirections> steps(reinterpret_cast<const uint32_t*>(at.steps));  // modulo 2^32
   uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
   for (size_t n = 0; n < edges.size(); n += kLanes) {
     const auto edge = hn::LoadU(d, edges.data() + n);
@@ -97,11 +123,9 @@ void Collect(const Placed& at, std::span<const uint32_t> edges, Crossings& out) 
       inside = hn::And(inside, hn::Lt(end, hn::Set(d, static_cast<uint32_t>(at.size[m]))));
       number = hn::Add(number, hn::Mul(end, hn::Set(d, static_cast<uint32_t>(at.stride[m]))));
     }
-    const auto direction = hn::And(edge, hn::Set(d, kPackedDirections - 1));
-    const auto step = hn::BitCast(d, hn::GatherIndex(di, at.steps, hn::BitCast(di, direction)));
     const SelectedLanes<Numbers> selected(d, inside);
     selected.Store(number, nearer);
-    selected.Store(hn::Add(number, step), farther);
+    selected.Store(hn::Add(number, steps.At(edge)), farther);
     nearer += selected.count();
     farther += selected.count();
   }
@@ -120,7 +144,8 @@ HWY_AFTER_NAMESPACE();
 namespace latvox {
 namespace {
 
-HWY_EXPORT(Append);
+HWY_EXPORT(CopyBorder);
+HWY_EXPORT(Move);
 HWY_EXPORT(Collect);
 
 }  // namespace
@@ -159,8 +184,12 @@ TileEdges::Part::Lists& TileEdges::Part::ListsOf(uint32_t tile) {
   return *recent.lists;
 }
 
-void TileEdges::Part::Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin) {
-  HWY_DYNAMIC_DISPATCH(Append)(tiles, edges, margin, *this);
+void TileEdges::Part::Move(PackedEdges& edges, const Vec3i& margin) {
+  border_.Clear();
+  HWY_DYNAMIC_DISPATCH(CopyBorder)(edges, margin, border_);
+  HWY_DYNAMIC_DISPATCH(Move)(edges.tiles.data(), edges.edges.data(), edges.size(), &Lists::all, *this);
+  HWY_DYNAMIC_DISPATCH(Move)(border_.tiles.data(), border_.edges.data(), border_.size(), &Lists::border, *this);
+  edges.Clear();
 }
 
 std::unique_ptr<TileEdges::Part> TileEdges::Take() {

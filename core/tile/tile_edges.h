@@ -36,6 +36,25 @@ static_assert(3 * kTileBits + kPackedEndShift <= 32);
 // A tile relative to the first: i << 20 | j << 10 | k.
 inline constexpr int kPackedTileBits = 10;
 
+// Edges, with the packed tiles that their nearer ends lie in.
+struct PackedEdges {
+  NumberList tiles, edges;
+
+  size_t size() const { return edges.size(); }
+  void Reserve(size_t more) {
+    tiles.Reserve(more);
+    edges.Reserve(more);
+  }
+  void Grow(size_t by) {
+    tiles.Grow(by);
+    edges.Grow(by);
+  }
+  void Clear() {
+    tiles.Clear();
+    edges.Clear();
+  }
+};
+
 // Memory for many lists that grow at the same time. A list that is enlarged by itself copies what it holds, and the
 // system hands out, and clears, its memory page by page.
 class EdgeBlocks {
@@ -90,10 +109,9 @@ class TileEdges {
   // What one thread has found.
   class Part {
    public:
-    // Appends edges[n] to the tile tiles[n], for all n; both packed. What lies behind them is read as well, as far as
-    // NumberList::kSlack, and not used.
+    // Moves edges to their tiles; none are left.
     //   margin   voxels, per axis: at most kTileSide / 2
-    void Append(std::span<const uint32_t> tiles, std::span<const uint32_t> edges, const Vec3i& margin);
+    void Move(PackedEdges& edges, const Vec3i& margin);
 
     // The edges of a tile, and again those whose nearer ends lie within the margin of the tiles around.
     struct Lists {
@@ -109,12 +127,13 @@ class TileEdges {
       Lists* lists = nullptr;
     };
     EdgeBlocks memory_;
+    PackedEdges border_;  // of Move
     absl::flat_hash_map<uint32_t, std::unique_ptr<Lists>> lists_;
     std::array<Recent, 64> recent_;  // by the lowest bits of a tile's coordinates
   };
 
   // first_tile  the lowest there is, local
-  // margin      for Part::Append
+  // margin      for Part::Move
   TileEdges(const Vec3i& first_tile, const Vec3i& margin) : first_tile_(first_tile), margin_(margin) {}
 
   const Vec3i& first_tile() const { return first_tile_; }

@@ -14,6 +14,18 @@ namespace {
 // Lists of so many may be duplicates for the most part, and are compacted; then when they have doubled.
 constexpr size_t kMany = size_t{1} << 18;
 
+// Calls f(n) for all n < size. Neighbours in a list often share a word of bits, for which one change would wait for the
+// other; hence they do not follow each other.
+template <class F>
+void ForEachApart(size_t size, F&& f) {
+  constexpr size_t kWays = 4;
+  const size_t part = size / kWays;
+  for (size_t n = 0; n < part; ++n) {
+    for (size_t way = 0; way < kWays; ++way) f(way * part + n);
+  }
+  for (size_t n = kWays * part; n < size; ++n) f(n);
+}
+
 IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
 
 // Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
@@ -51,13 +63,13 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     triangles_ = others_;
   }
   if (context.cancelled) return;
-  for (const uint32_t voxel : crossings_.nearer.view()) surface_.Set(voxel);
+  ForEachApart(crossings_.nearer.size(), [this](size_t n) { surface_.Set(crossings_.nearer[n]); });
   rim_only_.clear();
   size_t end = 0;
   do {
     in_parts_ = end > 0;
     end = Gather(context, end);
-    for (const uint32_t voxel : candidates_.nearer.view()) surface_.Set(voxel & kNumberMask);
+    ForEachApart(candidates_.nearer.size(), [this](size_t n) { surface_.Set(candidates_.nearer[n] & kNumberMask); });
     AddRim(context);
   } while (end < triangles_.size() && !context.cancelled);
 }
@@ -161,8 +173,8 @@ void TileScan::FindRest(const TileContext& context) {
   maybe_.clear();
   // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
   TileBits& essential = rest_;  // which lends its bits
-  surface_.Find(crossings_.farther.view(), false, closed_);
-  for (const uint32_t n : closed_.view()) essential.Set(crossings_.nearer[n]);
+  ForEachApart(crossings_.nearer.size(),
+               [&](size_t n) { essential.Add(crossings_.nearer[n], !surface_.Test(crossings_.farther[n])); });
   essential.Find(crossings_.nearer.view(), false, inner_);
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
@@ -182,7 +194,7 @@ void TileScan::FindRest(const TileContext& context) {
   for (const auto& [voxel, star] : rim_only_) {
     if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
-  for (const uint32_t n : closed_.view()) essential.Clear(crossings_.nearer[n]);
+  if (crossings_.nearer.size() > 0) essential.words().assign(layout_.Words(), 0);
   std::erase_if(maybe_, [&](uint32_t voxel) {
     const bool again = rest_.Test(voxel);
     rest_.Set(voxel);

@@ -92,8 +92,7 @@ class TileScan {
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  NumberList closed_, inner_;  // positions in crossings_: edges that lead out of the surface, and those of voxels that
-                               // no such edge shows essential
+  NumberList inner_;  // positions in crossings_ of voxels that no edge out of the surface shows essential
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;

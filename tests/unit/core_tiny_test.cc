@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 #include <set>
 #include <string>
 
@@ -121,6 +122,56 @@ TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyO
   }
 }
 
+// In more tiles than are moved together, and fewer.
+TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
+  const Vec3i margin{2, 3, 5};
+  for (const int32_t side : {1, 2, 4}) {  // of the cube of tiles that they lie in
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      SCOPED_TRACE(absl::StrCat(std::string(SimdInUse()), ", tiles a side: ", side));
+      std::mt19937 random(8);
+      const auto below = [&](int32_t limit) { return static_cast<int32_t>(random() % static_cast<uint32_t>(limit)); };
+      TileEdges edges({0, 0, 0}, margin);
+      std::vector<Vec3i> ends;
+      for (const size_t count : {1, 15, 16, 700, 3000}) {
+        PackedEdges packed;
+        packed.Reserve(count);
+        for (size_t n = 0; n < count; ++n) {
+          Vec3i tile, in_tile;
+          for (size_t m = 0; m < 3; ++m) {
+            tile[m] = below(side);
+            in_tile[m] = below(kTileSide);
+          }
+          ends.push_back(tile * kTileSide + in_tile);
+          const auto pack = [](const Vec3i& v, int bits) {
+            return static_cast<uint32_t>((v[0] << bits | v[1]) << bits | v[2]);
+          };
+          packed.tiles.Add(pack(tile, kPackedTileBits));
+          packed.edges.Add(pack(in_tile, kTileBits) << kPackedEndShift);
+        }
+        auto part = edges.Take();
+        part->Move(packed, margin);
+        edges.Give(std::move(part));
+      }
+      edges.Finish();
+      for (const Vec3i& tile : {Vec3i{}, Vec3i{side - 1, 0, side / 2}}) {
+        const Vec3i low = tile * kTileSide, high = low + Vec3i{kTileSide, kTileSide, kTileSide};
+        const IndexBox box{low - margin, high + margin};
+        const BitsLayout layout(low, margin);
+        Crossings found;
+        edges.Collect({low, high}, box, layout, {}, found);
+        std::vector<uint32_t> expected, numbers(found.nearer.view().begin(), found.nearer.view().end());
+        for (const Vec3i& end : ends) {
+          if (box.Contains(end)) expected.push_back(layout.NumberOf(end));
+        }
+        std::sort(numbers.begin(), numbers.end());
+        std::sort(expected.begin(), expected.end());
+        EXPECT_EQ(numbers, expected);
+      }
+    }
+  }
+}
+
 TEST(TileEdges, CountWhatCubesHold) {
   TileEdges edges({-1, 0, 2}, {1, 1, 1});
   const auto tile = [](uint32_t i, uint32_t j, uint32_t k) {
@@ -128,9 +179,14 @@ TEST(TileEdges, CountWhatCubesHold) {
   };
   const auto add = [&](uint32_t where, size_t count) {
     auto part = edges.Take();
-    // Room for whole vectors.
-    std::vector<uint32_t> tiles(count + 64, where), packed(count + 64, 0);
-    part->Append({tiles.data(), count}, {packed.data(), count}, edges.margin());
+    PackedEdges packed;
+    packed.Reserve(count);
+    for (size_t n = 0; n < count; ++n) {
+      packed.tiles.Add(where);
+      packed.edges.Add(0);
+    }
+    part->Move(packed, edges.margin());
+    EXPECT_EQ(packed.size(), 0U);
     edges.Give(std::move(part));
   };
   EXPECT_TRUE(edges.empty());
