@@ -249,6 +249,7 @@ void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLine
     const Shorts3 directions = MoreDirectionsOf(forms, values);
     for (size_t which = 0; which < 3; ++which) append(directions[which], static_cast<uint32_t>(which) + 1);
   }
+  std::fill_n(lines.directions + lines.size, kTriangleLanes, 0);
 }
 
 #endif

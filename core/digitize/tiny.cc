@@ -162,9 +162,8 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
     for (Ints& at : z) at = hn::Add(at, above);
   }
   Ints rest = hn::Add(DotOf(weight, z), half);
-  for (auto more = crossed;;) {
-    more = hn::And(more, hn::Not(hn::Lt(rest, whole)));
-    if (hn::AllFalse(d, more)) break;
+  for (int n = 0; n < kMostIntegers + 1; ++n) {  // z <= (kMostIntegers + 1) * U
+    const auto more = hn::Not(hn::Lt(rest, whole));
     rest = hn::Sub(rest, hn::IfThenElseZero(more, whole));
     depth = hn::Add(depth, hn::IfThenElseZero(more, one));
   }
@@ -209,8 +208,7 @@ void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines
     const auto bit = hn::Set(du, 1U << direction);
     uint32_t* end = list.end();
     for (size_t n = 0; n < lines.size; n += kTriangleLanes) {
-      const auto wanted =
-          hn::And(hn::FirstN(du, lines.size - n), hn::TestBit(hn::LoadU(du, lines.directions + n), bit));
+      const auto wanted = hn::TestBit(hn::LoadU(du, lines.directions + n), bit);
       end += AppendLanes(du, hn::LoadU(du, lines.entries + n), wanted, end);
     }
     const auto count = static_cast<size_t>(end - list.end());
