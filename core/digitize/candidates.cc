@@ -80,7 +80,10 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, c
   const hn::RebindToFloat<Lanes> df;
   const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
   const auto some = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&which));
-  const Ints width = hn::IfThenElseZero(some, load(s.width)), height = hn::IfThenElseZero(some, load(s.height));
+  const Ints lines_a = hn::IfThenElseZero(some, load(s.width)), lines_b = hn::IfThenElseZero(some, load(s.height));
+  // Rows go along the axis of more lines, whichever that is of a lane's: then the lanes' rows are about as long.
+  const auto turned = hn::Gt(lines_b, lines_a);
+  const Ints width = hn::Max(lines_a, lines_b), height = hn::Min(lines_a, lines_b);
   const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
   const int32_t last_a = most(width), last_b = most(height);
   Appender appender(out, static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
@@ -109,7 +112,18 @@ void ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, c
     by.number = number_of(by.ijk);
     return by;
   };
-  const State right = step_of(s.edge_a, s.level_a, u0), down = step_of(s.edge_b, s.level_b, u1);
+  const State along_a = step_of(s.edge_a, s.level_a, u0), along_b = step_of(s.edge_b, s.level_b, u1);
+  const auto choose = [&](const State& if_turned, const State& else_) HWY_ATTR {
+    State by;
+    for (size_t n = 0; n < 3; ++n) {
+      by.edge[n] = hn::IfThenElse(turned, if_turned.edge[n], else_.edge[n]);
+      by.ijk[n] = hn::IfThenElse(turned, if_turned.ijk[n], else_.ijk[n]);
+    }
+    by.remainder = hn::IfThenElse(turned, if_turned.remainder, else_.remainder);
+    by.number = hn::IfThenElse(turned, if_turned.number, else_.number);
+    return by;
+  };
+  const State right = choose(along_b, along_a), down = choose(along_a, along_b);
   const auto advance = [&](State& state, const State& by) HWY_ATTR {
     for (size_t n = 0; n < 3; ++n) state.edge[n] = hn::Add(state.edge[n], by.edge[n]);
     const Ints remainder = hn::Add(state.remainder, by.remainder);
@@ -180,7 +194,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
     small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(scan.narrow + 1)));
   }
   LineScanLanes lines;
-  MakeLineScans(scan.table, target.size, v, hn::And(near, small), lines);
+  MakeLineScans(scan.table, v, hn::And(near, small), lines);
 
   uint64_t together = 0;
   hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
@@ -188,7 +202,9 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
   together &= lines.valid;
   if (static_cast<size_t>(std::popcount(together)) < kTriangleLanes / 4) together = 0;
   if (together != 0) ScanTogether(lines, together, lowest, highest, scan.table, target, out);
-  for (uint64_t some = lines.valid & ~together; some != 0; some &= some - 1) {
+  const uint64_t by_themselves = lines.valid & ~together;
+  if (by_themselves != 0) PrepareBlocks(scan.table, target.size, lines);
+  for (uint64_t some = by_themselves; some != 0; some &= some - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(some));
     uint32_t clip = 0;
     for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;

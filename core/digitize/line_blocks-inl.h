@@ -81,7 +81,7 @@ constexpr BlockLines<T> MakeBlockLines() {
 template <class T>
 inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
 
-// What MakeLineScans does for its lanes.
+// What PrepareBlocks does for lanes.
 template <class T>
 void ChooseShape(LineScan<T>& s) {
   int32_t fewest = INT32_MAX;

@@ -25,7 +25,8 @@ struct alignas(64) LaneInts {
   HWY_INLINE void operator=(Ints v) { hn::Store(v, Lanes(), of); }
 };
 
-// LineScan<int32_t> of each lane, and the number of its frame.
+// LineScan<int32_t> of each lane, and the number of its frame; shapes, steps of blocks and `astride` only once
+// PrepareBlocks has set them.
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
       shape, right_depth, right_remainder, down_depth, down_remainder, frame;
@@ -115,8 +116,8 @@ class FramePick {
 
 // v: corners, by axis, in lattice units from the box's low corner; `wanted` says which lanes hold a triangle.
 // Precondition: extents are at most NarrowExtent, and the triangles near the box.
-HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::array<Ints3, 3> v,
-                              hn::Mask<Lanes> wanted, LineScanLanes& out) {
+HWY_INLINE void MakeLineScans(const FrameTable& frames, std::array<Ints3, 3> v, hn::Mask<Lanes> wanted,
+                              LineScanLanes& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const Ints zero = hn::Zero(d), one = Fill(1);
@@ -207,7 +208,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
   const auto slopes = hn::Add(hn::Mul(to_float(n_a), to_float(to_x)), hn::Mul(to_float(n_b), to_float(to_y)));
   const auto estimate =
       hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));
-  Ints depth, remainder, depth_step;
+  Ints depth, remainder;
   Divide(d, level, estimate, along, depth, remainder);
   const auto low_part = hn::Lt(hn::And(rest, Fill(kLatticeUnit - 1)), Fill(kLatticeUnit / 2));
   out.along = along;
@@ -216,6 +217,18 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
   out.depth = depth;
   out.remainder = remainder;
   out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
+}
+
+// For ScanLines (core/digitize/line_blocks-inl.h): the shapes of blocks, and which triangles have lines with voxels
+// beyond the box's bounds.
+HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineScanLanes& s) {
+  const Lanes d;
+  const hn::RebindToFloat<Lanes> df;
+  const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
+  const auto to_float = [&](Ints i) { return hn::ConvertTo(df, i); };
+  const Ints zero = hn::Zero(d), one = Fill(1);
+  const Ints width = load(s.width), height = load(s.height), along = load(s.along);
+  const Ints level_a = load(s.level_a), level_b = load(s.level_b);
 
   // Whatever shape needs fewest blocks.
   Ints shape = zero, wide = zero, high = zero, fewest = Fill(INT32_MAX);
@@ -230,18 +243,22 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
     wide = hn::IfThenElse(fewer, Fill(block_width), wide);
     high = hn::IfThenElse(fewer, Fill(1 << n), high);
   }
-  out.shape = shape;
-  const auto slope_a = hn::Neg(hn::Div(to_float(n_a), to_float(along)));
-  const auto slope_b = hn::Neg(hn::Div(to_float(n_b), to_float(along)));
-  Divide(d, hn::Neg(hn::Mul(n_a, wide)), hn::Mul(slope_a, to_float(wide)), along, depth_step, remainder);
-  out.right_depth = depth_step;
-  out.right_remainder = remainder;
-  Divide(d, hn::Neg(hn::Mul(n_b, high)), hn::Mul(slope_b, to_float(high)), along, depth_step, remainder);
-  out.down_depth = depth_step;
-  out.down_remainder = remainder;
+  s.shape = shape;
+  const auto slope_a = hn::Div(to_float(level_a), to_float(along)),
+             slope_b = hn::Div(to_float(level_b), to_float(along));
+  Ints depth_step, remainder;
+  Divide(d, hn::Mul(level_a, wide), hn::Mul(slope_a, to_float(wide)), along, depth_step, remainder);
+  s.right_depth = depth_step;
+  s.right_remainder = remainder;
+  Divide(d, hn::Mul(level_b, high), hn::Mul(slope_b, to_float(high)), along, depth_step, remainder);
+  s.down_depth = depth_step;
+  s.down_remainder = remainder;
 
   // Coordinates of the voxels are linear over the lines, but for the depth's rounding down: so their bounds are at the
   // corners of the box of lines. One more for rounding here.
+  const FramePick pick(load(s.frame));
+  const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
+  const Ints a = load(s.a), b = load(s.b), depth = load(s.depth);
   const auto to_last_a = to_float(hn::Sub(width, one)), to_last_b = to_float(hn::Sub(height, one));
   const auto nothing = hn::Zero(df);
   for (size_t m = 0; m < 3; ++m) {
@@ -253,8 +270,8 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const Vec3i& size, std::
     const auto lower = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
     const auto upper = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
     const auto inside = hn::And(hn::Ge(lower, nothing), hn::Le(upper, hn::Set(df, static_cast<float>(size[m] - 1))));
-    out.astride[m] = 0;
-    hn::StoreMaskBits(d, hn::Not(hn::RebindMask(d, inside)), reinterpret_cast<uint8_t*>(&out.astride[m]));
+    s.astride[m] = 0;
+    hn::StoreMaskBits(d, hn::Not(hn::RebindMask(d, inside)), reinterpret_cast<uint8_t*>(&s.astride[m]));
   }
 }
 
