@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "core/snap/corner_list.h"
@@ -115,13 +116,15 @@ HWY_INLINE hn::Vec<Hashes> HashesOf(hn::Vec<Positions> positions) {
   return hn::BitCast(Hashes(), block);
 }
 
-// Whether any 128 bits of the vector are zero.
-HWY_INLINE bool AnyBlockIsZero(hn::Vec<Positions> v) {
+constexpr uint64_t kFirstLanes = 0x1111'1111'1111'1111;  // of 128 bits each
+
+// Which 128 bits of the vector are zero: bits of their first lanes.
+HWY_INLINE uint64_t ZeroBlocks(hn::Vec<Positions> v) {
   const Positions d;
   uint64_t lanes = 0;
   hn::StoreMaskBits(d, hn::Eq(v, hn::Zero(d)), reinterpret_cast<uint8_t*>(&lanes));
   lanes &= lanes >> 1;
-  return (lanes & lanes >> 2 & 0x1111'1111'1111'1111) != 0;
+  return lanes & lanes >> 2 & kFirstLanes;
 }
 
 void AddInLanes(const CornerList& list, SurfaceSums& sums) {
@@ -137,17 +140,26 @@ void AddInLanes(const CornerList& list, SurfaceSums& sums) {
     const auto a = load(0), b = load(1), c = load(2);
     auto h = HashesOf(a), x = hn::Xor(h, HashesOf(b));
     const auto y = hn::Xor(h, HashesOf(c));
-    // The axes of (b - a) x (c - a) modulo 2^32, rotated. Few triangles are left to be looked at closely.
+    // The axes of (b - a) x (c - a) modulo 2^32, rotated.
     const auto u = hn::Sub(b, a), v = hn::Sub(c, a);
     const auto normal = hn::Sub(hn::Mul(u, rotated(v)), hn::Mul(rotated(u), v));
+    const uint64_t flat = ZeroBlocks(normal);
     const size_t here = std::min(kBlocks, list.size - t);
-    if (here < kBlocks || AnyBlockIsZero(normal)) {
-      alignas(64) Hash counts[kBlocks]{};
-      for (size_t n = 0; n < here; ++n) {
-        if (HasEdges(list, t + n, sums)) counts[n] = {~uint64_t{0}, ~uint64_t{0}};
+    if (flat != 0 || here < kBlocks) {
+      uint64_t counts = 0;  // those whose edges do
+      const auto fits = hn::Lt(hn::Max(hn::Abs(u), hn::Abs(v)), hn::Set(d, 1 << 15));
+      if (here == kBlocks && hn::AllTrue(d, fits)) {
+        sums.degenerate += static_cast<uint64_t>(std::popcount(flat));
+        counts = ~(ZeroBlocks(u) | ZeroBlocks(v) | ZeroBlocks(hn::Sub(u, v)));
+      } else {
+        for (size_t n = 0; n < here; ++n) counts |= uint64_t{HasEdges(list, t + n, sums)} << 4 * n;
       }
-      h = hn::And(h, hn::Load(dh, counts->data()));
-      x = hn::And(x, hn::Load(dh, counts->data()));
+      const uint64_t lanes = (counts & kFirstLanes) * 0xF;
+      const auto kept = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lanes));
+      const auto keep = [&](auto& hashes)
+                            HWY_ATTR { hashes = hn::BitCast(dh, hn::IfThenElseZero(kept, hn::BitCast(d, hashes))); };
+      keep(h);
+      keep(x);
     }
     first = hn::Xor(first, hn::CLMulLower(x, y));
     second = hn::Xor(second, hn::CLMulUpper(x, y));
