@@ -1,11 +1,13 @@
-// Triangles are set up one a lane. Those of few lines then go through their lines together; the others one by one, in
-// blocks of as many lines as there are lanes.
+// Triangles are set up one a lane. Those of few lines then go through their lines together, sorted so that these are
+// about as many; the others one by one, in blocks of as many lines as there are lanes.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/candidates.cc"
 #include "core/digitize/candidates.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
+
+#include <utility>
 
 #include "core/digitize/line_blocks-inl.h"
 #include "core/digitize/line_scan.h"
@@ -35,7 +37,7 @@ void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, co
       out.rim.Add(layout.NumberOf(z));
     };
     ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
-    out.EndRun(n);
+    out.EndRun(triangles.subspan(n, 1));
   }
 }
 
@@ -70,7 +72,7 @@ void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& fr
 }
 
 // Triangles with few lines each, one a lane: line after line of all.
-constexpr int32_t kFewLines = 12;  // along a and b
+constexpr int32_t kFewLines = 14;  // along a and b
 
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
@@ -177,31 +179,79 @@ struct Scan {
 };
 
 // Up to kTriangleLanes triangles.
+struct SomeTriangles {
+  std::array<Ints3, 3> v;  // corners, by axis, in lattice units from the low corner of the box
+  Ints3 lowest, highest;   // as ScanTogether wants them
+  hn::Mask<Lanes> near, small;
+
+  HWY_INLINE SomeTriangles(const Scan& scan, std::span<const uint32_t> triangles)
+      : v(LoadCorners(scan.mesh, scan.vertices, LaneNumbers(triangles), scan.origin)) {
+    const Lanes d;
+    near = small = hn::FirstN(d, triangles.size());
+    for (size_t m = 0; m < 3; ++m) {
+      const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
+      const Ints half_step = Fill(scan.reach[m] * kLatticeUnit / 2), top = Fill(scan.target.size[m] - 1);
+      const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), half_step), last = hn::Add(high, half_step);
+      lowest[m] = hn::Max(hn::ShiftRight<kSubvoxelBits>(first), hn::Zero(d));
+      highest[m] = hn::Min(hn::ShiftRight<kSubvoxelBits>(last), top);
+      near = hn::And(near, hn::Not(hn::Gt(lowest[m], highest[m])));
+      small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(scan.narrow + 1)));
+    }
+  }
+
+  HWY_INLINE LineBoxes Boxes(const Scan& scan) const { return {scan.table, v, hn::And(near, small)}; }
+};
+
+// Puts triangles of about as many lines side by side: lanes wait for the longest rows and columns of theirs. That takes
+// as long as some ten lines, and pays where there are more.
+constexpr size_t kWorthSorting = 6;  // candidates a triangle, in the mean
+class LinesOrder {
+ public:
+  static constexpr size_t kMost = 256;  // triangles: few caches would hold the corners of many more
+
+  // Returns the triangles, up to kMost, in that order; valid until the next call.
+  HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles) {
+    const Lanes d;
+    const hn::Rebind<uint8_t, Lanes> bytes;
+    for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
+      PrefetchCorners(scan.mesh, triangles.subspan(n));
+      const SomeTriangles some(scan, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)));
+      const LineBoxes boxes = some.Boxes(scan);
+      const Ints longer = hn::Max(boxes.width, boxes.height), shorter = hn::Min(boxes.width, boxes.height);
+      const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&boxes.valid));
+      const auto few = hn::And(valid, hn::Lt(longer, Fill(kFewLines + 1)));
+      const Ints key = hn::Add(hn::Mul(longer, Fill(kFewLines + 1)), shorter);
+      hn::StoreU(hn::DemoteTo(bytes, hn::IfThenElse(few, key, Fill(kKeys - 1))), bytes, keys_ + n);
+    }
+    uint16_t ends[kKeys]{};
+    for (size_t n = 0; n < triangles.size(); ++n) ++ends[keys_[n]];
+    uint16_t end = 0;
+    for (uint16_t& count : ends) count = std::exchange(end, static_cast<uint16_t>(end + count));
+    for (size_t n = 0; n < triangles.size(); ++n) order_[ends[keys_[n]]++] = triangles[n];
+    return {order_, triangles.size()};
+  }
+
+ private:
+  static constexpr size_t kKeys = (kFewLines + 1) * (kFewLines + 1) + 1;
+  static_assert(kKeys <= 256);
+  uint8_t keys_[kMost + kTriangleLanes];
+  uint32_t order_[kMost];
+};
+
 static_assert(kTriangleLanes <= Candidates::kMaxRun);
 void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out) {
   const Lanes d;
   const Target& target = scan.target;
-  const std::array<Ints3, 3> v = LoadCorners(scan.mesh, scan.vertices, LaneNumbers(triangles), scan.origin);
-  auto near = hn::FirstN(d, triangles.size()), small = near;
-  Ints3 lowest, highest;
-  for (size_t m = 0; m < 3; ++m) {
-    const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-    const Ints half_step = Fill(scan.reach[m] * kLatticeUnit / 2), top = Fill(target.size[m] - 1);
-    const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), half_step), last = hn::Add(high, half_step);
-    lowest[m] = hn::Max(hn::ShiftRight<kSubvoxelBits>(first), hn::Zero(d));
-    highest[m] = hn::Min(hn::ShiftRight<kSubvoxelBits>(last), top);
-    near = hn::And(near, hn::Not(hn::Gt(lowest[m], highest[m])));
-    small = hn::And(small, hn::Lt(hn::Sub(high, low), Fill(scan.narrow + 1)));
-  }
+  const SomeTriangles these(scan, triangles);
   LineScanLanes lines;
-  MakeLineScans(scan.table, v, hn::And(near, small), lines);
+  MakeLineScans(scan.table, these.Boxes(scan), lines);
 
   uint64_t together = 0;
   hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
                     reinterpret_cast<uint8_t*>(&together));
   together &= lines.valid;
   if (static_cast<size_t>(std::popcount(together)) < kTriangleLanes / 4) together = 0;
-  if (together != 0) ScanTogether(lines, together, lowest, highest, scan.table, target, out);
+  if (together != 0) ScanTogether(lines, together, these.lowest, these.highest, scan.table, target, out);
   const uint64_t by_themselves = lines.valid & ~together;
   if (by_themselves != 0) PrepareBlocks(scan.table, target.size, lines);
   for (uint64_t some = by_themselves; some != 0; some &= some - 1) {
@@ -211,7 +261,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
     ScanLines(lines.At(t), clip, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
   uint64_t large = 0;
-  hn::StoreMaskBits(d, hn::AndNot(small, near), reinterpret_cast<uint8_t*>(&large));
+  hn::StoreMaskBits(d, hn::AndNot(these.small, these.near), reinterpret_cast<uint8_t*>(&large));
   for (; large != 0; large &= large - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(large));
     Triangle triangle;
@@ -234,10 +284,18 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
   const Scan scan{
       mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), reach, low,
       target};
-  for (size_t n = 0; n < triangles.size() && !cancelled; n += kTriangleLanes) {
-    PrefetchCorners(mesh, triangles.subspan(n));
-    ScanSome(scan, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)), out);
-    out.EndRun(n);
+  LinesOrder order;
+  while (!triangles.empty() && !cancelled) {
+    auto window = triangles.first(std::min(LinesOrder::kMost, triangles.size()));
+    triangles = triangles.subspan(window.size());
+    const bool few_lines = out.nearer.size() + out.rim.size() < kWorthSorting * out.triangles.size();
+    if (!few_lines && window.size() > kTriangleLanes) window = order.Sort(scan, window);
+    for (size_t n = 0; n < window.size() && !cancelled; n += kTriangleLanes) {
+      if (few_lines) PrefetchCorners(mesh, window.subspan(n));
+      const auto some = window.subspan(n, std::min(kTriangleLanes, window.size() - n));
+      ScanSome(scan, some, out);
+      out.EndRun(some);
+    }
   }
 }
 

@@ -25,9 +25,9 @@ namespace latvox {
 
 // Voxels are numbers of one BitsLayout, below 2^kNumberBits; above these bits is the triangle's place in its run.
 struct Candidates {
-  // Of up to kMaxRun consecutive triangles: up to these positions of the lists, from those of the run before.
+  // Of up to kMaxRun triangles: up to these positions of the lists, from those of the run before.
   struct Run {
-    uint32_t first;  // triangle, as its place in the caller's list
+    uint32_t first;  // of `triangles`
     uint32_t crossed_end, rim_end;
   };
   static constexpr size_t kMaxRun = size_t{1} << (32 - kNumberBits);
@@ -37,17 +37,22 @@ struct Candidates {
   // Voxels on lattice lines that pass a triangle closely: whether it contributes them is open.
   NumberList rim;
   std::vector<Run> runs;
+  std::vector<uint32_t> triangles;  // their numbers, in the order of the runs
 
   void Reserve(size_t more) {
     for (NumberList* list : {&nearer, &farther, &rim}) list->Reserve(more);
   }
-  void EndRun(size_t first) {
-    runs.push_back(
-        {static_cast<uint32_t>(first), static_cast<uint32_t>(nearer.size()), static_cast<uint32_t>(rim.size())});
+  // The triangle at a place of the run.
+  uint32_t TriangleAt(const Run& run, size_t place) const { return triangles[run.first + place]; }
+  void EndRun(std::span<const uint32_t> of) {
+    runs.push_back({static_cast<uint32_t>(triangles.size()), static_cast<uint32_t>(nearer.size()),
+                    static_cast<uint32_t>(rim.size())});
+    triangles.insert(triangles.end(), of.begin(), of.end());
   }
   void Clear() {
     for (NumberList* list : {&nearer, &farther, &rim}) list->Clear();
     runs.clear();
+    triangles.clear();
   }
 };
 

@@ -114,69 +114,89 @@ class FramePick {
   Ints frame_;
 };
 
-// v: corners, by axis, in lattice units from the box's low corner; `wanted` says which lanes hold a triangle.
-// Precondition: extents are at most NarrowExtent, and the triangles near the box.
-HWY_INLINE void MakeLineScans(const FrameTable& frames, std::array<Ints3, 3> v, hn::Mask<Lanes> wanted,
-                              LineScanLanes& out) {
+// The lines of each lane's triangle, along its principal direction: a box of them.
+struct LineBoxes {
+  std::array<Ints3, 3> v;    // corners, counter-clockwise in the projection
+  Ints3 normal;              // along the direction
+  Ints along, frame;         // normal . q, number
+  Ints3 x, y;                // of the projection
+  Ints a, b, width, height;  // as in LineScan
+  uint64_t valid;            // lanes that have lines
+
+  // corners: by axis, in lattice units from the low corner of the box that candidates must lie in; `wanted` says which
+  // lanes hold a triangle.
+  // Precondition: extents are at most NarrowExtent, and the triangles near the box.
+  HWY_INLINE LineBoxes(const FrameTable& frames, const std::array<Ints3, 3>& corners, hn::Mask<Lanes> wanted)
+      : v(corners) {
+    const Lanes d;
+    const Ints zero = hn::Zero(d), one = Fill(1);
+
+    // The principal direction: the frame with the largest |normal . q|.
+    normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
+    Ints up = zero;
+    along = zero, frame = zero;
+    Ints multiples[3][2 * kMaxDirection + 1];
+    for (size_t m = 0; m < 3; ++m) {
+      for (int32_t c = -frames.reach; c <= frames.reach; ++c)
+        multiples[m][c + kMaxDirection] = hn::Mul(Fill(c), normal[m]);
+    }
+    for (size_t n = 0; n < frames.size; ++n) {
+      const auto q = [&](size_t m) HWY_ATTR { return multiples[m][frames.q[m].of[n] + kMaxDirection]; };
+      const Ints dot = hn::Add(hn::Add(q(0), q(1)), q(2));
+      const auto more = hn::Gt(hn::Abs(dot), along);
+      up = hn::IfThenElse(more, dot, up);
+      frame = hn::IfThenElse(more, Fill(static_cast<int64_t>(n)), frame);
+      along = hn::Max(along, hn::Abs(dot));
+    }
+
+    // Counter-clockwise in the projection: the normal must point along q.
+    const auto backward = hn::Lt(up, zero);
+    for (size_t m = 0; m < 3; ++m) {
+      normal[m] = hn::IfThenElse(backward, hn::Neg(normal[m]), normal[m]);
+      const Ints second = v[1][m];
+      v[1][m] = hn::IfThenElse(backward, v[2][m], second);
+      v[2][m] = hn::IfThenElse(backward, second, v[2][m]);
+    }
+
+    const FramePick pick(frame);
+    const Ints3 r0 = pick(frames.r[0]), r1 = pick(frames.r[1]);
+    x = {DotOf(r0, v[0]), DotOf(r0, v[1]), DotOf(r0, v[2])};
+    y = {DotOf(r1, v[0]), DotOf(r1, v[1]), DotOf(r1, v[2])};
+    const auto first = [&](const Ints3& p, size_t axis) HWY_ATTR {
+      const Ints low = hn::Sub(Least(p[0], p[1], p[2]), pick(frames.rim[axis]));
+      return hn::Max(hn::ShiftRight<kSubvoxelBits>(hn::Add(low, Fill(kLatticeUnit - 1))), pick(frames.first[axis]));
+    };
+    const auto count = [&](const Ints3& p, size_t axis, Ints from) HWY_ATTR {
+      const Ints high = hn::Add(Most(p[0], p[1], p[2]), pick(frames.rim[axis]));
+      const Ints last = hn::Min(hn::ShiftRight<kSubvoxelBits>(high), pick(frames.last[axis]));
+      return hn::Add(hn::Sub(last, from), one);
+    };
+    a = first(x, 0), b = first(y, 1);
+    width = count(x, 0, a), height = count(y, 1, b);
+    wanted = hn::And(wanted, hn::And(hn::Gt(along, zero), hn::Gt(hn::Min(width, height), zero)));
+    valid = 0;
+    hn::StoreMaskBits(d, wanted, reinterpret_cast<uint8_t*>(&valid));
+  }
+};
+
+// What PrepareBlocks sets is left open.
+HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, LineScanLanes& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const Ints zero = hn::Zero(d), one = Fill(1);
-
-  // The principal direction: the frame with the largest |normal . q|.
-  Ints3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
-  Ints up = zero, along = zero, frame = zero;
-  Ints multiples[3][2 * kMaxDirection + 1];
-  for (size_t m = 0; m < 3; ++m) {
-    for (int32_t c = -frames.reach; c <= frames.reach; ++c)
-      multiples[m][c + kMaxDirection] = hn::Mul(Fill(c), normal[m]);
-  }
-  for (size_t n = 0; n < frames.size; ++n) {
-    const auto q = [&](size_t m) HWY_ATTR { return multiples[m][frames.q[m].of[n] + kMaxDirection]; };
-    const Ints dot = hn::Add(hn::Add(q(0), q(1)), q(2));
-    const auto more = hn::Gt(hn::Abs(dot), along);
-    up = hn::IfThenElse(more, dot, up);
-    frame = hn::IfThenElse(more, Fill(static_cast<int64_t>(n)), frame);
-    along = hn::Max(along, hn::Abs(dot));
-  }
-  wanted = hn::And(wanted, hn::Gt(along, zero));
-  const FramePick pick(frame);
-
-  // Counter-clockwise in the projection: the normal must point along q.
-  const auto backward = hn::Lt(up, zero);
-  for (size_t m = 0; m < 3; ++m) {
-    normal[m] = hn::IfThenElse(backward, hn::Neg(normal[m]), normal[m]);
-    const Ints second = v[1][m];
-    v[1][m] = hn::IfThenElse(backward, v[2][m], second);
-    v[2][m] = hn::IfThenElse(backward, second, v[2][m]);
-  }
-  const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);
-
-  const Ints3 r0 = pick(frames.r[0]), r1 = pick(frames.r[1]), q = pick(frames.q);
-  const Ints3 u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
-  std::array<std::array<Ints, 2>, kMaxHull> hull;
-  for (size_t h = 0; h < frames.hull_size; ++h) hull[h] = {pick(frames.hull[h][0]), pick(frames.hull[h][1])};
-  const Ints3 x{DotOf(r0, v[0]), DotOf(r0, v[1]), DotOf(r0, v[2])};
-  const Ints3 y{DotOf(r1, v[0]), DotOf(r1, v[1]), DotOf(r1, v[2])};
-  const auto first = [&](const Ints3& p, size_t axis) {
-    const Ints low = hn::Sub(Least(p[0], p[1], p[2]), pick(frames.rim[axis]));
-    return hn::Max(hn::ShiftRight<kSubvoxelBits>(hn::Add(low, Fill(kLatticeUnit - 1))), pick(frames.first[axis]));
-  };
-  const auto count = [&](const Ints3& p, size_t axis, Ints from) {
-    const Ints high = hn::Add(Most(p[0], p[1], p[2]), pick(frames.rim[axis]));
-    const Ints last = hn::Min(hn::ShiftRight<kSubvoxelBits>(high), pick(frames.last[axis]));
-    return hn::Add(hn::Sub(last, from), one);
-  };
-  const Ints a = first(x, 0), b = first(y, 1), width = count(x, 0, a), height = count(y, 1, b);
-  wanted = hn::And(wanted, hn::Gt(hn::Min(width, height), zero));
-  out.valid = 0;
-  hn::StoreMaskBits(d, wanted, reinterpret_cast<uint8_t*>(&out.valid));
-  if (out.valid == 0) return;
+  const auto& [v, normal, along, frame, x, y, a, b, width, height, valid] = boxes;
+  out.valid = valid;
+  if (valid == 0) return;
   out.frame = frame;
   out.a = a;
   out.b = b;
   out.width = width;
   out.height = height;
 
+  const FramePick pick(frame);
+  const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
+  std::array<std::array<Ints, 2>, kMaxHull> hull;
+  for (size_t h = 0; h < frames.hull_size; ++h) hull[h] = {pick(frames.hull[h][0]), pick(frames.hull[h][1])};
   const Ints from_a = hn::ShiftLeft<kSubvoxelBits>(a), from_b = hn::ShiftLeft<kSubvoxelBits>(b);
   for (size_t n = 0; n < 3; ++n) {
     const size_t next = (n + 1) % 3;
@@ -196,6 +216,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, std::array<Ints3, 3> v, 
     out.rim[n] = hn::ShiftRight<1>(hn::Add(rim, one));
   }
 
+  const Ints flip = hn::IfThenElseZero(hn::Lt(FirstNonzero(normal), zero), one);
   const Ints n_a = DotOf(normal, u0), n_b = DotOf(normal, u1);
   const Ints z0 = hn::Add(DotOf(pick(frames.r[2]), v[0]), Fill(kLatticeUnit / 2));
   const Ints to_x = hn::Sub(x[0], from_a), to_y = hn::Sub(y[0], from_b);
@@ -204,7 +225,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, std::array<Ints3, 3> v, 
   AddProduct(n_a, to_x, level, rest);
   AddProduct(n_b, to_y, level, rest);
   level = hn::Add(level, hn::ShiftRight<kSubvoxelBits>(rest));  // modulo 2^32, which holds the remainder
-  const auto to_float = [&](Ints i) { return hn::ConvertTo(df, i); };
+  const auto to_float = [=](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
   const auto slopes = hn::Add(hn::Mul(to_float(n_a), to_float(to_x)), hn::Mul(to_float(n_b), to_float(to_y)));
   const auto estimate =
       hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));

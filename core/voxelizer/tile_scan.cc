@@ -28,15 +28,14 @@ void ForEachApart(size_t size, F&& f) {
 
 IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
 
-// Appends to `pairs` the voxels at `positions` of a list, with the triangles that put them there.
+// Appends to `pairs` the voxels at `positions` of one of the candidates' lists, with the triangles that put them there.
 //   end   the member of Candidates::Run for that list
-void AppendPairs(const NumberList& voxels, const NumberList& positions, const std::vector<Candidates::Run>& runs,
-                 uint32_t Candidates::Run::*end, std::span<const uint32_t> triangles,
-                 std::vector<VoxelTriangle>& pairs) {
-  auto run = runs.begin();
+void AppendPairs(const Candidates& candidates, const NumberList& voxels, const NumberList& positions,
+                 uint32_t Candidates::Run::*end, std::vector<VoxelTriangle>& pairs) {
+  auto run = candidates.runs.begin();
   for (const uint32_t n : positions.view()) {
     while ((*run).*end <= n) ++run;
-    pairs.push_back({voxels[n] & kNumberMask, triangles[run->first + (voxels[n] >> kNumberBits)]});
+    pairs.push_back({voxels[n] & kNumberMask, candidates.TriangleAt(*run, voxels[n] >> kNumberBits)});
   }
 }
 
@@ -106,9 +105,7 @@ size_t TileScan::Gather(const TileContext& context, size_t begin) {
        size = candidates_.nearer.size() + candidates_.rim.size()) {
     const size_t step = std::clamp(kAtOnce * (n - begin) / (size + 1), kFewest, kMost);
     const auto some = triangles_.subspan(n, std::min(step, triangles_.size() - n));
-    const size_t runs = candidates_.runs.size();
     FindCandidates(context.mesh, some, context.frames, box_, layout_, context.cancelled, candidates_);
-    for (size_t r = runs; r < candidates_.runs.size(); ++r) candidates_.runs[r].first += static_cast<uint32_t>(n);
     n += some.size();
   }
   return n;
@@ -146,7 +143,7 @@ void TileScan::AddRim(const TileContext& context) {
   pairs_.clear();
   if (context.cancelled) return;
   surface_.Find(candidates_.rim.view(), false, positions_);
-  AppendPairs(candidates_.rim, positions_, candidates_.runs, &Candidates::Run::rim_end, triangles_, pairs_);
+  AppendPairs(candidates_, candidates_.rim, positions_, &Candidates::Run::rim_end, pairs_);
   ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
     if (star.nearer == 0 || surface_.Test(voxel)) return;
     surface_.Set(voxel);
@@ -247,7 +244,7 @@ void TileScan::FindInRest(const NumberList& voxels) {
 void TileScan::AskAtPositions(const TileContext& context, const NumberList& voxels,
                               uint32_t Candidates::Run::*run_end) {
   pairs_.clear();
-  AppendPairs(voxels, positions_, candidates_.runs, run_end, triangles_, pairs_);
+  AppendPairs(candidates_, voxels, positions_, run_end, pairs_);
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
     if (edges_.size() >= compact_at_) {
       CompactEdges(context);

@@ -49,7 +49,7 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
   size_t crossed = 0, rim = 0;
   for (const Candidates::Run& run : candidates.runs) {
     for (; crossed < run.crossed_end; ++crossed) {
-      const uint32_t t = run.first + (candidates.nearer[crossed] >> kNumberBits);
+      const uint32_t t = candidates.TriangleAt(run, candidates.nearer[crossed] >> kNumberBits);
       const Vec3i nearer = layout.VoxelAt(candidates.nearer[crossed] & kNumberMask);
       const Vec3i farther = layout.VoxelAt(candidates.farther[crossed] & kNumberMask);
       EXPECT_TRUE(box.Contains(nearer));
@@ -62,7 +62,7 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
       found.insert({t, nearer});
     }
     for (; rim < run.rim_end; ++rim) {
-      const uint32_t t = run.first + (candidates.rim[rim] >> kNumberBits);
+      const uint32_t t = candidates.TriangleAt(run, candidates.rim[rim] >> kNumberBits);
       pairs.push_back({candidates.rim[rim] & kNumberMask, t});
       EXPECT_TRUE(box.Contains(layout.VoxelAt(pairs.back().voxel)));
     }
