@@ -20,9 +20,11 @@ namespace latvox {
 namespace {
 
 // One triangle and line at a time: what the lanes below are tested against.
-void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
-  for (size_t n = 0; n < triangles.size() && !cancelled; ++n) {
+size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                  const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, size_t enough,
+                  Candidates& out) {
+  size_t n = 0;
+  for (; n < triangles.size() && out.size() < enough && !cancelled; ++n) {
     const uint32_t t = triangles[n];
     const auto& [v0, v1, v2] = mesh.triangles[t];
     const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
@@ -39,6 +41,7 @@ void FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, co
     ScanAlongPrincipal(triangle, PrincipalScanFrame(frames, triangle.normal), box, crossed, rim);
     out.EndRun(triangles.subspan(n, 1));
   }
+  return n;
 }
 
 }  // namespace
@@ -51,9 +54,10 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                 const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
-  FindScalar(mesh, triangles, frames, box, layout, cancelled, out);
+size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                   const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, size_t enough,
+                   Candidates& out) {
+  return FindScalar(mesh, triangles, frames, box, layout, cancelled, enough, out);
 }
 #else
 
@@ -178,6 +182,9 @@ struct Scan {
   Target target;
 };
 
+// Candidates that are looked for at a time, about.
+constexpr size_t kAtOnce = size_t{1} << 16;
+
 // Up to kTriangleLanes triangles.
 struct SomeTriangles {
   std::array<Ints3, 3> v;  // corners, by axis, in lattice units from the low corner of the box
@@ -209,13 +216,13 @@ class LinesOrder {
  public:
   static constexpr size_t kMost = 256;  // triangles: few caches would hold the corners of many more
 
-  // Returns the triangles, up to kMost, in that order; valid until the next call.
-  HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles) {
+  // Returns the first `count` triangles, up to kMost, in that order; valid until the next call.
+  HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles, size_t count) {
     const Lanes d;
     const hn::Rebind<uint8_t, Lanes> bytes;
-    for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
+    for (size_t n = 0; n < count; n += kTriangleLanes) {
       PrefetchCorners(scan.mesh, triangles.subspan(n));
-      const SomeTriangles some(scan, triangles.subspan(n, std::min(kTriangleLanes, triangles.size() - n)));
+      const SomeTriangles some(scan, triangles.subspan(n, std::min(kTriangleLanes, count - n)));
       const LineBoxes boxes = some.Boxes(scan);
       const Ints longer = hn::Max(boxes.width, boxes.height), shorter = hn::Min(boxes.width, boxes.height);
       const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&boxes.valid));
@@ -224,11 +231,11 @@ class LinesOrder {
       hn::StoreU(hn::DemoteTo(bytes, hn::IfThenElse(few, key, Fill(kKeys - 1))), bytes, keys_ + n);
     }
     uint16_t ends[kKeys]{};
-    for (size_t n = 0; n < triangles.size(); ++n) ++ends[keys_[n]];
+    for (size_t n = 0; n < count; ++n) ++ends[keys_[n]];
     uint16_t end = 0;
-    for (uint16_t& count : ends) count = std::exchange(end, static_cast<uint16_t>(end + count));
-    for (size_t n = 0; n < triangles.size(); ++n) order_[ends[keys_[n]]++] = triangles[n];
-    return {order_, triangles.size()};
+    for (uint16_t& size : ends) size = std::exchange(end, static_cast<uint16_t>(end + size));
+    for (size_t n = 0; n < count; ++n) order_[ends[keys_[n]]++] = triangles[n];
+    return {order_, count};
   }
 
  private:
@@ -273,8 +280,9 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
   }
 }
 
-void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                 const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, Candidates& out) {
+size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
+                   const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, size_t enough,
+                   Candidates& out) {
   const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
   const Vec3i low = box.min * kLatticeUnit;
   Vec3i reach{};
@@ -285,18 +293,24 @@ void FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, c
       mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), reach, low,
       target};
   LinesOrder order;
-  while (!triangles.empty() && !cancelled) {
-    auto window = triangles.first(std::min(LinesOrder::kMost, triangles.size()));
-    triangles = triangles.subspan(window.size());
-    const bool few_lines = out.nearer.size() + out.rim.size() < kWorthSorting * out.triangles.size();
-    if (!few_lines && window.size() > kTriangleLanes) window = order.Sort(scan, window);
-    for (size_t n = 0; n < window.size() && !cancelled; n += kTriangleLanes) {
-      if (few_lines) PrefetchCorners(mesh, window.subspan(n));
-      const auto some = window.subspan(n, std::min(kTriangleLanes, window.size() - n));
-      ScanSome(scan, some, out);
-      out.EndRun(some);
+  size_t done = 0;
+  while (done < triangles.size() && out.size() < enough && !cancelled) {
+    // Each has up to some 50,000 candidates, or hardly any.
+    const size_t step =
+        std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kTriangleLanes, LinesOrder::kMost);
+    const auto left = triangles.subspan(done);
+    auto some = left.first(std::min(step, left.size()));
+    const bool sort = out.size() >= kWorthSorting * out.triangles.size() && some.size() > kTriangleLanes;
+    if (sort) some = order.Sort(scan, left, some.size());
+    for (size_t n = 0; n < some.size() && !cancelled; n += kTriangleLanes) {
+      if (!sort) PrefetchCorners(mesh, left.subspan(n));
+      const auto lanes = some.subspan(n, std::min(kTriangleLanes, some.size() - n));
+      ScanSome(scan, lanes, out);
+      out.EndRun(lanes);
     }
+    done += some.size();
   }
+  return done;
 }
 
 #endif
@@ -316,14 +330,11 @@ HWY_EXPORT(FindInLanes);
 
 }  // namespace
 
-void FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                    const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled,
-                    Candidates& candidates) {
-  if (SimdIsScalar()) {
-    FindScalar(mesh, triangles, frames, box, layout, cancelled, candidates);
-  } else {
-    HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, cancelled, candidates);
-  }
+size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                      const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
+                      const std::atomic<bool>& cancelled, size_t enough, Candidates& candidates) {
+  if (SimdIsScalar()) return FindScalar(mesh, triangles, frames, box, layout, cancelled, enough, candidates);
+  return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, cancelled, enough, candidates);
 }
 
 }  // namespace latvox

@@ -42,6 +42,7 @@ struct Candidates {
   void Reserve(size_t more) {
     for (NumberList* list : {&nearer, &farther, &rim}) list->Reserve(more);
   }
+  size_t size() const { return nearer.size() + rim.size(); }
   // The triangle at a place of the run.
   uint32_t TriangleAt(const Run& run, size_t place) const { return triangles[run.first + place]; }
   void EndRun(std::span<const uint32_t> of) {
@@ -58,10 +59,11 @@ struct Candidates {
 
 // Appends the candidates in `box`, which lies in `layout`, of the triangles: every voxel in the box that one of them
 // contributes is there with that triangle, and few others are. The order is open.
-// Returns early once the job is cancelled.
-void FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                    const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled,
-                    Candidates& candidates);
+//   enough   once there are so many candidates in all, no further triangles are taken
+// Returns how many of the triangles were taken, from the first on. Returns early once the job is cancelled.
+size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                      const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
+                      const std::atomic<bool>& cancelled, size_t enough, Candidates& candidates);
 
 }  // namespace latvox
 

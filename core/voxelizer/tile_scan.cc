@@ -97,18 +97,10 @@ void TileScan::CoverAll(const TileContext& context) {
 // large triangles in one block, which would fill the memory, are thereby done part by part, and found again each time
 // that thinning asks for them.
 size_t TileScan::Gather(const TileContext& context, size_t begin) {
-  constexpr size_t kFewest = 16, kMost = 256;  // triangles at a time, each with up to some 50,000 candidates
-  constexpr size_t kEnough = size_t{1} << 20, kAtOnce = size_t{1} << 16;
+  constexpr size_t kEnough = size_t{1} << 20;
   candidates_.Clear();
-  size_t n = begin;
-  for (size_t size = 0; n < triangles_.size() && size < kEnough && !context.cancelled;
-       size = candidates_.nearer.size() + candidates_.rim.size()) {
-    const size_t step = std::clamp(kAtOnce * (n - begin) / (size + 1), kFewest, kMost);
-    const auto some = triangles_.subspan(n, std::min(step, triangles_.size() - n));
-    FindCandidates(context.mesh, some, context.frames, box_, layout_, context.cancelled, candidates_);
-    n += some.size();
-  }
-  return n;
+  return begin + FindCandidates(context.mesh, triangles_.subspan(begin), context.frames, box_, layout_,
+                                context.cancelled, kEnough, candidates_);
 }
 
 // Calls f() with the candidates of each part of the triangles at hand.

@@ -42,7 +42,8 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
   const Vec3i reach = ReachOf(frames);
   const BitsLayout layout(tile_min, tile_min - box.min + reach);
   Candidates candidates;
-  FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, candidates);
+  EXPECT_EQ(FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, SIZE_MAX, candidates),
+            triangles.size());
 
   Found found;
   std::vector<VoxelTriangle> pairs;
