@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cstring>
 
 namespace latvox {
 #ifndef LATVOX_CORE_TILE_CUT_OUT_CC_ONCE
@@ -50,22 +51,27 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr auto CutColumn = ScalarColumn;
 #else
 uint32_t CutColumn(const uint8_t* rows, size_t step_x, size_t step_y, Column& column) {
+  // Whether anything is there is hard to predict of each x, less so of all.
+  uint64_t any = 0;
+  for (size_t x = 0; x < kBrickSide; ++x) {
+    for (size_t y = 0; y < kBrickSide; ++y) {
+      uint64_t row;
+      std::memcpy(&row, rows + x * step_x + y * step_y, sizeof(row));
+      any |= row;
+    }
+  }
+  if (any == 0) return 0;
   const hn::FixedTag<uint8_t, 16> d;
   const hn::Repartition<uint16_t, decltype(d)> d16;
   const hn::Repartition<uint32_t, decltype(d)> d32;
   const hn::Repartition<uint64_t, decltype(d)> d64;
   const hn::FixedTag<uint8_t, 8> half;
-  uint64_t any[kBricks] = {};
   for (size_t x = 0; x < kBrickSide; ++x, rows += step_x) {
     const auto row = [&](size_t y) HWY_ATTR { return hn::ZeroExtendVector(d, hn::LoadU(half, rows + y * step_y)); };
     const auto r01 = hn::BitCast(d16, hn::InterleaveLower(row(0), row(1)));
     const auto r23 = hn::BitCast(d16, hn::InterleaveLower(row(2), row(3)));
     const auto r45 = hn::BitCast(d16, hn::InterleaveLower(row(4), row(5)));
     const auto r67 = hn::BitCast(d16, hn::InterleaveLower(row(6), row(7)));
-    if (hn::AllTrue(d16, hn::Eq(hn::Or(hn::Or(r01, r23), hn::Or(r45, r67)), hn::Zero(d16)))) {
-      column[x] = {};
-      continue;
-    }
     const auto a0 = hn::BitCast(d32, hn::InterleaveLower(d16, r01, r23));  // rows 0..3, bytes 0..3
     const auto a1 = hn::BitCast(d32, hn::InterleaveUpper(d16, r01, r23));  // bytes 4..7
     const auto b0 = hn::BitCast(d32, hn::InterleaveLower(d16, r45, r67));
@@ -75,11 +81,11 @@ uint32_t CutColumn(const uint8_t* rows, size_t step_x, size_t step_y, Column& co
     hn::StoreU(hn::BitCast(d64, hn::InterleaveUpper(d32, a0, b0)), d64, words + 2);
     hn::StoreU(hn::BitCast(d64, hn::InterleaveLower(d32, a1, b1)), d64, words + 4);
     hn::StoreU(hn::BitCast(d64, hn::InterleaveUpper(d32, a1, b1)), d64, words + 6);
-    for (size_t n = 0; n < kBricks; ++n) any[n] |= words[n];
   }
-  uint32_t bricks = 0;
-  for (uint32_t n = 0; n < kBricks; ++n) bricks |= any[n] != 0 ? 1U << n : 0;
-  return bricks;
+  uint64_t bricks = 0;
+  const auto bytes = hn::BitCast(half, hn::Set(hn::Repartition<uint64_t, decltype(half)>(), any));
+  hn::StoreMaskBits(half, hn::Ne(bytes, hn::Zero(half)), reinterpret_cast<uint8_t*>(&bricks));
+  return static_cast<uint32_t>(bricks);
 }
 
 #endif
