@@ -63,7 +63,7 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Triangles too large for MakeLineScans.
+// Triangles too large for LineBoxes.
 void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& frames, const Target& target,
                Candidates& out) {
   const OrientedTriangle triangle(v);
@@ -182,14 +182,16 @@ struct Scan {
   Target target;
 };
 
-// Candidates that are looked for at a time, about.
-constexpr size_t kAtOnce = size_t{1} << 16;
+// Candidates that are looked for at a time, about, and triangles at least.
+constexpr size_t kAtOnce = size_t{1} << 16, kFewest = 16;
+static_assert(kFewest % kTriangleLanes == 0);
 
 // Up to kTriangleLanes triangles.
 struct SomeTriangles {
   std::array<Ints3, 3> v;  // corners, by axis, in lattice units from the low corner of the box
   Ints3 lowest, highest;   // as ScanTogether wants them
-  hn::Mask<Lanes> near, small;
+  hn::Mask<Lanes> near;    // may have candidates in the box
+  hn::Mask<Lanes> small;   // as LineBoxes wants them
 
   HWY_INLINE SomeTriangles(const Scan& scan, std::span<const uint32_t> triangles)
       : v(LoadCorners(scan.mesh, scan.vertices, LaneNumbers(triangles), scan.origin)) {
@@ -210,11 +212,11 @@ struct SomeTriangles {
 };
 
 // Puts triangles of about as many lines side by side: lanes wait for the longest rows and columns of theirs. That takes
-// as long as some ten lines, and pays where there are more.
+// as long as ten lines, and pays where triangles have more than about so many, which give six candidates.
 constexpr size_t kWorthSorting = 6;  // candidates a triangle, in the mean
 class LinesOrder {
  public:
-  static constexpr size_t kMost = 256;  // triangles: few caches would hold the corners of many more
+  static constexpr size_t kMost = 256;  // triangles: a first-level cache holds their corners until they are scanned
 
   // Returns the first `count` triangles, up to kMost, in that order; valid until the next call.
   HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles, size_t count) {
@@ -251,10 +253,11 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
   const Target& target = scan.target;
   const SomeTriangles these(scan, triangles);
   LineScanLanes lines;
-  MakeLineScans(scan.table, these.Boxes(scan), lines);
+  const LineBoxes boxes = these.Boxes(scan);
+  MakeLineScans(scan.table, boxes, lines);
 
   uint64_t together = 0;
-  hn::StoreMaskBits(d, hn::Lt(hn::Max(hn::Load(d, lines.width.of), hn::Load(d, lines.height.of)), Fill(kFewLines + 1)),
+  hn::StoreMaskBits(d, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)),
                     reinterpret_cast<uint8_t*>(&together));
   together &= lines.valid;
   if (static_cast<size_t>(std::popcount(together)) < kTriangleLanes / 4) together = 0;
@@ -296,8 +299,8 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
   size_t done = 0;
   while (done < triangles.size() && out.size() < enough && !cancelled) {
     // Each has up to some 50,000 candidates, or hardly any.
-    const size_t step =
-        std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kTriangleLanes, LinesOrder::kMost);
+    const size_t step = std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kFewest, LinesOrder::kMost) /
+                        kTriangleLanes * kTriangleLanes;
     const auto left = triangles.subspan(done);
     auto some = left.first(std::min(step, left.size()));
     const bool sort = out.size() >= kWorthSorting * out.triangles.size() && some.size() > kTriangleLanes;

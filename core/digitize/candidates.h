@@ -59,8 +59,9 @@ struct Candidates {
 
 // Appends the candidates in `box`, which lies in `layout`, of the triangles: every voxel in the box that one of them
 // contributes is there with that triangle, and few others are. The order is open.
-//   enough   once there are so many candidates in all, no further triangles are taken
-// Returns how many of the triangles were taken, from the first on. Returns early once the job is cancelled.
+//   enough   once there are so many candidates in all, the triangles at hand, up to 256, are the last
+// Returns how many of the triangles were taken, from the first on, one at least. Once the job is cancelled, returns
+// early, and what it returns means nothing.
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
                       const std::atomic<bool>& cancelled, size_t enough, Candidates& candidates);

@@ -81,7 +81,7 @@ constexpr BlockLines<T> MakeBlockLines() {
 template <class T>
 inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
 
-// What PrepareBlocks does for lanes.
+// As PrepareBlocks does for lanes: whatever shape needs fewest blocks, and the steps of these.
 template <class T>
 void ChooseShape(LineScan<T>& s) {
   int32_t fewest = INT32_MAX;

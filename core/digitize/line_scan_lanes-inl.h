@@ -26,7 +26,7 @@ struct alignas(64) LaneInts {
 };
 
 // LineScan<int32_t> of each lane, and the number of its frame; shapes, steps of blocks and `astride` only once
-// PrepareBlocks has set them.
+// PrepareBlocks has set them. If no lane is valid, nothing but that is set.
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
       shape, right_depth, right_remainder, down_depth, down_remainder, frame;
@@ -225,7 +225,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
   AddProduct(n_a, to_x, level, rest);
   AddProduct(n_b, to_y, level, rest);
   level = hn::Add(level, hn::ShiftRight<kSubvoxelBits>(rest));  // modulo 2^32, which holds the remainder
-  const auto to_float = [=](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
+  const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
   const auto slopes = hn::Add(hn::Mul(to_float(n_a), to_float(to_x)), hn::Mul(to_float(n_b), to_float(to_y)));
   const auto estimate =
       hn::Mul(hn::Add(to_float(z0), hn::Div(slopes, to_float(along))), hn::Set(df, 1.0F / kLatticeUnit));
@@ -246,7 +246,7 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
-  const auto to_float = [&](Ints i) { return hn::ConvertTo(df, i); };
+  const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
   const Ints zero = hn::Zero(d), one = Fill(1);
   const Ints width = load(s.width), height = load(s.height), along = load(s.along);
   const Ints level_a = load(s.level_a), level_b = load(s.level_b);

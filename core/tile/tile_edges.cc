@@ -7,7 +7,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 #include "core/base/append_lanes-inl.h"

@@ -183,7 +183,7 @@ void TileScan::FindRest(const TileContext& context) {
   for (const auto& [voxel, star] : rim_only_) {
     if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
-  if (crossings_.nearer.size() > 0) essential.words().assign(layout_.Words(), 0);
+  if (crossings_.nearer.size() > 0) rest_.words().assign(layout_.Words(), 0);  // empty again
   std::erase_if(maybe_, [&](uint32_t voxel) {
     const bool again = rest_.Test(voxel);
     rest_.Set(voxel);

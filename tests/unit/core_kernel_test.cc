@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <random>
 #include <set>
+#include <span>
 
 #include "core/digitize/candidates.h"
 #include "core/digitize/crossing.h"
@@ -35,17 +36,9 @@ Found Expected(const std::vector<Triangle>& triangles, const std::vector<ScanFra
   return found;
 }
 
-// The same from candidates and stars; checks the crossed edges on the way.
-Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames, const IndexBox& box,
-                     const Vec3i& tile_min) {
-  const SnappedMesh mesh = MeshOf(triangles);
-  const Vec3i reach = ReachOf(frames);
-  const BitsLayout layout(tile_min, tile_min - box.min + reach);
-  Candidates candidates;
-  EXPECT_EQ(FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, SIZE_MAX, candidates),
-            triangles.size());
-
-  Found found;
+// Adds the same from candidates, and from their stars; checks the crossed edges on the way.
+void AddFound(const Candidates& candidates, const SnappedMesh& mesh, const std::vector<Triangle>& triangles,
+              const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout, Found& found) {
   std::vector<VoxelTriangle> pairs;
   size_t crossed = 0, rim = 0;
   for (const Candidates::Run& run : candidates.runs) {
@@ -74,6 +67,24 @@ Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<S
   FindStarEdges(mesh, frames, layout, pairs, stars.data());
   for (size_t n = 0; n < pairs.size(); ++n) {
     if (stars[n].nearer != 0) found.insert({pairs[n].triangle, layout.VoxelAt(pairs[n].voxel)});
+  }
+}
+
+// In parts of about `enough` candidates.
+Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames, const IndexBox& box,
+                     const Vec3i& tile_min, size_t enough = SIZE_MAX) {
+  const SnappedMesh mesh = MeshOf(triangles);
+  const BitsLayout layout(tile_min, tile_min - box.min + ReachOf(frames));
+  const std::vector<uint32_t> numbers = Iota(triangles.size());
+  Found found;
+  for (std::span<const uint32_t> left = numbers; !left.empty();) {
+    Candidates candidates;
+    const size_t taken = FindCandidates(mesh, left, frames, box, layout, kNotCancelled, enough, candidates);
+    EXPECT_GT(taken, 0U);
+    EXPECT_TRUE(candidates.size() >= enough || taken == left.size());
+    if (taken == 0) break;
+    AddFound(candidates, mesh, triangles, frames, box, layout, found);
+    left = left.subspan(taken);
   }
   return found;
 }
@@ -136,6 +147,30 @@ TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
           ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min), expected)
               << l.name << " k " << k << " size " << size << " " << SimdInUse() << " seed " << kSeed;
         }
+      }
+    }
+  }
+}
+
+// Small triangles and large ones in turns: so many that they are sorted, window by window.
+TEST(Candidates, OfTrianglesOfAllSizesAreFoundInPartsOnEachKernel) {
+  const Vec3i tile_min{128, 64, 192};
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    const Vec3i reach = ReachOf(frames);
+    const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
+    std::vector<Triangle> triangles;
+    for (const auto& [size, count] : {std::pair<int32_t, size_t>{300, 100}, {1200, 600}, {5000, 40}, {40000, 4}}) {
+      const auto some = TrianglesAround(tile_min, size, count);
+      triangles.insert(triangles.end(), some.begin(), some.end());
+    }
+    std::shuffle(triangles.begin(), triangles.end(), std::mt19937(kSeed));
+    const Found expected = Expected(triangles, frames, box);
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      for (const size_t enough : {size_t{1}, size_t{3000}, SIZE_MAX}) {
+        ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min, enough), expected)
+            << l.name << " " << SimdInUse() << " enough " << enough << " seed " << kSeed;
       }
     }
   }
@@ -321,11 +356,15 @@ TEST(CutOut, GivesTheVoxelsOfTheTileAndRegionAsBricksOnEachKernel) {
   std::mt19937 random(kSeed);
   const Vec3i tile_min{64, -128, 0}, base_ijk{-640, 64, 128};
   const IndexBox tile{tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}};
-  for (const Vec3i& margin : {Vec3i{0, 0, 0}, Vec3i{3, 3, 3}, Vec3i{6, 3, 9}}) {
+  for (const auto& [margin, count] : {std::pair<Vec3i, int>{{0, 0, 0}, 3000},
+                                      {{3, 3, 3}, 3000},
+                                      {{6, 3, 9}, 3000},
+                                      {{3, 3, 3}, 40},
+                                      {{3, 3, 3}, 0}}) {
     const BitsLayout layout(tile_min, margin);
     std::uniform_int_distribution<uint32_t> number(0, static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1));
     TileBits bits(layout.Words());
-    for (int n = 0; n < 3000; ++n) bits.Set(number(random));
+    for (int n = 0; n < count; ++n) bits.Set(number(random));
     for (const IndexBox& region : {tile, IndexBox{tile_min + Vec3i{3, 0, 17}, tile_min + Vec3i{64, 9, 60}}}) {
       std::set<Vec3i> expected;
       for (int32_t i = tile.min[0]; i < tile.max[0]; ++i) {

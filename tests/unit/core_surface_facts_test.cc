@@ -133,6 +133,26 @@ TEST(SurfaceFacts, AnAreaThatVanishesModuloTwoToThe32IsAnArea) {
   mesh.vertices_lat = {{0, 0, 0}, {1 << 16, 0, 0}, {0, 1 << 16, 0}, {1 << 17, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
   WithEachSimd([&] { EXPECT_EQ(FactsOf(mesh).degenerate_triangles, 1U); });
+  for (int n = 0; n < 7; ++n) mesh.triangles.push_back(mesh.triangles[n % 3 == 0 ? 1 : 0]);
+  WithEachSimd([&] { EXPECT_EQ(FactsOf(mesh).degenerate_triangles, 4U); });
+}
+
+TEST(SurfaceFacts, FlatTrianglesAreCountedUpToTheExtentThatLanesHoldAndBeyond) {
+  for (const int32_t extent : {1, (1 << 15) - 1, 1 << 15, (1 << 15) + 1}) {
+    for (const int32_t other : {2, extent}) {  // small triangles beside large ones, and large ones alone
+      SnappedMesh mesh;
+      mesh.vertices_lat = {{0, 0, 0}, {extent, 0, 0}, {0, extent, 0}, {2 * extent, 0, 0},
+                           {0, 0, 9}, {other, 0, 9},  {0, other, 9},  {0, 2 * other, 9}};
+      for (int n = 0; n < 3; ++n)
+        mesh.triangles.insert(mesh.triangles.end(), {{0, 1, 2}, {4, 6, 7}, {4, 5, 6}, {0, 3, 1}});
+      const SurfaceFacts expected = CountedFacts(mesh);
+      EXPECT_EQ(expected.degenerate_triangles, 6U);
+      WithEachSimd([&] {
+        EXPECT_EQ(FactsOf(mesh).degenerate_triangles, 6U) << extent << " beside " << other;
+        EXPECT_EQ(FactsOf(mesh).closed, expected.closed) << extent << " beside " << other;
+      });
+    }
+  }
 }
 
 TEST(SurfaceFacts, ClosedIsByPositionNotByIndex) {

@@ -124,15 +124,17 @@ TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyO
 
 // In more tiles than are moved together, and fewer.
 TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
-  const Vec3i margin{2, 3, 5};
-  for (const int32_t side : {1, 2, 4}) {  // of the cube of tiles that they lie in
+  for (const auto& [side, margin] :  // of the cube of tiles that they lie in; of a tile
+       {std::pair<int32_t, Vec3i>{1, {2, 3, 5}}, {2, {2, 3, 5}}, {4, {2, 3, 5}}, {2, {kTileSide / 2, 3, 5}}}) {
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);
       SCOPED_TRACE(absl::StrCat(std::string(SimdInUse()), ", tiles a side: ", side));
       std::mt19937 random(8);
       const auto below = [&](int32_t limit) { return static_cast<int32_t>(random() % static_cast<uint32_t>(limit)); };
       TileEdges edges({0, 0, 0}, margin);
-      std::vector<Vec3i> ends;
+      std::array<int32_t, kPackedDirections> steps;
+      for (int32_t& step : steps) step = below(2001) - 1000;
+      std::vector<std::pair<Vec3i, size_t>> ends;  // with their directions
       for (const size_t count : {1, 15, 16, 700, 3000}) {
         PackedEdges packed;
         packed.Reserve(count);
@@ -142,12 +144,13 @@ TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
             tile[m] = below(side);
             in_tile[m] = below(kTileSide);
           }
-          ends.push_back(tile * kTileSide + in_tile);
+          const size_t direction = random() % kPackedDirections;
+          ends.push_back({tile * kTileSide + in_tile, direction});
           const auto pack = [](const Vec3i& v, int bits) {
             return static_cast<uint32_t>((v[0] << bits | v[1]) << bits | v[2]);
           };
           packed.tiles.Add(pack(tile, kPackedTileBits));
-          packed.edges.Add(pack(in_tile, kTileBits) << kPackedEndShift);
+          packed.edges.Add(pack(in_tile, kTileBits) << kPackedEndShift | static_cast<uint32_t>(direction));
         }
         auto part = edges.Take();
         part->Move(packed, margin);
@@ -159,14 +162,15 @@ TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
         const IndexBox box{low - margin, high + margin};
         const BitsLayout layout(low, margin);
         Crossings found;
-        edges.Collect({low, high}, box, layout, {}, found);
-        std::vector<uint32_t> expected, numbers(found.nearer.view().begin(), found.nearer.view().end());
-        for (const Vec3i& end : ends) {
-          if (box.Contains(end)) expected.push_back(layout.NumberOf(end));
+        edges.Collect({low, high}, box, layout, steps, found);
+        Edges expected, collected;
+        for (const auto& [end, direction] : ends) {
+          const uint32_t nearer = layout.NumberOf(end);
+          if (box.Contains(end)) expected.insert({nearer, nearer + static_cast<uint32_t>(steps[direction])});
         }
-        std::sort(numbers.begin(), numbers.end());
-        std::sort(expected.begin(), expected.end());
-        EXPECT_EQ(numbers, expected);
+        ASSERT_EQ(found.nearer.size(), found.farther.size());
+        for (size_t n = 0; n < found.nearer.size(); ++n) collected.insert({found.nearer[n], found.farther[n]});
+        EXPECT_EQ(collected, expected);
       }
     }
   }
