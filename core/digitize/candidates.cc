@@ -211,17 +211,20 @@ struct SomeTriangles {
   HWY_INLINE LineBoxes Boxes(const Scan& scan) const { return {scan.table, v, hn::And(near, small)}; }
 };
 
-// Puts triangles of about as many lines side by side: lanes wait for the longest rows and columns of theirs. That takes
-// as long as ten lines, and pays where triangles have more than about so many, which give six candidates.
-constexpr size_t kWorthSorting = 6;  // candidates a triangle, in the mean
+// Puts triangles of about as many lines side by side: lanes wait for the longest rows and columns of theirs.
 class LinesOrder {
  public:
   static constexpr size_t kMost = 256;  // triangles: a first-level cache holds their corners until they are scanned
+
+  // Whether it saved more time than it took, the last time.
+  bool pays() const { return pays_; }
 
   // Returns the first `count` triangles, up to kMost, in that order; valid until the next call.
   HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles, size_t count) {
     const Lanes d;
     const hn::Rebind<uint8_t, Lanes> bytes;
+    Ints lines = hn::Zero(d);
+    int32_t steps = 0;  // of all lanes, unsorted
     for (size_t n = 0; n < count; n += kTriangleLanes) {
       PrefetchCorners(scan.mesh, triangles.subspan(n));
       const SomeTriangles some(scan, triangles.subspan(n, std::min(kTriangleLanes, count - n)));
@@ -229,9 +232,16 @@ class LinesOrder {
       const Ints longer = hn::Max(boxes.width, boxes.height), shorter = hn::Min(boxes.width, boxes.height);
       const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&boxes.valid));
       const auto few = hn::And(valid, hn::Lt(longer, Fill(kFewLines + 1)));
+      const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(few, v))); };
+      steps += most(longer) * most(shorter);
+      lines = hn::Add(lines, hn::IfThenElseZero(few, hn::Mul(longer, shorter)));
       const Ints key = hn::Add(hn::Mul(longer, Fill(kFewLines + 1)), shorter);
       hn::StoreU(hn::DemoteTo(bytes, hn::IfThenElse(few, key, Fill(kKeys - 1))), bytes, keys_ + n);
     }
+    // Sorted, lanes wait for a sixth of their time.
+    const auto vectors = static_cast<int32_t>((count + kTriangleLanes - 1) / kTriangleLanes);
+    const int32_t sorted_steps = hn::GetLane(hn::SumOfLanes(d, lines)) * 6 / (5 * static_cast<int32_t>(kTriangleLanes));
+    pays_ = steps - sorted_steps > kStepsToSort * vectors;
     uint16_t ends[kKeys]{};
     for (size_t n = 0; n < count; ++n) ++ends[keys_[n]];
     uint16_t end = 0;
@@ -243,6 +253,8 @@ class LinesOrder {
  private:
   static constexpr size_t kKeys = (kFewLines + 1) * (kFewLines + 1) + 1;
   static_assert(kKeys <= 256);
+  static constexpr int32_t kStepsToSort = 9;  // of a vector of triangles, which take as long as to sort it
+  bool pays_ = true;
   uint8_t keys_[kMost + kTriangleLanes];
   uint32_t order_[kMost];
 };
@@ -296,14 +308,15 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
       mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), reach, low,
       target};
   LinesOrder order;
+  constexpr size_t kTryAgain = 8;  // windows: whether sorting pays is seen by doing it
   size_t done = 0;
-  while (done < triangles.size() && out.size() < enough && !cancelled) {
+  for (size_t window = 0; done < triangles.size() && out.size() < enough && !cancelled; ++window) {
     // Each has up to some 50,000 candidates, or hardly any.
     const size_t step = std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kFewest, LinesOrder::kMost) /
                         kTriangleLanes * kTriangleLanes;
     const auto left = triangles.subspan(done);
     auto some = left.first(std::min(step, left.size()));
-    const bool sort = out.size() >= kWorthSorting * out.triangles.size() && some.size() > kTriangleLanes;
+    const bool sort = (order.pays() || window % kTryAgain == 0) && some.size() > kTriangleLanes;
     if (sort) some = order.Sort(scan, left, some.size());
     for (size_t n = 0; n < some.size() && !cancelled; n += kTriangleLanes) {
       if (!sort) PrefetchCorners(mesh, left.subspan(n));
