@@ -216,7 +216,7 @@ class LinesOrder {
  public:
   static constexpr size_t kMost = 256;  // triangles: a first-level cache holds their corners until they are scanned
 
-  // Whether it saved more time than it took, the last time.
+  // Whether it is expected to have saved more time than it took, the last time.
   bool pays() const { return pays_; }
 
   // Returns the first `count` triangles, up to kMost, in that order; valid until the next call.

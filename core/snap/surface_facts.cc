@@ -146,8 +146,8 @@ void AddInLanes(const CornerList& list, SurfaceSums& sums) {
     const uint64_t flat = ZeroBlocks(normal);
     const size_t here = std::min(kBlocks, list.size - t);
     if (flat != 0 || here < kBlocks) {
-      uint64_t counts = 0;  // triangles whose edges do
-      // Then products are below 2^30, and the normal is exact.
+      uint64_t counts = 0;  // triangles whose edges count
+      // If so, products are below 2^30, and the normal is exact.
       const auto fits = hn::Lt(hn::Max(hn::Abs(u), hn::Abs(v)), hn::Set(d, 1 << 15));
       if (here == kBlocks && hn::AllTrue(d, fits)) {
         sums.degenerate += static_cast<uint64_t>(std::popcount(flat));
