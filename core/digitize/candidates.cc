@@ -64,15 +64,22 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Triangles too large for LineBoxes.
-void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& frames, const Target& target,
-               Candidates& out) {
+HWY_NOINLINE void ScanLarge(const Triangle& v, size_t place, const std::vector<ScanFrame>& frames, const NearBox& near,
+                            const Target& target, Candidates& out) {
   const OrientedTriangle triangle(v);
   if (triangle.normal == Vec<int64_t, 3>{}) return;
   const ScanFrame& scan = PrincipalScanFrame(frames, triangle.normal);
   LineScan<int64_t> lines;
-  if (!MakeLineScan(triangle, scan, {{}, target.size}, lines)) return;
+  if (!MakeLineScan(triangle, scan, {{}, target.size}, near, lines)) return;
+  const uint32_t clip = AxesAstride(lines, scan.frame, target.size);
+  for (const bool rounded : {true, false}) {
+    LineScan<int32_t> narrow;
+    if (!Narrow(lines, rounded, narrow)) continue;
+    ChooseShape(narrow);
+    if (ScanLines<false>(narrow, clip, place, scan.frame, target, out)) return;
+  }
   ChooseShape(lines);
-  ScanLines(lines, 7, place, scan.frame, target, out);
+  ScanLines<true>(lines, clip, place, scan.frame, target, out);
 }
 
 // Triangles with few lines each, one a lane: line after line of all.
@@ -177,7 +184,6 @@ struct Scan {
   const std::vector<ScanFrame>& frames;
   FrameTable table;
   int32_t narrow;  // NarrowExtent
-  Vec3i reach;     // per axis, the largest |q|
   Vec3i origin;    // of the box, lattice units
   Target target;
 };
@@ -199,7 +205,7 @@ struct SomeTriangles {
     near = small = hn::FirstN(d, triangles.size());
     for (size_t m = 0; m < 3; ++m) {
       const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-      const Ints half_step = Fill(scan.reach[m] * kLatticeUnit / 2), top = Fill(scan.target.size[m] - 1);
+      const Ints half_step = Fill(-scan.table.near.min[m]), top = Fill(scan.target.size[m] - 1);
       const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), half_step), last = hn::Add(high, half_step);
       lowest[m] = hn::Max(hn::ShiftRight<kSubvoxelBits>(first), hn::Zero(d));
       highest[m] = hn::Min(hn::ShiftRight<kSubvoxelBits>(last), top);
@@ -280,7 +286,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
     const auto t = static_cast<size_t>(std::countr_zero(some));
     uint32_t clip = 0;
     for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;
-    ScanLines(lines.At(t), clip, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
+    ScanLines<true>(lines.At(t), clip, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
   uint64_t large = 0;
   hn::StoreMaskBits(d, hn::AndNot(these.small, these.near), reinterpret_cast<uint8_t*>(&large));
@@ -291,7 +297,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
       const Vec3i& corner = scan.mesh.vertices_lat[scan.mesh.triangles[triangles[t]][n]];
       for (size_t m = 0; m < 3; ++m) triangle[n][m] = corner[m] - scan.origin[m];
     }
-    ScanLarge(triangle, t, scan.frames, target, out);
+    ScanLarge(triangle, t, scan.frames, scan.table.near, target, out);
   }
 }
 
@@ -300,13 +306,8 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                    Candidates& out) {
   const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
   const Vec3i low = box.min * kLatticeUnit;
-  Vec3i reach{};
-  for (const ScanFrame& scan : frames) {
-    for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], std::abs(scan.frame.q[m]));
-  }
-  const Scan scan{
-      mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), reach, low,
-      target};
+  const Scan scan{mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), low,
+                  target};
   LinesOrder order;
   constexpr size_t kTryAgain = 8;  // windows: whether sorting pays is seen by doing it
   size_t done = 0;

@@ -38,12 +38,16 @@ class Appender {
     rim_ = out.rim.end();
   }
   HWY_INLINE ~Appender() {
+    if (nearer_ == nullptr) return;
     out_.nearer.Grow(static_cast<size_t>(nearer_ - out_.nearer.end()));
     out_.farther.Grow(static_cast<size_t>(farther_ - out_.farther.end()));
     out_.rim.Grow(static_cast<size_t>(rim_ - out_.rim.end()));
   }
   Appender(const Appender&) = delete;
   Appender& operator=(const Appender&) = delete;
+
+  // Leaves the candidates as they were.
+  void Drop() { nearer_ = nullptr; }
 
   // Lanes hold a voxel with a place above it, and the step to the farther end of the edge there along the principal
   // direction.
@@ -102,9 +106,10 @@ void ChooseShape(LineScan<T>& s) {
 
 // Block after block of the triangle's lines.
 //   clip   bit m: candidates may lie outside of the target on axis m
-template <class T>
-void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& frame, const Target& target,
-               Candidates& out) {
+// Returns false, and adds nothing, where the remainder of a candidate is in doubt; kExact: none ever is.
+template <bool kExact, class T>
+HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& frame, const Target& target,
+                          Candidates& out) {
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   const hn::RebindToFloat<decltype(d)> df;
@@ -170,14 +175,14 @@ void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& f
     }
     return ijk;
   };
-  const auto times = [](std::array<T, 3> edges, int32_t lines) {
-    for (T& edge : edges) edge *= lines;
-    return edges;
-  };
   advance(row, same(s.edge, s.remainder, ijk_of(s.a, s.b, s.depth), target.number));
   row.number = hn::Add(row.number, all(place << kNumberBits));
-  const Lines right = same(times(s.edge_a, wide), s.right_remainder, ijk_of(wide, 0, s.right_depth), 0);
-  const Lines down = same(times(s.edge_b, high), s.down_remainder, ijk_of(0, high, s.down_depth), 0);
+  Lines right = same(s.edge_a, s.right_remainder, ijk_of(wide, 0, s.right_depth), 0);
+  Lines down = same(s.edge_b, s.down_remainder, ijk_of(0, high, s.down_depth), 0);
+  for (size_t n = 0; n < 3; ++n) {  // in lanes, where lines that do not count may overflow
+    right.edge[n] = hn::Mul(right.edge[n], all(wide));
+    down.edge[n] = hn::Mul(down.edge[n], all(high));
+  }
   V rim[3];
   for (size_t n = 0; n < 3; ++n) rim[n] = all(-s.rim[n] - 1);
 
@@ -190,6 +195,14 @@ void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& f
       auto candidate = hn::And(in_height, hn::Lt(a, all(s.width - from_a)));
       for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
       if (hn::AllFalse(d, candidate)) continue;
+      if (!kExact && s.doubt != 0) {
+        // From a multiple of along / 2, whose half is a power of two then.
+        const V distance = hn::And(hn::Add(block.remainder, all(s.doubt)), all(s.half - 1));
+        if (!hn::AllFalse(d, hn::And(candidate, hn::Lt(distance, all(2 * s.doubt + 1))))) {
+          appender.Drop();
+          return false;
+        }
+      }
       for (size_t m = 0; m < 3; ++m) {
         if (clip >> m & 1) {
           candidate =
@@ -202,6 +215,7 @@ void ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& f
       appender.Append(d, block.number, to_farther, crossed, rim_only);
     }
   }
+  return true;
 }
 
 }  // namespace

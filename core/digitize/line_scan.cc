@@ -3,8 +3,70 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 
 namespace latvox {
+namespace {
+
+using crossing_internal::Span;
+using Corners = std::array<const Vec<int64_t, 3>*, 3>;
+
+// Bounds of the forms p[0] and p[1], given at the corners v, over the part of the triangle between the planes of each
+// axis; rounded outwards, and empty if there is no such part.
+std::array<Span, 2> BoundsWithin(const NearBox& near, const Corners& v,
+                                 const std::array<std::array<int64_t, 3>, 2>& p) {
+  std::array<Span, 2> bounds;
+  for (size_t c = 0; c < 2; ++c) {
+    const auto [least, most] = std::minmax({p[c][0], p[c][1], p[c][2]});
+    bounds[c] = {least, most};
+  }
+  for (size_t m = 0; m < 3; ++m) {
+    constexpr double kFar = int64_t{1} << 60;
+    std::array<double, 2> least{kFar, kFar}, most{-kFar, -kFar};
+    // The point t of the way from corner n to the next.
+    const auto add = [&](size_t n, double t) {
+      for (size_t c = 0; c < 2; ++c) {
+        const auto from = static_cast<double>(p[c][n]), to = static_cast<double>(p[c][(n + 1) % 3]);
+        const double at = from + t * (to - from);
+        least[c] = std::min(least[c], at);
+        most[c] = std::max(most[c], at);
+      }
+    };
+    for (size_t n = 0; n < 3; ++n) {
+      const int64_t z = (*v[n])[m], next = (*v[(n + 1) % 3])[m];
+      if (near.min[m] <= z && z <= near.max[m]) add(n, 0);
+      for (const int64_t plane : {near.min[m], near.max[m]}) {
+        if ((z < plane) != (next < plane)) add(n, static_cast<double>(plane - z) / static_cast<double>(next - z));
+      }
+    }
+    for (size_t c = 0; c < 2; ++c) {
+      bounds[c].first = std::max(bounds[c].first, static_cast<int64_t>(std::floor(least[c])) - 1);
+      bounds[c].last = std::min(bounds[c].last, static_cast<int64_t>(std::ceil(most[c])) + 1);
+    }
+  }
+  return bounds;
+}
+
+// Bounds of E' of edge n over all lines.
+Span EdgeBounds(const LineScan<int64_t>& lines, size_t n) {
+  const int64_t over_a = lines.edge_a[n] * (lines.width - 1), over_b = lines.edge_b[n] * (lines.height - 1);
+  return {lines.edge[n] + std::min<int64_t>(over_a, 0) + std::min<int64_t>(over_b, 0),
+          lines.edge[n] + std::max<int64_t>(over_a, 0) + std::max<int64_t>(over_b, 0)};
+}
+
+// The sum of two remainders must fit 32 bits.
+constexpr int64_t kExactAlong = 1 << 30;
+
+}  // namespace
+
+NearBox::NearBox(const std::vector<ScanFrame>& frames, const IndexBox& box) {
+  for (size_t m = 0; m < 3; ++m) {
+    int32_t reach = 0;  // of edges, of which the nearer half counts
+    for (const ScanFrame& scan : frames) reach = std::max(reach, std::abs(scan.frame.q[m]));
+    min[m] = box.min[m] * kLatticeUnit - reach * (kLatticeUnit / 2);
+    max[m] = (box.max[m] - 1) * kLatticeUnit + reach * (kLatticeUnit / 2);
+  }
+}
 
 int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
   int32_t most = 1;
@@ -14,7 +76,132 @@ int32_t NarrowExtent(const std::vector<ScanFrame>& frames) {
   return std::min(1 << 14, static_cast<int32_t>(std::sqrt(((1 << 30) - 1) / most)));
 }
 
-FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box) : size(frames.size()) {
+bool MakeLineScan(const OrientedTriangle& triangle, const ScanFrame& scan, const IndexBox& box, const NearBox& near,
+                  LineScan<int64_t>& out) {
+  using crossing_internal::ProjectedEdge;
+  using crossing_internal::Wide;
+  constexpr int64_t kHalf = kLatticeUnit / 2;
+  const Frame& frame = scan.frame;
+  const int64_t up = Dot(triangle.normal, frame.q);
+  // Counter-clockwise in the projection: the normal must point along q.
+  const bool flip = up < 0;
+  const int64_t along = flip ? -up : up;
+  const Corners v{&triangle.v[0], &triangle.v[flip ? 2 : 1], &triangle.v[flip ? 1 : 2]};
+  std::array<int64_t, 3> x, y;
+  for (size_t n = 0; n < 3; ++n) {
+    x[n] = Dot(frame.r[0], *v[n]);
+    y[n] = Dot(frame.r[1], *v[n]);
+  }
+  const auto [x_part, y_part] = BoundsWithin(near, v, {x, y});
+  const auto lines = [&](const Span& part, int64_t reach, const Vec3i& row) {
+    const Span all = crossing_internal::RangeOver(box, row);
+    return Span{std::max((part.first - reach * kHalf + kLatticeUnit - 1) >> kSubvoxelBits, all.first),
+                std::min((part.last + reach * kHalf) >> kSubvoxelBits, all.last)};
+  };
+  const Span a = lines(x_part, scan.reach_a, frame.r[0]), b = lines(y_part, scan.reach_b, frame.r[1]);
+  if (a.first > a.last || b.first > b.last) return false;
+  out.a = a.first;
+  out.b = b.first;
+  out.width = static_cast<int32_t>(a.last - a.first + 1);
+  out.height = static_cast<int32_t>(b.last - b.first + 1);
+
+  const int64_t from_a = a.first * kLatticeUnit, from_b = b.first * kLatticeUnit;
+  for (size_t n = 0; n < 3; ++n) {
+    const size_t next = (n + 1) % 3;
+    const ProjectedEdge edge(frame, x[n], y[n], x[next], y[next]);
+    int64_t rim = 0;
+    for (const auto& q : scan.hull) rim = std::max(rim, std::abs(edge.dx * q[1] - edge.dy * q[0]));
+    const int64_t value = edge.dx * (from_b - edge.y) - edge.dy * (from_a - edge.x) + edge.tie - 1;
+    out.edge[n] = value >> kSubvoxelBits;
+    out.edge_a[n] = -edge.dy;
+    out.edge_b[n] = edge.dx;
+    out.rim[n] = (rim + 1) / 2;
+    if (EdgeBounds(out, n).last < -out.rim[n]) return false;
+  }
+
+  const int64_t sign = flip ? -1 : 1;
+  const int64_t n_a = sign * Dot(triangle.normal, frame.u[0]), n_b = sign * Dot(triangle.normal, frame.u[1]);
+  const int64_t z0 = Dot(frame.r[2], *v[0]);
+  const Wide numerator =
+      Wide{z0 + kHalf} * along - Wide{n_a} * (from_a - x[0]) - Wide{n_b} * (from_b - y[0]) - (flip ? 1 : 0);
+  const Wide level = numerator >> kSubvoxelBits;
+  const bool low_part = (static_cast<uint64_t>(numerator) & (kLatticeUnit - 1)) < kHalf;
+  const Wide depth = level / along - (level % along < 0 ? 1 : 0);
+  out.along = along;
+  out.level_a = -n_a;
+  out.level_b = -n_b;
+  out.depth = static_cast<int32_t>(depth);
+  out.remainder = static_cast<int64_t>(level - depth * along);
+  out.half = (along + (low_part ? 1 : 0)) / 2;
+  out.doubt = 0;
+  return true;
+}
+
+uint32_t AxesAstride(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size) {
+  // Coordinates are linear over the lines, but for the depth's rounding down.
+  const auto per_line = [&](int64_t level) { return static_cast<double>(level) / static_cast<double>(lines.along); };
+  const double slope_a = per_line(lines.level_a), slope_b = per_line(lines.level_b);
+  uint32_t astride = 0;
+  for (size_t m = 0; m < 3; ++m) {
+    const int32_t q = frame.q[m], u0 = frame.u[0][m], u1 = frame.u[1][m];
+    const auto first = static_cast<double>(lines.a * u0 + lines.b * u1 + int64_t{lines.depth} * q);
+    const double over_a = (u0 + slope_a * q) * (lines.width - 1), over_b = (u1 + slope_b * q) * (lines.height - 1);
+    const double slack = q == 0 ? 0 : std::abs(q) + 0.25;  // a quarter for the doubles
+    const double lower = first + std::min(over_a, 0.0) + std::min(over_b, 0.0) - slack;
+    const double upper = first + std::max(over_a, 0.0) + std::max(over_b, 0.0) + slack;
+    if (lower < 0 || upper > size[m] - 1) astride |= 1U << m;
+  }
+  return astride;
+}
+
+bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out) {
+  const auto fits = [](int64_t i) { return i == static_cast<int32_t>(i); };
+  out.a = lines.a;
+  out.b = lines.b;
+  out.width = lines.width;
+  out.height = lines.height;
+  for (size_t n = 0; n < 3; ++n) {
+    const auto [least, most] = EdgeBounds(lines, n);
+    const bool matters = least < 0;
+    if (matters && !(fits(least) && fits(most) && fits(lines.rim[n]))) return false;
+    out.edge[n] = matters ? static_cast<int32_t>(lines.edge[n]) : 0;
+    out.edge_a[n] = matters ? static_cast<int32_t>(lines.edge_a[n]) : 0;
+    out.edge_b[n] = matters ? static_cast<int32_t>(lines.edge_b[n]) : 0;
+    out.rim[n] = matters ? static_cast<int32_t>(lines.rim[n]) : 0;
+  }
+
+  out.depth = lines.depth;
+  if (rounded) {
+    if (lines.along <= kExactAlong) return false;
+    constexpr int32_t kAlong = 1 << kScaledBits;
+    const double scale = kAlong / static_cast<double>(lines.along);
+    const auto scaled = [&](int64_t i) { return static_cast<int64_t>(static_cast<double>(i) * scale); };
+    const int64_t level_a = scaled(lines.level_a), level_b = scaled(lines.level_b);
+    if (!fits(level_a) || !fits(level_b)) return false;
+    out.along = kAlong;
+    out.level_a = static_cast<int32_t>(level_a);
+    out.level_b = static_cast<int32_t>(level_b);
+    out.remainder = static_cast<int32_t>(std::min<int64_t>(scaled(lines.remainder), kAlong - 1));
+    out.half = kAlong / 2;
+    // Less than one for each step and for the first line, at most a quarter for half, and one for what doubles round.
+    out.doubt = lines.width + lines.height + 1;
+    return true;
+  }
+  const int64_t common = std::gcd(std::gcd(lines.along, lines.level_a), lines.level_b);
+  const int64_t along = lines.along / common, level_a = lines.level_a / common, level_b = lines.level_b / common;
+  if (along > kExactAlong || !fits(level_a) || !fits(level_b)) return false;
+  const int64_t part = lines.remainder % common;  // the same on all lines
+  out.along = static_cast<int32_t>(along);
+  out.level_a = static_cast<int32_t>(level_a);
+  out.level_b = static_cast<int32_t>(level_b);
+  out.remainder = static_cast<int32_t>(lines.remainder / common);
+  out.half = static_cast<int32_t>(crossing_internal::CeilDiv(lines.half - part, common));
+  out.doubt = 0;
+  return true;
+}
+
+FrameTable::FrameTable(const std::vector<ScanFrame>& frames, const IndexBox& box)
+    : size(frames.size()), near(frames, box) {
   for (size_t n = 0; n < size; ++n) {
     const Frame& frame = frames[n].frame;
     for (size_t m = 0; m < 3; ++m) {

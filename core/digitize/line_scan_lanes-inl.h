@@ -50,6 +50,7 @@ struct LineScanLanes {
     s.level_b = level_b.of[n];
     s.remainder = remainder.of[n];
     s.half = half.of[n];
+    s.doubt = 0;
     s.depth = depth.of[n];
     s.shape = shape.of[n];
     s.right_depth = right_depth.of[n];
@@ -114,6 +115,49 @@ class FramePick {
   Ints frame_;
 };
 
+// As BoundsWithin (core/digitize/line_scan.cc) does: cuts off of the bounds of the forms p[0] and p[1] what belongs to
+// no part of the triangle between the planes of `near`. Precondition: there is such a part.
+HWY_INLINE void CutBounds(const NearBox& near, const std::array<Ints3, 3>& v, const std::array<Ints3, 2>& p,
+                          std::array<Ints, 2>& first, std::array<Ints, 2>& last) {
+  const Lanes d;
+  const hn::RebindToFloat<Lanes> df;
+  using Floats = hn::Vec<decltype(df)>;
+  const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
+  std::array<std::array<Floats, 3>, 2> at, over;  // the forms at corner n, and what they change by to the next
+  for (size_t c = 0; c < 2; ++c) {
+    for (size_t n = 0; n < 3; ++n) at[c][n] = to_float(p[c][n]);
+    for (size_t n = 0; n < 3; ++n) over[c][n] = hn::Sub(at[c][(n + 1) % 3], at[c][n]);
+  }
+  for (size_t m = 0; m < 3; ++m) {
+    const auto far = hn::Set(df, static_cast<float>(1 << 30));
+    std::array<Floats, 2> least{far, far}, most{hn::Neg(far), hn::Neg(far)};
+    // The point t of the way from corner n to the next.
+    const auto add = [&](auto where, size_t n, Floats t) HWY_ATTR {
+      for (size_t c = 0; c < 2; ++c) {
+        const Floats value = hn::MulAdd(t, over[c][n], at[c][n]);
+        least[c] = hn::IfThenElse(where, hn::Min(least[c], value), least[c]);
+        most[c] = hn::IfThenElse(where, hn::Max(most[c], value), most[c]);
+      }
+    };
+    const auto low = hn::Set(df, static_cast<float>(near.min[m])), high = hn::Set(df, static_cast<float>(near.max[m]));
+    const Floats z[3] = {to_float(v[0][m]), to_float(v[1][m]), to_float(v[2][m])};
+    for (size_t n = 0; n < 3; ++n) {
+      const Floats next = z[(n + 1) % 3], per = hn::Div(hn::Set(df, 1.0F), hn::Sub(next, z[n]));
+      add(hn::And(hn::Ge(z[n], low), hn::Le(z[n], high)), n, hn::Zero(df));
+      for (const Floats plane : {low, high}) {
+        add(hn::Xor(hn::Lt(z[n], plane), hn::Lt(next, plane)), n, hn::Mul(hn::Sub(plane, z[n]), per));
+      }
+    }
+    for (size_t c = 0; c < 2; ++c) {
+      first[c] = hn::Max(first[c], hn::Sub(hn::ConvertTo(d, hn::Floor(least[c])), Fill(1)));
+      last[c] = hn::Min(last[c], hn::Add(hn::ConvertTo(d, hn::Ceil(most[c])), Fill(1)));
+    }
+  }
+}
+
+// To cut off bounds takes about as long as it spares where so many lines are of triangles that reach beyond the box.
+inline constexpr int32_t kLinesToCut = 2048;
+
 // The lines of each lane's triangle, along its principal direction: a box of them.
 struct LineBoxes {
   std::array<Ints3, 3> v;    // corners, counter-clockwise in the projection
@@ -162,17 +206,33 @@ struct LineBoxes {
     const Ints3 r0 = pick(frames.r[0]), r1 = pick(frames.r[1]);
     x = {DotOf(r0, v[0]), DotOf(r0, v[1]), DotOf(r0, v[2])};
     y = {DotOf(r1, v[0]), DotOf(r1, v[1]), DotOf(r1, v[2])};
-    const auto first = [&](const Ints3& p, size_t axis) HWY_ATTR {
-      const Ints low = hn::Sub(Least(p[0], p[1], p[2]), pick(frames.rim[axis]));
-      return hn::Max(hn::ShiftRight<kSubvoxelBits>(hn::Add(low, Fill(kLatticeUnit - 1))), pick(frames.first[axis]));
+    std::array<Ints, 2> low{Least(x[0], x[1], x[2]), Least(y[0], y[1], y[2])};
+    std::array<Ints, 2> high{Most(x[0], x[1], x[2]), Most(y[0], y[1], y[2])};
+    // Of those that reach beyond the box, only the lines of the part within.
+    const auto lines = [&](hn::Mask<Lanes> of) HWY_ATTR {
+      const Ints many = hn::Mul(hn::ShiftRight<kSubvoxelBits>(hn::Sub(high[0], low[0])),
+                                hn::ShiftRight<kSubvoxelBits>(hn::Sub(high[1], low[1])));
+      return hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(of, many)));
     };
-    const auto count = [&](const Ints3& p, size_t axis, Ints from) HWY_ATTR {
-      const Ints high = hn::Add(Most(p[0], p[1], p[2]), pick(frames.rim[axis]));
-      const Ints last = hn::Min(hn::ShiftRight<kSubvoxelBits>(high), pick(frames.last[axis]));
+    if (lines(wanted) > kLinesToCut) {
+      auto within = wanted;
+      for (size_t m = 0; m < 3; ++m) {
+        within = hn::And(within, hn::Gt(Least(v[0][m], v[1][m], v[2][m]), Fill(frames.near.min[m] - 1)));
+        within = hn::And(within, hn::Lt(Most(v[0][m], v[1][m], v[2][m]), Fill(frames.near.max[m] + 1)));
+      }
+      if (lines(hn::AndNot(within, wanted)) > kLinesToCut) CutBounds(frames.near, v, {x, y}, low, high);
+    }
+    const auto first = [&](size_t axis) HWY_ATTR {
+      const Ints from = hn::Sub(low[axis], pick(frames.rim[axis]));
+      return hn::Max(hn::ShiftRight<kSubvoxelBits>(hn::Add(from, Fill(kLatticeUnit - 1))), pick(frames.first[axis]));
+    };
+    const auto count = [&](size_t axis, Ints from) HWY_ATTR {
+      const Ints to = hn::Add(high[axis], pick(frames.rim[axis]));
+      const Ints last = hn::Min(hn::ShiftRight<kSubvoxelBits>(to), pick(frames.last[axis]));
       return hn::Add(hn::Sub(last, from), one);
     };
-    a = first(x, 0), b = first(y, 1);
-    width = count(x, 0, a), height = count(y, 1, b);
+    a = first(0), b = first(1);
+    width = count(0, a), height = count(1, b);
     wanted = hn::And(wanted, hn::And(hn::Gt(along, zero), hn::Gt(hn::Min(width, height), zero)));
     valid = 0;
     hn::StoreMaskBits(d, wanted, reinterpret_cast<uint8_t*>(&valid));
@@ -275,8 +335,8 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
   s.down_depth = depth_step;
   s.down_remainder = remainder;
 
-  // Coordinates of the voxels are linear over the lines, but for the depth's rounding down: so their bounds are at the
-  // corners of the box of lines. One more for rounding here.
+  // As AxesAstride: coordinates of the voxels are linear over the lines, but for the depth's rounding down. One more
+  // for rounding here.
   const FramePick pick(load(s.frame));
   const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
   const Ints a = load(s.a), b = load(s.b), depth = load(s.depth);
@@ -287,7 +347,7 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
     const auto base = to_float(hn::Add(hn::Add(hn::Mul(a, u0[m]), hn::Mul(b, u1[m])), hn::Mul(depth, q[m])));
     const auto over_a = hn::Mul(to_last_a, hn::Add(to_float(u0[m]), hn::Mul(slope_a, per_q)));
     const auto over_b = hn::Mul(to_last_b, hn::Add(to_float(u1[m]), hn::Mul(slope_b, per_q)));
-    const auto slack = hn::Add(hn::Abs(per_q), hn::Set(df, 1.0F));
+    const auto slack = hn::IfThenElseZero(hn::Ne(per_q, nothing), hn::Add(hn::Abs(per_q), hn::Set(df, 1.0F)));
     const auto lower = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
     const auto upper = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
     const auto inside = hn::And(hn::Ge(lower, nothing), hn::Le(upper, hn::Set(df, static_cast<float>(size[m] - 1))));
