@@ -71,15 +71,15 @@ HWY_NOINLINE void ScanLarge(const Triangle& v, size_t place, const std::vector<S
   const ScanFrame& scan = PrincipalScanFrame(frames, triangle.normal);
   LineScan<int64_t> lines;
   if (!MakeLineScan(triangle, scan, {{}, target.size}, near, lines)) return;
-  const uint32_t clip = AxesAstride(lines, scan.frame, target.size);
+  const LinesInBox in_box(lines, scan.frame, target.size);
   for (const bool rounded : {true, false}) {
     LineScan<int32_t> narrow;
     if (!Narrow(lines, rounded, narrow)) continue;
     ChooseShape(narrow);
-    if (ScanLines<false>(narrow, clip, place, scan.frame, target, out)) return;
+    if (ScanLines(narrow, in_box.astride(), &in_box, place, scan.frame, target, out)) return;
   }
   ChooseShape(lines);
-  ScanLines<true>(lines, clip, place, scan.frame, target, out);
+  ScanLines(lines, in_box.astride(), &in_box, place, scan.frame, target, out);
 }
 
 // Triangles with few lines each, one a lane: line after line of all.
@@ -286,7 +286,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
     const auto t = static_cast<size_t>(std::countr_zero(some));
     uint32_t clip = 0;
     for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;
-    ScanLines<true>(lines.At(t), clip, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
+    ScanLines(lines.At(t), clip, nullptr, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
   uint64_t large = 0;
   hn::StoreMaskBits(d, hn::AndNot(these.small, these.near), reinterpret_cast<uint8_t*>(&large));

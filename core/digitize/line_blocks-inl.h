@@ -8,6 +8,8 @@
 
 #include <hwy/highway.h>
 
+#include <type_traits>
+
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/candidates.h"
 #include "core/digitize/line_scan.h"
@@ -105,11 +107,14 @@ void ChooseShape(LineScan<T>& s) {
 }
 
 // Block after block of the triangle's lines.
-//   clip   bit m: candidates may lie outside of the target on axis m
-// Returns false, and adds nothing, where the remainder of a candidate is in doubt; kExact: none ever is.
-template <bool kExact, class T>
-HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, const Frame& frame, const Target& target,
-                          Candidates& out) {
+//   clip    bit m: candidates may lie outside of the target on axis m
+//   in_box  of large triangles, whose rows may have blocks without candidates before and behind; null: of others, whose
+//           remainders are exact, too
+// Returns false, and adds nothing, where the remainder of a candidate is in doubt.
+template <class T, class InBox>
+HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, size_t place, const Frame& frame,
+                          const Target& target, Candidates& out) {
+  constexpr bool kLarge = !std::is_null_pointer_v<InBox>;
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   const hn::RebindToFloat<decltype(d)> df;
@@ -183,19 +188,34 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, size_t place, con
     right.edge[n] = hn::Mul(right.edge[n], all(wide));
     down.edge[n] = hn::Mul(down.edge[n], all(high));
   }
+  const auto blocks_to_the_right = [&](int32_t blocks) HWY_ATTR {
+    using Wide = std::conditional_t<sizeof(T) == 4, int64_t, __int128>;
+    const Wide level = Wide{s.right_remainder} * blocks, carry = level / s.along;
+    const int32_t to_depth = s.right_depth * blocks + static_cast<int32_t>(carry);
+    Lines lines = same(s.edge_a, static_cast<T>(level - carry * s.along), ijk_of(wide * blocks, 0, to_depth), 0);
+    for (V& edge : lines.edge) edge = hn::Mul(edge, all(wide * blocks));
+    return lines;
+  };
   V rim[3];
   for (size_t n = 0; n < 3; ++n) rim[n] = all(-s.rim[n] - 1);
 
   for (int32_t from_b = 0; from_b < s.height; from_b += high) {
     if (from_b != 0) advance(row, down);
     const auto in_height = hn::Lt(b, all(s.height - from_b));
+    int32_t first_a = 0, end_a = s.width;
     Lines block = row;
-    for (int32_t from_a = 0; from_a < s.width; from_a += wide) {
-      if (from_a != 0) advance(block, right);
+    if constexpr (kLarge) {
+      const auto [first, last] = in_box->Row(from_b, high);
+      first_a = static_cast<int32_t>(first) & -wide;
+      end_a = static_cast<int32_t>(last) + 1;
+      if (first_a != 0 && first_a < end_a) advance(block, blocks_to_the_right(first_a / wide));
+    }
+    for (int32_t from_a = first_a; from_a < end_a; from_a += wide) {
+      if (from_a != first_a) advance(block, right);
       auto candidate = hn::And(in_height, hn::Lt(a, all(s.width - from_a)));
       for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
       if (hn::AllFalse(d, candidate)) continue;
-      if (!kExact && s.doubt != 0) {
+      if (kLarge && s.doubt != 0) {
         // From a multiple of along / 2, whose half is a power of two then.
         const V distance = hn::And(hn::Add(block.remainder, all(s.doubt)), all(s.half - 1));
         if (!hn::AllFalse(d, hn::And(candidate, hn::Lt(distance, all(2 * s.doubt + 1))))) {

@@ -137,21 +137,49 @@ bool MakeLineScan(const OrientedTriangle& triangle, const ScanFrame& scan, const
   return true;
 }
 
-uint32_t AxesAstride(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size) {
+LinesInBox::LinesInBox(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size) : last_(lines.width - 1) {
+  for (size_t n = 0; n < 3; ++n) {
+    if (EdgeBounds(lines, n).first >= -lines.rim[n]) continue;
+    bounds_[size_++] = {static_cast<double>(lines.edge[n] + lines.rim[n]), static_cast<double>(lines.edge_a[n]),
+                        static_cast<double>(lines.edge_b[n])};
+  }
   // Coordinates are linear over the lines, but for the depth's rounding down.
   const auto per_line = [&](int64_t level) { return static_cast<double>(level) / static_cast<double>(lines.along); };
   const double slope_a = per_line(lines.level_a), slope_b = per_line(lines.level_b);
-  uint32_t astride = 0;
   for (size_t m = 0; m < 3; ++m) {
     const int32_t q = frame.q[m], u0 = frame.u[0][m], u1 = frame.u[1][m];
     const auto first = static_cast<double>(lines.a * u0 + lines.b * u1 + int64_t{lines.depth} * q);
-    const double over_a = (u0 + slope_a * q) * (lines.width - 1), over_b = (u1 + slope_b * q) * (lines.height - 1);
+    const double per_a = u0 + slope_a * q, per_b = u1 + slope_b * q;
+    const double over_a = per_a * (lines.width - 1), over_b = per_b * (lines.height - 1);
     const double slack = q == 0 ? 0 : std::abs(q) + 0.25;  // a quarter for the doubles
-    const double lower = first + std::min(over_a, 0.0) + std::min(over_b, 0.0) - slack;
-    const double upper = first + std::max(over_a, 0.0) + std::max(over_b, 0.0) + slack;
-    if (lower < 0 || upper > size[m] - 1) astride |= 1U << m;
+    const double top = size[m] - 1;
+    if (first + std::min(over_a, 0.0) + std::min(over_b, 0.0) - slack < 0) {
+      astride_ |= 1U << m;
+      bounds_[size_++] = {first + slack, per_a, per_b};
+    }
+    if (first + std::max(over_a, 0.0) + std::max(over_b, 0.0) + slack > top) {
+      astride_ |= 1U << m;
+      bounds_[size_++] = {top - first + slack, -per_a, -per_b};
+    }
   }
-  return astride;
+}
+
+Span LinesInBox::Row(int32_t b, int32_t high) const {
+  double first = 0, last = last_;
+  for (size_t n = 0; n < size_; ++n) {
+    const auto& [at, per_a, per_b] = bounds_[n];
+    const double value = at + per_b * b + std::max(per_b * (high - 1), 0.0);
+    if (per_a > 0) {
+      first = std::max(first, -value / per_a);
+    } else if (per_a < 0) {
+      last = std::min(last, -value / per_a);
+    } else if (value < 0) {
+      return {0, -1};
+    }
+  }
+  constexpr double kSlack = 1.0 / 64;
+  return {static_cast<int64_t>(std::ceil(std::min(first, last_ + 1) - kSlack)),
+          static_cast<int64_t>(std::floor(std::max(last, -1.0) + kSlack))};
 }
 
 bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out) {

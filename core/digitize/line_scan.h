@@ -64,8 +64,28 @@ struct NearBox {
 bool MakeLineScan(const OrientedTriangle& triangle, const ScanFrame& scan, const IndexBox& box, const NearBox& near,
                   LineScan<int64_t>& out);
 
-// Bit m: some of the lines may have their voxel outside of 0 .. size - 1 on axis m.
-uint32_t AxesAstride(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size);
+// Which of the lines may have candidates in a box of the given size.
+class LinesInBox {
+ public:
+  LinesInBox(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size);
+
+  // Bit m: some lines may have their voxel outside of 0 .. size - 1 on axis m.
+  uint32_t astride() const { return astride_; }
+
+  // Of rows b .. b + high - 1, counted from the first, the lines from the first to the last that may have a candidate;
+  // also from the first. No line if that is behind the last.
+  crossing_internal::Span Row(int32_t b, int32_t high) const;
+
+ private:
+  // No candidate where at + a * per_a + b * per_b < 0.
+  struct Bound {
+    double at, per_a, per_b;
+  };
+  std::array<Bound, 9> bounds_;  // by edges, and by sides of the box
+  size_t size_ = 0;
+  uint32_t astride_ = 0;
+  double last_;
+};
 
 // So that steps may be up to four times `along`.
 inline constexpr int kScaledBits = 29;
