@@ -45,8 +45,9 @@ struct Division {
 // n = quotient * d + remainder, 0 <= remainder < d. Most numerators fit 64 bits, where dividing is much cheaper.
 constexpr Division FloorDivision(Wide n, int64_t d) {
   if (n == static_cast<int64_t>(n)) {
-    const int64_t q = FloorDiv(static_cast<int64_t>(n), d);
-    return {q, static_cast<int64_t>(n) - q * d};
+    const auto narrow = static_cast<int64_t>(n);
+    const int64_t q = narrow / d, r = narrow % d;  // the floor times d may not fit
+    return r < 0 ? Division{q - 1, r + d} : Division{q, r};
   }
   const Wide q = n / d - (n % d < 0);
   return {static_cast<int64_t>(q), static_cast<int64_t>(n - q * d)};

@@ -177,9 +177,9 @@ Span LinesInBox::Row(int32_t b, int32_t high) const {
       return {0, -1};
     }
   }
-  constexpr double kSlack = 1.0 / 64;
-  return {static_cast<int64_t>(std::ceil(std::min(first, last_ + 1) - kSlack)),
-          static_cast<int64_t>(std::floor(std::max(last, -1.0) + kSlack))};
+  constexpr double kSlack = 1.0 / 64;  // of lines, for the doubles; both bounds are truncated where they are above 0
+  return {static_cast<int64_t>(std::min(first, last_ + 1) + 1 - kSlack),
+          static_cast<int64_t>(std::max(last, -1.0) + 1 + kSlack) - 1};
 }
 
 bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out) {

@@ -140,7 +140,7 @@ TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
                                         {14000, 40},
                                         {40000, 10},
                                         {1 << 22, 5},
-                                        {1 << 24, 5}}) {
+                                        {1 << 23, 5}}) {
         const auto triangles = TrianglesAround(tile_min, size, count);
         const Found expected = Expected(triangles, frames, box);
         EXPECT_GT(expected.size(), 0U);
@@ -229,7 +229,7 @@ std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
     }
   }
   for (int n = 0; n < 20; ++n) {
-    constexpr int32_t kFar = 1 << 24, kNear = 1 << 13;
+    constexpr int32_t kFar = kMaxExtent * kLatticeUnit / 2 - 1, kNear = 1 << 13;
     add({{{-among(0, kNear), -among(0, kNear), among(-kNear, kNear)},
           {among(kFar / 2, kFar), among(-kFar, kFar), among(-kFar, kFar)},
           {among(-kFar, kFar), among(kFar / 2, kFar), among(-kFar, kFar)}}});
@@ -329,7 +329,7 @@ TEST(LineScan, IsTheSameInFewerBitsWhereItIsNotInDoubt) {
     const IndexBox box{tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} * 2};
     std::vector<Triangle> triangles = LargeAndClose(tile_min);
     const size_t close = triangles.size();
-    for (const int32_t size : {20000, 1 << 19, 1 << 22, 1 << 24}) {
+    for (const int32_t size : {20000, 1 << 19, 1 << 23}) {
       const auto some = TrianglesAround(tile_min, size, 60);
       triangles.insert(triangles.end(), some.begin(), some.end());
     }
