@@ -95,6 +95,9 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
   const auto* bytes = reinterpret_cast<const uint8_t*>(bits.words().data());
   TileBricks out;
   for (size_t m = 0; m < 3; ++m) out.tile_ijk[m] = (tile_min[m] + base_ijk[m]) >> kTileBits;
+  // On the stack first: then the list is allocated once, and no larger than it must be.
+  std::array<Brick, kBricks * kBricks * kBricks> found;
+  size_t size = 0;
   Column column;
   for (int32_t bi = 0; bi < kBricks; ++bi) {
     for (int32_t bj = 0; bj < kBricks; ++bj) {
@@ -104,7 +107,8 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
                                                                  static_cast<size_t>(layout.stride[1] / 8), column);
       for (uint32_t some = bricks; some != 0; some &= some - 1) {
         const auto n = static_cast<size_t>(std::countr_zero(some));
-        Brick brick{corner, {}};
+        Brick& brick = found[size];
+        brick.brick_ijk = corner;
         brick.brick_ijk[2] += static_cast<int32_t>(n) * kBrickSide;
         for (int32_t& x : brick.brick_ijk) x >>= kBrickBits;
         for (size_t x = 0; x < kBrickSide; ++x) brick.mask[x] = column[x][n];
@@ -112,11 +116,12 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
         const uint64_t voxels = CountVoxels(brick.mask);
         if (voxels == 0) continue;
         for (size_t m = 0; m < 3; ++m) brick.brick_ijk[m] += base_ijk[m] >> kBrickBits;
-        out.bricks.push_back(brick);
         out.voxels += voxels;
+        ++size;
       }
     }
   }
+  out.bricks.assign(found.begin(), found.begin() + static_cast<ptrdiff_t>(size));
   return out;
 }
 
