@@ -216,7 +216,7 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
       for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
       if (hn::AllFalse(d, candidate)) continue;
       if (kLarge && s.doubt != 0) {
-        // From a multiple of along / 2, whose half is a power of two then.
+        // From `doubt` below a multiple of `half`, which is half of `along`, a power of two, then.
         const V distance = hn::And(hn::Add(block.remainder, all(s.doubt)), all(s.half - 1));
         if (!hn::AllFalse(d, hn::And(candidate, hn::Lt(distance, all(2 * s.doubt + 1))))) {
           appender.Drop();

@@ -11,8 +11,8 @@ namespace {
 using crossing_internal::Span;
 using Corners = std::array<const Vec<int64_t, 3>*, 3>;
 
-// Bounds of the forms p[0] and p[1], given at the corners v, over the part of the triangle between the planes of each
-// axis; rounded outwards, and empty if there is no such part.
+// Bounds of the forms p[0] and p[1], given at the corners v, over the part of the triangle that is between the two
+// planes of `near` on each axis; rounded outwards, and empty if there is no such part on one of them.
 std::array<Span, 2> BoundsWithin(const NearBox& near, const Corners& v,
                                  const std::array<std::array<int64_t, 3>, 2>& p) {
   std::array<Span, 2> bounds;
@@ -54,7 +54,7 @@ Span EdgeBounds(const LineScan<int64_t>& lines, size_t n) {
           lines.edge[n] + std::max<int64_t>(over_a, 0) + std::max<int64_t>(over_b, 0)};
 }
 
-// The sum of two remainders must fit 32 bits.
+// The sum of two remainders must fit 32 bits. And above this, rounded scans may take along / 2 for `half`.
 constexpr int64_t kExactAlong = 1 << 30;
 
 }  // namespace
@@ -140,8 +140,8 @@ bool MakeLineScan(const OrientedTriangle& triangle, const ScanFrame& scan, const
 LinesInBox::LinesInBox(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size) : last_(lines.width - 1) {
   for (size_t n = 0; n < 3; ++n) {
     if (EdgeBounds(lines, n).first >= -lines.rim[n]) continue;
-    bounds_[size_++] = {static_cast<double>(lines.edge[n] + lines.rim[n]), static_cast<double>(lines.edge_a[n]),
-                        static_cast<double>(lines.edge_b[n])};
+    Add(static_cast<double>(lines.edge[n] + lines.rim[n]), static_cast<double>(lines.edge_a[n]),
+        static_cast<double>(lines.edge_b[n]));
   }
   // Coordinates are linear over the lines, but for the depth's rounding down.
   const auto per_line = [&](int64_t level) { return static_cast<double>(level) / static_cast<double>(lines.along); };
@@ -155,29 +155,34 @@ LinesInBox::LinesInBox(const LineScan<int64_t>& lines, const Frame& frame, const
     const double top = size[m] - 1;
     if (first + std::min(over_a, 0.0) + std::min(over_b, 0.0) - slack < 0) {
       astride_ |= 1U << m;
-      bounds_[size_++] = {first + slack, per_a, per_b};
+      Add(first + slack, per_a, per_b);
     }
     if (first + std::max(over_a, 0.0) + std::max(over_b, 0.0) + slack > top) {
       astride_ |= 1U << m;
-      bounds_[size_++] = {top - first + slack, -per_a, -per_b};
+      Add(top - first + slack, -per_a, -per_b);
     }
   }
 }
 
+void LinesInBox::Add(double at, double per_a, double per_b) {
+  bounds_[count_++] = {at, per_a == 0 ? 0 : -1 / per_a, per_b};
+}
+
 Span LinesInBox::Row(int32_t b, int32_t high) const {
   double first = 0, last = last_;
-  for (size_t n = 0; n < size_; ++n) {
-    const auto& [at, per_a, per_b] = bounds_[n];
+  for (size_t n = 0; n < count_; ++n) {
+    const auto& [at, a_per, per_b] = bounds_[n];
     const double value = at + per_b * b + std::max(per_b * (high - 1), 0.0);
-    if (per_a > 0) {
-      first = std::max(first, -value / per_a);
-    } else if (per_a < 0) {
-      last = std::min(last, -value / per_a);
+    if (a_per < 0) {
+      first = std::max(first, value * a_per);
+    } else if (a_per > 0) {
+      last = std::min(last, value * a_per);
     } else if (value < 0) {
       return {0, -1};
     }
   }
-  constexpr double kSlack = 1.0 / 64;  // of lines, for the doubles; both bounds are truncated where they are above 0
+  constexpr double kSlack = 1.0 / 64;  // of lines, for the doubles
+  // To truncate is to round down: both are at least 0.
   return {static_cast<int64_t>(std::min(first, last_ + 1) + 1 - kSlack),
           static_cast<int64_t>(std::max(last, -1.0) + 1 + kSlack) - 1};
 }
@@ -211,8 +216,8 @@ bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out
     out.level_b = static_cast<int32_t>(level_b);
     out.remainder = static_cast<int32_t>(std::min<int64_t>(scaled(lines.remainder), kAlong - 1));
     out.half = kAlong / 2;
-    // Less than one for each step and for the first line, at most a quarter for half, and one for what doubles round.
-    out.doubt = lines.width + lines.height + 1;
+    // Less than one for the first line and for each step, a quarter for half, and some for what doubles round.
+    out.doubt = lines.width + lines.height;
     return true;
   }
   const int64_t common = std::gcd(std::gcd(lines.along, lines.level_a), lines.level_b);

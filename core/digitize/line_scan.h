@@ -11,12 +11,12 @@
 // eight bits less, so that triangles up to some 60 voxels fit lanes of 32 bits.
 //
 // Larger triangles fit, too, as far as the lines of one box are concerned (Narrow). An edge that all of these are on
-// the inner side of is replaced by a constant; E' of another is 0 somewhere among them, so it is at most what the steps
-// add. Of M only the remainder counts, so M and `along` may be scaled to along = 2^kScaledBits, and rounded: then
-// remainders are wrong by less than one for each step from the first line, and depths and ends are right wherever the
-// remainder is not that close to a multiple of along/2. Few lines are, but on planes that few integers describe, such
-// as those of a box's sides. There M, its steps and `along` are divided by what they have in common, exactly. What then
-// still does not fit takes lanes of 64 bits.
+// the inner side of is replaced by a constant; E' of another comes as close to 0 as its rim somewhere among them, so it
+// is at most that and what the steps add, which nearly always fits. Of M only the remainder counts, so M and `along`
+// may be scaled to along = 2^kScaledBits, and rounded: then remainders are wrong by less than one for each step from
+// the first line, and depths and ends are right wherever the remainder is not that close to a multiple of along/2. Few
+// lines are, but on planes that few integers describe, such as those of a box's sides. There M, its steps and `along`
+// are divided by what they have in common, exactly. What then still does not fit takes lanes of 64 bits.
 #ifndef LATVOX_CORE_DIGITIZE_LINE_SCAN_H_
 #define LATVOX_CORE_DIGITIZE_LINE_SCAN_H_
 
@@ -47,9 +47,9 @@ struct LineScan {
   T right_remainder, down_remainder;
 };
 
-// The largest extent of a triangle, per axis in lattice units, that LineScan<int32_t> can hold: with at most 14 bits,
-// projected differences have 16, E' 26 and normals 28; and what is a product of a normal and a column of U, which
-// `along` is, has at most 30.
+// The largest extent of a triangle, per axis in lattice units, that LineScan<int32_t> can hold as it is: with at most
+// 14 bits, projected differences have 16, E' 26 and normals 28; and what is a product of a normal and a column of U,
+// which `along` is, has at most 30.
 int32_t NarrowExtent(const std::vector<ScanFrame>& frames);
 
 // Where points of a triangle lie, per axis in lattice units, that are on edges whose nearer ends are in a box of
@@ -77,12 +77,14 @@ class LinesInBox {
   crossing_internal::Span Row(int32_t b, int32_t high) const;
 
  private:
-  // No candidate where at + a * per_a + b * per_b < 0.
+  // No candidate is where at + a * per_a + b * per_b < 0.
   struct Bound {
-    double at, per_a, per_b;
+    double at, a_per, per_b;  // a_per = -1 / per_a; 0 if that is 0
   };
+  void Add(double at, double per_a, double per_b);
+
   std::array<Bound, 9> bounds_;  // by edges, and by sides of the box
-  size_t size_ = 0;
+  size_t count_ = 0;
   uint32_t astride_ = 0;
   double last_;
 };
@@ -91,7 +93,8 @@ class LinesInBox {
 inline constexpr int kScaledBits = 29;
 
 // The same lines in 32 bits; false: they do not fit.
-//   rounded   only with rounded remainders, if those are needed; else only with exact ones
+//   rounded   true: with rounded remainders, and only where `along` is too large for exact ones
+//             false: with exact ones, divided by what they have in common
 bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out);
 
 // What lanes look up: entry n of a row belongs to frame n.

@@ -116,7 +116,8 @@ class FramePick {
 };
 
 // As BoundsWithin (core/digitize/line_scan.cc) does: cuts off of the bounds of the forms p[0] and p[1] what belongs to
-// no part of the triangle between the planes of `near`. Precondition: there is such a part.
+// no part of the triangle between the two planes of `near` on some axis.
+// Precondition: there is such a part on each axis.
 HWY_INLINE void CutBounds(const NearBox& near, const std::array<Ints3, 3>& v, const std::array<Ints3, 2>& p,
                           std::array<Ints, 2>& first, std::array<Ints, 2>& last) {
   const Lanes d;
@@ -335,7 +336,7 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
   s.down_depth = depth_step;
   s.down_remainder = remainder;
 
-  // As AxesAstride: coordinates of the voxels are linear over the lines, but for the depth's rounding down. One more
+  // As in LinesInBox: coordinates of the voxels are linear over the lines, but for the depth's rounding down. One more
   // for rounding here.
   const FramePick pick(load(s.frame));
   const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);

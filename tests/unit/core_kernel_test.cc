@@ -71,11 +71,11 @@ void AddFound(const Candidates& candidates, const SnappedMesh& mesh, const std::
   }
 }
 
-// In parts of about `enough` candidates.
+// In parts of about `enough` candidates, in a cube of tiles, `side` voxels a side.
 Found FromCandidates(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames, const IndexBox& box,
-                     const Vec3i& tile_min, size_t enough = SIZE_MAX) {
+                     const Vec3i& tile_min, size_t enough = SIZE_MAX, int32_t side = kTileSide) {
   const SnappedMesh mesh = MeshOf(triangles);
-  const BitsLayout layout(tile_min, tile_min - box.min + ReachOf(frames));
+  const BitsLayout layout(tile_min, tile_min - box.min + ReachOf(frames), side);
   const std::vector<uint32_t> numbers = Iota(triangles.size());
   Found found;
   for (std::span<const uint32_t> left = numbers; !left.empty();) {
@@ -252,15 +252,17 @@ std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
 
 TEST(Candidates, OfLargeTrianglesWithDepthsThatAreHardToRoundOnEachKernel) {
   const Vec3i tile_min{64, 0, 128};
+  constexpr int32_t kSide = 2 * kTileSide;
   for (const ExactLattice& l : ExactLattices()) {
     const auto frames = MakeScanFrames(l.lattice.frames(0));
     const Vec3i reach = ReachOf(frames);
-    const IndexBox box{tile_min - reach, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach};
+    const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kSide, kSide, kSide} + reach * 2};
     const auto triangles = LargeAndClose(tile_min);
     const Found expected = Expected(triangles, frames, box);
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);
-      ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min), expected) << l.name << " " << SimdInUse();
+      ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min, SIZE_MAX, kSide), expected)
+          << l.name << " " << SimdInUse();
     }
   }
 }
@@ -351,6 +353,15 @@ TEST(LineScan, IsTheSameInFewerBitsWhereItIsNotInDoubt) {
             ASSERT_EQ(got.candidate, want.candidate) << l.name << " triangle " << t << " line " << a << " " << b;
             if (!want.candidate) continue;
             ASSERT_EQ(got.inside, want.inside) << l.name << " triangle " << t << " line " << a << " " << b;
+            if (rounded) {  // how far remainders are wrong, not only whether that matters here
+              const auto truth = __int128{lines.remainder} + __int128{lines.level_a} * a + __int128{lines.level_b} * b;
+              const auto scaled =
+                  __int128{narrow.remainder} + __int128{narrow.level_a} * a + __int128{narrow.level_b} * b;
+              const __int128 wrong = scaled * lines.along - (truth << kScaledBits);
+              ASSERT_LT(static_cast<double>(wrong < 0 ? -wrong : wrong) / static_cast<double>(lines.along),
+                        narrow.doubt)
+                  << l.name << " triangle " << t << " line " << a << " " << b;
+            }
             if (rounded && t >= close) {
               ++rounded_lines;
               in_doubt += got.in_doubt ? 1 : 0;
