@@ -205,6 +205,7 @@ struct SomeTriangles {
     near = small = hn::FirstN(d, triangles.size());
     for (size_t m = 0; m < 3; ++m) {
       const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
+      // The table's box begins at 0.
       const Ints half_step = Fill(-scan.table.near.min[m]), top = Fill(scan.target.size[m] - 1);
       const Ints first = hn::Sub(hn::Add(low, Fill(kLatticeUnit - 1)), half_step), last = hn::Add(high, half_step);
       lowest[m] = hn::Max(hn::ShiftRight<kSubvoxelBits>(first), hn::Zero(d));
