@@ -1,7 +1,5 @@
 #include "client/grid/attribute_grids.h"
 
-#include <openvdb/openvdb.h>
-
 #include <bit>
 #include <new>
 #include <utility>
@@ -9,6 +7,7 @@
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/voxel_grid.h"
 

@@ -1,6 +1,5 @@
 #include "client/grid/distance_grid.h"
 
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
 
 namespace latvox::client {

@@ -1,13 +1,12 @@
 #include "client/grid/grid_content.h"
 
-#include <openvdb/openvdb.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_reading.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
 
 namespace latvox::client {

@@ -3,8 +3,6 @@
 #ifndef LATVOX_CLIENT_GRID_GRID_READING_H_
 #define LATVOX_CLIENT_GRID_GRID_READING_H_
 
-#include <openvdb/openvdb.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <exception>
@@ -16,6 +14,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/voxel_grid.h"
 
 namespace latvox::client {

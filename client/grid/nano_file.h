@@ -2,11 +2,10 @@
 #ifndef LATVOX_CLIENT_GRID_NANO_FILE_H_
 #define LATVOX_CLIENT_GRID_NANO_FILE_H_
 
-#include <openvdb/openvdb.h>
-
 #include <string>
 
 #include "absl/status/status.h"
+#include "client/grid/openvdb_trees.h"
 
 namespace latvox::client {
 

@@ -2,12 +2,11 @@
 #ifndef LATVOX_CLIENT_GRID_PART_METADATA_H_
 #define LATVOX_CLIENT_GRID_PART_METADATA_H_
 
-#include <openvdb/openvdb.h>
-
 #include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/part_file.h"
 
 namespace latvox::client {

@@ -2,10 +2,9 @@
 #ifndef LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
 #define LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
 
-#include <openvdb/openvdb.h>
-
 #include <string>
 
+#include "client/grid/openvdb_trees.h"
 #include "client/types.h"
 
 namespace latvox::client {

@@ -2,12 +2,11 @@
 #ifndef LATVOX_CLIENT_GRID_STREAMED_TREE_H_
 #define LATVOX_CLIENT_GRID_STREAMED_TREE_H_
 
-#include <openvdb/openvdb.h>
-
 #include <map>
 
 #include "client/digest.h"
 #include "client/grid/brick_merge.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
 
 namespace latvox::client {

@@ -4,6 +4,7 @@
 #include "client/grid/distance_grid.h"
 #include "client/grid/grid_content.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/output/voxel_colors.h"
 #include "tests/unit/client_files.h"
 

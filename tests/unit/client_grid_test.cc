@@ -7,6 +7,7 @@
 #include "client/grid/attribute_grids.h"
 #include "client/grid/distance_grid.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
 

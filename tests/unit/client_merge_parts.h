@@ -9,6 +9,7 @@
 #include "client/digest.h"
 #include "client/grid/merge.h"
 #include "client/grid/openvdb_grid.h"
+#include "client/grid/openvdb_trees.h"
 #include "client/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
 

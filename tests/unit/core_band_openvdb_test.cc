@@ -1,11 +1,11 @@
 // The band on the Cartesian lattice beside OpenVDB's meshToVolume of the same mesh.
 #include <gtest/gtest.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
 
 #include <cmath>
 #include <vector>
 
+#include "client/grid/openvdb_trees.h"
 #include "core/snap/snap.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"

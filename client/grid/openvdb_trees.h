@@ -1,0 +1,17 @@
+// OpenVDB, and the trees that latvox::grid reads and writes, which openvdb_trees.cc alone compiles: a file that makes a
+// grid would compile all that grids of its type can do, ten seconds each. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_OPENVDB_TREES_H_
+#define LATVOX_CLIENT_GRID_OPENVDB_TREES_H_
+
+#include <openvdb/openvdb.h>
+
+extern template class openvdb::tree::Tree<openvdb::BoolTree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::BoolTree>;
+extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::FloatTree>;
+extern template class openvdb::tree::Tree<openvdb::Int32Tree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::Int32Tree>;
+extern template class openvdb::tree::Tree<openvdb::Vec3STree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::Vec3STree>;
+
+#endif  // LATVOX_CLIENT_GRID_OPENVDB_TREES_H_
