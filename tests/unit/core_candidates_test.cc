@@ -14,6 +14,7 @@
 #include "core/digitize/stars.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_triangles.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 namespace {
@@ -184,7 +185,7 @@ std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
   };
   for (const int32_t size : {1 << 15, 1 << 21}) {
     for (const int32_t most : {0, 1, 40}) {
-      for (int n = 0; n < 8; ++n) {
+      for (int n = 0; n < Dose(8, 2); ++n) {
         const int32_t z = among(0, 1) * kLatticeUnit / 2;
         add({{{-among(1, size), -among(1, size), z + among(-most, most)},
               {among(1, size), -among(1, size), z + among(-most, most)},
@@ -192,13 +193,13 @@ std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
       }
     }
   }
-  for (int n = 0; n < 20; ++n) {
+  for (int n = 0; n < Dose(20, 5); ++n) {
     constexpr int32_t kFar = kMaxExtent * kLatticeUnit / 2 - 1, kNear = 1 << 13;
     add({{{-among(0, kNear), -among(0, kNear), among(-kNear, kNear)},
           {among(kFar / 2, kFar), among(-kFar, kFar), among(-kFar, kFar)},
           {among(-kFar, kFar), among(kFar / 2, kFar), among(-kFar, kFar)}}});
   }
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < Dose(40, 10); ++n) {
     // Corners at -u, 2u and w - u, with det(u, w) = 1; in z, planes of slope -1, 0 or 1.
     Vec<int64_t, 2> u{among(1 << 13, 1 << 15), among(1 << 13, 1 << 15)}, w{};
     while (std::gcd(u[0], u[1]) != 1) ++u[1];
@@ -242,7 +243,7 @@ TEST(Candidates, OfTrianglesAlongTheSidesOfTheBoxOnEachKernel) {
     std::uniform_int_distribution<int32_t> beside(-300, 300);
     std::vector<Triangle> triangles;
     for (const int32_t size : {20, 60, 200}) {
-      for (int n = 0; n < 120; ++n) {
+      for (int n = 0; n < Dose(120, 30); ++n) {
         const size_t axis = n % 3;
         const int32_t side = n % 2 == 0 ? box.min[axis] : box.max[axis] - 1;
         Triangle& triangle = triangles.emplace_back();
