@@ -180,7 +180,7 @@ TEST(Shards, CostAboutTheSame) {
   for (const auto& [name, mesh, least] :
        {std::tuple("sphere", Sphere(100, 1500), 800U), std::tuple("large triangles", Sphere(3, 1500), 800U)}) {
     const Grid grid = Unscaled(cartesian);
-    for (const uint32_t count : {2U, 7U, Dose(64U, 3U)}) {
+    for (const uint32_t count : Dose<std::vector<uint32_t>>({2, 7, 64}, {3})) {
       uint64_t most = 0, all = 0;
       for (uint32_t index = 0; index < count; ++index) {
         const uint64_t voxels = Voxelize(mesh, grid, {.separability = 2, .shard = Shard{index, count}}).totals.voxels;
