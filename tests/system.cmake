@@ -20,7 +20,7 @@ set(latvox_python /usr/bin/python3 -B) # Debian's own: python3-openvdb is for it
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
   latvox_add_system_test(e2e.errors "${latvox_python};e2e/errors_test.py")
 endif()
-if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+if(NOT latvox_sanitized)
   latvox_add_system_test(arm "${latvox_python};arm/compile_test.py" SKIP_RETURN_CODE 77 LABELS slow)
   latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
   latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")

@@ -49,7 +49,7 @@ latvox_add_core_test(core_threads_test THREADED)
 
 # The programs whose results go through kernels, once more on the kernels that are not the best; see tests/README.md. Not
 # the tests that go through all kernels by themselves, and two that are long and of other things.
-if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+if(NOT latvox_sanitized)
   foreach(program attributes band band_openvdb bounds parts snap solid supercover thesis_job tile_tree voxelizer)
     foreach(simd scalar avx2)
       set(name core_${program}_test.${simd})
