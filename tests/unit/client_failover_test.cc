@@ -8,6 +8,7 @@
 #include "client/client.h"
 #include "tests/unit/server_meshes.h"
 #include "tests/unit/server_process.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox::client {
 namespace {
@@ -30,7 +31,8 @@ class Server {
   std::string address() const { return "unix:" + path_; }
 
  private:
-  const std::string path_ = TemporaryDirectory() + "/socket";
+  const TemporaryDirectory directory_;
+  const std::string path_ = directory_ / "socket";
   const std::vector<std::string> options_;
   std::unique_ptr<Process> process_;
 };

@@ -4,25 +4,20 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
 
+#include "tests/unit/temporary_directory.h"
+
 namespace latvox::client {
 
 // A test with a fresh directory.
 class FilesTest : public testing::Test {
  protected:
-  FilesTest() {
-    std::string pattern = testing::TempDir() + "latvox-XXXXXX";
-    dir_ = mkdtemp(pattern.data());
-  }
-  ~FilesTest() override { std::filesystem::remove_all(dir_); }
-
-  std::string Path(const std::string& name) const { return (dir_ / name).string(); }
+  std::string Path(const std::string& name) const { return directory_ / name; }
 
   std::string Write(const std::string& name, const std::string& bytes) const {
     std::ofstream(Path(name), std::ios::binary) << bytes;
@@ -37,12 +32,14 @@ class FilesTest : public testing::Test {
 
   std::set<std::string> Names() const {
     std::set<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(dir_)) names.insert(entry.path().filename().string());
+    for (const auto& entry : std::filesystem::directory_iterator(directory_.path())) {
+      names.insert(entry.path().filename().string());
+    }
     return names;
   }
 
  private:
-  std::filesystem::path dir_;
+  TemporaryDirectory directory_;
 };
 
 // The bytes of a value as it lies in memory.

@@ -19,6 +19,7 @@
 #include "server/server.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_error_details.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox {
 namespace {
@@ -33,12 +34,9 @@ void ReplaceFile(const std::string& path, const std::string& text) {
 class AccessTest : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = testing::TempDir() + "accessXXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    token_file_ = pattern + "/tokens";
     ReplaceFile(token_file_, absl::StrCat("alice ", kAlice, " max-mesh-bytes=100 max-triangles=5\n"));
     ServerOptions options;
-    options.listen = {"unix:" + pattern + "/socket"};
+    options.listen = {"unix:" + directory_ / "socket"};
     options.threads = 1;
     options.decoder = TestDecoders();
     options.access.token_file = token_file_;
@@ -86,7 +84,8 @@ class AccessTest : public testing::Test {
     return stream->Finish();
   }
 
-  std::string token_file_;
+  const TemporaryDirectory directory_;
+  const std::string token_file_ = directory_ / "tokens";
   std::unique_ptr<VoxelServer> server_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::Voxelizer::Stub> stub_;

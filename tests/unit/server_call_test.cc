@@ -260,7 +260,7 @@ TEST_F(ServerTest, NamesTheAddressThatIsInUse) {
 }
 
 TEST_F(ServerTest, ReplacesSocketsOfDeadServersOnlyAndRemovesItsOwn) {
-  const std::string path = directory_ + "/socket";
+  const std::string path = directory_ / "socket";
   std::ofstream(path) << "precious";
   EXPECT_FALSE(VoxelServer::Start(options_).ok());
   EXPECT_EQ(std::filesystem::file_size(path), 8);

@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <cstring>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "server/server.h"
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/server_meshes.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox {
 
@@ -176,9 +176,7 @@ inline std::vector<v1::PutMeshRequest> WholeMesh(const std::string& bytes) {
 class ServerTest : public testing::Test {
  protected:
   ServerTest() {
-    std::string pattern = testing::TempDir() + "latvoxXXXXXX";
-    directory_ = mkdtemp(pattern.data());
-    options_.listen = {"unix:" + directory_ + "/socket"};
+    options_.listen = {"unix:" + directory_ / "socket"};
     options_.threads = 2;
     options_.decoder = TestDecoders();
     options_.keepalive_time = absl::Seconds(1);
@@ -187,7 +185,6 @@ class ServerTest : public testing::Test {
   ~ServerTest() override {
     stub_.reset();
     server_.reset();
-    std::filesystem::remove_all(directory_);
   }
 
   void Start() {
@@ -211,7 +208,7 @@ class ServerTest : public testing::Test {
         grpc::CreateCustomChannel(server_->addresses()[0], grpc::InsecureChannelCredentials(), arguments));
   }
 
-  std::string directory_;
+  TemporaryDirectory directory_;
   ServerOptions options_;
   std::unique_ptr<VoxelServer> server_;
   std::unique_ptr<v1::Voxelizer::Stub> stub_;

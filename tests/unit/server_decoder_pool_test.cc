@@ -27,6 +27,7 @@
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/server_log_lines.h"
 #include "tests/unit/server_meshes.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox {
 namespace {
@@ -387,22 +388,15 @@ TEST_F(DecoderPoolTest, NoProcessIsLeft) {
 // A program of a test's own in the place of latvoxd.
 class ForeignProgram : public DecoderPoolTest {
  protected:
-  ForeignProgram() {
-    std::string pattern = testing::TempDir() + "latvoxXXXXXX";
-    directory_ = mkdtemp(pattern.data());
-  }
-  ~ForeignProgram() override {
-    pool_.reset();
-    std::filesystem::remove_all(directory_);
-  }
+  ~ForeignProgram() override { pool_.reset(); }
 
   void Write(const std::string& script) {
-    options_.program = directory_ + "/program";
+    options_.program = directory_ / "program";
     std::ofstream(options_.program) << "#!/bin/sh\n" << script;
     chmod(options_.program.c_str(), 0700);
   }
 
-  std::string directory_;
+  TemporaryDirectory directory_;
 };
 
 TEST_F(ForeignProgram, ThatDoesNotStartIsNamed) {

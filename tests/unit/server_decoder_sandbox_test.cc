@@ -26,6 +26,7 @@
 #include "server/decoder_pool.h"
 #include "server/decoder_sandbox.h"
 #include "tests/unit/server_decoders.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox {
 namespace {
@@ -76,9 +77,8 @@ TEST(DecoderSandbox, AllowsWhatDecodingNeeds) {
 
 TEST(DecoderSandbox, EndsWhoeverTriesMore) {
   static int open_file = open("/proc/self/exe", O_RDONLY);
-  std::string directory = testing::TempDir() + "latvoxXXXXXX";
-  ASSERT_NE(mkdtemp(directory.data()), nullptr);
-  const std::string file = directory + "/file";
+  const TemporaryDirectory directory;
+  const std::string file = directory / "file";
   const std::pair<const char*, std::function<int(int)>> attempts[] = {
       {"open", [](int) { return open("/etc/passwd", O_RDONLY); }},
       {"openat", [](int) { return openat(AT_FDCWD, ".", O_RDONLY | O_DIRECTORY); }},
@@ -120,8 +120,7 @@ TEST(DecoderSandbox, EndsWhoeverTriesMore) {
       {"survive the server", [](int) { return prctl(PR_SET_PDEATHSIG, 0); }},
   };
   for (const auto& [name, attempt] : attempts) EXPECT_EQ(Confined(attempt), -SIGSYS) << name;
-  EXPECT_TRUE(std::filesystem::is_empty(directory));
-  std::filesystem::remove_all(directory);
+  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
 }
 
 TEST(DecoderSandbox, LimitsMemoryAndFiles) {

@@ -80,11 +80,6 @@ inline std::vector<std::string> Latvoxd(std::vector<std::string> arguments) {
   return arguments;
 }
 
-inline std::string TemporaryDirectory() {
-  std::string pattern = testing::TempDir() + "latvoxdXXXXXX";
-  return mkdtemp(pattern.data());
-}
-
 }  // namespace latvox
 
 #endif  // LATVOX_TESTS_UNIT_SERVER_PROCESS_H_

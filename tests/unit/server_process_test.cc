@@ -23,6 +23,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "tests/unit/temporary_directory.h"
 
 namespace latvox {
 namespace {
@@ -32,7 +33,8 @@ using ::testing::UnorderedElementsAre;
 
 TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
   for (const int signal : {SIGTERM, SIGINT}) {
-    const std::string path = TemporaryDirectory() + "/socket";
+    const TemporaryDirectory directory;
+    const std::string path = directory / "socket";
     Process server(Latvoxd({"--listen", "unix:" + path}));
     server.ReadUntil("event=listening address=unix:" + path);
     EXPECT_TRUE(std::filesystem::exists(path));
@@ -44,7 +46,8 @@ TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
 }
 
 TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
-  const std::string path = TemporaryDirectory() + "/socket";
+  const TemporaryDirectory directory;
+  const std::string path = directory / "socket";
   Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1", "--max-queued-jobs", "0"}));
   server.ReadUntil("event=listening");
   const auto stub = v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + path, grpc::InsecureChannelCredentials()));
@@ -84,7 +87,8 @@ TEST(Latvoxd, SaysInOneLineWhichAddressIsInUse) {
 }
 
 TEST(Latvoxd, TakesOptionsFromTheCommandLineThenTheEnvironmentThenTheFile) {
-  const std::string directory = TemporaryDirectory();
+  const TemporaryDirectory files;
+  const std::string& directory = files.path();
   std::ofstream(directory + "/latvoxd.toml") << "listen = [\"unix:" << directory << "/file\"]\n"
                                              << "max-jobs = 1\nmax-triangles = 2\nlog-level = \"info\"\n"
                                              << "max-mesh-bytes = \"3MiB\"\n";
@@ -160,7 +164,8 @@ TEST(Latvoxd, RefusesWrongUsageWithStatusTwo) {
 }
 
 TEST(Latvoxd, RefusesUnknownKeysOfItsFile) {
-  const std::string path = TemporaryDirectory() + "/latvoxd.toml";
+  const TemporaryDirectory directory;
+  const std::string path = directory / "latvoxd.toml";
   std::ofstream(path) << "max-jbs = 3\n";
   Process server(Latvoxd({"--config", path}));
   EXPECT_THAT(server.ReadAll(), HasSubstr("max-jbs"));
@@ -175,7 +180,8 @@ TEST(Latvoxd, TellsItsVersion) {
 
 TEST(Latvoxd, EndsWithItsParentIfItWasAskedTo) {
   prctl(PR_SET_CHILD_SUBREAPER, 1);  // so that the orphan becomes a child of this process
-  const std::string path = TemporaryDirectory() + "/socket";
+  const TemporaryDirectory directory;
+  const std::string path = directory / "socket";
   Process shell({"sh", "-c", std::string(LATVOXD) + " --exit-with-parent --listen unix:" + path + " & sleep 60"});
   shell.ReadUntil("event=listening");
   kill(shell.pid(), SIGKILL);
@@ -201,7 +207,8 @@ std::map<int, int> NicenessOfBulk(pid_t pid) {
 }
 
 TEST(Latvoxd, LowersThePriorityOfLargeJobsUnlessItIsPrivate) {
-  const std::string path = TemporaryDirectory() + "/socket";
+  const TemporaryDirectory directory;
+  const std::string path = directory / "socket";
   for (const bool is_private : {false, true}) {
     std::vector<std::string> options{"--listen", "unix:" + path, "--threads", "3"};
     if (is_private) options.emplace_back("--exit-with-parent");
