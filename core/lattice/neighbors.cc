@@ -21,8 +21,8 @@
 namespace latvox {
 namespace {
 
-constexpr int kMaxSellingSteps = 200;
-constexpr int64_t kMaxTransform = 1 << 20;
+constexpr int kMaxSteps = 200;
+constexpr int32_t kMaxTransform = 1 << 20;
 // A reduced vector shorter than this part of the longest given one means that the basis is singular in doubles.
 constexpr double kSingular = 1e-10;
 
@@ -35,6 +35,40 @@ template <size_t D>
 absl::Status SingularError() {
   return absl::InvalidArgumentError(
       absl::StrFormat("basis: the %d vectors are linearly dependent (rank below %d)", D, D));
+}
+
+// Of irrational multiples of one vector, too, no combination vanishes.
+template <size_t D>
+absl::Status TransformError() {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("basis: the %d vectors are linearly dependent (rank below %d), or so skew that a reduced basis "
+                      "takes one of them more than %d times",
+                      D, D, kMaxTransform));
+}
+
+// A superbase's vectors, by their integer combinations of a basis: rounding never accumulates.
+template <size_t D>
+using Superbase = std::array<Vec<int32_t, D>, D + 1>;
+
+// Makes the first D vectors so short that none has twice another in it: Selling's steps take away one at a time.
+// Returns false if that takes more than kMaxTransform.
+template <size_t D>
+bool Shorten(const Mat<double, D>& basis, Superbase<D>& t) {
+  for (size_t i = 0; i < D; ++i) {
+    for (size_t j = 0; j < D; ++j) {
+      const auto a = Combine(basis, t[i]), b = Combine(basis, t[j]);
+      const double times = std::nearbyint(Dot(a, b) / Dot(b, b));
+      if (i == j || Dot(b, b) < kSingular * kSingular || std::abs(times) < 2) continue;
+      for (size_t m = 0; m < D; ++m) {
+        const double entry = t[i][m] - times * t[j][m];  // exact where it fits
+        if (!(std::abs(entry) <= kMaxTransform)) return false;
+        t[i][m] = static_cast<int32_t>(entry);
+      }
+    }
+  }
+  t[D] = {};
+  for (size_t i = 0; i < D; ++i) t[D] = t[D] - t[i];
+  return true;
 }
 
 // Indices (i, j) of the superbase with the largest positive product, or i == j if there is none.
@@ -106,12 +140,10 @@ absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
   Mat<double, D> unit = basis;  // keeps squares from over- and underflow
   for (auto& column : unit) column = column * (1 / largest);
 
-  std::array<Vec<int32_t, D>, D + 1> t{};  // the superbase's integer combinations; rounding never accumulates
-  for (size_t i = 0; i < D; ++i) {
-    t[i][i] = 1;
-    t[D][i] = -1;
-  }
-  for (int step = 0; step < kMaxSellingSteps; ++step) {
+  Superbase<D> t{};
+  for (size_t i = 0; i < D; ++i) t[i][i] = 1;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    if (!Shorten(unit, t)) return TransformError<D>();
     std::array<Vec<double, D>, D + 1> b;
     for (size_t i = 0; i <= D; ++i) {
       b[i] = Combine(unit, t[i]);
@@ -128,12 +160,12 @@ absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
     }
     t[i] = -t[i];
     for (const auto& column : t) {
-      for (int32_t x : column) {
-        if (std::abs(static_cast<int64_t>(x)) > kMaxTransform) return SingularError<D>();
+      for (const int32_t x : column) {
+        if (std::abs(x) > kMaxTransform) return TransformError<D>();
       }
     }
   }
-  return SingularError<D>();
+  return TransformError<D>();
 }
 
 template <size_t D>

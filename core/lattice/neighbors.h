@@ -21,7 +21,8 @@ struct Neighbor {
 };
 
 // A basis of the same lattice that belongs to an obtuse superbase (Selling), given by its integer combinations:
-// reduced = basis * transform. Errors: INVALID_ARGUMENT if an entry is not finite or the basis is singular.
+// reduced = basis * transform. Errors: INVALID_ARGUMENT if an entry is not finite, the basis is singular, or so skew
+// that an entry of the transform would exceed 2^20.
 template <size_t D>
 absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis);
 

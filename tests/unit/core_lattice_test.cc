@@ -136,7 +136,9 @@ TEST(Lattice, RejectsBasesThatAreNotABasis) {
       {{{{1, 0, 0}, {0, 1, 0}, {1, 1, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
       {{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
       {{{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
-      {{{{1, 0, 0}, {std::sqrt(2), 0, 0}, {0, 1, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
+      {{{{1, 0, 0}, {std::sqrt(2), 0, 0}, {0, 1, 0}}},
+       "basis: the 3 vectors are linearly dependent (rank below 3), or so skew that a reduced basis takes one of them "
+       "more than 1048576 times"},
       {{{{1, 0, 0}, {0, nan, 0}, {0, 0, 1}}}, "basis: entry nan is not finite"},
       {{{{1, 0, 0}, {0, infinity, 0}, {0, 0, 1}}}, "basis: entry inf is not finite"},
   };
@@ -148,18 +150,26 @@ TEST(Lattice, RejectsBasesThatAreNotABasis) {
 }
 
 TEST(Lattice, RejectsTooSkewBasesWithAUsableOne) {
-  const auto lattice = Lattice::FromBasis({{{1, 0, 0}, {0, 1, 0}, {17, 5, 1}}});
-  ASSERT_EQ(lattice.status().code(), absl::StatusCode::kInvalidArgument);
-  const std::string message(lattice.status().message());
-  ASSERT_NE(message.find("too skew"), std::string::npos) << message;
-  Mat3d suggested;
-  auto& s = suggested;
-  const std::string numbers = message.substr(message.rfind(": ") + 2);
-  ASSERT_EQ(std::sscanf(numbers.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &s[0][0], &s[0][1], &s[0][2], &s[1][0],
-                        &s[1][1], &s[1][2], &s[2][0], &s[2][1], &s[2][2]),
-            9);
-  EXPECT_TRUE(Lattice::FromBasis(suggested).ok()) << numbers;
-  EXPECT_EQ(std::abs(Determinant(suggested)), 1);
+  const Mat3d bases[] = {
+      {{{1, 0, 0}, {0, 1, 0}, {17, 5, 1}}},
+      {{{1, 0, 0}, {0, 1, 0}, {100, 0, 1}}},
+      {{{1, 0, 0}, {1 << 10, 1, 0}, {0, -1000, 1}}},
+      {{{1, 0, 0}, {0, 1, 0.1}, {0.5, 0.5, 0.051}}},  // whose pairs are reduced, and hide (0, 0, 0.002)
+  };
+  for (const Mat3d& basis : bases) {
+    const auto lattice = Lattice::FromBasis(basis);
+    ASSERT_EQ(lattice.status().code(), absl::StatusCode::kInvalidArgument);
+    const std::string message(lattice.status().message());
+    ASSERT_NE(message.find("too skew"), std::string::npos) << message;
+    Mat3d suggested;
+    auto& s = suggested;
+    const std::string numbers = message.substr(message.rfind(": ") + 2);
+    ASSERT_EQ(std::sscanf(numbers.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &s[0][0], &s[0][1], &s[0][2],
+                          &s[1][0], &s[1][1], &s[1][2], &s[2][0], &s[2][1], &s[2][2]),
+              9);
+    EXPECT_TRUE(Lattice::FromBasis(suggested).ok()) << numbers;
+    EXPECT_NEAR(std::abs(Determinant(suggested) / Determinant(basis)), 1, 1e-4) << numbers;
+  }
 }
 
 TEST(Lattice, AcceptsScalesFarFromOne) {

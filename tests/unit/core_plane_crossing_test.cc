@@ -92,15 +92,17 @@ TEST(PlaneLattice, RejectsWhatIsNoBasisOrTooSkewWithAUsableOne) {
   EXPECT_EQ(PlaneLattice::FromBasis({{{1, 2}, {2, 4}}}).status().message(),
             "basis: the 2 vectors are linearly dependent (rank below 2)");
   EXPECT_EQ(PlaneLattice::FromBasis({{{1, 0}, {0, NAN}}}).status().message(), "basis: entry nan is not finite");
-  const auto skew = PlaneLattice::FromBasis({{{1, 0}, {15, 1}}});
-  ASSERT_EQ(skew.status().code(), absl::StatusCode::kInvalidArgument);
-  const std::string message(skew.status().message());
-  Mat2d usable;
-  ASSERT_EQ(std::sscanf(message.substr(message.rfind(": ") + 2).c_str(), "%lf,%lf,%lf,%lf", &usable[0][0],
-                        &usable[0][1], &usable[1][0], &usable[1][1]),
-            4)
-      << message;
-  EXPECT_TRUE(PlaneLattice::FromBasis(usable).ok()) << message;
+  for (const double multiple : {15.0, 201.0, 1e6}) {
+    const auto skew = PlaneLattice::FromBasis({{{1, 0}, {multiple, 1}}});
+    ASSERT_EQ(skew.status().code(), absl::StatusCode::kInvalidArgument);
+    const std::string message(skew.status().message());
+    Mat2d usable;
+    ASSERT_EQ(std::sscanf(message.substr(message.rfind(": ") + 2).c_str(), "%lf,%lf,%lf,%lf", &usable[0][0],
+                          &usable[0][1], &usable[1][0], &usable[1][1]),
+              4)
+        << message;
+    EXPECT_TRUE(PlaneLattice::FromBasis(usable).ok()) << message;
+  }
 }
 
 TEST(PolylineValidation, NamesTheElement) {
