@@ -8,7 +8,7 @@
 #include "client/cli/batch_results.h"
 #include "client/cli/batch_run.h"
 #include "client/cli/job_file.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 
 namespace latvox::client {
 namespace {

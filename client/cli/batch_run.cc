@@ -12,7 +12,7 @@
 #include "absl/time/clock.h"
 #include "client/cli/job_digest.h"
 #include "client/cli/voxelize_command.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 
 namespace latvox::client {
 namespace {

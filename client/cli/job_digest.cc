@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "absl/strings/escaping.h"
+#include "client/mesh/input.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/mesh/mesh_file.h"
 #include "client/mesh_id.h"
 
 namespace latvox::client {

@@ -9,7 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "client/cli/common_options.h"
 #include "client/cli/job_line.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 #include "client/output/output.h"
 
 namespace latvox::client {

@@ -12,7 +12,7 @@
 #include "absl/strings/str_replace.h"
 #include "client/cli/common_options.h"
 #include "client/cli/file_url.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 
 namespace latvox::client {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "client/cli/common_options.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 
 namespace latvox::client {
 

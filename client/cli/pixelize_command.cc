@@ -6,7 +6,7 @@
 
 #include "absl/time/clock.h"
 #include "client/curve/curve_file.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 #include "client/output/atomic_file.h"
 #include "client/output/pixel_output.h"
 

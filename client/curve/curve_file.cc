@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/curve/svg_curves.h"
 #include "client/curve/text_curves.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 
 namespace latvox::client {
 

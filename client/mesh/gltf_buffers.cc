@@ -1,13 +1,13 @@
 #include "client/mesh/gltf_buffers.h"
 
-#include <fstream>
-#include <sstream>
+#include <filesystem>
 #include <system_error>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh/input.h"
 
 namespace latvox::client {
 namespace {
@@ -43,13 +43,9 @@ absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem
   }
   const std::filesystem::path path = folder / Unescaped(uri);
   std::error_code error;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream all;
   // Nothing that never ends.
-  if (!file || !std::filesystem::is_regular_file(path, error)) return Bad("file \"", uri, "\" cannot be read");
-  all << file.rdbuf();
-  if (file.bad()) return Bad("file \"", uri, "\" cannot be read to its end");
-  return std::move(all).str();
+  if (!std::filesystem::is_regular_file(path, error)) return Bad("file \"", uri, "\" cannot be read");
+  return ReadBytes(path);
 }
 
 }  // namespace
@@ -63,7 +59,9 @@ absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
     const auto [found, is_new] = read_.try_emplace(n);
     if (is_new) {
       auto read = ReadUri(buffer.at("uri").get_ref<const std::string&>(), folder_);
-      if (!read.ok()) return Bad("buffers[", n, "]: ", read.status().message());
+      if (!read.ok()) {
+        return absl::Status(read.status().code(), absl::StrCat("buffers[", n, "]: ", read.status().message()));
+      }
       found->second = *std::move(read);
     }
     bytes = found->second;

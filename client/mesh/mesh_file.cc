@@ -1,19 +1,14 @@
 #include "client/mesh/mesh_file.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <sstream>
+#include <string>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/mesh/draco_file.h"
 #include "client/mesh/gltf_file.h"
+#include "client/mesh/input.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
 #include "client/mesh/stl_file.h"
@@ -44,7 +39,7 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std
 
 // With the path before the error; without a triangle, that is one.
 absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
-  const std::string name = path == kStandardInput ? "standard input" : path;
+  const std::string name = NameOfInput(path);
   if (!mesh.ok()) return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", mesh.status().message()));
   if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles"));
   return mesh;
@@ -57,38 +52,7 @@ std::string Known() {
 
 }  // namespace
 
-std::string NameOfInput(const std::string& path) { return path == kStandardInput ? "standard input" : path; }
-
 bool IsDracoFile(const std::string& path) { return FormatOfPath(path) == MeshFormat::kDraco; }
-
-absl::StatusOr<std::string> ReadStandardInput(const char* what) {
-  if (isatty(STDIN_FILENO) == 1) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("standard input: is a terminal; ", what, " belongs into it, by | or <"));
-  }
-  std::ostringstream bytes;
-  bytes << std::cin.rdbuf();
-  std::string text = std::move(bytes).str();
-  if (text.empty()) return absl::InvalidArgumentError("standard input: is empty");
-  return text;
-}
-
-absl::StatusOr<std::string> ReadBytes(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": is a directory"));
-  }
-  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be read (", std::strerror(errno), ")"));
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  if (file.bad()) return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be read to its end"));
-  std::string text = std::move(bytes).str();
-  if (text.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": is empty"));
-  return text;
-}
 
 absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
   std::error_code error;

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/mesh/affine.h"
+#include "client/mesh/input.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/mesh_join.h"

@@ -102,9 +102,11 @@ absl::Status ReadVertex(Words& words, Mesh& mesh) {
 absl::StatusOr<Mesh> ParseText(absl::string_view text) {
   Words words(text);
   Mesh mesh;
+  bool open = false;
   for (absl::string_view word = words.Next(); !word.empty(); word = words.Next()) {
     const std::string statement = absl::AsciiStrToLower(word);
     if (statement == "solid" || statement == "endsolid") {
+      open = statement == "solid";
       BeginStretch(NextPart(mesh), std::nullopt, mesh);
       words.SkipLine();  // a name, which may be anything
     } else if (statement == "facet" || statement == "outer") {
@@ -121,6 +123,7 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
     }
   }
   if (mesh.positions.size() != 3 * mesh.triangles.size()) return words.Error("ends within a facet");
+  if (open) mesh.warnings.emplace_back("ends without endsolid: it may be cut short");
   return mesh;
 }
 

@@ -10,6 +10,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "client/mesh/input.h"
 #include "client/mesh/mesh_file.h"
 #include "server/draco_decoder.h"
 #include "tests/bench/scene_file.h"

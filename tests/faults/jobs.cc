@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 
 namespace latvox::faults {
 namespace {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/mesh/mesh_file.h"
+#include "client/mesh/input.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/bench/meshes.h"
 #include "tests/faults/commands.h"

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "absl/strings/escaping.h"
+#include "client/mesh/input.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/obj_file.h"
 #include "client/mesh/ply_file.h"
@@ -298,6 +299,13 @@ TEST_F(MeshFile, ErrorsNameTheFile) {
   fails("mesh.xyz", "v 0 0 0\n");
   EXPECT_EQ(ReadMeshFile(Path("missing.stl")).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(ReadMeshFile(Path("")).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// Whoever only asks for the end of such a file takes it for empty, or for whole.
+TEST_F(MeshFile, WhatFailsToBeReadIsNoShortFile) {
+  const auto bytes = ReadBytes("/proc/self/mem");
+  EXPECT_EQ(bytes.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(Message(bytes.status()), "/proc/self/mem: cannot be read to its end (Input/output error)");
 }
 
 TEST_F(MeshFile, AByteOrderMarkIsNoPartOfAText) {
