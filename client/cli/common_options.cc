@@ -70,6 +70,7 @@ void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensio
       ->required()
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)  // what follows may be a mesh
       ->check(check);
 }
 

@@ -7,8 +7,13 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdio>
 
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "client/cli/exit_status.h"
+#include "client/mesh/input.h"
+#include "client/output/atomic_file.h"
 
 namespace latvox::client {
 namespace {
@@ -18,6 +23,15 @@ sigset_t Signals() {
   sigemptyset(&set);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
   return set;
+}
+
+// `timeout` sends its signal to the process and then to its group.
+constexpr absl::Duration kOne = absl::Milliseconds(200);
+
+[[noreturn]] void EndAtOnce() {
+  RemoveTemporaryFiles();
+  std::fputs("latvox: cancelled\n", stderr);
+  _exit(static_cast<int>(ExitStatus::kCancelled));
 }
 
 }  // namespace
@@ -41,13 +55,18 @@ Interrupt::~Interrupt() {
 
 void Interrupt::Watch(const Cancellation& cancellation) const {
   pollfd sources[] = {{signals_, POLLIN, 0}, {stop_, POLLIN, 0}};
+  absl::Time first = absl::InfinitePast();
   for (;;) {
     if (poll(sources, 2, -1) < 0) continue;
     if (sources[1].revents != 0) return;
     signalfd_siginfo info;
     if (read(signals_, &info, sizeof(info)) != sizeof(info)) continue;
-    if (cancellation.cancelled()) _exit(static_cast<int>(ExitStatus::kCancelled));
+    const absl::Time now = absl::Now();
+    if (now < first + kOne) continue;
+    if (cancellation.cancelled()) EndAtOnce();
     cancellation.Cancel();
+    StopReading();
+    first = now;
   }
 }
 

@@ -2,6 +2,7 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -186,11 +187,13 @@ ExitStatus Run(const Commands& commands) {
 }
 
 // The words after the program's name, the last first, as CLI11 wants vectors; "help COMMAND" is "COMMAND --help".
-std::vector<std::string> Words(int argc, char** argv) {
+std::vector<std::string> Words(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words[0] == "help") {
     words.erase(words.begin());
-    words.emplace_back("--help");
+    const auto is_known = [&](const CLI::App* command) { return command->check_name(words[0]); };
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    if (words.empty() || std::any_of(commands.begin(), commands.end(), is_known)) words.emplace_back("--help");
   }
   return {words.rbegin(), words.rend()};
 }
@@ -200,7 +203,7 @@ ExitStatus Main(int argc, char** argv) {
   signal(SIGPIPE, SIG_IGN);
   Commands commands;
   try {
-    commands.app.parse(Words(argc, argv));
+    commands.app.parse(Words(commands.app, argc, argv));
     return Run(commands);
   } catch (const CLI::Success& wanted) {  // --help, --version
     commands.app.exit(wanted);

@@ -32,13 +32,17 @@ struct Upload {
 // Voxels along the longest side of the mesh, as far as the request tells; in a basis with short and long vectors, along
 // the short ones.
 double VoxelsAlong(double side, const VoxelizeRequest& request) {
-  if (request.resolution) return *request.resolution;
-  if (request.voxel_size) return side / *request.voxel_size + 1;
-  const auto& [a, b, c] = std::get<Basis>(request.lattice);
-  const double det =
-      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-  const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };
-  return side / std::min({std::cbrt(std::abs(det)), length(a), length(b), length(c)}) + 1;
+  double size = 1, shortest = 1;
+  if (const Basis* basis = std::get_if<Basis>(&request.lattice)) {
+    const auto& [a, b, c] = *basis;
+    const double det =
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };
+    size = std::cbrt(std::abs(det));
+    shortest = std::min({1.0, length(a) / size, length(b) / size, length(c) / size});
+  }
+  const double voxels = request.resolution ? *request.resolution : side / request.voxel_size.value_or(size) + 1;
+  return voxels / shortest;
 }
 
 // Sent as it is; only what is counted needs it decoded here.

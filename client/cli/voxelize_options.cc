@@ -136,10 +136,12 @@ std::string CheckBand(const std::string& text) {
   return absl::StrCat("\"", text, "\" is not a finite number above 0, or one with v for voxel sizes");
 }
 
-// 26, 18 and 6 count a voxel's neighbours, which is what they do on the Cartesian lattice only.
-uint32_t InterpretSeparability(int given, const std::variant<NamedLattice, Basis>& lattice) {
+// 26, 18 and 6 count a voxel's neighbours, which is what they do on the Cartesian lattice only. Of a grid to align to,
+// the lattice may be any.
+uint32_t InterpretSeparability(const VoxelizeWords& words, const std::variant<NamedLattice, Basis>& lattice) {
+  const int given = words.separability;
   if (given <= 2) return static_cast<uint32_t>(given);
-  if (lattice != std::variant<NamedLattice, Basis>(NamedLattice::kCartesian)) {
+  if (!words.options.align.empty() || lattice != std::variant<NamedLattice, Basis>(NamedLattice::kCartesian)) {
     Refuse("--separability: ", given, " is for --lattice cartesian; elsewhere 0, 1 or 2");
   }
   return given == 26 ? 0 : given == 18 ? 1 : 2;
@@ -221,15 +223,18 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       .add_option("--separability", words.separability, "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6")
       ->type_name("K")
       ->check(CLI::IsMember({0, 1, 2, 26, 18, 6}));
-  command.add_flag_function(
-      "--minimal,!--no-minimal", [&words](int64_t times) { words.minimal = times > 0; },
-      "remove every voxel that can go (default)");
+  command.add_flag("--minimal,!--no-minimal")
+      ->description("remove every voxel that can go (default)")
+      ->each([&words](const std::string& flag) { words.minimal = flag == "true"; });
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));
   AddFillOptions(command, words);
   command
       .add_option("--cover", words.cover, "separating (default), or supercover: all voxels whose cell meets the mesh")
       ->check(OneOf(CoverNames()));
+  for (const char* of_surface : {"--separability", "--minimal", "--cover"}) {
+    command.get_option("--without-surface")->excludes(command.get_option(of_surface));
+  }
   Group(command, "Transfer");
   command
       .add_option("--quantization", words.quantization,
@@ -258,7 +263,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
           .add_option("--band", words.band, "not a surface: all voxels up to W away, or W voxel sizes, with distances")
           ->type_name("W|Wv")
           ->check(CheckBand);
-  for (const char* other : {"--separability", "--algorithm", "--fill", "--cover", "--verify"}) {
+  for (const char* other : {"--separability", "--minimal", "--algorithm", "--fill", "--cover", "--verify"}) {
     band->excludes(command.get_option(other));
   }
   command.add_flag("--signed", words.is_signed, "distances are negative inside; the mesh must be closed")->needs(band);
@@ -300,7 +305,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
   request.solid = InterpretSolid(words);
   if (request.solid && request.algorithm != Algorithm::kExact) Refuse("--fill: solid is for --algorithm exact");
-  request.separability = InterpretSeparability(words.separability, request.lattice);
+  request.separability = InterpretSeparability(words, request.lattice);
   InterpretVoxelSize(words, request);
   CheckCubes(options);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
@@ -326,6 +331,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (!words.band.empty()) {
     request.band = ParseBand(words.band);
     request.band->is_signed = words.is_signed;
+    if (!words.npy.empty()) Refuse("--npy: ", words.npy, " is of a surface's or a solid's voxels, without --band");
     CheckCarry("--band", "distances", DistanceExtensions(), options.outputs);
   }
   InterpretAttributes(words, options);

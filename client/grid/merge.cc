@@ -39,6 +39,7 @@ openvdb::GridBase::Ptr MakeGrid(const PartFile& part, const openvdb::MetaMap& me
 absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, const std::string& path,
                                       const Cancellation& cancellation,
                                       const std::function<void(double, uint64_t)>& progress) {
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   auto parts = OpenParts(paths);
   if (!parts.ok()) return parts.status();
   const auto common = JoinMetadata(*parts);
@@ -47,7 +48,9 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& paths, con
   for (const auto& part : *parts) leaves += part->leaves();
   const PartFile& first = *parts->front();
   const double steps = static_cast<double>(kPasses * (leaves + parts->size()));
-  const auto show = [&](uint64_t read) { progress(static_cast<double>(read) / steps, read / kPasses); };
+  const auto show = [&](uint64_t read) {
+    if (progress) progress(static_cast<double>(read) / steps, read / kPasses);
+  };
 
   BrickMerge bricks(*std::move(parts), common->shards, cancellation, show);
   const TreeSurvey survey = Survey(bricks);

@@ -28,7 +28,7 @@ struct MergedGrid {
 // Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets (20
 // MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.
 //
-// `progress` is called now and then with the share done, 0 to 1, and the bricks written so far.
+// `progress`, if any, is called now and then with the share done, 0 to 1, and the bricks written so far.
 //
 // Errors: INVALID_ARGUMENT or NOT_FOUND, with the file: not a whole file of latvox's; parts that are not of one whole,
 // with field and values; a part that is given twice; shards that are missing. RESOURCE_EXHAUSTED: open files.

@@ -27,6 +27,15 @@ void AddSolid(const Solid& solid, Json& json) {
   if (solid.force_open) json["force_open"] = true;
 }
 
+void AddSurface(const VoxelizeRequest& request, Json& json) {
+  json["separability"] = request.separability;
+  if (request.cover == Cover::kSupercover) {
+    json["cover"] = "supercover";
+  } else if (request.algorithm == Algorithm::kExact) {
+    json["minimal"] = request.minimal;
+  }
+}
+
 void AddBand(const Band& band, Json& json) {
   if (band.in_voxels) {
     json["band"] = absl::StrCat(Json(band.width).dump(), "v");
@@ -60,12 +69,7 @@ Json RequestJson(const VoxelizeRequest& request) {
     AddBand(*request.band, json);
     return json;
   }
-  json["separability"] = request.separability;
-  if (request.cover == Cover::kSupercover) {
-    json["cover"] = "supercover";
-  } else if (request.algorithm == Algorithm::kExact) {
-    json["minimal"] = request.minimal;
-  }
+  if (!request.solid || request.solid->surface) AddSurface(request, json);
   for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));
   json["algorithm"] = kAlgorithms[static_cast<size_t>(request.algorithm)];
   if (request.solid) AddSolid(*request.solid, json);

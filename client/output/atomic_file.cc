@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -33,12 +35,26 @@ bool WriteAll(int fd, std::string_view bytes, off_t at, bool append) {
   return true;
 }
 
-// The file that a symbolic link leads to, so that replacing it keeps the link.
-std::string Resolve(const std::string& target) {
+// The file that a symbolic link leads to, or would lead to, so that replacing it keeps the link.
+std::filesystem::path Resolve(std::filesystem::path target) {
+  constexpr int kMostLinks = 40;
   std::error_code error;
-  if (!std::filesystem::is_symlink(target, error)) return target;
-  const auto resolved = std::filesystem::weakly_canonical(target, error);
-  return error ? target : resolved.string();
+  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(target, error); ++links) {
+    const auto leads_to = std::filesystem::read_symlink(target, error);
+    target = target.parent_path() / leads_to;  // which, if absolute, stands alone
+  }
+  return target;
+}
+
+// Those of all objects that live.
+struct Temporaries {
+  std::mutex mu;
+  std::set<std::string> paths;
+};
+
+Temporaries& AllTemporaries() {
+  static auto& all = *new Temporaries;
+  return all;
 }
 
 }  // namespace
@@ -65,10 +81,15 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string
 }
 
 AtomicFile::AtomicFile(std::string target, std::string temporary, int fd)
-    : target_(std::move(target)), temporary_(std::move(temporary)), fd_(fd) {}
+    : target_(std::move(target)), temporary_(std::move(temporary)), fd_(fd) {
+  const std::lock_guard lock(AllTemporaries().mu);
+  AllTemporaries().paths.insert(temporary_);
+}
 
 AtomicFile::~AtomicFile() {
   close(fd_);
+  const std::lock_guard lock(AllTemporaries().mu);
+  AllTemporaries().paths.erase(temporary_);
   if (!committed_) unlink(temporary_.c_str());
 }
 
@@ -102,9 +123,16 @@ absl::Status AtomicFile::Sync() {
 }
 
 absl::Status AtomicFile::Commit() {
+  const std::lock_guard lock(AllTemporaries().mu);
   if (rename(temporary_.c_str(), target_.c_str()) != 0) return Error(errno);
+  AllTemporaries().paths.erase(temporary_);
   committed_ = true;
   return absl::OkStatus();
+}
+
+void RemoveTemporaryFiles() {
+  const std::lock_guard lock(AllTemporaries().mu);
+  for (const std::string& path : AllTemporaries().paths) unlink(path.c_str());
 }
 
 absl::Status WriteAtomically(const std::string& target, std::string_view bytes) {

@@ -48,6 +48,9 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+// Removes the temporary files of all objects that live, for a process that ends without their destructors.
+void RemoveTemporaryFiles();
+
 // A file of these bytes in the place of the target.
 absl::Status WriteAtomically(const std::string& target, std::string_view bytes);
 

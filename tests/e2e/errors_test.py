@@ -194,6 +194,42 @@ class Interruptions(Case):
         client.send_signal(signal.SIGINT)
         self.assert_stopped(client, STOPPED)
 
+    def await_files(self, count):
+        deadline = time.monotonic() + harness.PATIENCE
+        while len(list(self.dir.iterdir())) < count:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+
+    def test_timeouts_two_signals_count_as_one(self):
+        command = ["timeout", "1.5", BIN / "latvox", "voxelize", BUNNY, "-o", self.dir / "out.vdb", *LONG]
+        done = subprocess.run(command, stderr=subprocess.PIPE, text=True)
+        self.assertTrue(done.stderr.endswith("latvox: cancelled by the caller\n"), done.stderr)
+        self.assertEqual(list(self.dir.iterdir()), [])
+
+    def test_a_second_signal_ends_at_once_and_leaves_no_file(self):
+        os.mkfifo(self.dir / "in.obj")  # which nobody opens to write
+        command = [BIN / "latvox", "voxelize", self.dir / "in.obj", "--resolution", "9", "-o", self.dir / "out.vdb"]
+        client = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(client.kill)
+        self.await_files(2)
+        client.send_signal(signal.SIGINT)
+        time.sleep(0.5)
+        client.send_signal(signal.SIGTERM)
+        self.assertEqual((client.communicate(timeout=15)[1], client.returncode), ("latvox: cancelled\n", STOPPED))
+        self.assertEqual([path.name for path in self.dir.iterdir()], ["in.obj"])
+
+    def test_sigint_ends_what_waits_for_standard_input(self):
+        command = [BIN / "latvox", "voxelize", "-", "--resolution", "9", "-o", self.dir / "out.vdb"]
+        client = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(client.stdin.close)
+        self.addCleanup(client.kill)
+        self.await_files(1)
+        client.send_signal(signal.SIGINT)
+        self.assertEqual(client.wait(timeout=15), STOPPED)
+        self.assertEqual(client.stderr.read(), "latvox: cancelled\n")
+        client.stderr.close()
+        self.assertEqual(list(self.dir.iterdir()), [])
+
     def test_commands_without_a_server_end_with_6_on_sigint(self):
         voxels = self.dir / "voxels.vdb"
         self.assertEqual(latvox("voxelize", BUNNY, "--resolution", "1000", "-o", voxels).returncode, OK)

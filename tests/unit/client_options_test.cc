@@ -209,6 +209,15 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--fill", "solid", "--algorithm", "incremental"}, {"--fill", "solid", "exact"});
   refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
   refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
+  for (const auto& of_surface : {std::pair{"--separability", "2"}, {"--cover", "supercover"}}) {
+    refuses({"--resolution", "9", "--fill", "solid", "--without-surface", of_surface.first, of_surface.second},
+            {"--without-surface", of_surface.first});
+  }
+  refuses({"--resolution", "9", "--fill", "solid", "--without-surface", "--no-minimal"},
+          {"--without-surface", "--minimal"});
+  refuses({"--resolution", "9", "--band", "2v", "--no-minimal"}, {"--band", "--minimal"});
+  refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--band"});
+  refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
   refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
   refuses({"--resolution", "9", "--up", "w"}, {"--up", "w", "x,y"});
   refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
@@ -228,6 +237,8 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
     EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
   }
   EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
+  EXPECT_TRUE(Parse({"--resolution", "9", "--no-minimal", "--minimal"}).request.minimal);  // the last one counts
+  EXPECT_FALSE(Parse({"--resolution", "9", "--minimal", "--no-minimal"}).request.minimal);
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
@@ -235,6 +246,13 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
   refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
   refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
+}
+
+// Else a mesh that follows would be written over.
+TEST(Options, AnOutputIsOneWord) {
+  const VoxelizeOptions options = Parse({"-o", "b.csv", "b.obj", "--out", "c.csv", "c.obj", "--resolution", "9"});
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.csv"));
+  EXPECT_THAT(options.mesh.paths, ElementsAre("mesh.obj", "b.obj", "c.obj"));
 }
 
 TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
