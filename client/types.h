@@ -229,7 +229,7 @@ struct AttributeCertificate {
 struct Certificate {
   std::string lattice;              // "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"
   uint32_t separability = 0;        // k
-  bool tunnel_free = false;         // every crossed lattice edge has an end in the set
+  bool tunnel_free = false;         // every crossed lattice edge has an end in the set; of a part, in the whole of it
   bool minimal = false;             // no voxel can leave
   bool verified = false;            // the next two were counted on this very result
   uint64_t tunnels = 0;             // crossed lattice edges with no end in the set; meaningful if verified

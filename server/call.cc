@@ -4,6 +4,7 @@
 #include <grpc/grpc.h>
 
 #include <chrono>
+#include <memory>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -21,6 +22,16 @@ absl::Status CheckSize(const google::protobuf::Message& message, const Limits& l
   const uint64_t bytes = message.ByteSizeLong();
   return bytes > limits.max_message_bytes ? LimitExceeded("message_bytes", bytes, limits.max_message_bytes)
                                           : absl::OkStatus();
+}
+
+void DropUnknownFields(google::protobuf::Message& message) {
+  const size_t bytes = message.ByteSizeLong();
+  message.DiscardUnknownFields();
+  if (message.ByteSizeLong() == bytes) return;
+  // A message keeps the memory of what it had.
+  const std::unique_ptr<google::protobuf::Message> fresh(message.New());
+  fresh->CopyFrom(message);
+  message.GetReflection()->Swap(&message, fresh.get());
 }
 
 void MarkUnread(google::protobuf::Message& message) {

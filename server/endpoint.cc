@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "server/unix_socket.h"
@@ -43,6 +44,24 @@ absl::Status CheckProtected(const std::string& address, bool tls, bool insecure)
       absl::StrCat("refusing to listen on ", address,
                    " in plain text, for others than this machine can reach it: give --tls-cert and --tls-key, or, if "
                    "something else protects it, --insecure"));
+}
+
+absl::Status CheckAddress(const std::string& address) {
+  if (IsUnixSocket(address)) {
+    if (!absl::StrContains(address, '%')) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrCat("cannot listen on ", address, ": gRPC takes a % for an escape"));
+  }
+  constexpr int kMostPort = 65535;
+  const size_t colon = address.rfind(':');
+  const absl::string_view host = HostPart(address);
+  const bool in_brackets = absl::StartsWith(address, "[");
+  int port = 0;
+  const bool is_good = colon != std::string::npos && absl::SimpleAtoi(address.substr(colon + 1), &port) && port >= 0 &&
+                       port <= kMostPort && (in_brackets ? colon == host.size() + 2 : !absl::StrContains(host, ':'));
+  if (is_good) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("cannot listen on \"", address,
+                                                 "\": that is neither HOST:PORT, with a port up to ", kMostPort,
+                                                 ", nor unix:PATH"));
 }
 
 std::string BoundAddress(const std::string& address, int port) {

@@ -22,6 +22,9 @@ absl::Status CheckProtected(const std::string& address, bool tls, bool insecure)
 // "HOST:0" with the port that was chosen; others as they are.
 std::string BoundAddress(const std::string& address, int port);
 
+// INVALID_ARGUMENT if it is neither HOST:PORT nor unix:PATH.
+absl::Status CheckAddress(const std::string& address);
+
 // UNAVAILABLE naming the address, and why; by default, what may be the reason.
 absl::Status CannotListen(const std::string& address,
                           absl::string_view why = "the address is in use, not of this machine, or not permitted");

@@ -1,5 +1,6 @@
 // latvoxd: the server.
 #include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -65,8 +66,18 @@ void KeepMemory() {
   mallopt(M_TRIM_THRESHOLD, kKeptBytes);
 }
 
-int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t parent) {
+// Each connection takes one file; a login has 1024 as a rule, though it may have more. Once there is none left, gRPC
+// takes no new connections any more, even when others have closed.
+void TakeMoreFiles() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+}
+
+int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t first_parent) {
   const latvox::ProgramOptions& options = configuration.options;
+  const pid_t parent = options.parent_pid != 0 ? options.parent_pid : first_parent;
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
   if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
   latvox::StartLog(options.log_level, options.log_format);
@@ -74,6 +85,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   KeepMemory();
+  TakeMoreFiles();
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   const auto server = latvox::VoxelServer::Start(options.server);
   if (!server.ok()) return Fail(server.status());

@@ -15,7 +15,7 @@ namespace {
 
 // A client that says nothing holds one of these threads no longer than the timeout.
 const std::vector<std::string>& Settings() {
-  static const auto& settings = *new std::vector<std::string>{"num_threads",       "2",  "request_timeout_ms", "5000",
+  static const auto& settings = *new std::vector<std::string>{"num_threads",       "8",  "request_timeout_ms", "1000",
                                                               "enable_keep_alive", "no", "max_request_size",   "8192"};
   return settings;
 }

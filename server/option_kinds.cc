@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
@@ -40,8 +41,25 @@ const CLI::Validator& AtLeastOne() {
   return validator;
 }
 
+const CLI::Validator& WithoutSign() {
+  static const auto& validator = *new CLI::Validator(
+      [](std::string& value) {
+        const bool is_number = !value.empty() && absl::ascii_isdigit(static_cast<uint8_t>(value[0]));
+        const bool is_octal =
+            value.size() > 1 && value[0] == '0' && absl::ascii_isdigit(static_cast<uint8_t>(value[1]));
+        return is_number && !is_octal ? "" : absl::StrCat("\"", value, "\" is not a whole number from 0 on");
+      },
+      "");
+  return validator;
+}
+
+// Of two that change the value, the one that is added last comes first.
+CLI::Option* TakeBytes(CLI::Option* option) {
+  return option->transform(CLI::AsSizeValue(false))->transform(WithoutSign());
+}
+
 CLI::Option* AddBytes(CLI::App& app, const std::string& flag, uint64_t& value, const std::string& description) {
-  return Add(app, flag, value, description)->transform(CLI::AsSizeValue(false))->check(AtLeastOne());
+  return TakeBytes(Add(app, flag, value, description))->check(AtLeastOne());
 }
 
 CLI::Option* AddSeconds(CLI::App& app, const std::string& flag, double least, absl::Duration& value,
@@ -53,7 +71,9 @@ CLI::Option* AddSeconds(CLI::App& app, const std::string& flag, double least, ab
       ->envname(EnvironmentName(flag))
       ->default_str(absl::StrCat(absl::ToDoubleSeconds(value)))
       ->type_name("SECONDS")
-      ->check(CLI::Range(least, kMost));
+      ->check(CLI::Range(least, kMost))
+      ->check(CLI::Validator(
+          [](std::string& value) { return absl::EqualsIgnoreCase(value, "nan") ? "nan is not a number" : ""; }, ""));
 }
 
 CLI::Option* AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::string& description) {

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -19,12 +20,20 @@ std::string EnvironmentName(absl::string_view flag);
 
 const CLI::Validator& AtLeastOne();
 
+// What CLI11 would take otherwise: -1 for 2^64 - 1, and 010 for 8.
+const CLI::Validator& WithoutSign();
+
 template <class T>
 CLI::Option* Add(CLI::App& app, const std::string& flag, T& value, const std::string& description) {
-  return app.add_option(flag, value, description)->envname(EnvironmentName(flag))->capture_default_str();
+  CLI::Option* option = app.add_option(flag, value, description)->envname(EnvironmentName(flag));
+  if constexpr (std::is_integral_v<T>) option->check(WithoutSign());
+  return option->capture_default_str();
 }
 
-// A number of bytes, as 1073741824 or 1GiB.
+// Makes the option's value a number of bytes, as 1073741824 or 1GiB, or 0.
+CLI::Option* TakeBytes(CLI::Option* option);
+
+// The same of at least 1.
 CLI::Option* AddBytes(CLI::App& app, const std::string& flag, uint64_t& value, const std::string& description);
 
 // A number of seconds from `least` to a day.

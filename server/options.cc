@@ -23,10 +23,9 @@ void AddLimits(CLI::App& app, Limits& limits) {
       ->check(AtLeastOne());
   Add(app, "--max-voxels", limits.max_voxels, "Most voxels in one job, estimated from the area of its surface")
       ->check(AtLeastOne());
-  Add(app, "--mesh-store-bytes", limits.mesh_store_bytes,
-      "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an eighth "
-      "of the memory budget. 0: none")
-      ->transform(CLI::AsSizeValue(false));
+  TakeBytes(Add(app, "--mesh-store-bytes", limits.mesh_store_bytes,
+                "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an "
+                "eighth of the memory budget. 0: none"));
   AddBytes(app, "--max-message-bytes", limits.max_message_bytes, "Largest message that is received");
 }
 
@@ -41,7 +40,7 @@ void AddAccess(CLI::App& app, AccessOptions& access) {
   AddSwitch(app, "--insecure", access.insecure, "Serve others than this machine in plain text");
   Add(app, "--token-file", access.token_file,
       "File of bearer tokens, a line each: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
-      "TOKEN may be sha256:HEX. Without it, everybody may call")
+      "TOKEN has 16 to 512 characters, or is sha256:HEX. Without it, everybody may call")
       ->type_name("FILE");
 }
 
@@ -64,10 +63,9 @@ void AddDecoder(CLI::App& app, ServerOptions& server) {
   decoder.program = "/proc/self/exe";
   Add(app, "--decoder-processes", decoder.processes, "Processes that decode meshes; 0: one for each thread, at most 4")
       ->check(CLI::Range(0, 64));
-  Add(app, "--decoder-memory", decoder.memory,
-      "Most memory that decoding one mesh may take, as 2GiB; 0: what --max-triangles needs, but for all processes at "
-      "most a third of the default of --memory-budget")
-      ->transform(CLI::AsSizeValue(false));
+  TakeBytes(Add(app, "--decoder-memory", decoder.memory,
+                "Most memory that decoding one mesh may take, as 2GiB; 0: what --max-triangles needs, but for all "
+                "processes at most a third of the default of --memory-budget"));
   AddSeconds(app, "--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Most CPU time that decoding one mesh may take");
   AddSwitch(app, "--decode-always", server.decode_always,
             "Decode a mesh for each request, also one that was asked for before");
@@ -91,11 +89,9 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   for (const auto& [value, name] : kSimdNames) simd.emplace_back(name, value);
   AddChoice(app, "--simd", simd, options.simd, "Instructions that the kernels may use; results are the same");
   AddLimits(app, options.server.limits);
-  app.add_option("--memory-budget", options.server.memory_bytes,
-                 "Memory of the process but for its decoders, as 4GiB; 0: three quarters of what there is, or, with "
-                 "--exit-with-parent, half of that")
-      ->envname("LATVOX_MEMORY_BUDGET")
-      ->transform(CLI::AsSizeValue(false))
+  TakeBytes(Add(app, "--memory-budget", options.server.memory_bytes,
+                "Memory of the process but for its decoders, as 4GiB; 0: three quarters of what there is, or, with "
+                "--exit-with-parent, half of that"))
       ->default_str("0");
   AddSeconds(app, "--stall-timeout", 1, options.server.stall_timeout,
              "Time after which a client that neither sends nor takes anything is given up");
@@ -118,6 +114,10 @@ void AddOptions(CLI::App& app, ProgramOptions& options) {
   app.option_defaults()->group("Options");
   AddSwitch(app, "--exit-with-parent", options.exit_with_parent,
             "Stop when the process that started this one ends, and leave it half of the memory");
+  app.add_option("--parent-pid", options.parent_pid,
+                 "That process, for --exit-with-parent: it may end before this one can ask which it is")
+      ->check(CLI::PositiveNumber)
+      ->configurable(false);
 }
 
 // A CLI::App and what it fills.

@@ -23,6 +23,7 @@ struct ProgramOptions {
   Simd simd = Simd::kBest;
   absl::Duration grace = absl::Seconds(10);
   bool exit_with_parent = false;
+  int parent_pid = 0;         // of exit_with_parent; 0: of the process that started this one
   bool check_config = false;  // tell the settings instead of serving
   bool man = false;           // print the manual instead
 };

@@ -1,6 +1,9 @@
 #include "server/pixelization.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -61,6 +64,31 @@ absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limi
 }
 
 }  // namespace
+
+// By the length of all segments in pixels, at some 0.5 us each.
+bool LastsLong(const v1::PixelizeRequest& request) {
+  constexpr double kMostPixels = 1e5;
+  std::array<double, 2> low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
+  double length = 0;
+  for (const v1::Polyline& polyline : request.polylines()) {
+    for (int n = 0; n < polyline.xy_size(); ++n) {
+      const auto axis = static_cast<size_t>(n % 2);
+      low[axis] = std::min(low[axis], polyline.xy(n));
+      high[axis] = std::max(high[axis], polyline.xy(n));
+      if (n >= 2) length += std::abs(polyline.xy(n) - polyline.xy(n - 2));
+    }
+  }
+  const double side = std::max(high[0] - low[0], high[1] - low[1]);
+  switch (request.density_case()) {
+    case v1::PixelizeRequest::kResolution:
+      return length * request.resolution() > kMostPixels * side;
+    case v1::PixelizeRequest::kPixelSize:
+      return length > kMostPixels * request.pixel_size();
+    case v1::PixelizeRequest::DENSITY_NOT_SET:
+      break;
+  }
+  return true;
+}
 
 absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
                                                        MemoryReservation& memory, const std::atomic<bool>& cancelled,

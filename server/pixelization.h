@@ -21,6 +21,9 @@ struct PixelizationFacts {
   double pixelize_ms = 0;
 };
 
+// Whether the request may take more than some 50 ms of a core, as far as its drawing tells before it is checked.
+bool LastsLong(const v1::PixelizeRequest& request);
+
 // Answers the request, with what memory it takes reserved before. Ends soon once cancelled.
 // Errors: as the contract; CANCELLED; INTERNAL; RESOURCE_EXHAUSTED also if memory runs out, or the budget's. `facts`
 // are kept either way.

@@ -36,7 +36,8 @@ void PixelizeReactor::Work() {
     queue_ms_ = MillisecondsSince(began_);
     computing_ = true;
   }
-  environment_.quick.Enqueue([self = shared_from_this()] { self->Compute(); });
+  Lane& lane = LastsLong(request_) ? environment_.bulk : environment_.quick;
+  lane.Enqueue([self = shared_from_this()] { self->Compute(); });
 }
 
 void PixelizeReactor::Compute() {

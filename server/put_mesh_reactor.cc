@@ -47,6 +47,7 @@ void PutMeshReactor::OnReadDone(bool ok) {
 // Whether more is to be read.
 absl::StatusOr<bool> PutMeshReactor::TakeRequest() {
   if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return status;
+  DropUnknownFields(request_);
   switch (request_.part_case()) {
     case v1::PutMeshRequest::kSpec:
       if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");

@@ -43,6 +43,7 @@ constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
 int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToInt64Milliseconds(duration)); }
 
 constexpr int kMaxStreams = 256;
+constexpr int kReflectionThreads = 16;
 
 // Parts of the memory: gRPC's quota, and at most so much of kept meshes; what the process takes besides jobs.
 constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
@@ -67,6 +68,18 @@ absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
   options.memory_bytes = all;
   options.limits.memory_budget_bytes = all - taken;
   return options;
+}
+
+absl::Status CheckAddresses(const ServerOptions& options) {
+  if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  std::vector<std::string> addresses = options.listen;
+  for (const std::string& address : {options.health_listen, options.metrics_listen}) {
+    if (!address.empty()) addresses.push_back(address);
+  }
+  for (const std::string& address : addresses) {
+    if (absl::Status status = CheckAddress(address); !status.ok()) return status;
+  }
+  return absl::OkStatus();
 }
 
 // More threads than the control groups' share of the cores would be stopped for a part of each period, all together.
@@ -198,7 +211,15 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PING_STRIKES, 0);
   // Messages on their way count as well: near the limit gRPC reads no more, and in the end breaks streams off.
-  builder.SetResourceQuota(grpc::ResourceQuota("latvoxd").Resize(options_.memory_bytes / kGrpcShare));
+  grpc::ResourceQuota quota("latvoxd");
+  quota.Resize(options_.memory_bytes / kGrpcShare);
+  // Reflection keeps one for each call; our own calls keep none.
+  quota.SetMaxThreads(kReflectionThreads);
+  builder.SetResourceQuota(quota);
+  // gRPC unpacks a message before it looks at its size: a megabyte may become a gigabyte.
+  for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+  }
   // Otherwise a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Of one connection; a client of gRPC's has the others wait. Bounds what clients hold that let their calls linger.
@@ -206,7 +227,6 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
 }
 
 absl::Status Server::Listen() {
-  if (options_.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
   if (absl::Status status = access_.Open(options_.listen); !status.ok()) return status;
   grpc::ServerBuilder builder;
   Configure(builder);
@@ -292,7 +312,8 @@ bool Server::Stop(absl::Duration grace) {
 }  // namespace
 
 absl::Status VoxelServer::Check(const ServerOptions& options) {
-  if (options.listen.empty()) return absl::InvalidArgumentError("there is no address to listen on");
+  if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
+  if (absl::Status status = WithMemoryShared(options).status(); !status.ok()) return status;
   return Access(options.access).Open(options.listen);
 }
 
@@ -302,6 +323,7 @@ absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOpti
   static_cast<void>(kept_up);
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   const absl::StatusOr<ServerOptions> complete = WithMemoryShared(options);
   if (!complete.ok()) return complete.status();
   auto decoders = DecoderPool::Create(DecodersOf(*complete));

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/call.h"
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/metrics.h"
@@ -99,8 +100,10 @@ grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext
 }
 
 grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContext* context,
-                                                      const v1::GetLimitsRequest* /*request*/,
+                                                      const v1::GetLimitsRequest* request,
                                                       v1::GetLimitsResponse* response) {
+  // gRPC keeps the request, which is its own and no constant, until the client has taken the answer.
+  DropUnknownFields(const_cast<v1::GetLimitsRequest&>(*request));
   CallOrigin origin = OriginOf("GetLimits", *context);
   const grpc::Status status = Admit(*context, origin);
   if (status.ok()) {

@@ -15,7 +15,7 @@ namespace latvox {
 class StopSignals {
  public:
   // Blocks the signals in this thread and in all it starts later: construct it before any thread. If `parent` is set,
-  // its end is a request to stop as well. SIGPIPE is ignored.
+  // its end is a request to stop as well, also an earlier one. SIGPIPE is ignored.
   explicit StopSignals(std::optional<pid_t> parent);
 
   // Blocks until the process is asked to stop; returns why, in a word. Meanwhile runs `reload` at each SIGHUP.

@@ -37,6 +37,7 @@ void VoxelizeReactor::OnReadDone(bool ok) {
 
 absl::Status VoxelizeReactor::TakeRequest() {
   if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return status;
+  DropUnknownFields(request_);
   switch (request_.part_case()) {
     case v1::VoxelizeRequest::kSpec:
       if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");

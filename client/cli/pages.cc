@@ -101,6 +101,10 @@ std::string ManPageOf(const CLI::App& app) {
       {"ENVIRONMENT",
        "NO_COLOR, if it is not empty, keeps colours off terminals; what is no terminal gets none.\n"
        "LATVOX_LATVOXD is the program that is started as a private server, in place of the latvoxd beside latvox.\n"
+       "LATVOX_THREADS, LATVOX_MEMORY_BUDGET and the others of latvoxd(8) hold for it as well, but for those of\n"
+       "its configuration file, addresses, TLS and tokens. XDG_RUNTIME_DIR is where its socket is, else /tmp.\n"
+       "JOB_COMPLETION_INDEX with LATVOX_SHARD_COUNT, or SLURM_ARRAY_TASK_ID with its companions, say which shard\n"
+       "batch does.\n"
        "TRACEPARENT and TRACESTATE, without --traceparent, are the W3C trace context that calls belong to; "
        "malformed ones are not sent."}};
   page.see_also = {"latvoxd(8)"};

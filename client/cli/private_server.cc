@@ -8,14 +8,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 
 extern char** environ;
 
@@ -48,6 +52,20 @@ void SetUp(posix_spawnattr_t& attributes, posix_spawn_file_actions_t& files) {
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   // Standard output is the tool's own, and may be read by a program.
   posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
+}
+
+// Without what says where a server of the user's listens, and whom it lets in: that is not meant for this one.
+std::vector<char*> EnvironmentOfPrivateServer() {
+  constexpr absl::string_view kPublic[] = {
+      "LATVOX_CONFIG=",   "LATVOX_HEALTH_LISTEN=", "LATVOX_METRICS_LISTEN=", "LATVOX_INSECURE=",
+      "LATVOX_TLS_CERT=", "LATVOX_TLS_KEY=",       "LATVOX_TLS_CLIENT_CA=",  "LATVOX_TOKEN_FILE="};
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const auto names = [&](absl::string_view name) { return absl::StartsWith(*variable, name); };
+    if (std::none_of(std::begin(kPublic), std::end(kPublic), names)) variables.push_back(*variable);
+  }
+  variables.push_back(nullptr);
+  return variables;
 }
 
 bool Accepts(const std::string& path) {
@@ -128,7 +146,9 @@ absl::Status PrivateServer::MakeDirectory() {
 
 absl::Status PrivateServer::Spawn(std::optional<int> threads) {
   program_ = FindProgram();
-  std::vector<std::string> words = {program_, "--listen", address(), "--exit-with-parent", "--log-level", "warning"};
+  std::vector<std::string> words = {
+      program_,      "--listen", address(), "--parent-pid", absl::StrCat(getpid()), "--exit-with-parent",
+      "--log-level", "warning"};
   if (threads) {
     words.push_back("--threads");
     words.push_back(absl::StrCat(*threads));
@@ -139,7 +159,8 @@ absl::Status PrivateServer::Spawn(std::optional<int> threads) {
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_t files;
   SetUp(attributes, files);
-  const int error_number = posix_spawnp(&pid_, program_.c_str(), &files, &attributes, arguments.data(), environ);
+  const int error_number =
+      posix_spawnp(&pid_, program_.c_str(), &files, &attributes, arguments.data(), EnvironmentOfPrivateServer().data());
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error_number == 0) return absl::OkStatus();

@@ -15,8 +15,9 @@
 namespace latvox::client {
 
 // Listens on a Unix socket in a fresh directory that only this user can enter. The destructor ends the server and
-// removes the directory; if this process is killed, the server ends by itself (--exit-with-parent). By default it
-// takes half of the memory that latvoxd does otherwise: the rest is for meshes and grids here.
+// removes the directory; if this process is killed, the server ends by itself (--exit-with-parent), however early. By
+// default it takes half of the memory that latvoxd does otherwise: the rest is for meshes and grids here. It does not
+// take over what the environment says of a server for others: LATVOX_CONFIG, addresses, TLS and tokens.
 class PrivateServer {
  public:
   // Starts latvoxd and waits until it accepts connections. The program is $LATVOX_LATVOXD, else the latvoxd beside

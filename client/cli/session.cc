@@ -1,7 +1,9 @@
 #include "client/cli/session.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -15,6 +17,10 @@ namespace {
 // Without what surrounds it, an end of the line for one.
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
   std::ifstream file(path);
+  if (!file) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot read the token file \"", path, "\": ", std::strerror(errno)));
+  }
   std::string token, more;
   if (!(file >> token) || file >> more) {
     return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold one word"));

@@ -98,11 +98,24 @@ double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const Voxelize
   return options.shard ? delivered / options.shard->count : delivered;
 }
 
-// A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full.
+// A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full. Slivers
+// meet more lines than their area tells: no more than their box of i and j holds, nor than it has rows and columns.
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const std::atomic<bool>& cancelled) {
   const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
-  return SumOver(mesh, cancelled, [&](const Corners& corners) { return TwiceAreaOf(corners); }) * step /
-         (size * size * size);
+  const Mat3d& inverse = grid.lattice.inverse();
+  const auto lines_along = [&](const Corners& at, size_t m) {
+    const auto coordinate = [&](const Vec3f& v) {
+      double sum = 0;
+      for (size_t n = 0; n < 3; ++n) sum += inverse[n][m] * (double{v[n]} - grid.origin[n]);
+      return sum;
+    };
+    const auto [low, high] = std::minmax({coordinate(at.a), coordinate(at.b), coordinate(at.c)});
+    return std::max(std::floor(high) - std::ceil(low) + 1, 0.0);
+  };
+  return SumOver(mesh, cancelled, [&](const Corners& corners) {
+    const double rows = lines_along(corners, 0), columns = lines_along(corners, 1);
+    return TwiceAreaOf(corners) * step / (size * size * size) + std::min(rows * columns, rows + columns);
+  });
 }
 
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,

@@ -30,7 +30,7 @@ double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const Voxelize
                       const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // Estimates how many crossings lattice lines along k have with the whole mesh: twice as many as if it faced them
-// everywhere. One pass, as above.
+// everywhere, and what slivers have besides. One pass, as above.
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid,
                              const std::atomic<bool>& cancelled = kNeverCancelled);
 

@@ -34,7 +34,9 @@ std::string Capital(std::string text) {
 std::string Body(absl::string_view text) {
   std::string body;
   bool example = false;
-  for (const absl::string_view line : absl::StrSplit(absl::StripAsciiWhitespace(text), '\n')) {
+  while (absl::ConsumePrefix(&text, "\n")) {  // spaces mark an example
+  }
+  for (const absl::string_view line : absl::StrSplit(absl::StripTrailingAsciiWhitespace(text), '\n')) {
     const bool is_example = absl::StartsWith(line, "  ");
     if (is_example != example) body += is_example ? ".PP\n.EX\n" : ".EE\n.PP\n";
     example = is_example;

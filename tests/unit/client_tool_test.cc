@@ -177,6 +177,16 @@ TEST_F(Private, AProgramThatIsMissingIsReported) {
   EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
 }
 
+TEST_F(Private, WhatTheEnvironmentSaysOfAServerForOthersIsLeftOut) {
+  Be("env > \"$0.variables\"\n");
+  setenv("LATVOX_TOKEN_FILE", "/nowhere", 1);
+  setenv("LATVOX_MAX_TRIANGLES", "5", 1);
+  EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
+  unsetenv("LATVOX_TOKEN_FILE");
+  unsetenv("LATVOX_MAX_TRIANGLES");
+  EXPECT_THAT(Read("fake.variables"), AllOf(HasSubstr("LATVOX_MAX_TRIANGLES=5"), Not(HasSubstr("TOKEN"))));
+}
+
 TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
   Be("echo $$ \"$@\" > \"$0.words\"\ntrap '' TERM\nwhile :; do sleep 0.05; done\n");
   CallOptions options;

@@ -1,5 +1,6 @@
 // Messages that are too large, or cannot be read, through a real channel: what the client is told, and what is counted.
 #include <gmock/gmock.h>
+#include <google/protobuf/unknown_field_set.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/call.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_error_details.h"
 #include "tests/unit/server_http.h"
@@ -108,6 +110,25 @@ grpc::Status SendRaw(const std::string& address, const std::string& method, cons
   call->Finish(&status, nullptr);
   next();
   return status;
+}
+
+// What a megabyte may unpack to fits into no budget.
+TEST_F(MessageTest, ThatIsCompressedIsRefused) {
+  Start();
+  grpc::ClientContext context;
+  context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
+  v1::GetLimitsResponse limits;
+  EXPECT_EQ(stub_->GetLimits(&context, {}, &limits).error_code(), grpc::StatusCode::UNIMPLEMENTED);
+}
+
+TEST(UnknownFields, TakeNoMemoryOnceTheyAreDropped) {
+  v1::VoxelizeRequest request = PieceMessage("piece");
+  const size_t before = request.SpaceUsedLong();
+  auto& unknown = *request.GetReflection()->MutableUnknownFields(&request);
+  for (int n = 0; n < 10000; ++n) unknown.AddLengthDelimited(99, "");
+  DropUnknownFields(request);
+  EXPECT_EQ(request.mesh_piece(), "piece");
+  EXPECT_LT(request.SpaceUsedLong(), before + 100);
 }
 
 TEST_F(MessageTest, ThatCannotBeParsedIsNotTakenForAHalfClose) {

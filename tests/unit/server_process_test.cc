@@ -192,6 +192,17 @@ TEST(Latvoxd, EndsWithItsParentIfItWasAskedTo) {
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
+TEST(Latvoxd, EndsIfItsParentEndedBeforeItBegan) {
+  Process parent({"true"});
+  const pid_t ended = parent.pid();
+  parent.Wait();
+  const TemporaryDirectory directory;
+  Process server(Latvoxd(
+      {"--exit-with-parent", "--parent-pid", std::to_string(ended), "--listen", "unix:" + directory / "socket"}));
+  EXPECT_THAT(server.ReadAll(), HasSubstr("event=stopping reason=parent-exit"));
+  EXPECT_EQ(server.Wait(), 0);
+}
+
 // How many threads for large jobs a process has, by their niceness beyond the process's.
 std::map<int, int> NicenessOfBulk(pid_t pid) {
   std::map<int, int> threads;
