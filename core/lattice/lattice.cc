@@ -73,6 +73,10 @@ std::string_view NameOf(const Mat3d& basis) {
 absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) {
   Mat3d reduced;
   for (size_t c = 0; c < 3; ++c) reduced[c] = Apply(basis, transform[c]);
+  // What else is wrong with it comes first: a basis that is offered is to be taken.
+  if (reduced != basis) {
+    if (const auto lattice = Lattice::FromBasis(reduced); !lattice.ok()) return lattice.status();
+  }
   return absl::InvalidArgumentError(absl::StrFormat(
       "basis: too skew for exact 64-bit arithmetic; this basis of the same lattice is not: %s", ToString(reduced)));
 }
@@ -87,6 +91,7 @@ absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis)
   const auto transform = ReduceBasis<3>(basis);
   if (!transform.ok()) return transform.status();
   const Mat3d inverse = Inverse(basis);
+  if (!std::isfinite(Determinant(basis))) return absl::InvalidArgumentError("basis: its determinant overflows");
   for (const auto& column : inverse) {
     for (double x : column) {
       if (!std::isfinite(x)) return absl::InvalidArgumentError("basis: its determinant over- or underflows");
