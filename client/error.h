@@ -18,7 +18,7 @@ namespace latvox::client {
 // UNAUTHENTICATED: the server wants a token. INTERNAL: a defect of the server. DATA_LOSS: the server broke the
 // protocol.
 struct ErrorDetails {
-  std::string reason;                         // UPPER_SNAKE_CASE, for example "RESOLUTION_OUT_OF_RANGE"
+  std::string reason;                         // UPPER_SNAKE_CASE, for example "BAD_SPEC"
   std::string field;                          // the offending one
   std::string value;                          // what it was
   std::string limit;                          // what is allowed

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: sends a Draco mesh, prints its voxels.
 
-Needs python3-grpcio, python3-protobuf and, made once in the folder it is called from or in $PYTHONPATH:
+Needs python3-grpcio, python3-protobuf and, made once in a folder that $PYTHONPATH names (here: PYTHONPATH=.):
     protoc -I proto --python_out=. latvox/v1/voxelizer.proto
 A mesh to begin with: latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
 Usage: client/examples/voxelize.py ADDRESS MESH.drc RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv

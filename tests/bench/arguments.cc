@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <map>
 
+#include "absl/strings/str_cat.h"
+
 namespace latvox {
 namespace {
 
@@ -40,8 +42,8 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
       ->check(CLI::Range(uint32_t{2}, kMaxResolution));
   app.add_option("--subdivide", arguments.subdivide, "times that each triangle becomes four")->check(CLI::Range(0, 8));
-  app.add_option("--lattice", arguments.lattice)->check(CLI::IsMember(Lattices()));
-  app.add_option("--basis", arguments.basis, "three basis vectors")->delimiter(',')->expected(9);
+  CLI::Option* lattice = app.add_option("--lattice", arguments.lattice)->check(CLI::IsMember(Lattices()));
+  app.add_option("--basis", arguments.basis, "three basis vectors")->delimiter(',')->expected(9)->excludes(lattice);
   app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
   app.add_flag("--minimal,!--no-minimal", options.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
@@ -96,6 +98,19 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   arguments.simd = *SimdNamed(named.simd);
   if (named.band > 0) arguments.options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
+  for (const char* option : {"--basis", "--region", "--bounds", "--shard", "--algorithm", "--fill", "--cover"}) {
+    if (arguments.openvdb && app.count(option) > 0) {
+      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has nothing like ", option));
+    }
+  }
+  if (arguments.openvdb && arguments.lattice != "cartesian") {
+    return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no --lattice ", arguments.lattice));
+  }
+  for (const char* option : {"--interior-rule", "--without-surface"}) {
+    if (!arguments.options.solid && app.count(option) > 0) {
+      return absl::InvalidArgumentError(absl::StrCat(option, ": needs --fill solid"));
+    }
+  }
   if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   if (const auto& b = named.bounds; !b.empty()) arguments.options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
   if (const auto& shard = named.shard; !shard.empty()) arguments.options.shard = {shard[0], shard[1]};

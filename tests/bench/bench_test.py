@@ -84,6 +84,12 @@ class Bench(unittest.TestCase):
             measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
         )
 
+    def test_what_a_peer_has_nothing_like_is_refused(self):
+        for option, value in (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--fill", "solid")):
+            done = run("box", "32", "--peer", "openvdb", option, value)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(option, done.stderr)
+
     def test_a_supercover_has_more_voxels(self):
         words = ("sphere:2000", "64", "--lattice", "bcc", "--no-minimal")
         self.assertGreater(measured(*words, "--cover", "supercover")["voxels"], measured(*words)["voxels"])

@@ -113,6 +113,10 @@ class Slurm(ClusterCase):
             done = subprocess.run([SLURM / "shards", *words], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             self.assertIn("Usage: deploy/slurm/shards N MESH OUT.vdb", done.stderr)
+        for option in ("--band=2v", "--attributes"):
+            done = subprocess.run([SLURM / "shards", "2", "a.obj", "b.vdb", option], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn(f"shards: {option.partition('=')[0]}: ", done.stderr)
 
 
 class Scripts(unittest.TestCase):
@@ -131,6 +135,9 @@ class Scripts(unittest.TestCase):
         for script, *words in (["batch.sbatch", "jobs.jsonl", "out"], ["shard.sbatch", "2", "a.obj", "b.vdb"]):
             found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="3", SLURM_MEM_PER_NODE="4096")
             self.assertEqual((found["LATVOX_THREADS"], found["LATVOX_MEMORY_BUDGET"]), ("3", "2048MiB"))
+            self.assertEqual(found["LATVOX_DECODER_MEMORY"], "341MiB")
+            found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="8", SLURM_MEM_PER_CPU="1000")
+            self.assertEqual((found["LATVOX_MEMORY_BUDGET"], found["LATVOX_DECODER_MEMORY"]), ("4000MiB", "500MiB"))
             found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="3", LATVOX_THREADS="2")
             self.assertEqual((found["LATVOX_THREADS"], found.get("LATVOX_MEMORY_BUDGET")), ("2", None))
 

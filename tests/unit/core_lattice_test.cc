@@ -172,6 +172,12 @@ TEST(Lattice, RejectsTooSkewBasesWithAUsableOne) {
   }
 }
 
+TEST(Lattice, OffersNoBasisThatIsRefusedInTurn) {
+  const auto lattice = Lattice::FromBasis({{{1, 0, 0}, {0.3, 1, 0}, {0.3, 0.2, 100000}}});
+  ASSERT_EQ(lattice.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(lattice.status().message().find("so flat or long"), absl::string_view::npos) << lattice.status();
+}
+
 TEST(Lattice, AcceptsScalesFarFromOne) {
   for (double scale : {1e-30, 1e-3, 1e3, 1e30}) {
     const auto lattice = Lattice::FromBasis({{{2 * scale, 0, 0}, {0, 2 * scale, 0}, {scale, scale, scale}}});
