@@ -8,14 +8,16 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/draco_header.h"
 #include "server/errors.h"
 #include "server/process_facts.h"
 
 namespace latvox {
 namespace {
 
-// Takes some 50 ms to decode.
+// Take some 50 ms to decode.
 constexpr size_t kLargeBytes = size_t{1} << 20;
+constexpr uint64_t kLargeTriangles = uint64_t{1} << 18;
 
 // Then waiting for a process is of no use: some seconds have gone by.
 constexpr int kHopelessFailures = 6;
@@ -26,7 +28,11 @@ absl::Status CannotStart(const std::string& why) {
   return absl::UnavailableError(absl::StrCat("no decoder process can be started: ", why));
 }
 
-bool IsLarge(const DecodeJob& job) { return job.mesh.bytes.size() > kLargeBytes; }
+// A file of a kilobyte may have millions of triangles. One that does not tell waits with the large ones.
+bool IsLarge(const absl::Cord& mesh) {
+  const std::string head(mesh.Subcord(0, kDracoHeadBytes));
+  return mesh.size() > kLargeBytes || DeclaredTriangles(head).value_or(kLargeTriangles) >= kLargeTriangles;
+}
 
 int ToPollTimeout(absl::Time until) {
   if (until == absl::InfiniteFuture()) return -1;
@@ -75,7 +81,9 @@ DecoderPool::~DecoderPool() {
 
 std::shared_ptr<MeshDecoder::Decoding> DecoderPool::Start(EncodedMesh mesh, const Limits& limits, Reserve reserve,
                                                           Done done) {
-  auto job = std::make_shared<DecodeJob>(DecodeJob{std::move(mesh), limits, std::move(reserve), std::move(done)});
+  const bool is_large = IsLarge(mesh.bytes);
+  auto job =
+      std::make_shared<DecodeJob>(DecodeJob{std::move(mesh), limits, std::move(reserve), std::move(done), is_large});
   auto decode = std::make_shared<PooledDecode>(*this, job);
   {
     const std::lock_guard lock(mu_);
@@ -175,9 +183,9 @@ void DecoderPool::ReportFirst() {
 }
 
 bool DecoderPool::MayBegin(const DecodeJob& job) const {
-  if (!IsLarge(job)) return true;
+  if (!job.is_large) return true;
   const auto large = std::count_if(slots_.begin(), slots_.end(),
-                                   [](const auto& slot) { return slot->job() && IsLarge(*slot->job()); });
+                                   [](const auto& slot) { return slot->job() && slot->job()->is_large; });
   return large < std::max(options_.processes - 1, 1);
 }
 

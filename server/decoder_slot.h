@@ -26,6 +26,7 @@ struct DecodeJob {
   Limits limits;
   MeshDecoder::Reserve reserve;
   MeshDecoder::Done done;
+  bool is_large = false;  // takes some 50 ms or more
   // Processes that ended while they had this job: by someone, and by themselves.
   int killed = 0, crashed = 0;
 };

@@ -124,4 +124,25 @@ absl::Status CheckDracoHeader(absl::string_view bytes, const Limits& limits) {
                                                            : CheckEdgebreaker(buffer, rest, limits);
 }
 
+std::optional<uint64_t> DeclaredTriangles(absl::string_view head) {
+  const absl::StatusOr<Header> header = ReadHeader(head);
+  if (!header.ok() || header->has_metadata || header->version() < DRACO_BITSTREAM_VERSION(2, 2)) return std::nullopt;
+  size_t at = kHeaderBytes;
+  const auto read_count = [&]() -> std::optional<uint64_t> {
+    constexpr int kBits = 7, kMostBits = 32;
+    uint64_t count = 0;
+    for (int shift = 0; shift < kMostBits && at < head.size(); shift += kBits) {
+      const auto byte = static_cast<uint8_t>(head[at++]);
+      count |= uint64_t{byte & 0x7FU} << shift;
+      if (byte < 0x80) return count;
+    }
+    return std::nullopt;
+  };
+  if (header->method == draco::MESH_EDGEBREAKER_ENCODING) {
+    ++at;  // of the traversal
+    if (!read_count()) return std::nullopt;
+  }
+  return read_count();
+}
+
 }  // namespace latvox

@@ -3,6 +3,7 @@
 #define LATVOX_SERVER_DRACO_HEADER_H_
 
 #include <cstdint>
+#include <optional>
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
@@ -27,6 +28,11 @@ inline constexpr uint32_t kMaxExtraAttributes = 16;
 // Errors: INVALID_ARGUMENT (not Draco, not a mesh, truncated, counts out of proportion), RESOURCE_EXHAUSTED (counts
 // over `limits`).
 absl::Status CheckDracoHeader(absl::string_view bytes, const Limits& limits);
+
+// How many triangles a Draco mesh declares in its first kDracoHeadBytes bytes, if they tell: not where metadata come
+// before, or in bitstreams before 2.2. Reads nothing else, and believes nothing.
+inline constexpr size_t kDracoHeadBytes = 32;
+std::optional<uint64_t> DeclaredTriangles(absl::string_view head);
 
 }  // namespace latvox
 

@@ -69,10 +69,12 @@ void KeepMemory() {
 // Each connection takes one file; a login has 1024 as a rule, though it may have more. Once there is none left, gRPC
 // takes no new connections any more, even when others have closed.
 void TakeMoreFiles() {
+  constexpr rlim_t kFew = 4096;
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
   files.rlim_cur = files.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &files);
+  if (setrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_max >= kFew) return;
+  Log(LogLevel::kWarning, "few_files", {{"limit", files.rlim_max}});
 }
 
 int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t first_parent) {

@@ -257,6 +257,19 @@ TEST(DracoHeader, HoldsDeclaredCountsAgainstLimits) {
   }
 }
 
+TEST(DracoHeader, TellsTrianglesByTheFirstBytesWhereTheseDo) {
+  const TriangleMesh mesh = Sphere(40);
+  for (const DracoMethod method : kMethods) {
+    const auto declared = [&](const DracoEncoding& encoding) {
+      return DeclaredTriangles(absl::string_view(EncodeDraco(mesh, encoding)).substr(0, kDracoHeadBytes));
+    };
+    EXPECT_EQ(declared({.method = method}), mesh.triangles.size());
+    EXPECT_EQ(declared({.method = method, .metadata = true}), std::nullopt);
+  }
+  EXPECT_EQ(DeclaredTriangles(absl::string_view("DRACO\2\2\1\1\0\0\0\xFF\xFF", 14)), std::nullopt);
+  EXPECT_EQ(DeclaredTriangles(""), std::nullopt);
+}
+
 TEST(DracoHeader, ReadsCountsOfOldBitstreams) {
   // Before 2.2, edgebreaker declares new points first; before 2.0, counts are 32-bit words.
   std::string bytes("DRACO\1\1\1\1\0\0\0", 12);
