@@ -4,6 +4,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "client/attempt.h"
 #include "client/channel.h"
 
@@ -17,6 +19,18 @@ constexpr size_t kMeshesRemembered = 256;
 
 bool IsOutOfReach(grpc_connectivity_state state) {
   return state == GRPC_CHANNEL_TRANSIENT_FAILURE || state == GRPC_CHANNEL_SHUTDOWN;
+}
+
+// gRPC's words, which it has for a call only: that nobody listens there, that a certificate is not believed.
+std::string WhyOutOfReach(v1::Voxelizer::Stub& stub) {
+  constexpr absl::Duration kPatience = absl::Seconds(1);
+  grpc::ClientContext context;
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kPatience));
+  v1::GetLimitsResponse limits;
+  const std::string message = stub.GetLimits(&context, {}, &limits).error_message();
+  // Of several addresses it names the last one's.
+  const std::pair<std::string, std::string> parts = absl::StrSplit(message, absl::MaxSplits("last error: ", 1));
+  return absl::StrReplaceAll(parts.second.empty() ? parts.first : parts.second, {{"\n", " "}});
 }
 
 }  // namespace
@@ -50,7 +64,10 @@ absl::Status Connection::AwaitReady(const std::vector<std::string>& addresses, c
       state = its;
     }
     if (options.cancellation.cancelled()) return CancelledByCaller();
-    if (hope == nullptr) return absl::UnavailableError(absl::StrCat("cannot reach the server at ", names));
+    if (hope == nullptr) {
+      const std::string why = WhyOutOfReach(*endpoints_.front().stub);
+      return absl::UnavailableError(absl::StrCat("cannot reach the server at ", names, " (", why, ")"));
+    }
     if (absl::Now() >= give_up) {
       if (options.deadline && give_up == *options.deadline) {
         return absl::DeadlineExceededError(absl::StrCat("the deadline passed while connecting to ", names));

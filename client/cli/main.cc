@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
 #include <vector>
@@ -201,6 +202,8 @@ std::vector<std::string> Words(const CLI::App& app, int argc, char** argv) {
 ExitStatus Main(int argc, char** argv) {
   // Writing to a pipe that nobody reads is an error of that write, not the end.
   signal(SIGPIPE, SIG_IGN);
+  // What gRPC would say on standard error comes back in its statuses.
+  setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
   Commands commands;
   try {
     commands.app.parse(Words(commands.app, argc, argv));

@@ -125,6 +125,7 @@ class Tls(TlsCase):
         with self.server("--tls-cert", certificate, "--tls-key", key) as server:
             done = latvox("health", "--server", server.tcp, "--tls-ca", self.authority.root)
             self.assertEqual(done.returncode, UNREACHABLE, done.stderr)
+            self.assertRegex(done.stderr, r"^latvox: cannot reach the server at .*Peer name .* is not in peer certificate\)\n$")
 
     def test_versions_below_1_2_are_refused(self):
         with self.server(*self.tls) as server:
