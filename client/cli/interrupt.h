@@ -9,8 +9,8 @@
 namespace latvox::client {
 
 // While it lives, the first such signal cancels and a later one ends the process at once, without the files that it was
-// writing. Make one before any other
-// thread starts: threads inherit the blocked signals. Programs started meanwhile must unblock them.
+// writing. Make one before any other thread starts: threads inherit the blocked signals. Programs started meanwhile
+// must unblock them.
 class Interrupt {
  public:
   explicit Interrupt(const Cancellation& cancellation);
