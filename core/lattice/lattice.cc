@@ -91,7 +91,9 @@ absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis)
   const auto transform = ReduceBasis<3>(basis);
   if (!transform.ok()) return transform.status();
   const Mat3d inverse = Inverse(basis);
-  if (!std::isfinite(Determinant(basis))) return absl::InvalidArgumentError("basis: its determinant overflows");
+  if (!std::isnormal(Determinant(basis))) {
+    return absl::InvalidArgumentError("basis: its determinant over- or underflows");
+  }
   for (const auto& column : inverse) {
     for (double x : column) {
       if (!std::isfinite(x)) return absl::InvalidArgumentError("basis: its determinant over- or underflows");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
@@ -11,6 +12,12 @@
 // iff w/2 lies in the cell of 0, iff w is shortest among w + 2L. The lattice points nearest to w/2 are w/2 + u/2 with u
 // in M, the set of shortest vectors of the coset; the face is where their bisectors meet, so its dimension is
 // D - rank(M).
+//
+// In doubles two lengths are equal within a tolerance, and here that errs to the safe side twice. A w that may be in M
+// is a neighbour. But whoever is in M besides takes faces away: another u of the coset bounds the face of w by the
+// bisector of p = (w - u)/2, or of (w + u)/2, at a distance of (|u|^2 - |w|^2) / (8 |p|) from w/2. u counts for w where
+// that is next to nothing beside the lattice's shortest vector: in a long lattice, |u|^2 and |w|^2 may differ by little
+// of themselves and by much of that.
 //
 // Why a search over coefficients -3..3 in a reduced basis finds all of M. Let b_0 .. b_D be an obtuse superbase (sum 0,
 // p_ij = -b_i.b_j >= 0). Selling's formula gives |sum m_i b_i|^2 = sum_{i<j} p_ij (m_i - m_j)^2. Within a coset the
@@ -186,17 +193,28 @@ absl::StatusOr<std::vector<Neighbor<D>>> FindNeighbors(const Mat<double, D>& bas
     if (parity != 0) cosets[parity].push_back({w, Dot(v, v)});
   });
 
+  double least = std::numeric_limits<double>::infinity();  // length of a vector but 0, which is in no coset of 2L
+  for (const auto& coset : cosets) {
+    for (const auto& c : coset) least = std::min(least, std::sqrt(c.length2));
+  }
   std::vector<Neighbor<D>> neighbors;
   for (size_t parity = 1; parity < cosets.size(); ++parity) {
     double shortest = cosets[parity][0].length2;
     for (const auto& c : cosets[parity]) shortest = std::min(shortest, c.length2);
-    std::vector<Vec<int32_t, D>> minimal;
+    std::vector<Candidate> minimal;
     for (const auto& c : cosets[parity]) {
       // Twice the tolerance, since these are squares.
-      if (c.length2 <= shortest * (1 + 2 * kSymmetryTolerance)) minimal.push_back(c.w);
+      if (c.length2 <= shortest * (1 + 2 * kSymmetryTolerance)) minimal.push_back(c);
     }
-    const int face_dimension = static_cast<int>(D - Rank(minimal));
-    for (const auto& w : minimal) neighbors.push_back({w, face_dimension});
+    for (const auto& [w, length2] : minimal) {
+      std::vector<Vec<int32_t, D>> tied;
+      for (const auto& u : minimal) {
+        const auto difference = Combine(basis, w - u.w), sum = Combine(basis, w + u.w);
+        const double p = std::sqrt(std::min(Dot(difference, difference), Dot(sum, sum))) / 2;
+        if (u.length2 - length2 <= 4 * kSymmetryTolerance * p * least || u.w == w || u.w == -w) tied.push_back(u.w);
+      }
+      neighbors.push_back({w, static_cast<int>(D - Rank(tied))});
+    }
   }
   std::sort(neighbors.begin(), neighbors.end(), [](const auto& a, const auto& b) { return a.w < b.w; });
   return neighbors;

@@ -9,8 +9,9 @@
 
 namespace latvox {
 
-// Lengths within this relative difference count as equal, since a symmetric lattice is rarely exact in doubles. Erring
-// this way only adds neighbours, which is safe for separation; missing one never is.
+// Lengths within this relative difference count as equal, since a symmetric lattice is rarely exact in doubles. Where
+// it matters it errs towards more neighbours, and faces of higher dimension, which is safe for separation; missing one
+// never is.
 inline constexpr double kSymmetryTolerance = 1e-9;
 
 template <size_t D>

@@ -61,7 +61,9 @@ absl::StatusOr<PlaneLattice> PlaneLattice::Make(std::string_view name, const Mat
   const auto transform = ReduceBasis<2>(basis);
   if (!transform.ok()) return transform.status();
   const Mat2d inverse = Inverse(basis);
-  if (!std::isfinite(Determinant(basis))) return absl::InvalidArgumentError("basis: its determinant overflows");
+  if (!std::isnormal(Determinant(basis))) {
+    return absl::InvalidArgumentError("basis: its determinant over- or underflows");
+  }
   for (const auto& column : inverse) {
     for (double x : column) {
       if (!std::isfinite(x)) return absl::InvalidArgumentError("basis: its determinant over- or underflows");

@@ -14,7 +14,7 @@
 namespace latvox {
 
 struct Verdict {
-  uint64_t tunnels = 0;    // crossed lattice edges without an end in the set, each once a triangle that crosses it
+  uint64_t tunnels = 0;    // crossed lattice edges without an end in the set
   uint64_t redundant = 0;  // voxels that could leave, one at a time, without a tunnel
 };
 

@@ -36,6 +36,15 @@ class Algorithms(Case):
                     if algorithm == "brute-force":
                         self.assertEqual(tunnels, 0, "it holds every voxel of the crossing rule")
 
+    def test_a_tunnel_is_counted_once_however_many_triangles_cross_it(self):
+        corners = "v 0.2 -1.5 0.8\nv -0.8 1.8 -1.2\nv 1.0 -1.3 1.9\n"
+        for faces in ("f 1 2 3\n", "f 1 2 3\nf 1 2 3\nf 1 3 2\n"):
+            mesh = self.dir / "mesh.obj"
+            mesh.write_text(corners + faces)
+            summary = self.voxelize(mesh, "--voxel-size", 1, "--origin", "0,0,0", "--separability", 2, "--quantization", 0,
+                                    "--algorithm", "incremental", "--verify")  # fmt: skip
+            self.assertEqual(summary["certificate"]["tunnels"], 1)
+
     def test_what_was_not_counted_is_claimed_of_the_exact_one_alone(self):
         for algorithm in ALGORITHMS:
             with self.subTest(algorithm):

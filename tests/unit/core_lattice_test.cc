@@ -1,6 +1,7 @@
 // Lattices: neighbours against the table and against exact Voronoi cells, frames, scaling, rejection.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -125,6 +126,26 @@ TEST(Neighbors, AreClosedUnderNegationSortedAndNeverOddlyEqualModuloTwo) {
     }
     ASSERT_EQ(Counts(*neighbors), (std::array<size_t, 3>{14, 14, 14})) << "a random cell is a truncated octahedron";
   }
+}
+
+// Lengths of a coset differ by little of themselves, and bound faces that are 1/100 and more of the lattice's short
+// vectors wide.
+TEST(Neighbors, OfLongLatticesKeepTheirFaces) {
+  const auto facets = [](const Mat3d& basis) {
+    std::set<Vec3i> found;
+    const auto neighbors = FindNeighbors<3>(basis);
+    for (const auto& neighbor : neighbors.value()) {
+      if (neighbor.face_dimension == 2) found.insert(neighbor.w);
+    }
+    return found;
+  };
+  const std::set<Vec3i> expected{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0},  {0, -1, 0},
+                                 {0, 0, 1}, {0, 0, -1}, {1, 0, -1}, {-1, 0, 1}};
+  EXPECT_EQ(facets({{{1, 0, 0}, {0, 1, 0}, {0.01, 0, 5000}}}), expected);
+  EXPECT_EQ(facets({{{1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 24000}}}).size(), 12);
+  EXPECT_EQ(facets({{{1, 0, 0}, {0, 1, 0}, {0, 0, 24000}}}).size(), 6);
+  const auto plane = FindNeighbors<2>({{{1, 0}, {0.25, 1e8}}});
+  EXPECT_EQ(std::count_if(plane->begin(), plane->end(), [](const auto& n) { return n.face_dimension == 1; }), 6);
 }
 
 TEST(Lattice, RejectsBasesThatAreNotABasis) {
