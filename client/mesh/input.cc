@@ -42,7 +42,7 @@ absl::StatusOr<std::string> ReadAll(int fd, const std::string& path) {
     if (size == bytes.size()) bytes.resize(2 * size);
     if (!AwaitBytes(fd)) return absl::CancelledError("cancelled");
     const ssize_t got = read(fd, bytes.data() + size, bytes.size() - size);
-    if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (got < 0) {
       return absl::FailedPreconditionError(
           absl::StrCat(NameOfInput(path), ": cannot be read to its end (", std::strerror(errno), ")"));
@@ -73,7 +73,8 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": is a directory"));
   }
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // A pipe that nobody writes yet would keep open() waiting, which nothing could end.
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be read (", std::strerror(errno), ")"));
   }
