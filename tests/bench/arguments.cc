@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -98,13 +99,18 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   arguments.simd = *SimdNamed(named.simd);
   if (named.band > 0) arguments.options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
-  for (const char* option : {"--basis", "--region", "--bounds", "--shard", "--algorithm", "--fill", "--cover"}) {
-    if (arguments.openvdb && app.count(option) > 0) {
-      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has nothing like ", option));
+  const std::pair<const char*, bool> ours[] = {{"--lattice", arguments.lattice != "cartesian"},
+                                               {"--basis", !arguments.basis.empty()},
+                                               {"--region", !named.region.empty()},
+                                               {"--bounds", !named.bounds.empty()},
+                                               {"--shard", !named.shard.empty()},
+                                               {"--algorithm", arguments.options.algorithm != Algorithm::kExact},
+                                               {"--fill", arguments.options.solid.has_value()},
+                                               {"--cover", arguments.options.cover != Cover::kSeparating}};
+  for (const auto& [option, is_given] : ours) {
+    if (arguments.openvdb && is_given) {
+      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has nothing like this ", option));
     }
-  }
-  if (arguments.openvdb && arguments.lattice != "cartesian") {
-    return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no --lattice ", arguments.lattice));
   }
   for (const char* option : {"--interior-rule", "--without-surface"}) {
     if (!arguments.options.solid && app.count(option) > 0) {
