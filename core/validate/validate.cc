@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "core/base/sort.h"
 #include "core/digitize/crossing.h"
@@ -13,7 +15,36 @@
 namespace latvox {
 namespace {
 
-using Edge = std::pair<Vec3i, size_t>;  // its lower end, and which of the frames it is along
+// Edges, each a number, in pieces: one array would be copied as it grows, for longer than a job may take to stop.
+class EdgeList {
+ public:
+  // The edge from `low` along the n-th frame. Local coordinates, not far outside of `box`.
+  void Add(const Vec3i& low, size_t n, const IndexBox& box) {
+    constexpr int kBits = 18, kFrameBits = 4, kOutside = 64;
+    static_assert(kMaxExtent + 2 * kOutside < 1 << kBits && kMaxPairs <= 1 << kFrameBits);
+    uint64_t edge = n;
+    for (size_t m = 0; m < 3; ++m) edge = edge << kBits | static_cast<uint64_t>(low[m] - box.min[m] + kOutside);
+    if (pieces_.empty() || pieces_.back().size() == kPiece) pieces_.emplace_back();
+    pieces_.back().push_back(edge);
+  }
+
+  void Add(const EdgeList& more) { pieces_.insert(pieces_.end(), more.pieces_.begin(), more.pieces_.end()); }
+
+  // How many there are, each counted once.
+  size_t Count(const std::atomic<bool>& cancelled) const {
+    std::vector<uint64_t> edges;
+    edges.reserve(pieces_.size() * kPiece);
+    for (const auto& piece : pieces_) {
+      if (!cancelled) edges.insert(edges.end(), piece.begin(), piece.end());
+    }
+    SortUnique(edges, cancelled);
+    return edges.size();
+  }
+
+ private:
+  static constexpr size_t kPiece = size_t{1} << 16;
+  std::vector<std::vector<uint64_t>> pieces_;
+};
 
 }  // namespace
 
@@ -25,16 +56,16 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
   std::vector<std::atomic<uint64_t>> essential(voxels.words());
 
   using oneapi::tbb::blocked_range;
-  std::vector<Edge> tunnels = oneapi::tbb::parallel_reduce(
-      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), std::vector<Edge>{},
-      [&](const blocked_range<size_t>& part, std::vector<Edge> found) {
+  const EdgeList uncovered = oneapi::tbb::parallel_reduce(
+      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), EdgeList{},
+      [&](const blocked_range<size_t>& part, EdgeList found) {
         for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
           const auto& [v0, v1, v2] = mesh.triangles[t];
           const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
           size_t direction = 0;
           const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {
             const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
-            if (!a && !b) found.push_back({std::min(nearer, farther), direction});
+            if (!a && !b) found.Add(std::min(nearer, farther), direction, mesh.box);
             if (a && b) return;
             if (const auto only = a ? a : b) {
               essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
@@ -46,16 +77,16 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
         }
         return found;
       },
-      [](std::vector<Edge> a, const std::vector<Edge>& b) {
-        a.insert(a.end(), b.begin(), b.end());
+      [](EdgeList a, const EdgeList& b) {
+        a.Add(b);
         return a;
       });
-  SortUnique(tunnels, cancelled);  // triangles may cross the same one
+  const size_t tunnels = uncovered.Count(cancelled);  // triangles may cross the same edge
   if (cancelled) return absl::CancelledError("verification cancelled");
 
   uint64_t kept = 0;
   for (const auto& word : essential) kept += static_cast<uint64_t>(std::popcount(word.load(std::memory_order_relaxed)));
-  return Verdict{tunnels.size(), voxels.size() - kept};
+  return Verdict{tunnels, voxels.size() - kept};
 }
 
 }  // namespace latvox
