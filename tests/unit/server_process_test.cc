@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -145,8 +146,9 @@ TEST(Latvoxd, RenewsConnectionsOfTheAgeThatItIsToldAndLetsTheirCallsEnd) {
   kill(server.pid(), SIGTERM);
   const std::vector<std::string> peers = PeersOfRequests(server.ReadAll());
   ASSERT_EQ(peers.size(), 3);
-  EXPECT_NE(peers[1], peers[0]);
-  EXPECT_EQ(peers[2], peers[0]);
+  // The long call had the connection of the first short one, the second short one another. Which of the two ended first
+  // is up to the server.
+  EXPECT_EQ(std::count(peers.begin(), peers.end(), peers[0]), 2);
 }
 
 TEST(Latvoxd, RunsWithTheInstructionsThatItIsTold) {
