@@ -2,15 +2,18 @@
 
 import json
 import os
+import pathlib
 import resource
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 
 import numpy
 import pyopenvdb
 
+import harness
 from harness import BIN, BUNNY, Case, latvox, rows
 
 OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED, STOPPED = range(7)
@@ -38,9 +41,10 @@ class MergeCase(Case):
 
     def parts(self, cuts, *options):
         paths = []
-        for n, cut in enumerate(cuts):
-            self.voxelize(BUNNY, *options, *cut, out=f"part{n}.vdb")
-            paths.append(self.dir / f"part{n}.vdb")
+        with tempfile.TemporaryDirectory() as directory, harness.server(pathlib.Path(directory)) as server:
+            for n, cut in enumerate(cuts):
+                self.voxelize(BUNNY, *options, *cut, "--server", server.address, out=f"part{n}.vdb")
+                paths.append(self.dir / f"part{n}.vdb")
         return paths
 
     def merge(self, *arguments):
