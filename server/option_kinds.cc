@@ -73,7 +73,8 @@ CLI::Option* AddSeconds(CLI::App& app, const std::string& flag, double least, ab
       ->type_name("SECONDS")
       ->check(CLI::Range(least, kMost))
       ->check(CLI::Validator(
-          [](std::string& value) { return absl::EqualsIgnoreCase(value, "nan") ? "nan is not a number" : ""; }, ""));
+          [](const std::string& word) { return absl::EqualsIgnoreCase(word, "nan") ? "nan is not a number" : ""; },
+          ""));
 }
 
 CLI::Option* AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::string& description) {

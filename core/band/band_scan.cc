@@ -8,9 +8,6 @@ namespace {
 
 constexpr size_t kTileVoxels = size_t{kTileSide} * kTileSide * kTileSide;
 
-// Squares as of Inner to squares of units.
-double ToUnits(__int128 square) { return std::ldexp(static_cast<double>(square), -kMetricBits); }
-
 IndexBox Overlap(IndexBox a, const IndexBox& b) {
   for (size_t m = 0; m < 3; ++m) {
     a.min[m] = std::max(a.min[m], b.min[m]);
@@ -52,8 +49,9 @@ size_t BandScan::NumberOf(const Vec3i& ijk) const {
 
 TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std::span<const uint32_t> triangles) {
   tile_min_ = tile_ijk * kTileSide;
-  low_ = ToUnits(context.plan.limit) * (1 - 2 * kSquareError);
-  high_ = ToUnits(context.plan.limit) * (1 + 2 * kSquareError);
+  const double limit = static_cast<double>(context.plan.limit) / context.plan.metric.one;  // units
+  low_ = limit * (1 - 2 * kSquareError);
+  high_ = limit * (1 + 2 * kSquareError);
   std::fill(best_.begin(), best_.end(), high_);
   const IndexBox tile = Overlap({tile_min_, tile_min_ + Vec3i{kTileSide, kTileSide, kTileSide}}, context.region);
   for (const uint32_t t : triangles) {

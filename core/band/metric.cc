@@ -1,15 +1,28 @@
 #include "core/band/metric.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "absl/strings/str_format.h"
+#include "core/lattice/common_denominator.h"
 
 namespace latvox {
 namespace {
 
-constexpr double kOne = static_cast<double>(int64_t{1} << kMetricBits);
+constexpr double kMostOne = static_cast<double>(int64_t{1} << kMetricBits);
 constexpr double kMaxEntry = static_cast<double>((int64_t{1} << kMetricEntryBits) - 1);
 constexpr double kLeastDeterminant = 0x1p-10;
+
+double Rounded(double x, int bits) {
+  int exponent;
+  const double fraction = std::frexp(x, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(fraction, bits)), exponent - bits);
+}
+
+// A few roundings of doubles move a number by less than 2^-50 of itself: if it should have few bits, it has them again
+// once it is rounded to kOneBits. That moves others by up to 2^-49; of what is computed with these, kSquareBits count.
+constexpr int kOneBits = 48, kSquareBits = 46;
 
 // Cholesky's decomposition, by columns.
 Mat3d RootOf(const Mat3d& g) {
@@ -28,21 +41,34 @@ Mat3d RootOf(const Mat3d& g) {
 absl::StatusOr<Metric> MakeMetric(const Lattice& lattice) {
   const Mat3d& basis = lattice.basis();
   const double size = lattice.voxel_size();
+  std::array<double, 9> products;
+  for (size_t n = 0; n < 9; ++n) {
+    // Divided first, since squares of small basis vectors may underflow.
+    products[n] = Dot(basis[n % 3] * (1 / size), basis[n / 3] * (1 / size));
+  }
+  const double largest = *std::max_element(products.begin(), products.end());
+  std::array<double, 9> ratios;
+  std::transform(products.begin(), products.end(), ratios.begin(), [&](double product) { return product / largest; });
+
   Metric metric;
+  metric.one = kMostOne;
+  double step = 1;  // entries of g are multiples of it
+  constexpr double kTolerance = 0x1p-46;
+  if (const auto denominator = CommonDenominator(ratios, kTolerance)) {
+    metric.one = Rounded(static_cast<double>(*denominator) / largest, kOneBits);
+    for (; 2 * metric.one <= kMostOne; metric.one *= 2) step *= 2;
+  }
   Mat3d g;
-  for (size_t c = 0; c < 3; ++c) {
-    for (size_t r = 0; r < 3; ++r) {
-      // Divided first, since squares of small basis vectors may underflow.
-      const double entry = std::nearbyint(Dot(basis[r] * (1 / size), basis[c] * (1 / size)) * kOne);
-      if (!(std::abs(entry) <= kMaxEntry)) {
-        return absl::InvalidArgumentError(
-            absl::StrFormat("basis: too long in one direction for distances: the square of a vector is %g times that "
-                            "of the voxel size, the limit is %g",
-                            entry / kOne, kMaxEntry / kOne));
-      }
-      metric.g[c][r] = static_cast<int64_t>(entry);
-      g[c][r] = entry / kOne;
+  for (size_t n = 0; n < 9; ++n) {
+    const double entry = std::nearbyint(products[n] * (metric.one / step)) * step;
+    if (!(std::abs(entry) <= kMaxEntry)) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("basis: too long in one direction for distances: the square of a vector is %g times that "
+                          "of the voxel size, the limit is %g",
+                          entry / metric.one, kMaxEntry / metric.one));
     }
+    metric.g[n / 3][n % 3] = static_cast<int64_t>(entry);
+    g[n / 3][n % 3] = entry / metric.one;
   }
   const double determinant = Determinant(g);
   if (!(determinant >= kLeastDeterminant * g[0][0] * g[1][1] * g[2][2])) {
@@ -53,6 +79,10 @@ absl::StatusOr<Metric> MakeMetric(const Lattice& lattice) {
   for (size_t c = 0; c < 3; ++c) metric.cofactor[c] = Cross(metric.root[(c + 1) % 3], metric.root[(c + 2) % 3]);
   metric.determinant = metric.root[0][0] * metric.root[1][1] * metric.root[2][2];
   return metric;
+}
+
+__int128 SquareOf(const Metric& metric, double sizes) {
+  return static_cast<__int128>(std::nearbyint(Rounded(sizes * sizes * metric.one, kSquareBits))) << (2 * kSubvoxelBits);
 }
 
 }  // namespace latvox

@@ -1,7 +1,7 @@
 // Lengths of lattice vectors, exactly.
 //
 // Frames and units: vectors have integer lattice coordinates in units of 1/kLatticeUnit voxel. A square of a length is
-// v^T g v; one voxel size is kLatticeUnit units of length, and its square 2^(2 * kSubvoxelBits + kMetricBits).
+// v^T g v; one voxel size is kLatticeUnit units of length, and its square `one` * 2^(2 * kSubvoxelBits).
 #ifndef LATVOX_CORE_BAND_METRIC_H_
 #define LATVOX_CORE_BAND_METRIC_H_
 
@@ -15,8 +15,7 @@
 
 namespace latvox {
 
-// Fractional bits of g: the products of basis vectors, in squares of a voxel size, are rounded once to multiples of
-// 2^-kMetricBits. On the Cartesian lattice g is the unit matrix, exactly.
+// Bits of a voxel size squared: see Metric.
 inline constexpr int kMetricBits = 40;
 
 // Bit widths of absolute values. Entries of g:
@@ -29,9 +28,14 @@ inline constexpr int kInnerBits = kMetricEntryBits + 2 * kPointBits + 4;
 static_assert(kInnerBits < 127, "inner products must fit a signed integer of 128 bits");
 
 struct Metric {
-  Mat<int64_t, 3> g;  // symmetric, positive definite
+  // The products of basis vectors; symmetric, positive definite. Where they are multiples of a 1024th of the largest or
+  // of more, as those of the named lattices and of bases of small integers are, it is in a unit of which all are
+  // multiples: vectors that are equally long are so here. Else they are rounded to multiples of 2^-kMetricBits of a
+  // voxel size squared.
+  Mat<int64_t, 3> g;
+  double one;  // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and up to that
 
-  // An upper triangular matrix with root^T root = g / 2^kMetricBits: a lattice vector v is root * v in some Cartesian
+  // An upper triangular matrix with root^T root = g / one: a lattice vector v is root * v in some Cartesian
   // coordinates. (root * u) x (root * v) = cofactor * (u x v).
   Mat3d root, cofactor;
   double determinant;  // of root
@@ -58,6 +62,10 @@ constexpr __int128 Inner(const Metric& metric, const Vec3i& u, const Vec3i& v) {
   }
   return sum;
 }
+
+// The square of a length of so many voxel sizes, as of Inner: rounded once, to an integer of the unit of g and to 46
+// bits, so that lengths of lattice vectors, which doubles are not quite, give just what Inner does.
+__int128 SquareOf(const Metric& metric, double sizes);
 
 }  // namespace latvox
 

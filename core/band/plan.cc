@@ -7,14 +7,6 @@
 #include "absl/strings/str_format.h"
 
 namespace latvox {
-namespace {
-
-__int128 LimitOf(double width, const Lattice& lattice) {
-  const double sizes = width / lattice.voxel_size();
-  return static_cast<__int128>(std::nearbyint(std::ldexp(sizes * sizes, kMetricBits))) << (2 * kSubvoxelBits);
-}
-
-}  // namespace
 
 // A vector no longer than the width has an m-th coordinate of at most the width times the length of row m of V^-1.
 absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
@@ -45,8 +37,8 @@ absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) 
   if (!margin.ok()) return margin.status();
   const absl::StatusOr<Metric> metric = MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
-  const double unit = lattice.voxel_size() / kLatticeUnit;
-  return BandPlan{*metric, width, unit, LimitOf(width, lattice), *margin, ReachOf(*margin), band.is_signed};
+  const double size = lattice.voxel_size(), unit = size / kLatticeUnit;
+  return BandPlan{*metric, width, unit, SquareOf(*metric, width / size), *margin, ReachOf(*margin), band.is_signed};
 }
 
 }  // namespace latvox

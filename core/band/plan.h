@@ -12,11 +12,9 @@ namespace latvox {
 
 struct BandPlan {
   Metric metric;
-  double width;  // world units
-  double unit;   // world length of a unit of the metric
-  // The square of the width, as of Inner: that of its number of voxel sizes, rounded once to a multiple of
-  // 2^-kMetricBits.
-  __int128 limit;
+  double width;    // world units
+  double unit;     // world length of a unit of the metric
+  __int128 limit;  // the square of the width, as of Inner
   // How far along each lattice axis the lattice points of the band may lie from the surface: in units, and in voxels,
   // rounded up.
   Vec3i margin, reach;

@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "absl/strings/str_format.h"
+#include "core/lattice/common_denominator.h"
 
 namespace latvox {
 namespace {
 
 using Wide = __int128;
-constexpr int64_t kMaxRatio = 1024;
 // Of p_r as multiples of 2^-kZoneBits, the least that the square of the shortest vector may be: the error is half a
 // multiple in each.
 constexpr int64_t kMinSquare = 4096;
@@ -46,18 +46,6 @@ bool Counts(const Vec3i& e, const std::vector<Neighbor<3>>& neighbors) {
   return std::all_of(neighbors.begin(), neighbors.end(), [&](const auto& n) { return std::abs(Dot(e, n.w)) <= 1; });
 }
 
-// The least D for which all ratios are multiples of 1/D.
-std::optional<int64_t> CommonDenominator(const std::array<double, kMaxZones>& ratios) {
-  for (int64_t d = 1; d <= kMaxRatio; ++d) {
-    const auto is_multiple = [d](double ratio) {
-      const double multiple = ratio * static_cast<double>(d);
-      return std::abs(multiple - std::nearbyint(multiple)) <= kSymmetryTolerance * static_cast<double>(d);
-    };
-    if (std::all_of(ratios.begin(), ratios.end(), is_multiple)) return d;
-  }
-  return std::nullopt;
-}
-
 Vec<Wide, 3> Widened(const Vec<int64_t, 3>& v) { return {v[0], v[1], v[2]}; }
 
 absl::Status FlatError() {
@@ -76,7 +64,7 @@ absl::StatusOr<IntegerCell> IntegerCell::Of(const Lattice& lattice) {
   for (size_t r = 0; r < kMaxZones; ++r) {
     ratios[r] = Counts(selling.e[r], lattice.neighbors()) ? selling.p[r] / largest : 0;
   }
-  const std::optional<int64_t> denominator = CommonDenominator(ratios);
+  const std::optional<int64_t> denominator = CommonDenominator(ratios, kSymmetryTolerance);
   const int64_t scale = denominator.value_or(int64_t{1} << kZoneBits);
   std::vector<CellZone> zones;
   for (size_t r = 0; r < kMaxZones; ++r) {

@@ -10,7 +10,8 @@ import unittest
 import harness
 from harness import BIN, BUNNY, Case, latvox
 
-LONG = ["--lattice", "bcc", "--resolution", "6000"]  # seconds of work
+LONG = ["--lattice", "bcc", "--resolution", "6000"]
+SLOW = ["--simd", "scalar", "--threads", "1"]  # seconds of work, on any machine
 
 
 class Resume(Case):
@@ -38,8 +39,8 @@ class Resume(Case):
 
     @contextlib.contextmanager
     def mortal_server(self, directory):
-        """As harness.server, but may die."""
-        with contextlib.suppress(AssertionError), harness.server(directory) as server:
+        """As harness.server, but slow, and may die."""
+        with contextlib.suppress(AssertionError), harness.server(directory, *SLOW) as server:
             yield server
 
     def test_another_server_goes_on(self):

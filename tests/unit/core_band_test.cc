@@ -77,7 +77,8 @@ void ExpectExactBand(const oracle::Mesh& shape, const Lattice& lattice, const Ba
         if (value == values.end()) continue;
         ++found;
         const long double exact =
-            std::sqrt(std::ldexp(least.convert_to<long double>(), -kMetricBits)) * static_cast<long double>(plan.unit);
+            std::sqrt(least.convert_to<long double>() / static_cast<long double>(plan.metric.one)) *
+            static_cast<long double>(plan.unit);
         const float lower = std::nextafter(value->second, -1.0F), upper = std::nextafter(value->second, 1e30F);
         EXPECT_GE(value->second, 0);
         EXPECT_LT(lower, exact * (1 + 1e-15L) + 1e-30L);
@@ -115,7 +116,36 @@ TEST(Band, MeasuresByProductsOfTheBasis) {
     for (size_t r = 0; r < 3; ++r) {
       for (size_t c = 0; c < 3; ++c) {
         const double product = Dot(lattice.basis()[r], lattice.basis()[c]) / (size * size);
-        EXPECT_NEAR(static_cast<double>(metric.g[c][r]), std::ldexp(product, kMetricBits), 0.51);
+        EXPECT_NEAR(static_cast<double>(metric.g[c][r]), product * metric.one, 0.51);
+      }
+    }
+    EXPECT_GT(metric.one, 0x1p39);
+    EXPECT_LE(metric.one, 0x1p40);
+  }
+}
+
+// Vectors that are equally long by other products, and widths that are their lengths.
+TEST(Band, MeasuresEqualLengthsAsEqual) {
+  struct Case {
+    Mat3d basis;
+    Vec3i u, v;
+    double length;
+  };
+  const double root = std::sqrt(0.75);
+  for (const auto& [basis, u, v, length] :
+       {Case{{{{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}}, {1, 0, 0}, {-1, -1, 2}, 2},
+        Case{{{{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}}, {1, 1, -1}, {1, -1, 1}, 2},
+        Case{{{{1, 0, 0}, {0.5, root, 0}, {0, 0, 1}}}, {-1, 2, 0}, {1, 1, 0}, 2 * root},
+        Case{{{{7, 0, 0}, {0, 5, 0}, {1, 2, 3}}}, {-1, 0, 1}, {1, 0, 0}, 7}}) {
+    for (const double scale : {1.0, 0.1, 1 / 3.0, 1e-6, 12345.678}) {
+      const Lattice lattice = Lattice::FromBasis({basis[0] * scale, basis[1] * scale, basis[2] * scale}).value();
+      const Metric metric = MakeMetric(lattice).value();
+      const Vec3i along_u = u * kLatticeUnit, along_v = v * kLatticeUnit;
+      const auto square = Rational(Inner(metric, along_u, along_u));
+      EXPECT_EQ(square, Rational(Inner(metric, along_v, along_v))) << basis[2][2] << " times " << scale;
+      for (const int32_t times : {1, 30}) {
+        const double sizes = times * length * scale / lattice.voxel_size();
+        EXPECT_EQ(square * times * times, Rational(SquareOf(metric, sizes))) << basis[2][2] << " times " << scale;
       }
     }
   }
