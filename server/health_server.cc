@@ -33,7 +33,7 @@ class Server final : public HealthServer {
   ~Server() override {
     if (!server_) return;
     server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
-    RemoveSocketFiles({address_});
+    socket_files_.Remove();
   }
 
   const std::string& address() const override { return address_; }
@@ -45,6 +45,7 @@ class Server final : public HealthServer {
   grpc::CallbackGenericService nothing_;
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
+  SocketFiles socket_files_;
 };
 
 absl::Status Server::Listen(const std::string& address) {
@@ -58,6 +59,7 @@ absl::Status Server::Listen(const std::string& address) {
   server_ = builder.BuildAndStart();
   if (!server_) return CannotListen(address);
   address_ = BoundAddress(address, port);
+  socket_files_.Add(address_);
   server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();
 }

@@ -20,7 +20,6 @@
 #include "server/options.h"
 #include "server/server.h"
 #include "server/signals.h"
-#include "server/unix_socket.h"
 
 namespace {
 
@@ -41,8 +40,7 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
                absl::Duration grace) {
   Log(LogLevel::kInfo, "stopping",
       {{"reason", reason}, {"calls", server.calls()}, {"grace", absl::FormatDuration(grace)}});
-  const std::vector<std::string> addresses = server.addresses();
-  signals.ExitOnNext([addresses] { latvox::RemoveSocketFiles(addresses); });
+  signals.ExitOnNext([files = server.socket_files()] { files.Remove(); });
   // Whatever gets stuck, be it that nobody reads standard error any more: the end comes.
   std::thread([limit = grace + kLastResort] {
     absl::SleepFor(limit);
@@ -50,7 +48,7 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
   }).detach();
   if (!server.Stop(grace)) {
     Log(LogLevel::kWarning, "stopped", {{"abandoned_calls", server.calls()}});
-    latvox::RemoveSocketFiles(addresses);
+    server.socket_files().Remove();
     latvox::StopLog();
     std::_Exit(0);
   }

@@ -126,6 +126,7 @@ class Server final : public VoxelServer {
   absl::Status Listen();
 
   const std::vector<std::string>& addresses() const override { return addresses_; }
+  const SocketFiles& socket_files() const override { return socket_files_; }
   std::string metrics_address() const override { return metrics_server_ ? metrics_server_->address() : ""; }
   std::string health_address() const override { return health_server_ ? health_server_->address() : ""; }
   size_t calls() const override { return registry_.size(); }
@@ -153,6 +154,7 @@ class Server final : public VoxelServer {
   Metrics metrics_;
   VoxelizerService service_;
   std::vector<std::string> addresses_;
+  SocketFiles socket_files_;
   std::unique_ptr<grpc::Server> server_;
 
   std::mutex stop_mu_;
@@ -243,7 +245,10 @@ absl::Status Server::Listen() {
     const size_t n = std::min(static_cast<size_t>(failed), ports.size() - 1);
     return CannotListen(options_.listen[n]);
   }
-  for (size_t n = 0; n < ports.size(); ++n) addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
+  for (size_t n = 0; n < ports.size(); ++n) {
+    addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
+    socket_files_.Add(addresses_.back());
+  }
   if (absl::Status status = ListenBesides(); !status.ok()) return status;
   if (access_.certificate_expires()) {
     metrics_.AddGauge("latvox_tls_certificate_expiry_timestamp_seconds", "When the server's certificate ends.",
@@ -305,7 +310,7 @@ bool Server::Stop(absl::Duration grace) {
   StopWatch();
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
   server_.reset();
-  RemoveSocketFiles(addresses_);
+  socket_files_.Remove();
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include "server/access.h"
 #include "server/decoder_process.h"
 #include "server/limits.h"
+#include "server/unix_socket.h"
 
 namespace latvox {
 
@@ -66,6 +67,9 @@ class VoxelServer {
 
   // As given, but with the ports that were chosen.
   virtual const std::vector<std::string>& addresses() const = 0;
+
+  // Those of `addresses`; for whoever ends the process without destructors.
+  virtual const SocketFiles& socket_files() const = 0;
 
   // Empty if there is none.
   virtual std::string metrics_address() const = 0;

@@ -47,9 +47,24 @@ absl::Status CheckSocketPathIsFree(const std::string& path) {
   return absl::OkStatus();
 }
 
-void RemoveSocketFiles(const std::vector<std::string>& addresses) {
-  for (const std::string& address : addresses) {
-    if (const auto path = SocketPathOf(address)) unlink(path->c_str());
+std::optional<SocketFiles::File> SocketFiles::File::At(const std::string& path) {
+  struct stat file {};
+  if (lstat(path.c_str(), &file) != 0 || !S_ISSOCK(file.st_mode)) return std::nullopt;
+  return File{path, file.st_dev, file.st_ino, file.st_mtim};
+}
+
+void SocketFiles::Add(const std::string& address) {
+  const auto path = SocketPathOf(address);
+  if (!path) return;
+  if (auto file = File::At(*path)) files_.push_back(*std::move(file));
+}
+
+void SocketFiles::Remove() const {
+  for (const File& file : files_) {
+    const auto now = File::At(file.path);
+    const bool same = now && now->device == file.device && now->number == file.number &&
+                      now->made.tv_sec == file.made.tv_sec && now->made.tv_nsec == file.made.tv_nsec;
+    if (same) unlink(file.path.c_str());
   }
 }
 

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -18,6 +19,7 @@
 #include <future>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <regex>
 #include <string>
 #include <vector>
@@ -46,36 +48,69 @@ TEST(Latvoxd, EndsCleanlyOnEachOfItsSignals) {
   }
 }
 
-TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
-  const TemporaryDirectory directory;
-  const std::string path = directory / "socket";
-  Process server(Latvoxd({"--listen", "unix:" + path, "--grace", "60", "--max-jobs", "1", "--max-queued-jobs", "0"}));
-  server.ReadUntil("event=listening");
-  const auto stub = v1::Voxelizer::NewStub(grpc::CreateChannel("unix:" + path, grpc::InsecureChannelCredentials()));
-  absl::Notification refused;
-  const auto call_without_end = [&] {
+// A server on a socket that has begun a call without end.
+class BusyServer {
+ public:
+  explicit BusyServer(const std::string& address)
+      : process(Latvoxd({"--listen", address, "--grace", "60", "--max-jobs", "1", "--max-queued-jobs", "0"})) {
+    process.ReadUntil("event=listening");
+    stub_ = v1::Voxelizer::NewStub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+    // There is room for one of two, whichever comes first: it has arrived once the other is refused.
+    for (std::future<grpc::StatusCode>& call : calls_) call = std::async(std::launch::async, [this] { return Call(); });
+    refused_.WaitForNotification();
+  }
+
+  std::vector<grpc::StatusCode> Ends() { return {calls_[0].get(), calls_[1].get()}; }
+
+  Process process;
+
+ private:
+  grpc::StatusCode Call() {
     grpc::ClientContext context;
     context.set_wait_for_ready(true);
-    const auto stream = stub->Voxelize(&context);
+    const auto stream = stub_->Voxelize(&context);
     v1::VoxelizeRequest request;
     request.mutable_spec()->mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
     request.mutable_spec()->set_resolution(9);
     stream->Write(request);
     const grpc::StatusCode code = stream->Finish().error_code();
-    if (code == grpc::StatusCode::RESOURCE_EXHAUSTED) refused.Notify();
+    if (code == grpc::StatusCode::RESOURCE_EXHAUSTED) refused_.Notify();
     return code;
-  };
-  // There is room for one of two, whichever comes first: it has arrived once the other is refused.
-  auto one = std::async(std::launch::async, call_without_end);
-  auto other = std::async(std::launch::async, call_without_end);
-  refused.WaitForNotification();
-  kill(server.pid(), SIGTERM);
-  EXPECT_EQ(server.ReadLineWith("event=stopping reason="), "SIGTERM calls=1 grace=1m");
-  kill(server.pid(), SIGTERM);
-  EXPECT_EQ(server.Wait(), 1);
+  }
+
+  std::unique_ptr<v1::Voxelizer::Stub> stub_;
+  absl::Notification refused_;
+  std::array<std::future<grpc::StatusCode>, 2> calls_;
+};
+
+TEST(Latvoxd, EndsAtOnceOnASecondSignal) {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "socket";
+  BusyServer server("unix:" + path);
+  kill(server.process.pid(), SIGTERM);
+  EXPECT_EQ(server.process.ReadLineWith("event=stopping reason="), "SIGTERM calls=1 grace=1m");
+  kill(server.process.pid(), SIGTERM);
+  EXPECT_EQ(server.process.Wait(), 1);
   EXPECT_FALSE(std::filesystem::exists(path));
-  EXPECT_THAT((std::vector{one.get(), other.get()}),
-              UnorderedElementsAre(grpc::StatusCode::RESOURCE_EXHAUSTED, grpc::StatusCode::UNAVAILABLE));
+  EXPECT_THAT(server.Ends(), UnorderedElementsAre(grpc::StatusCode::RESOURCE_EXHAUSTED, grpc::StatusCode::UNAVAILABLE));
+}
+
+// That another server has begun to listen where this one did.
+TEST(Latvoxd, LeavesASocketAloneThatIsNotItsOwnAnyMore) {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "socket";
+  BusyServer first("unix:" + path);
+  std::filesystem::remove(path);
+  Process second(Latvoxd({"--listen", "unix:" + path}));
+  second.ReadUntil("event=listening");
+  kill(first.process.pid(), SIGTERM);
+  first.process.ReadUntil("event=stopping");
+  kill(first.process.pid(), SIGTERM);
+  EXPECT_EQ(first.process.Wait(), 1);
+  EXPECT_TRUE(std::filesystem::exists(path));
+  kill(second.pid(), SIGTERM);
+  EXPECT_EQ(second.Wait(), 0);
+  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 TEST(Latvoxd, SaysInOneLineWhichAddressIsInUse) {
