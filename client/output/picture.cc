@@ -75,8 +75,7 @@ class Renderer {
   std::vector<uint8_t> Draw() {
     std::vector<uint8_t> pixels(static_cast<size_t>(side_) * static_cast<size_t>(side_) * 3);
     Frame();
-    front_.emplace(scene_, towards_);
-    for (const Vec3f& light : lights_) light_fronts_.emplace_back(scene_, ToScene(light));
+    MakeFronts();
     ForRows(wide_, [this](int y) { CastRow(y); });
     if (cancellation_.cancelled()) return pixels;
     smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
@@ -115,7 +114,7 @@ class Renderer {
       const Vec3f view = ToView(corner);
       for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], double{view[m]});
     }
-    scene_.ForEach([&](const Vec3i& cell) {
+    scene_.ForEachOuter([&](const Vec3i& cell) {
       const Vec3d at = scene_.CenterOf(cell);
       const Vec3d view = {Dot3(at, right_), Dot3(at, up_), Dot3(at, towards_)};
       for (size_t m = 0; m < 3; ++m) {
@@ -131,11 +130,17 @@ class Renderer {
     cell_ = static_cast<float>(scale_);
   }
 
+  void MakeFronts() {
+    tbb::parallel_for(size_t{0}, fronts_.size(), [&](size_t n) {
+      if (!cancellation_.cancelled()) fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]));
+    });
+  }
+
   void CastRow(int y) {
     const Vec3d back = {-towards_[0], -towards_[1], -towards_[2]};
     for (int x = 0; x < wide_; ++x) {
       const Vec3d eye = SceneAt(static_cast<float>(x), static_cast<float>(y), 0);
-      const double front = front_->Reach(eye);
+      const double front = fronts_.front()->Reach(eye);
       if (!std::isfinite(front)) continue;
       const Ray ray{Sum(eye, front, towards_), back};
       const auto hit = scene_.Cast(ray);
@@ -221,7 +226,7 @@ class Renderer {
     const Vec3d surface = SceneAt(static_cast<float>(x), static_cast<float>(y), depth_[At(x, y)]);
     const Vec3d above = Sum(surface, raise, ToScene(normal));
     const size_t phase = PhaseOf(x, y);
-    const double reach = light_fronts_[phase].Reach(above);
+    const double reach = fronts_[1 + phase]->Reach(above);
     return reach <= 0 || !scene_.Cast({above, ToScene(lights_[phase]), reach}).has_value();
   }
 
@@ -279,9 +284,8 @@ class Renderer {
   Rgb color_;
   std::vector<Vec3f> normals_;         // of the cell's facets, view frame
   std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
-  std::optional<VoxelFront> front_;
   std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
-  std::vector<VoxelFront> light_fronts_;           // of each of them
+  std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // towards the viewer, and each of them
   std::vector<uint8_t> facet_, edge_;
   std::vector<uint32_t> colors_;  // of the samples; none: all are color_
   std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};

@@ -27,7 +27,7 @@ VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards) : towards_
   for (const Vec3d& corner : scene.cell_corners()) radius = std::max(radius, Length(corner));
   const double across = radius / kSquare;
   Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
-  scene.ForEach([&](const Vec3i& cell) {
+  scene.ForEachOuter([&](const Vec3i& cell) {
     const Vec3d at = Project(scene.CenterOf(cell));
     for (size_t m = 0; m < 2; ++m) {
       low[m] = std::min(low[m], at[m] - across);
@@ -39,7 +39,7 @@ VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards) : towards_
     size_[m] = Floor(high[m]) + 1 - low_[m];
   }
   front_.assign(static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]), kNothing);
-  scene.ForEach([&](const Vec3i& cell) {
+  scene.ForEachOuter([&](const Vec3i& cell) {
     const Vec3d at = Project(scene.CenterOf(cell));
     for (int y = Floor(at[1] - across); y <= Floor(at[1] + across); ++y) {
       for (int x = Floor(at[0] - across); x <= Floor(at[0] + across); ++x) {

@@ -153,16 +153,32 @@ void VoxelScene::Seal() {
   }
 }
 
+int32_t VoxelScene::NumberOf(const Vec3i& brick_ijk) const {
+  const auto tile = tile_numbers_.find(ShiftRight(brick_ijk, 3));
+  return tile == tile_numbers_.end() ? -1 : tiles_[static_cast<size_t>(tile->second)][BrickInTile(brick_ijk)];
+}
+
+bool VoxelScene::IsDeep(const Vec3i& brick_ijk) const {
+  Mask full;
+  full.fill(~uint64_t{0});
+  const auto is_full = [&](const Vec3i& step) {
+    const int32_t number = NumberOf(Plus(brick_ijk, step));
+    return number >= 0 && masks_[static_cast<size_t>(number)] == full;
+  };
+  if (!is_full({0, 0, 0})) return false;  // as most of a surface are
+  for (int n = 0; n < 27; ++n) {
+    if (!is_full({n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1})) return false;
+  }
+  return true;
+}
+
 bool VoxelScene::Has(const Vec3i& cell) const {
-  const auto tile = tile_numbers_.find(ShiftRight(cell, 6));
-  if (tile == tile_numbers_.end()) return false;
-  const int32_t mask = tiles_[static_cast<size_t>(tile->second)][BrickInTile(ShiftRight(cell, 3))];
-  return mask >= 0 && HasVoxel(masks_[static_cast<size_t>(mask)], cell);
+  const int32_t number = NumberOf(ShiftRight(cell, 3));
+  return number >= 0 && HasVoxel(masks_[static_cast<size_t>(number)], cell);
 }
 
 uint32_t VoxelScene::ColorOf(const Vec3i& cell) const {
-  const auto tile = static_cast<size_t>(tile_numbers_.find(ShiftRight(cell, 6))->second);
-  const auto number = static_cast<size_t>(tiles_[tile][BrickInTile(ShiftRight(cell, 3))]);
+  const auto number = static_cast<size_t>(NumberOf(ShiftRight(cell, 3)));
   const Mask& mask = masks_[number];
   int before = std::popcount(mask[WordInBrick(cell)] & (BitInWord(cell) - 1));
   for (size_t word = 0; word < WordInBrick(cell); ++word) before += std::popcount(mask[word]);

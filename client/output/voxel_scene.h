@@ -71,6 +71,15 @@ class VoxelScene {
     ForEachBrick([&](const Brick& brick) { ForEachVoxel(brick, visit); });
   }
 
+  // The same without cells deep inside, of bricks that are full among bricks that are full: every line that meets a
+  // cell meets its last one, and its first, outside of these.
+  template <class Visit>
+  void ForEachOuter(const Visit& visit) const {
+    ForEachBrick([&](const Brick& brick) {
+      if (!IsDeep(brick.brick_ijk)) ForEachVoxel(brick, visit);
+    });
+  }
+
   // Calls visit(brick) for every 8 x 8 x 8 cells of which one is there; the brick's voxels are cells.
   template <class Visit>
   void ForEachBrick(const Visit& visit) const {
@@ -90,7 +99,9 @@ class VoxelScene {
   using Tile = std::array<int32_t, kBricks>;  // into masks_; -d: bricks that are less than d away are empty, too
   class Walk;
 
-  size_t Touch(const Vec3i& brick_ijk);  // its number in masks_
+  size_t Touch(const Vec3i& brick_ijk);            // its number in masks_
+  int32_t NumberOf(const Vec3i& brick_ijk) const;  // in masks_; below 0: it is empty
+  bool IsDeep(const Vec3i& brick_ijk) const;
   void Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
              size_t number);
   Vec3i Nearest(const Vec3d& point, Vec3i cell) const;  // from a cell near by

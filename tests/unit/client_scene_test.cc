@@ -157,12 +157,35 @@ TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
   }
 }
 
+// Cubes of full bricks around tiles' corners, 5 bricks long, but for the last voxel of the second brick of a row.
+std::vector<Brick> Solid() {
+  std::vector<Brick> out;
+  for (int32_t n = 0; n < 125; ++n) {
+    Brick& brick = out.emplace_back(Brick{{n / 25 - 2, n / 5 % 5 - 2, n % 5 - 2}, {}});
+    brick.mask.fill(~uint64_t{0});
+  }
+  out[1].mask[7] >>= 1;
+  return out;
+}
+
+TEST(VoxelScene, CellsThatAreNotDeepInsideAreOuter) {
+  VoxelScene scene({kLattices[1], {}, 0}, 0);
+  for (const Brick& brick : Solid()) scene.Add(brick);
+  std::set<Vec3i> deep;
+  scene.ForEach([&](const Vec3i& cell) { deep.insert(cell); });
+  EXPECT_EQ(deep.size(), 125 * 512 - 1U);
+  scene.ForEachOuter([&](const Vec3i& cell) { EXPECT_EQ(deep.erase(cell), 1U); });
+  // Inside of the layer of bricks around, without the two that meet the brick that is not full.
+  EXPECT_EQ(deep.size(), (27 - 2) * 512U);
+}
+
 TEST(VoxelFront, NoVoxelIsBeyondIt) {
   std::mt19937 chance(11);
   std::normal_distribution<double> normal;
+  size_t n = 0;
   for (const Basis& lattice : kLattices) {
     VoxelScene scene({lattice, {}, 0}, 0);
-    for (const Brick& brick : Scattered(chance, 10)) scene.Add(brick);
+    for (const Brick& brick : n++ % 2 == 0 ? Scattered(chance, 10) : Solid()) scene.Add(brick);
     scene.Seal();
     const Vec3d towards = Unit({normal(chance), normal(chance), normal(chance)});
     const VoxelFront front(scene, towards);
