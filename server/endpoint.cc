@@ -17,6 +17,8 @@ absl::string_view HostPart(absl::string_view address) {
   return address.substr(0, address.rfind(':'));
 }
 
+bool IsDecimal(absl::string_view text) { return text.find_first_not_of("0123456789") == absl::string_view::npos; }
+
 bool IsLoopback(const std::string& host) {
   in_addr v4{};
   if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
@@ -56,8 +58,9 @@ absl::Status CheckAddress(const std::string& address) {
   const absl::string_view host = HostPart(address);
   const bool in_brackets = absl::StartsWith(address, "[");
   int port = 0;
-  const bool is_good = colon != std::string::npos && absl::SimpleAtoi(address.substr(colon + 1), &port) && port >= 0 &&
-                       port <= kMostPort && (in_brackets ? colon == host.size() + 2 : !absl::StrContains(host, ':'));
+  const bool is_good = colon != std::string::npos && IsDecimal(address.substr(colon + 1)) &&
+                       absl::SimpleAtoi(address.substr(colon + 1), &port) && port <= kMostPort &&
+                       (in_brackets ? colon == host.size() + 2 : !absl::StrContains(host, ':'));
   if (is_good) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat("cannot listen on \"", address,
                                                  "\": that is neither HOST:PORT, with a port up to ", kMostPort,
@@ -71,6 +74,12 @@ std::string BoundAddress(const std::string& address, int port) {
 
 absl::Status CannotListen(const std::string& address, absl::string_view why) {
   return absl::UnavailableError(absl::StrCat("cannot listen on ", address, ": ", why));
+}
+
+void WithoutCompression(grpc::ServerBuilder& builder) {
+  for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+  }
 }
 
 absl::Status CheckAddressIsFree(const std::string& address) {

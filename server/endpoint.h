@@ -2,6 +2,8 @@
 #ifndef LATVOX_SERVER_ENDPOINT_H_
 #define LATVOX_SERVER_ENDPOINT_H_
 
+#include <grpcpp/server_builder.h>
+
 #include <string>
 
 #include "absl/status/status.h"
@@ -28,6 +30,9 @@ absl::Status CheckAddress(const std::string& address);
 // UNAVAILABLE naming the address, and why; by default, what may be the reason.
 absl::Status CannotListen(const std::string& address,
                           absl::string_view why = "the address is in use, not of this machine, or not permitted");
+
+// gRPC unpacks a message before it looks at its size: a megabyte may become a gigabyte.
+void WithoutCompression(grpc::ServerBuilder& builder);
 
 // As CannotListen, if it is a Unix socket that CheckSocketPathIsFree finds fault with. Of other addresses, gRPC tells.
 absl::Status CheckAddressIsFree(const std::string& address);

@@ -18,6 +18,7 @@ namespace latvox {
 namespace {
 
 constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
+constexpr int kMostRequestBytes = 4096;
 
 // Reflection is a plugin of every server that is built; not of this one.
 class WithoutPlugins final : public grpc::ServerBuilderOption {
@@ -37,6 +38,7 @@ class Server final : public HealthServer {
   }
 
   const std::string& address() const override { return address_; }
+  const SocketFiles& socket_files() const override { return socket_files_; }
   void SetNotServing() override { server_->GetHealthCheckService()->Shutdown(); }
 
  private:
@@ -54,12 +56,15 @@ absl::Status Server::Listen(const std::string& address) {
   builder.SetOption(std::make_unique<WithoutPlugins>());
   builder.RegisterCallbackGenericService(&nothing_);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // As the server's; and what asks for a service's health is small.
+  WithoutCompression(builder);
+  builder.SetMaxReceiveMessageSize(kMostRequestBytes);
   int port = -1;
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(ProvisionalAddress(address), grpc::InsecureServerCredentials(), &port);
   server_ = builder.BuildAndStart();
   if (!server_) return CannotListen(address);
+  if (absl::Status status = socket_files_.Take(address); !status.ok()) return CannotListen(address, status.message());
   address_ = BoundAddress(address, port);
-  socket_files_.Add(address_);
   server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "server/unix_socket.h"
 
 namespace latvox {
 
@@ -18,6 +19,8 @@ class HealthServer {
 
   // As given, but with the port that was chosen.
   virtual const std::string& address() const = 0;
+
+  virtual const SocketFiles& socket_files() const = 0;
 
   // Answers NOT_SERVING from now on.
   virtual void SetNotServing() = 0;

@@ -17,7 +17,7 @@ struct Limits {
   uint64_t max_voxels = uint64_t{1} << 36;           // in one job, as EstimateVoxels has it
   uint64_t memory_budget_bytes = uint64_t{4} << 30;  // of all jobs together
   uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, also decoded
-  uint64_t max_message_bytes = uint64_t{4} << 20;    // one message, either direction
+  uint64_t max_message_bytes = uint64_t{4} << 20;    // one message of a request
 
   // What gRPC is to receive: some more, so that most of what is too large is refused by name, with all that a client is
   // to know, and not by gRPC, which has no details for it.

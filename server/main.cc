@@ -65,19 +65,21 @@ void KeepMemory() {
 }
 
 // Each connection takes one file; a login has 1024 as a rule, though it may have more. Once there is none left, gRPC
-// takes no new connections any more, even when others have closed.
-void TakeMoreFiles() {
+// takes no new connections any more, even when others have closed. A private server has a handful of connections.
+void TakeMoreFiles(bool is_private) {
   constexpr rlim_t kFew = 4096;
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
   files.rlim_cur = files.rlim_max;
-  if (setrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_max >= kFew) return;
+  if (setrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_max >= kFew || is_private) return;
   Log(LogLevel::kWarning, "few_files", {{"limit", files.rlim_max}});
 }
 
 int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t first_parent) {
   const latvox::ProgramOptions& options = configuration.options;
-  const pid_t parent = options.parent_pid != 0 ? options.parent_pid : first_parent;
+  // A program between the two is as good as the parent; without one, that has ended before this process began.
+  const bool has_parent = options.parent_pid == 0 || latvox::IsAncestor(options.parent_pid);
+  const pid_t parent = has_parent ? first_parent : options.parent_pid;
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
   if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
   latvox::StartLog(options.log_level, options.log_format);
@@ -85,7 +87,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   KeepMemory();
-  TakeMoreFiles();
+  TakeMoreFiles(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   const auto server = latvox::VoxelServer::Start(options.server);
   if (!server.ok()) return Fail(server.status());

@@ -1,11 +1,13 @@
 #include "server/option_kinds.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <istream>
 #include <memory>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
@@ -45,9 +47,10 @@ const CLI::Validator& WithoutSign() {
   static const auto& validator = *new CLI::Validator(
       [](std::string& value) {
         const bool is_number = !value.empty() && absl::ascii_isdigit(static_cast<uint8_t>(value[0]));
-        const bool is_octal =
-            value.size() > 1 && value[0] == '0' && absl::ascii_isdigit(static_cast<uint8_t>(value[1]));
-        return is_number && !is_octal ? "" : absl::StrCat("\"", value, "\" is not a whole number from 0 on");
+        const bool is_octal_or_hexadecimal =
+            value.size() > 1 && value[0] == '0' && absl::StrContains("0123456789xX", value[1]);
+        return is_number && !is_octal_or_hexadecimal ? ""
+                                                     : absl::StrCat("\"", value, "\" is not a whole number from 0 on");
       },
       "");
   return validator;
@@ -73,7 +76,11 @@ CLI::Option* AddSeconds(CLI::App& app, const std::string& flag, double least, ab
       ->type_name("SECONDS")
       ->check(CLI::Range(least, kMost))
       ->check(CLI::Validator(
-          [](const std::string& word) { return absl::EqualsIgnoreCase(word, "nan") ? "nan is not a number" : ""; },
+          [](const std::string& text) {
+            double seconds = 0;
+            const bool is_finite = absl::SimpleAtod(text, &seconds) && std::isfinite(seconds);
+            return is_finite ? "" : absl::StrCat("\"", text, "\" is not a number");
+          },
           ""));
 }
 

@@ -76,6 +76,11 @@ absl::Status CheckAddresses(const ServerOptions& options) {
   for (const std::string& address : {options.health_listen, options.metrics_listen}) {
     if (!address.empty()) addresses.push_back(address);
   }
+  const std::string& metrics = options.metrics_listen;
+  if (IsUnixSocket(metrics) || absl::StartsWith(metrics, ":")) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot listen on \"", metrics, "\" for metrics: that is no HOST:PORT with an IP address"));
+  }
   for (const std::string& address : addresses) {
     if (absl::Status status = CheckAddress(address); !status.ok()) return status;
   }
@@ -218,10 +223,7 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   // Reflection keeps one for each call; our own calls keep none.
   quota.SetMaxThreads(kReflectionThreads);
   builder.SetResourceQuota(quota);
-  // gRPC unpacks a message before it looks at its size: a megabyte may become a gigabyte.
-  for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
-    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
-  }
+  WithoutCompression(builder);
   // Otherwise a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Of one connection; a client of gRPC's has the others wait. Bounds what clients hold that let their calls linger.
@@ -237,7 +239,7 @@ absl::Status Server::Listen() {
   for (size_t n = 0; n < ports.size(); ++n) {
     const std::string& address = options_.listen[n];
     if (absl::Status status = CheckAddressIsFree(address); !status.ok()) return status;
-    builder.AddListeningPort(address, access_.CredentialsFor(address), &ports[n]);
+    builder.AddListeningPort(ProvisionalAddress(address), access_.CredentialsFor(address), &ports[n]);
   }
   server_ = builder.BuildAndStart();
   if (!server_) {
@@ -246,8 +248,10 @@ absl::Status Server::Listen() {
     return CannotListen(options_.listen[n]);
   }
   for (size_t n = 0; n < ports.size(); ++n) {
+    if (absl::Status status = socket_files_.Take(options_.listen[n]); !status.ok()) {
+      return CannotListen(options_.listen[n], status.message());
+    }
     addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));
-    socket_files_.Add(addresses_.back());
   }
   if (absl::Status status = ListenBesides(); !status.ok()) return status;
   if (access_.certificate_expires()) {
@@ -266,6 +270,7 @@ absl::Status Server::ListenBesides() {
     auto health_server = HealthServer::Start(options_.health_listen);
     if (!health_server.ok()) return health_server.status();
     health_server_ = *std::move(health_server);
+    socket_files_.Add(health_server_->socket_files());
   }
   if (!options_.metrics_listen.empty()) {
     auto metrics_server = MetricsServer::Start(options_.metrics_listen, metrics_);

@@ -68,7 +68,7 @@ class VoxelServer {
   // As given, but with the ports that were chosen.
   virtual const std::vector<std::string>& addresses() const = 0;
 
-  // Those of `addresses`; for whoever ends the process without destructors.
+  // Those of all addresses; for whoever ends the process without destructors.
   virtual const SocketFiles& socket_files() const = 0;
 
   // Empty if there is none.

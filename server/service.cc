@@ -89,6 +89,7 @@ grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::Cal
 grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext* context,
                                                      const v1::PixelizeRequest* request,
                                                      v1::PixelizeResponse* response) {
+  DropUnknownFields(const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: it waits for its turn with them
   CallOrigin origin = OriginOf("Pixelize", *context);
   if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
     return new Refusal<grpc::ServerUnaryReactor>(status);

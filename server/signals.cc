@@ -4,9 +4,14 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <string>
 #include <thread>
 #include <utility>
+
+#include "absl/strings/str_cat.h"
 
 namespace latvox {
 namespace {
@@ -32,7 +37,25 @@ int NextSignal() {
   return signal;
 }
 
+// 0 if it is none of this namespace, or has ended.
+pid_t ParentOf(pid_t process) {
+  std::string status;
+  std::getline(std::ifstream(absl::StrCat("/proc/", process, "/stat")), status);
+  char state;
+  pid_t parent = 0;
+  const size_t name_end = status.rfind(')');  // names may hold anything
+  if (name_end != std::string::npos) std::sscanf(status.c_str() + name_end + 1, " %c %d", &state, &parent);
+  return parent;
+}
+
 }  // namespace
+
+bool IsAncestor(pid_t process) {
+  pid_t ancestor = getppid();
+  if (ancestor == 0) return true;
+  while (ancestor > 1 && ancestor != process) ancestor = ParentOf(ancestor);
+  return ancestor == process;
+}
 
 StopSignals::StopSignals(std::optional<pid_t> parent) : parent_(parent) {
   const sigset_t signals = WaitedFor();

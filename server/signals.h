@@ -10,6 +10,10 @@
 
 namespace latvox {
 
+// Whether a process is this one's parent, or its parent's, and so on; true if the parent is out of sight, in another
+// pid namespace.
+bool IsAncestor(pid_t process);
+
 // SIGTERM, SIGINT and SIGHUP, waited for instead of handled: no code runs in a signal handler, and a process with the
 // id 1, to which the kernel delivers only what it asks for, gets them too. There can be one object only.
 class StopSignals {

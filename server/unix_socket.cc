@@ -5,6 +5,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include "absl/strings/match.h"
@@ -12,6 +14,8 @@
 
 namespace latvox {
 namespace {
+
+constexpr size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
 
 bool SomebodyListens(const std::string& path) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -36,9 +40,8 @@ std::optional<std::string> SocketPathOf(const std::string& address) {
 }
 
 absl::Status CheckSocketPathIsFree(const std::string& path) {
-  constexpr size_t kLongest = sizeof(sockaddr_un::sun_path) - 1;
-  if (path.empty() || path.size() > kLongest) {
-    return absl::UnavailableError(absl::StrCat("the path has ", path.size(), " bytes, not 1 to ", kLongest));
+  if (path.empty() || path.size() > kLongestPath) {
+    return absl::UnavailableError(absl::StrCat("the path has ", path.size(), " bytes, not 1 to ", kLongestPath));
   }
   struct stat existing {};
   if (lstat(path.c_str(), &existing) != 0) return absl::OkStatus();
@@ -53,10 +56,23 @@ std::optional<SocketFiles::File> SocketFiles::File::At(const std::string& path) 
   return File{path, file.st_dev, file.st_ino, file.st_mtim};
 }
 
-void SocketFiles::Add(const std::string& address) {
+std::string ProvisionalAddress(const std::string& address) {
   const auto path = SocketPathOf(address);
-  if (!path) return;
+  if (!path) return address;
+  const std::string beside = absl::StrCat(*path, ".", getpid());
+  return beside.size() <= kLongestPath ? absl::StrCat("unix:", beside) : address;
+}
+
+absl::Status SocketFiles::Take(const std::string& address) {
+  const auto path = SocketPathOf(address), provisional = SocketPathOf(ProvisionalAddress(address));
+  if (!path) return absl::OkStatus();
+  if (*provisional != *path && rename(provisional->c_str(), path->c_str()) != 0) {
+    const absl::Status status = absl::UnavailableError(std::strerror(errno));
+    unlink(provisional->c_str());
+    return status;
+  }
   if (auto file = File::At(*path)) files_.push_back(*std::move(file));
+  return absl::OkStatus();
 }
 
 void SocketFiles::Remove() const {

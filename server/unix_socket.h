@@ -20,11 +20,18 @@ std::optional<std::string> SocketPathOf(const std::string& address);
 // long, or if it is something else than a socket. A socket file without a server behind it is fine.
 absl::Status CheckSocketPathIsFree(const std::string& path);
 
-// The socket files that a server has made, which gRPC leaves behind unless it shuts down.
+// Where gRPC is to listen in the place of an address: of unix:PATH, at a name of this process's own beside PATH, if
+// there is room for one. When gRPC shuts down, it removes what has the name that it listens at, whoever's that is.
+std::string ProvisionalAddress(const std::string& address);
+
+// The files of the sockets that a server listens at.
 class SocketFiles {
  public:
-  // Once the server listens there. Other addresses have no file.
-  void Add(const std::string& address);
+  // Once the server listens at the provisional address: moves its file to where it belongs. Addresses that are no files
+  // do nothing. UNAVAILABLE if that fails.
+  absl::Status Take(const std::string& address);
+
+  void Add(const SocketFiles& others) { files_.insert(files_.end(), others.files_.begin(), others.files_.end()); }
 
   // Removes them, but none that another server has made in the place of one.
   void Remove() const;

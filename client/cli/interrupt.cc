@@ -6,11 +6,11 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdint>
-#include <cstdio>
+#include <optional>
+#include <string_view>
 
-#include "absl/time/clock.h"
-#include "absl/time/time.h"
 #include "client/cli/exit_status.h"
 #include "client/mesh/input.h"
 #include "client/output/atomic_file.h"
@@ -26,11 +26,16 @@ sigset_t Signals() {
 }
 
 // `timeout` sends its signal to the process and then to its group.
-constexpr absl::Duration kOne = absl::Milliseconds(200);
+constexpr std::chrono::milliseconds kOne(200);
 
 [[noreturn]] void EndAtOnce() {
   RemoveTemporaryFiles();
-  std::fputs("latvox: cancelled\n", stderr);
+  // Another thread may wait in a write to standard error, which may be a pipe that nobody reads.
+  constexpr std::string_view kLine = "latvox: cancelled\n";
+  pollfd error{STDERR_FILENO, POLLOUT, 0};
+  if (poll(&error, 1, 0) > 0 && write(STDERR_FILENO, kLine.data(), kLine.size()) < 0) {
+    // There is nobody to tell.
+  }
   _exit(static_cast<int>(ExitStatus::kCancelled));
 }
 
@@ -55,14 +60,15 @@ Interrupt::~Interrupt() {
 
 void Interrupt::Watch(const Cancellation& cancellation) const {
   pollfd sources[] = {{signals_, POLLIN, 0}, {stop_, POLLIN, 0}};
-  absl::Time first = absl::InfinitePast();
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> first;
   for (;;) {
     if (poll(sources, 2, -1) < 0) continue;
     if (sources[1].revents != 0) return;
     signalfd_siginfo info;
     if (read(signals_, &info, sizeof(info)) != sizeof(info)) continue;
-    const absl::Time now = absl::Now();
-    if (now < first + kOne) continue;
+    const Clock::time_point now = Clock::now();
+    if (first && now < *first + kOne) continue;
     if (cancellation.cancelled()) EndAtOnce();
     cancellation.Cancel();
     StopReading();

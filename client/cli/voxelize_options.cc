@@ -225,6 +225,7 @@ void AddRequestOptions(CLI::App& command, VoxelizeWords& words) {
       ->check(CLI::IsMember({0, 1, 2, 26, 18, 6}));
   command.add_flag("--minimal,!--no-minimal")
       ->description("remove every voxel that can go (default)")
+      ->check(CLI::IsMember({"true", "false"}))
       ->each([&words](const std::string& flag) { words.minimal = flag == "true"; });
   command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
       ->check(OneOf(AlgorithmNames()));

@@ -63,6 +63,10 @@ absl::StatusOr<std::string> ReadStandardInput(const char* what) {
     return absl::InvalidArgumentError(
         absl::StrCat("standard input: is a terminal; ", what, " belongs into it, by | or <"));
   }
+  struct stat file {};
+  if (fstat(STDIN_FILENO, &file) != 0 || (file.st_mode & S_IFMT) == 0) {  // a library's event, which has no type
+    return absl::InvalidArgumentError("standard input: is closed");
+  }
   return ReadAll(STDIN_FILENO, kStandardInput);
 }
 

@@ -74,17 +74,16 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string
     const std::string name = absl::StrCat(".", path.filename().string(), ".", absl::Hex(random()), ".part");
     const std::string temporary = (path.parent_path() / name).string();
     // Created by open, not by mkstemp, so that the file's mode follows the umask.
+    const std::lock_guard lock(AllTemporaries().mu);  // RemoveTemporaryFiles has it, or it is not there
     const int fd = open(temporary.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+    if (fd >= 0) AllTemporaries().paths.insert(temporary);
     if (fd >= 0) return std::unique_ptr<AtomicFile>(new AtomicFile(path.string(), temporary, fd));
     if (errno != EEXIST) return CannotWrite(target, std::strerror(errno));
   }
 }
 
 AtomicFile::AtomicFile(std::string target, std::string temporary, int fd)
-    : target_(std::move(target)), temporary_(std::move(temporary)), fd_(fd) {
-  const std::lock_guard lock(AllTemporaries().mu);
-  AllTemporaries().paths.insert(temporary_);
-}
+    : target_(std::move(target)), temporary_(std::move(temporary)), fd_(fd) {}
 
 AtomicFile::~AtomicFile() {
   close(fd_);

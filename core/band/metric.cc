@@ -14,15 +14,13 @@ constexpr double kMostOne = static_cast<double>(int64_t{1} << kMetricBits);
 constexpr double kMaxEntry = static_cast<double>((int64_t{1} << kMetricEntryBits) - 1);
 constexpr double kLeastDeterminant = 0x1p-10;
 
-double Rounded(double x, int bits) {
+// To 48 bits: what should be a number of few bits, and is off by a few roundings of doubles, is one again.
+double Rounded(double x) {
+  constexpr int kBits = 48;
   int exponent;
   const double fraction = std::frexp(x, &exponent);
-  return std::ldexp(std::nearbyint(std::ldexp(fraction, bits)), exponent - bits);
+  return std::ldexp(std::nearbyint(std::ldexp(fraction, kBits)), exponent - kBits);
 }
-
-// A few roundings of doubles move a number by less than 2^-50 of itself: if it should have few bits, it has them again
-// once it is rounded to kOneBits. That moves others by up to 2^-49; of what is computed with these, kSquareBits count.
-constexpr int kOneBits = 48, kSquareBits = 46;
 
 // Cholesky's decomposition, by columns.
 Mat3d RootOf(const Mat3d& g) {
@@ -53,9 +51,12 @@ absl::StatusOr<Metric> MakeMetric(const Lattice& lattice) {
   Metric metric;
   metric.one = kMostOne;
   double step = 1;  // entries of g are multiples of it
-  constexpr double kTolerance = 0x1p-46;
-  if (const auto denominator = CommonDenominator(ratios, kTolerance)) {
-    metric.one = Rounded(static_cast<double>(*denominator) / largest, kOneBits);
+  // Of ratios: far more than doubles are off by, and no more than rounding would change.
+  const double tolerance = std::min(0x1p-46, std::ldexp(0.5, -kMetricBits) / largest);
+  const auto denominator = CommonDenominator(ratios, tolerance);
+  metric.is_exact = denominator.has_value();
+  if (denominator) {
+    metric.one = Rounded(static_cast<double>(*denominator) / largest);
     for (; 2 * metric.one <= kMostOne; metric.one *= 2) step *= 2;
   }
   Mat3d g;
@@ -79,10 +80,6 @@ absl::StatusOr<Metric> MakeMetric(const Lattice& lattice) {
   for (size_t c = 0; c < 3; ++c) metric.cofactor[c] = Cross(metric.root[(c + 1) % 3], metric.root[(c + 2) % 3]);
   metric.determinant = metric.root[0][0] * metric.root[1][1] * metric.root[2][2];
   return metric;
-}
-
-__int128 SquareOf(const Metric& metric, double sizes) {
-  return static_cast<__int128>(std::nearbyint(Rounded(sizes * sizes * metric.one, kSquareBits))) << (2 * kSubvoxelBits);
 }
 
 }  // namespace latvox

@@ -33,7 +33,8 @@ struct Metric {
   // multiples: vectors that are equally long are so here. Else they are rounded to multiples of 2^-kMetricBits of a
   // voxel size squared.
   Mat<int64_t, 3> g;
-  double one;  // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and up to that
+  double one;     // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and up to that
+  bool is_exact;  // else entries of g are off by up to a half
 
   // An upper triangular matrix with root^T root = g / one: a lattice vector v is root * v in some Cartesian
   // coordinates. (root * u) x (root * v) = cofactor * (u x v).
@@ -62,10 +63,6 @@ constexpr __int128 Inner(const Metric& metric, const Vec3i& u, const Vec3i& v) {
   }
   return sum;
 }
-
-// The square of a length of so many voxel sizes, as of Inner: rounded once, to an integer of the unit of g and to 46
-// bits, so that lengths of lattice vectors, which doubles are not quite, give just what Inner does.
-__int128 SquareOf(const Metric& metric, double sizes);
 
 }  // namespace latvox
 

@@ -7,6 +7,19 @@
 #include "absl/strings/str_format.h"
 
 namespace latvox {
+namespace {
+
+// What lies at the width is to be in, though doubles seldom are what they stand for, and g may be rounded: hence the
+// square is somewhat larger. With |v[m]| <= margin[m], rounding adds at most half of (sum of |v[m]|)^2 to v^T g v.
+__int128 LimitOf(const Metric& metric, double sizes, const Vec3i& margin) {
+  constexpr double kSlack = 1 + 0x1p-46;
+  const auto square =
+      static_cast<__int128>(std::ceil(std::ldexp(sizes * sizes * metric.one, 2 * kSubvoxelBits) * kSlack));
+  const int64_t sum = int64_t{margin[0]} + margin[1] + margin[2];
+  return square + (metric.is_exact ? 0 : (sum * sum + 1) / 2);
+}
+
+}  // namespace
 
 // A vector no longer than the width has an m-th coordinate of at most the width times the length of row m of V^-1.
 absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
@@ -33,12 +46,17 @@ absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) 
     return absl::InvalidArgumentError(absl::StrFormat("band: a width of %g is not within %g and %g", width,
                                                       double{Float::min()}, double{Float::max()}));
   }
+  const double size = lattice.voxel_size(), unit = size / kLatticeUnit;
+  if (width < kLeastBandSizes * size) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("band: a width of %g is below 1/%g of the voxel size %g", width, 1 / kLeastBandSizes, size));
+  }
   const absl::StatusOr<Vec3i> margin = MarginOf(width, lattice);
   if (!margin.ok()) return margin.status();
   const absl::StatusOr<Metric> metric = MakeMetric(lattice);
   if (!metric.ok()) return metric.status();
-  const double size = lattice.voxel_size(), unit = size / kLatticeUnit;
-  return BandPlan{*metric, width, unit, SquareOf(*metric, width / size), *margin, ReachOf(*margin), band.is_signed};
+  return BandPlan{*metric,          width,         unit, LimitOf(*metric, width / size, *margin), *margin,
+                  ReachOf(*margin), band.is_signed};
 }
 
 }  // namespace latvox

@@ -14,7 +14,7 @@ struct BandPlan {
   Metric metric;
   double width;    // world units
   double unit;     // world length of a unit of the metric
-  __int128 limit;  // the square of the width, as of Inner
+  __int128 limit;  // the square of the width, as of Inner: larger by up to 2^-45 of it, and by what g is rounded by
   // How far along each lattice axis the lattice points of the band may lie from the surface: in units, and in voxels,
   // rounded up.
   Vec3i margin, reach;
@@ -30,8 +30,11 @@ inline Vec3i ReachOf(const Vec3i& margin) {
   return Shifted(margin + Vec3i{1, 1, 1} * (kLatticeUnit - 1), kSubvoxelBits);
 }
 
-// Errors: INVALID_ARGUMENT if the width is not above 0 and normal in single precision, or reaches over
-// kMaxBandReach; and as MakeMetric.
+// Widths in voxel sizes: for less, the limit would be too coarse for values that are as good as exact.
+inline constexpr double kLeastBandSizes = 0x1p-13;
+
+// Errors: INVALID_ARGUMENT if the width is not above 0 and normal in single precision, is below kLeastBandSizes, or
+// reaches over kMaxBandReach; and as MakeMetric.
 absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice);
 
 }  // namespace latvox

@@ -73,10 +73,12 @@ std::string_view NameOf(const Mat3d& basis) {
 absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) {
   Mat3d reduced;
   for (size_t c = 0; c < 3; ++c) reduced[c] = Apply(basis, transform[c]);
-  // What else is wrong with it comes first: a basis that is offered is to be taken.
-  if (reduced != basis) {
-    if (const auto lattice = Lattice::FromBasis(reduced); !lattice.ok()) return lattice.status();
+  // What else is wrong with it comes first: a basis that is offered is to be taken. Of a flat lattice, the superbase
+  // that ReduceBasis finds need not have the shortest vector.
+  if (reduced == basis) {
+    return absl::InvalidArgumentError("basis: so flat or long that it is too skew for exact 64-bit arithmetic");
   }
+  if (const auto lattice = Lattice::FromBasis(reduced); !lattice.ok()) return lattice.status();
   return absl::InvalidArgumentError(absl::StrFormat(
       "basis: too skew for exact 64-bit arithmetic; this basis of the same lattice is not: %s", ToString(reduced)));
 }

@@ -32,6 +32,7 @@ constexpr int kMaxSteps = 200;
 constexpr int32_t kMaxTransform = 1 << 20;
 // A reduced vector shorter than this part of the longest given one means that the basis is singular in doubles.
 constexpr double kSingular = 1e-10;
+constexpr double kDependent = 1e-14;  // share of the volume of the box with sides as long, to within rounding
 
 template <size_t D>
 Vec<double, D> Combine(const Mat<double, D>& basis, const Vec<int32_t, D>& coefficients) {
@@ -158,6 +159,12 @@ absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
     }
     const auto [i, j] = MostAcutePair<D>(b);
     if (i == j) {
+      // Of dependent vectors, the superbase may fall apart into v, -v and others.
+      Mat<double, D> vectors;
+      std::copy_n(b.begin(), D, vectors.begin());
+      double box = 1;
+      for (const auto& v : vectors) box *= std::sqrt(Dot(v, v));
+      if (std::abs(Determinant(vectors)) < kDependent * box) return SingularError<D>();
       Mat<int32_t, D> reduced;
       std::copy_n(t.begin(), D, reduced.begin());
       return reduced;

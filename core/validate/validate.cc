@@ -1,11 +1,14 @@
 #include "core/validate/validate.h"
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "core/base/sort.h"
@@ -27,7 +30,7 @@ class EdgeList {
     pieces_.back().push_back(edge);
   }
 
-  void Add(const EdgeList& more) { pieces_.insert(pieces_.end(), more.pieces_.begin(), more.pieces_.end()); }
+  void Add(EdgeList&& more) { std::move(more.pieces_.begin(), more.pieces_.end(), std::back_inserter(pieces_)); }
 
   // How many there are, each counted once.
   size_t Count(const std::atomic<bool>& cancelled) const {
@@ -55,16 +58,17 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
   std::vector<std::atomic<uint64_t>> essential(voxels.words());
 
   using oneapi::tbb::blocked_range;
-  const EdgeList uncovered = oneapi::tbb::parallel_reduce(
-      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), EdgeList{},
-      [&](const blocked_range<size_t>& part, EdgeList found) {
+  oneapi::tbb::enumerable_thread_specific<EdgeList> found;
+  oneapi::tbb::parallel_for(
+      blocked_range<size_t>(0, mesh.triangles.size(), kGrain), [&](const blocked_range<size_t>& part) {
+        EdgeList& uncovered = found.local();
         for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
           const auto& [v0, v1, v2] = mesh.triangles[t];
           const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
           size_t direction = 0;
           const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {
             const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
-            if (!a && !b) found.Add(std::min(nearer, farther), direction, mesh.box);
+            if (!a && !b) uncovered.Add(std::min(nearer, farther), direction, mesh.box);
             if (a && b) return;
             if (const auto only = a ? a : b) {
               essential[*only >> 6].fetch_or(uint64_t{1} << (*only & 63), std::memory_order_relaxed);
@@ -74,12 +78,9 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
             ForEachCrossing(triangle, frames[direction], kEverywhere, judge, cancelled);
           }
         }
-        return found;
-      },
-      [](EdgeList a, const EdgeList& b) {
-        a.Add(b);
-        return a;
       });
+  EdgeList uncovered;
+  for (EdgeList& some : found) uncovered.Add(std::move(some));
   const size_t tunnels = uncovered.Count(cancelled);  // triangles may cross the same edge
   if (cancelled) return absl::CancelledError("verification cancelled");
 

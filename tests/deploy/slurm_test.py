@@ -140,6 +140,8 @@ class Scripts(unittest.TestCase):
             self.assertEqual((found["LATVOX_MEMORY_BUDGET"], found["LATVOX_DECODER_MEMORY"]), ("4000MiB", "500MiB"))
             found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="3", LATVOX_THREADS="2")
             self.assertEqual((found["LATVOX_THREADS"], found.get("LATVOX_MEMORY_BUDGET")), ("2", None))
+            found = self.environment_of(script, *words, SLURM_CPUS_ON_NODE="3", SLURM_MEM_PER_NODE="4096", LATVOX_THREADS="0")
+            self.assertEqual((found["LATVOX_THREADS"], found["LATVOX_DECODER_MEMORY"]), ("3", "341MiB"))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
 """However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up."""
 
 import json
+import subprocess
 import unittest
 
-from harness import encode_drc, latvox, write_obj, write_ply, write_stl
+import harness
+from harness import BIN, encode_drc, latvox, write_obj, write_ply, write_stl
 from inputs import GRID, MESH, InputCase, joined, mapped, mesh_xml, model, write_3mf, write_gltf
 
 
@@ -41,6 +43,12 @@ class Input(InputCase):
         self.assert_refused(3, "standard input: .*--input-format", "-", stdin=self.dir / "text")
         self.assert_refused(3, "standard input: is empty", "-")
         self.assert_refused(2, "- is given twice", "-", "-")
+
+    def test_standard_input_that_is_closed_is_refused(self):
+        command = ["sh", "-c", 'exec "$0" "$@" <&-', BIN / "latvox", "voxelize", "-", "-o", self.dir / "out.csv", *GRID]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=harness.PATIENCE)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("standard input: is ", done.stderr)
 
     def test_several_meshes_are_one(self):
         other = mapped(MESH, lambda x, y, z: (x + 1.5, y + 0.5, z - 2))

@@ -152,6 +152,13 @@ TEST(Options, ASupercoverIsNotMinimal) {
   EXPECT_EQ(Parse({"--resolution", "9"}).request.cover, Cover::kSeparating);
 }
 
+TEST(Options, MinimalMaySayWhether) {
+  EXPECT_TRUE(Parse({"--resolution", "9", "--minimal=true"}).request.minimal);
+  EXPECT_FALSE(Parse({"--resolution", "9", "--minimal=false"}).request.minimal);
+  EXPECT_FALSE(Parse({"--resolution", "9", "--no-minimal"}).request.minimal);
+  EXPECT_THAT(Refusal({"--resolution", "9", "--minimal=1"}), HasSubstr("--minimal"));
+}
+
 TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
   ServerChoice choice;
   EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 0);

@@ -61,10 +61,11 @@ TEST_F(OutputFile, ASecondSignalEndsTheProcessAndLeavesNoFile) {
     while (!cancellation.cancelled()) usleep(1000);
     kill(getpid(), SIGINT);  // comes at once, and does not count
     usleep(400'000);
+    std::fputs("alive\n", stderr);
     kill(getpid(), SIGTERM);
     sleep(10);
   };
-  EXPECT_EXIT(interrupted_twice(), testing::ExitedWithCode(6), "^latvox: cancelled\n$");
+  EXPECT_EXIT(interrupted_twice(), testing::ExitedWithCode(6), "^alive\nlatvox: cancelled\n$");
   EXPECT_THAT(Names(), testing::IsEmpty());
 }
 

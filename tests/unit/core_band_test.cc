@@ -144,8 +144,10 @@ TEST(Band, MeasuresEqualLengthsAsEqual) {
       const auto square = Rational(Inner(metric, along_u, along_u));
       EXPECT_EQ(square, Rational(Inner(metric, along_v, along_v))) << basis[2][2] << " times " << scale;
       for (const int32_t times : {1, 30}) {
-        const double sizes = times * length * scale / lattice.voxel_size();
-        EXPECT_EQ(square * times * times, Rational(SquareOf(metric, sizes))) << basis[2][2] << " times " << scale;
+        const Rational limit(MakeBandPlan({.width = times * length * scale}, lattice)->limit);
+        const Rational exact = square * times * times;
+        EXPECT_GE(limit, exact) << basis[2][2] << " times " << scale;
+        EXPECT_LT((limit - exact).convert_to<double>(), 0x1p-45 * exact.convert_to<double>());
       }
     }
   }
@@ -166,6 +168,38 @@ TEST(Band, IsClosedAndTiesAreIn) {
   }
   const Values below = ValuesOf(Voxelize(ToWorld(mesh, lattice), Unscaled(lattice), {.band = Band{.width = 0.29999}}));
   EXPECT_EQ(below.count({2, 2, 3}), 0U);
+}
+
+// Lattices whose products have no small common denominator; lengths that no double is.
+TEST(Band, WhatLiesAtTheWidthIsInOnAnyLattice) {
+  const oracle::Mesh point{{oracle::Int3{0, 0, 0}, oracle::Int3{0, 0, 0}, oracle::Int3{0, 0, 0}}};
+  for (const Mat3d& basis : {Mat3d{{{0.75, 0, 0}, {0, 0.75, 0}, {0, 0, 4.57}}},
+                             {{{33, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                             {{{1.1, 0.3, 0}, {0, 1.7, 0.2}, {0.1, 0, 2.3}}}}) {
+    const Lattice lattice = Lattice::FromBasis(basis).value();
+    for (const Vec3i& v : {Vec3i{2, 0, 0}, Vec3i{0, 2, 0}, Vec3i{0, 0, 3}, Vec3i{1, -1, 0}, Vec3i{2, 1, -1}}) {
+      const Vec3d world = Apply(lattice.basis(), ToDouble(v));
+      const Band band{.width = std::sqrt(Dot(world, world))};
+      const Values values = ValuesOf(Voxelize(ToWorld(point, lattice), Unscaled(lattice), {.band = band}));
+      EXPECT_EQ(values.count(v) + values.count(-v), 2U) << basis[0][0] << " width " << band.width;
+    }
+  }
+  const Lattice cartesian = Lattice::Named(NamedLattice::kCartesian);
+  const oracle::Mesh plane{
+      {oracle::Int3{-5120, -2560, 5120}, oracle::Int3{5120, -2560, 0}, oracle::Int3{0, 5120, -5120}}};
+  for (const double width : {5 / 3.0, std::nextafter(5 / 3.0, 0.0)}) {  // of the plane x + 2y + 2z = 0
+    const Values values =
+        ValuesOf(Voxelize(ToWorld(plane, cartesian), Unscaled(cartesian), {.band = Band{.width = width}}));
+    EXPECT_EQ(values.count({1, 1, 1}), 1U);
+    EXPECT_EQ(values.count({0, 2, 1}), 0U);
+  }
+}
+
+TEST(Band, IsRefusedFarBelowAVoxel) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kBcc);
+  EXPECT_TRUE(MakeBandPlan({.width = 0x1p-13}, lattice).ok());
+  EXPECT_EQ(MakeBandPlan({.width = 1e-4}, lattice).status().message(),
+            "band: a width of 0.0001 is below 1/8192 of the voxel size 1");
 }
 
 void AddBox(int32_t low, int32_t high, oracle::Mesh& mesh) {

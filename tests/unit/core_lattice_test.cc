@@ -157,6 +157,10 @@ TEST(Lattice, RejectsBasesThatAreNotABasis) {
       {{{{1, 0, 0}, {0, 1, 0}, {1, 1, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
       {{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
       {{{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
+      {{{{1, 0, 0}, {0, 1, 0}, {0, -1, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
+      {{{{-299, -301, -1}, {-1, -1, 0}, {1, 1, 0}}}, "basis: the 3 vectors are linearly dependent (rank below 3)"},
+      {{{{1, 0, 0}, {0, 1, 0}, {0, -1, 1e-5}}},
+       "basis: so flat or long that it is too skew for exact 64-bit arithmetic"},
       {{{{1, 0, 0}, {std::sqrt(2), 0, 0}, {0, 1, 0}}},
        "basis: the 3 vectors are linearly dependent (rank below 3), or so skew that a reduced basis takes one of them "
        "more than 1048576 times"},

@@ -108,9 +108,16 @@ TEST(Latvoxd, LeavesASocketAloneThatIsNotItsOwnAnyMore) {
   kill(first.process.pid(), SIGTERM);
   EXPECT_EQ(first.process.Wait(), 1);
   EXPECT_TRUE(std::filesystem::exists(path));
+
+  std::filesystem::remove(path);
+  Process third(Latvoxd({"--listen", "unix:" + path}));
+  third.ReadUntil("event=listening");
   kill(second.pid(), SIGTERM);
   EXPECT_EQ(second.Wait(), 0);
-  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_TRUE(std::filesystem::exists(path));
+  kill(third.pid(), SIGTERM);
+  EXPECT_EQ(third.Wait(), 0);
+  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
 }
 
 TEST(Latvoxd, SaysInOneLineWhichAddressIsInUse) {
@@ -240,6 +247,30 @@ TEST(Latvoxd, EndsIfItsParentEndedBeforeItBegan) {
   EXPECT_EQ(server.Wait(), 0);
 }
 
+std::vector<pid_t> ChildrenOf(pid_t pid) {
+  std::vector<pid_t> children;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::ifstream file(thread.path() / "children");
+    std::copy(std::istream_iterator<pid_t>(file), {}, std::back_inserter(children));
+  }
+  return children;
+}
+
+// As a script does that starts latvoxd as a child of its own.
+TEST(Latvoxd, TakesAProgramBetweenItAndItsParentForTheParent) {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "socket";
+  const std::string command = std::string(LATVOXD) + " --exit-with-parent --parent-pid " + std::to_string(getpid()) +
+                              " --listen unix:" + path + "; true";
+  Process shell({"sh", "-c", command});
+  shell.ReadUntil("event=listening");
+  const std::vector<pid_t> servers = ChildrenOf(shell.pid());
+  ASSERT_EQ(servers.size(), 1U);
+  kill(servers[0], SIGTERM);
+  EXPECT_THAT(shell.ReadAll(), HasSubstr("event=stopping reason=SIGTERM"));
+  EXPECT_EQ(shell.Wait(), 0);
+}
+
 // How many threads for large jobs a process has, by their niceness beyond the process's.
 std::map<int, int> NicenessOfBulk(pid_t pid) {
   std::map<int, int> threads;
@@ -268,15 +299,6 @@ TEST(Latvoxd, LowersThePriorityOfLargeJobsUnlessItIsPrivate) {
     while (NicenessOfBulk(server.pid()) != expected && std::chrono::steady_clock::now() < patience) usleep(1000);
     EXPECT_EQ(NicenessOfBulk(server.pid()), expected);
   }
-}
-
-std::vector<pid_t> ChildrenOf(pid_t pid) {
-  std::vector<pid_t> children;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
-    std::ifstream file(thread.path() / "children");
-    std::copy(std::istream_iterator<pid_t>(file), {}, std::back_inserter(children));
-  }
-  return children;
 }
 
 // Whoever inherits an orphan need not have buried it.
