@@ -21,15 +21,20 @@ bool IsOutOfReach(grpc_connectivity_state state) {
   return state == GRPC_CHANNEL_TRANSIENT_FAILURE || state == GRPC_CHANNEL_SHUTDOWN;
 }
 
-// gRPC's words, which it has for a call only: that nobody listens there, that a certificate is not believed.
+// gRPC's words, which it has for a call only: that nobody listens there, that a certificate is not believed. Empty if
+// the server has come by now.
 std::string WhyOutOfReach(v1::Voxelizer::Stub& stub) {
   constexpr absl::Duration kPatience = absl::Seconds(1);
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + kPatience));
   v1::GetLimitsResponse limits;
-  const std::string message = stub.GetLimits(&context, {}, &limits).error_message();
+  const grpc::Status status = stub.GetLimits(&context, {}, &limits);
+  const bool answered = status.error_code() != grpc::StatusCode::UNAVAILABLE &&
+                        status.error_code() != grpc::StatusCode::DEADLINE_EXCEEDED;
+  if (answered) return "";
   // Of several addresses it names the last one's.
-  const std::pair<std::string, std::string> parts = absl::StrSplit(message, absl::MaxSplits("last error: ", 1));
+  const std::pair<std::string, std::string> parts =
+      absl::StrSplit(status.error_message(), absl::MaxSplits("last error: ", 1));
   return absl::StrReplaceAll(parts.second.empty() ? parts.first : parts.second, {{"\n", " "}});
 }
 
@@ -66,6 +71,7 @@ absl::Status Connection::AwaitReady(const std::vector<std::string>& addresses, c
     if (options.cancellation.cancelled()) return CancelledByCaller();
     if (hope == nullptr) {
       const std::string why = WhyOutOfReach(*endpoints_.front().stub);
+      if (why.empty()) continue;
       return absl::UnavailableError(absl::StrCat("cannot reach the server at ", names, " (", why, ")"));
     }
     if (absl::Now() >= give_up) {
