@@ -40,7 +40,7 @@ int NextSignal() {
 // 0 if it is none of this namespace, or has ended.
 pid_t ParentOf(pid_t process) {
   std::string status;
-  std::getline(std::ifstream(absl::StrCat("/proc/", process, "/stat")), status);
+  std::getline(std::ifstream(absl::StrCat("/proc/", process, "/stat")), status, '\0');
   char state;
   pid_t parent = 0;
   const size_t name_end = status.rfind(')');  // names may hold anything
