@@ -106,7 +106,7 @@ TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
                                         {40000, 10},
                                         {1 << 22, 5},
                                         {1 << 23, 5}}) {
-        const auto triangles = TrianglesAround(tile_min, size, Dose(count, count / 3 + 1));
+        const auto triangles = TrianglesAround(tile_min, size, count);
         const Found expected = Expected(triangles, frames, box);
         EXPECT_GT(expected.size(), 0U);
         for (const Simd simd : SimdHere()) {
