@@ -65,14 +65,8 @@ class VoxelScene {
   bool empty() const { return masks_.empty(); }
   const std::vector<Vec3d>& cell_corners() const { return corners_; }  // relative to its centre
 
-  // Calls visit(cell) for every cell, in no particular order.
-  template <class Visit>
-  void ForEach(const Visit& visit) const {
-    ForEachBrick([&](const Brick& brick) { ForEachVoxel(brick, visit); });
-  }
-
-  // The same without cells deep inside, of bricks that are full among bricks that are full: every line that meets a
-  // cell meets its last one, and its first, outside of these.
+  // Calls visit(cell) for every cell, in no particular order, but for those deep inside, of bricks that are full among
+  // bricks that are full: every line that meets a cell meets its last one, and its first, outside of these.
   template <class Visit>
   void ForEachOuter(const Visit& visit) const {
     ForEachBrick([&](const Brick& brick) {

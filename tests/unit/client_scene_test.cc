@@ -40,11 +40,16 @@ std::vector<Brick> Scattered(std::mt19937& chance, int bricks) {
   return out;
 }
 
+template <class Visit>
+void ForEachCell(const VoxelScene& scene, const Visit& visit) {
+  scene.ForEachBrick([&](const Brick& brick) { ForEachVoxel(brick, visit); });
+}
+
 // Where the ray enters the nearest cell of all, by cutting it with every facet of every cell.
 std::optional<double> NearestByBruteForce(const VoxelScene& scene, const VoronoiCell& cell, const Basis& basis,
                                           const Ray& ray) {
   std::optional<double> nearest;
-  scene.ForEach([&](const Vec3i& at) {
+  ForEachCell(scene, [&](const Vec3i& at) {
     const Vec3d center = scene.CenterOf(at);
     double in = 0, out = ray.reach;
     for (const CellFace& face : cell.faces) {
@@ -71,7 +76,7 @@ TEST(VoxelScene, RaysMeetTheCellThatBruteForceFinds) {
     VoxelScene scene({lattice, {100, -200, 300}, size}, 0);
     for (const Brick& brick : Scattered(chance, 40)) scene.Add(brick);
     std::vector<Vec3i> cells;
-    scene.ForEach([&](const Vec3i& at) { cells.push_back(at); });
+    ForEachCell(scene, [&](const Vec3i& at) { cells.push_back(at); });
     for (const bool sealed : {false, true}) {
       if (sealed) scene.Seal();
       for (int n = 0; n < 150; ++n) {
@@ -115,7 +120,7 @@ TEST(VoxelScene, ShiftedCellsAreThoseThatHoldAVoxel) {
         expected.insert(cell);
       });
     }
-    scene.ForEach([&](const Vec3i& cell) { found.insert(cell); });
+    ForEachCell(scene, [&](const Vec3i& cell) { found.insert(cell); });
     EXPECT_EQ(found, expected) << "shift " << shift;
     EXPECT_NEAR(scene.cell_size(), std::cbrt(4) * (1 << shift), 1e-9);
   }
@@ -148,7 +153,7 @@ TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
       add(bricks[bricks.size() - 1 - n], other);
     }
     size_t cells = 0;
-    one.ForEach([&](const Vec3i& cell) {
+    ForEachCell(one, [&](const Vec3i& cell) {
       ++cells;
       EXPECT_TRUE(expected[cell].contains(one.ColorOf(cell))) << "shift " << shift;
       EXPECT_EQ(one.ColorOf(cell), other.ColorOf(cell));
@@ -172,7 +177,7 @@ TEST(VoxelScene, CellsThatAreNotDeepInsideAreOuter) {
   VoxelScene scene({kLattices[1], {}, 0}, 0);
   for (const Brick& brick : Solid()) scene.Add(brick);
   std::set<Vec3i> deep;
-  scene.ForEach([&](const Vec3i& cell) { deep.insert(cell); });
+  ForEachCell(scene, [&](const Vec3i& cell) { deep.insert(cell); });
   EXPECT_EQ(deep.size(), 125 * 512 - 1U);
   scene.ForEachOuter([&](const Vec3i& cell) { EXPECT_EQ(deep.erase(cell), 1U); });
   // Inside of the layer of bricks around, without the two that meet the brick that is not full.
@@ -190,7 +195,7 @@ TEST(VoxelFront, NoVoxelIsBeyondIt) {
     const Vec3d towards = Unit({normal(chance), normal(chance), normal(chance)});
     const VoxelFront front(scene, towards);
     double least = 1e9;
-    scene.ForEach([&](const Vec3i& cell) {
+    ForEachCell(scene, [&](const Vec3i& cell) {
       for (const Vec3d& corner : scene.cell_corners()) {
         const double reach = front.Reach(Sum(scene.CenterOf(cell), 1, corner));
         EXPECT_GE(reach, 0);
