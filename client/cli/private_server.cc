@@ -121,6 +121,7 @@ void PrivateServer::RemoveDirectory() {
   std::error_code ignored;
   if (!directory_.empty()) std::filesystem::remove_all(directory_, ignored);
   directory_.clear();
+  mark_.reset();
 }
 
 std::string PrivateServer::address() const { return absl::StrCat("unix:", SocketPath()); }
@@ -136,6 +137,7 @@ absl::Status PrivateServer::MakeDirectory() {
     if (pattern.size() + std::strlen("/socket") >= sizeof(sockaddr_un::sun_path)) continue;
     if (mkdtemp(pattern.data()) != nullptr) {
       directory_ = pattern;
+      mark_.emplace(directory_);
       return absl::OkStatus();
     }
     error_number = errno;

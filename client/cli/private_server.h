@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/client.h"
+#include "client/output/atomic_file.h"
 
 namespace latvox::client {
 
@@ -43,7 +44,8 @@ class PrivateServer {
   std::string SocketPath() const;
 
   std::string program_, directory_;
-  pid_t pid_ = -1;  // -1: none to end
+  std::optional<TemporaryDirectoryMark> mark_;  // of directory_
+  pid_t pid_ = -1;                              // -1: none to end
 };
 
 }  // namespace latvox::client

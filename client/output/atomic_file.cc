@@ -10,6 +10,7 @@
 #include <mutex>
 #include <random>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -129,9 +130,20 @@ absl::Status AtomicFile::Commit() {
   return absl::OkStatus();
 }
 
+TemporaryDirectoryMark::TemporaryDirectoryMark(std::string path) : path_(std::move(path)) {
+  const std::lock_guard lock(AllTemporaries().mu);
+  AllTemporaries().paths.insert(path_);
+}
+
+TemporaryDirectoryMark::~TemporaryDirectoryMark() {
+  const std::lock_guard lock(AllTemporaries().mu);
+  AllTemporaries().paths.erase(path_);
+}
+
 void RemoveTemporaryFiles() {
   const std::lock_guard lock(AllTemporaries().mu);
-  for (const std::string& path : AllTemporaries().paths) unlink(path.c_str());
+  std::error_code ignored;
+  for (const std::string& path : AllTemporaries().paths) std::filesystem::remove_all(path, ignored);
 }
 
 absl::Status WriteAtomically(const std::string& target, std::string_view bytes) {

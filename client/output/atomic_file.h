@@ -48,7 +48,20 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-// Removes the temporary files of all objects that live, for a process that ends without their destructors.
+// A directory that is temporary, too: its maker removes it.
+class TemporaryDirectoryMark {
+ public:
+  explicit TemporaryDirectoryMark(std::string path);
+  ~TemporaryDirectoryMark();
+  TemporaryDirectoryMark(const TemporaryDirectoryMark&) = delete;
+  TemporaryDirectoryMark& operator=(const TemporaryDirectoryMark&) = delete;
+
+ private:
+  const std::string path_;
+};
+
+// Removes the temporary files of all objects that live, and directories with what is in them, for a process that ends
+// without destructors.
 void RemoveTemporaryFiles();
 
 // A file of these bytes in the place of the target.

@@ -232,6 +232,27 @@ class Interruptions(Case):
         client.stderr.close()
         self.assertEqual(list(self.dir.iterdir()), [])
 
+    def test_a_second_signal_leaves_nothing_of_a_server_that_does_not_come(self):
+        server = self.dir / "latvoxd"
+        server.write_text("#!/bin/sh\ntrap '' TERM\necho $$ >pid.part && mv pid.part pid\nexec sleep 60\n")
+        server.chmod(0o755)
+        runtime = self.dir / "runtime"
+        runtime.mkdir()
+        environment = {**os.environ, "LATVOX_LATVOXD": str(server), "XDG_RUNTIME_DIR": str(runtime)}
+        command = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "9", "-o", self.dir / "out.vdb"]
+        client = subprocess.Popen(command, stderr=subprocess.DEVNULL, env=environment, cwd=self.dir)
+        self.addCleanup(client.kill)
+        self.await_files(3)
+        while not (self.dir / "pid").exists():
+            time.sleep(0.01)
+        self.addCleanup(os.kill, int((self.dir / "pid").read_text()), signal.SIGKILL)
+        self.assertEqual(len(list(runtime.iterdir())), 1)
+        client.send_signal(signal.SIGINT)
+        time.sleep(0.5)  # what comes at once does not count
+        client.send_signal(signal.SIGINT)
+        self.assertEqual(client.wait(timeout=15), STOPPED)
+        self.assertEqual(list(runtime.iterdir()), [])
+
     def test_commands_without_a_server_end_with_6_on_sigint(self):
         voxels = self.dir / "voxels.vdb"
         self.assertEqual(latvox("voxelize", BUNNY, "--resolution", "1000", "-o", voxels).returncode, OK)
