@@ -72,7 +72,7 @@ struct Shard {
 
 // The lattice points near the mesh, each with its distance: see Band in the protocol.
 struct Band {
-  double width = 0;        // finite, > 0
+  double width = 0;        // finite, 1/8192 of a voxel size at least
   bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
   bool is_signed = false;  // distances are negative inside; the mesh must be closed
 };

@@ -10,7 +10,7 @@ namespace latvox {
 
 // The lattice points whose distance to the snapped surface is at most a width (a closed ball).
 struct Band {
-  double width = 0;        // finite, > 0
+  double width = 0;        // finite, 1/8192 of a voxel size at least
   bool in_voxels = false;  // width counts voxel sizes; otherwise world units
   bool is_signed = false;  // distances are negative inside, that is where lines to the outside cross an odd number of
                            // times; the mesh must be closed

@@ -88,9 +88,11 @@ TEST_F(MessageTest, LargerIsRefusedByNameAndSoCounted) {
 }
 
 // Sends messages as their bytes on the wire, and no half-close; returns how the call ends.
-grpc::Status SendRaw(const std::string& address, const std::string& method, const std::vector<std::string>& messages) {
+grpc::Status SendRaw(const std::string& address, const std::string& method, const std::vector<std::string>& messages,
+                     grpc_compression_algorithm compression = GRPC_COMPRESS_NONE) {
   grpc::GenericStub stub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
   grpc::ClientContext context;
+  context.set_compression_algorithm(compression);
   context.set_deadline(std::chrono::system_clock::now() + kPatience);
   grpc::CompletionQueue queue;
   const auto next = [&queue] {
@@ -114,11 +116,12 @@ grpc::Status SendRaw(const std::string& address, const std::string& method, cons
 
 // What a megabyte may unpack to fits into no budget.
 TEST_F(MessageTest, ThatIsCompressedIsRefused) {
+  options_.health_listen = "127.0.0.1:0";
   Start();
-  grpc::ClientContext context;
-  context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
-  v1::GetLimitsResponse limits;
-  EXPECT_EQ(stub_->GetLimits(&context, {}, &limits).error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  for (const auto& [address, method] : {std::pair(server_->addresses()[0], "/latvox.v1.Voxelizer/GetLimits"),
+                                        {server_->health_address(), "/grpc.health.v1.Health/Check"}}) {
+    EXPECT_EQ(SendRaw(address, method, {""}, GRPC_COMPRESS_GZIP).error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  }
 }
 
 TEST(UnknownFields, TakeNoMemoryOnceTheyAreDropped) {
