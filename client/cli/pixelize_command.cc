@@ -54,7 +54,7 @@ absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const
   // First of all, so that a place that cannot be written is found before any work.
   const auto files = CreateFiles(options.outputs);
   if (!files.ok()) return files.status();
-  const auto drawing = ReadCurveFile(options.input);
+  const auto drawing = ReadCurveFile(options.input, call.deadline.value_or(absl::InfiniteFuture()));
   if (!drawing.ok()) return drawing.status();
   report.polylines = drawing->polylines.size();
   for (const Polyline& polyline : drawing->polylines) report.points += polyline.points.size();

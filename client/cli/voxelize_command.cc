@@ -57,9 +57,9 @@ absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const JobHoo
   return upload;
 }
 
-absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const JobHooks& hooks) {
+absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, absl::Time deadline, const JobHooks& hooks) {
   hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
-  auto read = ReadMeshSource(options.mesh);
+  auto read = ReadMeshSource(options.mesh, deadline);
   if (!read.ok()) return read.status();
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
   const Mesh& mesh = std::get<Mesh>(*read);
@@ -165,7 +165,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   // First of all, so that a place that cannot be written is found before any work.
   auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
-  const auto upload = Prepare(options, hooks);
+  const auto upload = Prepare(options, call.deadline.value_or(absl::InfiniteFuture()), hooks);
   if (!upload.ok()) return upload.status();
   report.skipped = upload->skipped;
   report.weld = upload->weld;

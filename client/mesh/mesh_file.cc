@@ -54,7 +54,7 @@ std::string Known() {
 
 bool IsDracoFile(const std::string& path) { return FormatOfPath(path) == MeshFormat::kDraco; }
 
-absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
+absl::StatusOr<Mesh> ReadMeshFile(const std::string& path, absl::Time deadline) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
   if (std::filesystem::is_directory(path, error)) {
@@ -65,7 +65,7 @@ absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(
         path, ": mesh format \"", std::filesystem::path(path).extension().string(), "\" is not one of ", Known()));
   }
-  const auto bytes = ReadBytes(path);
+  const auto bytes = ReadBytes(path, deadline);
   if (!bytes.ok()) return bytes.status();
   return Named(path, Parse(*bytes, *format, std::filesystem::path(path).parent_path()));
 }

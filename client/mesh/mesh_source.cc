@@ -30,13 +30,14 @@ absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshSource& i
       absl::StrCat(NameOfInput(path), ": begins like none of the mesh formats; --input-format says which one it is"));
 }
 
-absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco) {
+absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco,
+                                    absl::Time deadline) {
   const bool standard_input = path == kStandardInput;
   const auto by_name = FormatOfPath(path);
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
-    return ReadMeshFile(path);
+    return ReadMeshFile(path, deadline);
   }
-  auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
+  auto bytes = standard_input ? ReadStandardInput("a mesh", deadline) : ReadBytes(path, deadline);
   if (!bytes.ok()) return bytes.status();
   const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
   if (!format.ok()) return format.status();
@@ -58,12 +59,12 @@ bool MayReferToFiles(const MeshSource& input) {
   });
 }
 
-absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input, absl::Time deadline) {
   const Affine to_world = ToWorld(input);
   const bool keep_draco = input.paths.size() == 1 && to_world == kIdentity;
   Mesh joined;
   for (const std::string& path : input.paths) {
-    auto read = ReadOne(path, input, keep_draco);
+    auto read = ReadOne(path, input, keep_draco, deadline);
     if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
     for (std::string& warning : std::get<Mesh>(*read).warnings)
       warning = absl::StrCat(NameOfInput(path), ": ", warning);

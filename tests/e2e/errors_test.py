@@ -220,6 +220,22 @@ class Interruptions(Case):
         self.assertEqual((client.communicate(timeout=15)[1], client.returncode), ("latvox: cancelled\n", STOPPED))
         self.assertEqual([path.name for path in self.dir.iterdir()], ["in.obj"])
 
+    def test_timeout_ends_what_waits_for_input(self):
+        silent, endless = ["sleep", "60"], ["yes", "# more"]
+        for command, writer in ("voxelize", silent), ("voxelize", endless), ("pixelize", silent):
+            with self.subTest(command=command, writer=writer):
+                source = subprocess.Popen(writer, stdout=subprocess.PIPE)
+                self.addCleanup(source.wait)
+                self.addCleanup(source.kill)
+                out = self.dir / ("out.vdb" if command == "voxelize" else "out.png")
+                size = "--resolution" if command == "voxelize" else "--pixel-size"
+                done = subprocess.run([BIN / "latvox", command, "-", size, "9", "-o", out, "--timeout", "0.3"],
+                                      stdin=source.stdout, stderr=subprocess.PIPE, text=True, timeout=15)  # fmt: skip
+                source.stdout.close()
+                message = "latvox: standard input: the deadline passed before its end came\n"
+                self.assertEqual((done.stderr, done.returncode), (message, STOPPED))
+                self.assertEqual(list(self.dir.iterdir()), [])
+
     def test_sigint_ends_what_waits_for_standard_input(self):
         command = [BIN / "latvox", "voxelize", "-", "--resolution", "9", "-o", self.dir / "out.vdb"]
         client = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
