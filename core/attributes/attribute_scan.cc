@@ -38,6 +38,7 @@ void AttributeScan::Find(const AttributeContext& context, std::span<const uint32
   for (const uint32_t number : triangles) {
     if (context.cancelled) return;
     Add(context, number);
+    if (offers_.size() > kMostOffers) Settle(context);
   }
   CutOut(context, tile);
 }
@@ -63,6 +64,7 @@ void AttributeScan::Number(const TileBricks& tile, const Vec3i& base_ijk, double
   least_.assign(count, most);
   last_.assign(count, kNone);
   offers_.clear();
+  settled_.clear();
 }
 
 // `at`: of a voxel, within the tile.
@@ -115,20 +117,43 @@ void AttributeScan::Compare(const TriangleDistance& triangle, uint32_t number, c
   last_[voxel] = static_cast<uint32_t>(offers_.size() - 1);
 }
 
-// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbours, with a
-// corner or an edge in common.
-const AttributeScan::Corner& AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) {
-  candidates_.clear();
+// Many triangles in one place would fill the memory with offers: those at hand make way for the nearest of them.
+void AttributeScan::Settle(const AttributeContext& context) {
+  settled_.resize(least_.size(), {kNone, {}});
+  size_t voxel = 0;
+  for (int32_t row = 0; row < static_cast<int32_t>(kRows); ++row) {
+    for (uint64_t bits = rows_[static_cast<size_t>(row)]; bits != 0; bits &= bits - 1, ++voxel) {
+      if (context.cancelled) return;
+      if (last_[voxel] == kNone) continue;
+      const Vec3i at{row >> kTileBits, row & (kTileSide - 1), std::countr_zero(bits)};
+      settled_[voxel] = Nearest(context, (tile_min_ + at) * kLatticeUnit, voxel);
+      last_[voxel] = kNone;
+    }
+  }
+  offers_.clear();
+}
+
+// Calls f(candidate) for all that may be the nearest to a voxel.
+template <class F>
+void AttributeScan::ForEachCandidate(const AttributeContext& context, const Vec3i& point, size_t voxel, F&& f) const {
+  if (!settled_.empty() && settled_[voxel].triangle != kNone) f(settled_[voxel]);
   for (uint32_t n = last_[voxel]; n != kNone; n = offers_[n].before) {
     if (offers_[n].square > least_[voxel] * (1 + kDoubt)) continue;
-    candidates_.push_back({offers_[n].triangle, NearestCorner(context, offers_[n].triangle, point)});
+    f(Candidate{offers_[n].triangle, NearestCorner(context, offers_[n].triangle, point)});
   }
-  assert(!candidates_.empty());  // no voxel is farther from the mesh than the plan says
-  const auto agrees = [this](const Candidate& other) { return other.corner.values == candidates_[0].corner.values; };
-  if (!std::all_of(candidates_.begin(), candidates_.end(), agrees)) {
-    candidates_[0] = Nearest(context, candidates_, point);
-  }
-  return candidates_[0].corner;
+}
+
+// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbours, with a
+// corner or an edge in common.
+AttributeScan::Corner AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) const {
+  std::optional<Corner> first;
+  bool agree = true;
+  ForEachCandidate(context, point, voxel, [&](const Candidate& candidate) {
+    if (!first) first = candidate.corner;
+    agree &= candidate.corner.values == first->values;
+  });
+  assert(first);  // no voxel is farther from the mesh than the plan says
+  return agree ? *first : Nearest(context, point, voxel).corner;
 }
 
 AttributeScan::Corner AttributeScan::NearestCorner(const AttributeContext& context, uint32_t number,
@@ -148,24 +173,28 @@ AttributeScan::Corner AttributeScan::NearestCorner(const AttributeContext& conte
   return nearest;
 }
 
-// Exactly, with the nearest corner of all that are as near.
-AttributeScan::Candidate AttributeScan::Nearest(const AttributeContext& context, std::span<const Candidate> candidates,
-                                                const Vec3i& point) {
-  const auto distance = [&](const Candidate& candidate) {
-    return TriangleDistance(context.carried.plan.metric, CornersOf(context.mesh, candidate.triangle));
+// Exactly, with the nearest corner of all that are as near. Copies of a triangle are, which need not be compared.
+AttributeScan::Candidate AttributeScan::Nearest(const AttributeContext& context, const Vec3i& point,
+                                                size_t voxel) const {
+  const auto compare = [&](const Candidate& a, const Candidate& b) {
+    const Triangle corners_a = CornersOf(context.mesh, a.triangle), corners_b = CornersOf(context.mesh, b.triangle);
+    if (std::is_permutation(corners_a.begin(), corners_a.end(), corners_b.begin())) return 0;
+    const Metric& metric = context.carried.plan.metric;
+    return TriangleDistance::Compare(TriangleDistance(metric, corners_a), TriangleDistance(metric, corners_b), point);
   };
-  Candidate nearest = candidates[0];
-  for (const Candidate& other : candidates.subspan(1)) {
-    const int order = TriangleDistance::Compare(distance(other), distance(nearest), point);
-    if (order < 0 || (order == 0 && other.corner.square < nearest.corner.square)) {
+  std::optional<Candidate> nearest;
+  ForEachCandidate(context, point, voxel, [&](const Candidate& other) {
+    if (nearest && context.cancelled) return;
+    const int order = nearest ? compare(other, *nearest) : -1;
+    if (order < 0 || (order == 0 && other.corner.square < nearest->corner.square)) {
       nearest = other;
-    } else if (order == 0 && other.corner.square == nearest.corner.square) {
+    } else if (order == 0 && other.corner.square == nearest->corner.square) {
       for (size_t n = 0; n < kMaxAttributes; ++n) {
-        nearest.corner.values[n] = std::min(nearest.corner.values[n], other.corner.values[n]);
+        nearest->corner.values[n] = std::min(nearest->corner.values[n], other.corner.values[n]);
       }
     }
-  }
-  return nearest;
+  });
+  return *nearest;
 }
 
 // In the order of bricks.
@@ -179,7 +208,7 @@ void AttributeScan::CutOut(const AttributeContext& context, TileBricks& tile) {
       for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
         const int yz = std::countr_zero(bits);
         const Vec3i at = corner + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)};
-        const Corner& found = Decide(context, (tile_min_ + at) * kLatticeUnit, NumberOf(at));
+        const Corner found = Decide(context, (tile_min_ + at) * kLatticeUnit, NumberOf(at));
         const auto end = found.values.begin() + context.carried.count;
         tile.attributes.insert(tile.attributes.end(), found.values.begin(), end);
       }

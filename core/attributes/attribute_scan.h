@@ -23,7 +23,7 @@ struct AttributeContext {
   const std::atomic<bool>& cancelled;
 };
 
-// A thread's own, from tile to tile: 48 KiB, and some 60 bytes for each voxel of a tile.
+// A thread's own, from tile to tile: up to 8 MiB, and 60 bytes for each voxel of a tile.
 class AttributeScan {
  public:
   // Finds tile.attributes, as core/attributes/attributes.h has them; some are missing once the job is cancelled.
@@ -33,6 +33,7 @@ class AttributeScan {
 
  private:
   static constexpr size_t kRows = size_t{kTileSide} * kTileSide;
+  static constexpr size_t kMostOffers = size_t{1} << 18;  // and those of one triangle
 
   // A triangle that may be the nearest to a voxel. Offers of one voxel are a list, the last one first.
   struct Offer {
@@ -56,9 +57,12 @@ class AttributeScan {
   size_t NumberOf(const Vec3i& at) const;
   void Add(const AttributeContext& context, uint32_t number);
   void Compare(const TriangleDistance& triangle, uint32_t number, const Vec3i& point, size_t voxel);
-  const Corner& Decide(const AttributeContext& context, const Vec3i& point, size_t voxel);
+  void Settle(const AttributeContext& context);
+  template <class F>
+  void ForEachCandidate(const AttributeContext& context, const Vec3i& point, size_t voxel, F&& f) const;
+  Corner Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) const;
   static Corner NearestCorner(const AttributeContext& context, uint32_t number, const Vec3i& point);
-  static Candidate Nearest(const AttributeContext& context, std::span<const Candidate> candidates, const Vec3i& point);
+  Candidate Nearest(const AttributeContext& context, const Vec3i& point, size_t voxel) const;
   void CutOut(const AttributeContext& context, TileBricks& tile);
 
   Vec3i tile_min_{};                     // local
@@ -67,7 +71,7 @@ class AttributeScan {
   std::vector<double> least_;            // by the voxels' numbers: the least square so far
   std::vector<uint32_t> last_;           // likewise: the last offer, or kNone
   std::vector<Offer> offers_;
-  std::vector<Candidate> candidates_;  // of one voxel
+  std::vector<Candidate> settled_;  // likewise, if any are: the nearest of earlier offers, which are gone, or kNone
 };
 
 }  // namespace latvox

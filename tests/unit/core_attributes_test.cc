@@ -187,6 +187,35 @@ TEST(Attributes, OfTiesAreTheLeast) {
   }
 }
 
+// So many that they are settled again and again. Copies of a triangle are as near: the least of their values counts.
+TEST(Attributes, OfManyTrianglesInOnePlace) {
+  constexpr uint32_t kCopies = 900;
+  std::mt19937 random(11);
+  const Lattice lattice = Lattice::Named(NamedLattice::kBcc);
+  const oracle::Int3 a{0, 0, 0}, b{4500, 700, 300}, c{1200, 4800, 900}, d{4600, 4700, 2048};
+  TriangleMesh once = ToWorld({{a, b, c}, {b, d, c}}, lattice, {6, 6, 6});
+  once.attributes.assign(once.vertices.size() * 2, 1U << 30);
+  TriangleMesh many;
+  for (uint32_t copy = 0; copy < kCopies; ++copy) {
+    for (auto triangle : once.triangles) {
+      for (uint32_t& vertex : triangle) {
+        for (uint32_t n = 0; n < 2; ++n) {
+          many.attributes.push_back(static_cast<uint32_t>(random() % 1000000));
+          once.attributes[2 * vertex + n] = std::min(once.attributes[2 * vertex + n], many.attributes.back());
+        }
+        many.vertices.push_back(once.vertices[vertex]);
+        vertex = static_cast<uint32_t>(many.vertices.size() - 1);
+      }
+      many.triangles.push_back(triangle);
+    }
+  }
+  std::shuffle(many.triangles.begin(), many.triangles.end(), random);
+  const VoxelizeOptions options{.minimal = false, .attributes = 2};
+  ExpectExact(once, lattice, options);
+  EXPECT_EQ(CarriedBy(Voxelize(many, Unscaled(lattice), options), 2),
+            CarriedBy(Voxelize(once, Unscaled(lattice), options), 2));
+}
+
 // So many that those which meet no lattice line would be left out, were they nothing to attributes.
 TEST(Attributes, OfTrianglesFarSmallerThanVoxels) {
   TriangleMesh mesh = Sphere(64, 2.3F);
