@@ -3,6 +3,7 @@
 #include <array>
 #include <condition_variable>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -84,7 +85,11 @@ void BrickStream::State::Run(const Call& call, CallOptions options) {
     return absl::OkStatus();
   };
   const auto offer = [this](const BrickBatch& batch) { return Offer(batch); };
-  absl::StatusOr<Summary> end = call({.on_accepted = accept, .on_bricks = offer}, options);
+  absl::StatusOr<Summary> end = absl::ResourceExhaustedError("memory: there is none left for a BrickStream");
+  try {
+    end = call({.on_accepted = accept, .on_bricks = offer}, options);
+  } catch (const std::bad_alloc&) {
+  }
   const std::lock_guard lock(mutex_);
   end_ = std::move(end);
   changed_.notify_all();

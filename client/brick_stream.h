@@ -28,8 +28,8 @@ namespace latvox::client {
 // connections, so that it may outlive its Client.
 //
 // Costs: one thread, which runs the call; and at most four batches in memory, that of the last Next among them, each of
-// 32,768 bricks of 80 bytes at most. While the others wait to be taken, the server is held back. A batch is copied
-// once, which is little beside unpacking it.
+// 32,768 bricks of 80 bytes at most, with distances of up to 2 MiB, or attributes of up to 3.5. While the others wait
+// to be taken, the server is held back. A batch is copied once, which is little beside unpacking it.
 //
 // Threads: one at a time may use a handle. CallOptions.cancellation stops it from any other.
 class BrickStream {

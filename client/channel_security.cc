@@ -40,8 +40,8 @@ bool IsLocal(absl::string_view address) {
 absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view what) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || !text) {
+  if (file) text << file.rdbuf();  // which fails, if it is empty
+  if (!file) {
     return absl::InvalidArgumentError(
         absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
   }

@@ -295,7 +295,7 @@ struct Limits {
   uint32_t max_jobs_per_client = 0;  // of one token, else of one network address
   uint64_t memory_budget_bytes = 0;  // that all jobs and stored meshes share
   uint64_t mesh_store_bytes = 0;     // of all meshes that are kept
-  uint64_t max_voxels = 0;           // of one request, by the server's estimate
+  uint64_t max_voxels = 0;           // lattice points that one request looks at, by the server's estimate
 };
 
 }  // namespace latvox::client

@@ -13,7 +13,7 @@ namespace {
 // Long enough for many jobs to end, short enough not to leave a free place unused.
 constexpr absl::Duration kRetryDelay = absl::Seconds(1);
 
-absl::Status TooMany(absl::string_view what, const char* reason, uint32_t limit, const char* limit_name) {
+absl::Status TooMany(absl::string_view what, const char* reason, uint64_t limit, const char* limit_name) {
   return WithRetry(MakeError(absl::StatusCode::kResourceExhausted,
                              absl::StrCat(what, ": ", limit, " of ", limit, " are in progress; try again"),
                              {reason, std::string{what}, absl::StrCat(limit), absl::StrCat(limit), limit_name}),
@@ -45,7 +45,7 @@ void CallRegistry::Move(Entry& entry, State state) {
 // A paused call counts as before: it comes back without being admitted again.
 absl::Status CallRegistry::CheckRoom(const std::string& client, uint32_t max_jobs_of_client) const {
   if (closed_) return Stopping();
-  const uint32_t limit = limits_.max_jobs + limits_.max_queued_jobs;
+  const uint64_t limit = uint64_t{limits_.max_jobs} + limits_.max_queued_jobs;
   if (calls_.size() - counts_[kVacated] >= limit) return TooMany("jobs", "TOO_MANY_JOBS", limit, "");  // two limits
   const uint32_t share =
       max_jobs_of_client == 0 ? limits_.max_jobs_per_client : std::min(max_jobs_of_client, limits_.max_jobs_per_client);

@@ -56,6 +56,6 @@ Lane::Lane(int threads, int niceness)
   for (int n = 0; n < threads; ++n) residents_.push_back(std::make_unique<Resident>(arena_, niceness));
 }
 
-Lane::~Lane() noexcept { tasks_.wait(); }
+Lane::~Lane() noexcept { Wait(); }
 
 }  // namespace latvox

@@ -21,8 +21,7 @@ class Lane {
  public:
   // `niceness` is what the lane's threads add to the process's; 0: they are oneTBB's workers.
   Lane(int threads, int niceness);
-  // Waits for all tasks.
-  ~Lane() noexcept;
+  ~Lane() noexcept;  // as Wait
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
 
@@ -40,6 +39,9 @@ class Lane {
       task();
     }));
   }
+
+  // Waits for all tasks.
+  void Wait() { tasks_.wait(); }
 
   // Whether tasks wait for those that run: long ones should make way.
   bool contended() const { return waiting_ > 0; }

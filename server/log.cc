@@ -10,6 +10,8 @@
 #include <atomic>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
@@ -90,6 +92,10 @@ void StartLog(LogLevel level, LogFormat format) {
   logger->flush_on(spdlog::level::debug);
   spdlog::set_default_logger(logger);
   g_format = format;
+  // Kept for good, without its queue: a thread may be on its way into it when StopLog comes.
+  static auto* const kept = new std::vector<std::shared_ptr<spdlog::logger>>;
+  kept->push_back(logger);
+  logger->set_error_handler([](const std::string&) {});  // of lines that come after StopLog
   g_logger = logger.get();
   gpr_set_log_function(&LogFromGrpc);
 }

@@ -126,7 +126,12 @@ class Server final : public VoxelServer {
     AddMetrics();
   }
 
-  ~Server() override { Stop(absl::ZeroDuration()); }
+  // Of a call that is over, a task may be on its last lines, or hold the last reference: to what is about to go.
+  ~Server() override {
+    Stop(absl::ZeroDuration());
+    bulk_.Wait();
+    quick_.Wait();  // to which tasks of the other pass work on
+  }
 
   absl::Status Listen();
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
+#include <new>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -77,7 +79,16 @@ void BatchRun::Work() {
       if (!stop_.ok() || cancellation_.cancelled() || next_ == file_.lines.size()) break;
       line = &file_.lines[next_++];
     }
-    JobResult result = Do(parser, *line);
+    JobResult result;
+    result.line = line->number;
+    try {
+      Do(parser, *line, result);
+    } catch (const std::bad_alloc&) {
+      result.error = absl::ResourceExhaustedError("memory: there is none left");
+    } catch (const std::exception& error) {
+      result.error = absl::UnknownError(error.what());
+    }
+    if (!result.error.ok()) result.outcome = JobResult::Outcome::kFailed;
     result.ended_unix_ms = static_cast<uint64_t>(absl::ToUnixMillis(absl::Now()));
     End(result);
   }
@@ -86,26 +97,20 @@ void BatchRun::Work() {
   changed_.notify_all();
 }
 
-JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
-  JobResult result;
-  result.line = line.number;
+void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   auto job = parser.Parse(line.text);
-  if (!job.ok()) {
-    result.error = job.status();
-    return result;
-  }
+  result.error = job.status();
+  if (!job.ok()) return;
   result.id = job->id;
   result.mesh = job->mesh;
   result.outputs = job->names;
   result.error = CheckPlaces(*job);
   if (result.error.ok()) result.error = Align(job->options);
-  if (!result.error.ok()) return result;
+  if (!result.error.ok()) return;
   // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
   auto digest = JobDigest(*job);
-  if (!digest.ok()) {
-    result.error = digest.status();
-    return result;
-  }
+  result.error = digest.status();
+  if (!digest.ok()) return;
   result.job_digest = *std::move(digest);
   if (auto voxels = done_.Find(*job, result.job_digest)) {
     result.outcome = JobResult::Outcome::kSkipped;
@@ -114,7 +119,6 @@ JobResult BatchRun::Do(JobParser& parser, const JobLine& line) {
     Voxelize(*job, result);
   }
   if (result.outcome != JobResult::Outcome::kFailed) Measure(job->options.outputs, result);
-  return result;
 }
 
 void BatchRun::Voxelize(const Job& job, JobResult& result) {

@@ -38,7 +38,7 @@ class BatchRun {
 
   // On each worker's thread.
   void Work();
-  JobResult Do(JobParser& parser, const JobLine& line);
+  void Do(JobParser& parser, const JobLine& line, JobResult& result);
   void Voxelize(const Job& job, JobResult& result);
   absl::StatusOr<SharedSession> Connect();
   void Disconnect(const SharedSession& session);

@@ -107,7 +107,6 @@ void AddCompareOptions(CLI::App& command, CompareWords& words) {
   command.add_flag("--voxels", words.voxels_only,
                    "voxels and their places decide, not what they have or the metadata say");
   command.add_flag("--json", words.json, "machine-readable report on standard output");
-  command.footer("Exit status: 0 equal, 1 different; others as of all commands\n");
 }
 
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {

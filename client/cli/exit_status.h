@@ -25,8 +25,6 @@ ExitStatus ExitStatusOf(const absl::Status& status);
 // message does not hold already.
 std::string ErrorText(const absl::Status& status);
 
-// "latvox: " and the same.
-
 }  // namespace latvox::client
 
 #endif  // LATVOX_CLIENT_CLI_EXIT_STATUS_H_

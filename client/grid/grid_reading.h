@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -20,7 +21,7 @@
 namespace latvox::client {
 
 // What read(file) returns of the file, opened without its voxels. Errors: NOT_FOUND; INVALID_ARGUMENT (what OpenVDB
-// throws), with the path.
+// throws), with the path; RESOURCE_EXHAUSTED: memory.
 template <class Read>
 auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<openvdb::io::File&>())) try {
   std::error_code error;
@@ -29,6 +30,8 @@ auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::d
   openvdb::io::File file(path);
   file.open(/*delayLoad=*/false);
   return read(file);
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError(absl::StrCat(path, ": is larger than the memory at hand"));
 } catch (const std::exception& error) {
   return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
 }

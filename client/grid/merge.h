@@ -25,8 +25,8 @@ struct MergedGrid {
 // with the metadata that they share. The digest is computed anew; it is the sum of the parts' digests where no brick is
 // in two.
 //
-// Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets (20
-// MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.
+// Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets
+// (147 MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.
 //
 // `progress`, if any, is called now and then with the share done, 0 to 1, and the bricks written so far.
 //

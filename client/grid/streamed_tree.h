@@ -12,7 +12,7 @@
 namespace latvox::client {
 
 // What has to be known of a tree before its first byte is written. Memory: 4 KiB for each node of 4096^3 voxels, of
-// which the 65536 voxels that a mesh may be long make 17^3 at most: 20 MB.
+// which the 131,072 voxels that a mesh may be long on each axis make 33^3 at most: 147 MB.
 struct TreeSurvey {
   std::map<openvdb::Coord, Upper::NodeMaskType> uppers;  // by low corner, in the tree's order: which children it has
   uint64_t leaves = 0, lowers = 0, voxels = 0;

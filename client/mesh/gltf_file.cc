@@ -32,6 +32,11 @@ absl::Status Bad(const Parts&... parts) {
   return absl::InvalidArgumentError(absl::StrCat(parts...));
 }
 
+// The status of what stands there.
+absl::Status In(absl::string_view list, size_t number, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrCat(list, number, "]: ", status.message()));
+}
+
 // So many numbers of a node.
 template <size_t kCount>
 absl::StatusOr<std::array<double, kCount>> Numbers(const Json& node, const char* name,
@@ -97,8 +102,8 @@ std::optional<Color> BaseColorOf(uint64_t number, const Json& root, std::string&
 
 class SceneReader {
  public:
-  SceneReader(const GltfDocument& document, const std::filesystem::path& folder)
-      : root_(document.root), buffers_(document, folder) {}
+  SceneReader(const GltfDocument& document, const std::filesystem::path& folder, size_t most)
+      : root_(document.root), most_(most), buffers_(document, folder) {}
 
   // Errors: also the JSON library's exceptions.
   absl::StatusOr<Mesh> Read();
@@ -114,11 +119,13 @@ class SceneReader {
   absl::Status Add(const Visit& visit);
   absl::Status AddMesh(uint64_t number, const Affine& to_world);
   absl::Status AddPrimitive(const Json& described, const Mesh& primitive, uint32_t part, const Affine& to_world);
+  absl::Status CheckSize(size_t triangles, size_t vertices) const;
   absl::StatusOr<std::vector<Mesh>> ReadPrimitives(const Json& mesh);
   absl::StatusOr<uint32_t> NumberOfMaterial(const Json& primitive);
   void WarnOfWeights(const Json& node);
 
   const Json& root_;
+  const size_t most_;  // triangles, and vertices
   GltfBuffers buffers_;
   std::vector<Visit> open_;                       // the next one last
   std::vector<bool> seen_;                        // of the nodes
@@ -180,8 +187,14 @@ absl::Status SceneReader::Add(const Visit& visit) {
   return absl::OkStatus();
 }
 
+absl::Status SceneReader::CheckSize(size_t triangles, size_t vertices) const {
+  if (std::max(triangles, vertices) <= most_) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat("the scene has more than ", most_, " triangles or vertices"));
+}
+
 absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const Json& mesh) {
   std::vector<Mesh> primitives;
+  size_t triangles = mesh_.triangles.size(), vertices = mesh_.positions.size();
   for (const Json& described : mesh.at("primitives")) {
     absl::StatusOr<Mesh> primitive;
     try {
@@ -190,9 +203,10 @@ absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const Json& mesh) 
       primitive = GltfError(error);
     }
     const absl::Status& status = primitive.status();
-    if (!status.ok()) {
-      return absl::Status(status.code(), absl::StrCat("primitives[", primitives.size(), "]: ", status.message()));
-    }
+    if (!status.ok()) return In("primitives[", primitives.size(), status);
+    triangles += primitive->triangles.size();
+    vertices += primitive->positions.size();
+    if (auto enough = CheckSize(triangles, vertices); !enough.ok()) return enough;
     primitives.push_back(*std::move(primitive));
   }
   return primitives;
@@ -212,7 +226,7 @@ absl::Status SceneReader::AddMesh(uint64_t number, const Affine& to_world) {
   const uint32_t part = NextPart(mesh_);
   for (size_t n = 0; n < found->second.size(); ++n) {
     const absl::Status status = AddPrimitive(mesh.at("primitives").at(n), found->second[n], part, to_world);
-    if (!status.ok()) return named(Bad("primitives[", n, "]: ", status.message()));
+    if (!status.ok()) return named(In("primitives[", n, status));
   }
   return absl::OkStatus();
 }
@@ -222,7 +236,9 @@ absl::Status SceneReader::AddPrimitive(const Json& described, const Mesh& primit
   mesh_.skipped += primitive.skipped;
   if (primitive.triangles.empty()) return absl::OkStatus();
   const size_t base = mesh_.positions.size(), vertices = primitive.positions.size();
-  if (base + vertices > UINT32_MAX) return Bad("more than ", UINT32_MAX, " vertices");
+  if (auto status = CheckSize(mesh_.triangles.size() + primitive.triangles.size(), base + vertices); !status.ok()) {
+    return status;
+  }
   for (size_t v = 0; v < vertices; ++v) {
     const Vec3f position = Apply(to_world, primitive.positions[v]);
     for (const float coordinate : position) {
@@ -265,10 +281,10 @@ void SceneReader::WarnOfWeights(const Json& node) {
 
 }  // namespace
 
-absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::path& folder) try {
+absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::path& folder, size_t most) try {
   const auto document = ParseGltfDocument(bytes);
   if (!document.ok()) return document.status();
-  return SceneReader(*document, folder).Read();
+  return SceneReader(*document, folder, most).Read();
 } catch (const Json::exception& error) {
   return GltfError(error);
 }

@@ -17,9 +17,10 @@ namespace latvox::client {
 // a texture is not sampled, and then there is no color.
 //   bytes    of a .glb or a .gltf
 //   folder   of the files that it refers to; empty: the working directory
+//   most     triangles, and vertices, of the scene, each counted as often as it is placed: a few bytes may place many
 // Errors, without the path: as ParseGltfDocument, and INVALID_ARGUMENT or RESOURCE_EXHAUSTED naming node, mesh and
 // primitive, accessor or buffer, what is wrong there, and the limit.
-absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::path& folder);
+absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::path& folder, size_t most = kMostPlaced);
 
 }  // namespace latvox::client
 

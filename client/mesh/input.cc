@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <new>
 #include <system_error>
 
 #include "absl/cleanup/cleanup.h"
@@ -45,7 +46,7 @@ absl::Status AwaitBytes(int fd, const std::string& path, absl::Time deadline) {
 }
 
 // Not by way of a stream, which ends at an error of the device as it does at the end of a file.
-absl::StatusOr<std::string> ReadAll(int fd, const std::string& path, absl::Time deadline) {
+absl::StatusOr<std::string> ReadAll(int fd, const std::string& path, absl::Time deadline) try {
   struct stat file {};
   const bool is_sized = fstat(fd, &file) == 0 && S_ISREG(file.st_mode);
   std::string bytes(is_sized ? static_cast<size_t>(file.st_size) + 1 : size_t{1} << 16, '\0');
@@ -64,6 +65,8 @@ absl::StatusOr<std::string> ReadAll(int fd, const std::string& path, absl::Time 
     if (bytes.empty()) return absl::InvalidArgumentError(absl::StrCat(NameOfInput(path), ": is empty"));
     return bytes;
   }
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError(absl::StrCat(NameOfInput(path), ": is larger than the memory at hand"));
 }
 
 }  // namespace

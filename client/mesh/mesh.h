@@ -34,6 +34,9 @@ struct Mesh {
   std::string no_color = {};               // why some of the file's colors are not among these; empty: it has no others
 };
 
+// Of scenes, which may place a mesh of theirs many times: triangles, and vertices, in all.
+inline constexpr size_t kMostPlaced = size_t{1} << 26;
+
 }  // namespace latvox::client
 
 #endif  // LATVOX_CLIENT_MESH_MESH_H_

@@ -52,8 +52,6 @@ std::string Known() {
 
 }  // namespace
 
-bool IsDracoFile(const std::string& path) { return FormatOfPath(path) == MeshFormat::kDraco; }
-
 absl::StatusOr<Mesh> ReadMeshFile(const std::string& path, absl::Time deadline) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));

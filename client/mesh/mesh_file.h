@@ -11,9 +11,6 @@
 
 namespace latvox::client {
 
-// Whether the file is Draco by its extension.
-bool IsDracoFile(const std::string& path);
-
 // Reads a file of one of the formats: all meshes of the file joined in world coordinates (node transforms applied),
 // polygons triangulated, with what else of it Mesh has. Binary float32 positions are taken over bit by bit.
 // Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, an index out of range, a vertex

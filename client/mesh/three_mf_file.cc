@@ -28,7 +28,7 @@ namespace latvox::client {
 namespace {
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
-constexpr size_t kMaxTriangles = size_t{1} << 26, kMaxPlaced = size_t{1} << 20;
+constexpr size_t kMaxObjects = size_t{1} << 20;
 constexpr int kMaxDepth = 64;  // of components within components
 constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
@@ -188,8 +188,8 @@ class Reader {
     if (object == objects.end())
       return part.Error(reference, "objectid=\"", id, "\" is no object of ", (*home)->name());
     if (depth > kMaxDepth) return part.Error(reference, "components nest deeper than ", kMaxDepth);
-    if (++placed_ > kMaxPlaced) {
-      return absl::ResourceExhaustedError(absl::StrCat("the build places more than ", kMaxPlaced, " objects"));
+    if (++placed_ > kMaxObjects) {
+      return absl::ResourceExhaustedError(absl::StrCat("the build places more than ", kMaxObjects, " objects"));
     }
     const pugi::xml_node node = object->second;  // models_ may grow below
     const Affine to_world = outer * *map;
@@ -209,9 +209,9 @@ class Reader {
       read = std::make_unique<Mesh>(*std::move(mesh));
     }
     if (std::max(mesh_.triangles.size() + read->triangles.size(), mesh_.positions.size() + read->positions.size()) >
-        kMaxTriangles) {
+        kMostPlaced) {
       return absl::ResourceExhaustedError(
-          absl::StrCat("the build has more than ", kMaxTriangles, " triangles or vertices"));
+          absl::StrCat("the build has more than ", kMostPlaced, " triangles or vertices"));
     }
     const absl::Status status = Append(*read, to_world, mesh_);
     return status.ok() ? status : part.Error(node, status.message());

@@ -16,8 +16,8 @@ namespace latvox::client {
 // all else that is no required extension is ignored, and textures are not sampled. Errors: INVALID_ARGUMENT naming
 // part, line, element and value: not a zip archive, not XML, an attribute that is missing or no number, a vertex index
 // out of range, an object that does not exist or contains itself, a required extension that is not read.
-// RESOURCE_EXHAUSTED: parts of more than 1 GiB unpacked, more than 2^26 triangles or vertices, or 2^20 objects, each
-// counted as often as it is placed.
+// RESOURCE_EXHAUSTED: parts of more than 1 GiB unpacked, more than kMostPlaced triangles or vertices, or 2^20 objects,
+// each counted as often as it is placed.
 absl::StatusOr<Mesh> Parse3mf(absl::string_view bytes);
 
 }  // namespace latvox::client

@@ -12,6 +12,7 @@
 #include "absl/strings/strip.h"
 #include "client/mesh/input.h"
 #include "client/mesh/mesh_file.h"
+#include "client/mesh/mesh_format.h"
 #include "server/draco_decoder.h"
 #include "tests/bench/scene_file.h"
 
@@ -128,7 +129,7 @@ class Midpoints {
 absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (name == "box") return Box();
   if (absl::string_view count = name; absl::ConsumePrefix(&count, "sphere:")) return SphereOf(count);
-  if (client::IsDracoFile(name)) {
+  if (client::FormatOfPath(name) == client::MeshFormat::kDraco) {
     const auto bytes = client::ReadBytes(name);
     if (!bytes.ok()) return bytes.status();
     auto decoded = DecodeDraco(*bytes, Limits());

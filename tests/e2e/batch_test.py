@@ -146,6 +146,15 @@ class Jobs(Batch):
         self.assertEqual(results[2]["error"]["exit_status"], BAD_INPUT)
         self.assertIn("missing.obj", results[2]["error"]["message"])
 
+    def test_a_mesh_beyond_memory_fails_its_job_alone(self):
+        (self.dir / "huge.ply").touch()
+        os.truncate(self.dir / "huge.ply", 8 << 30)  # a hole
+        jobs = self.jobs({"mesh": "huge.ply", "resolution": 8}, *self.small(1))
+        command = ["prlimit", f"--as={4 << 30}", BIN / "latvox", "batch", jobs, "--out", self.out, "--jobs", "1"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=harness.PATIENCE)
+        self.assertRegex(done.stderr, r"jobs\.jsonl:1: .*/huge\.ply: is larger than the memory at hand\n$")
+        self.assertEqual((done.returncode, self.outputs()), (REFUSED, ["0.vdb"]))
+
     def test_wrong_lines_are_all_named_and_nothing_is_run(self):
         jobs = self.jobs(
             *self.small(1),

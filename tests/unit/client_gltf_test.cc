@@ -211,6 +211,24 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
   says("/nodes/0/scale", {1e39, 1, 1}, "meshes[0].primitives[0]: vertex 1 is not finite (inf)");
 }
 
+// A few bytes place a mesh many times, or name a primitive many times.
+TEST(GltfFile, ScenesAreOnlySoLarge) {
+  Json placed = Document();
+  placed["nodes"].push_back({{"mesh", 0}});
+  placed["nodes"].push_back({{"mesh", 0}});
+  placed["scenes"][0]["nodes"] = {0, 1, 2};
+  EXPECT_TRUE(ParseGltf(placed.dump(), "", 12).ok());
+  const absl::Status status = ParseGltf(placed.dump(), "", 11).status();
+  EXPECT_EQ(status,
+            absl::ResourceExhaustedError("meshes[0].primitives[0]: the scene has more than 11 triangles or vertices"));
+
+  Json repeated = Document();
+  Json& primitives = repeated["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  EXPECT_TRUE(ParseGltf(repeated.dump(), "", 8).ok());
+  EXPECT_EQ(ParseGltf(repeated.dump(), "", 7).status().code(), absl::StatusCode::kResourceExhausted);
+}
+
 class GltfFiles : public FilesTest {};
 
 TEST_F(GltfFiles, UrisArePercentEncoded) {

@@ -56,6 +56,12 @@ TEST(CallRegistry, AdmitsUpToItsLimitAndAgainOnceAPlaceIsVacated) {
   EXPECT_EQ(registry.working() + registry.queued(), 0);
 }
 
+TEST(CallRegistry, HasRoomForAsManyAsNumbersSay) {
+  CallRegistry registry({1, UINT32_MAX, 9});
+  const auto a = Enter(registry, "x");
+  registry.Remove(a.get());
+}
+
 TEST(CallRegistry, HoldsEachClientAgainstItsShare) {
   CallRegistry registry({4, 4, 2});
   const auto a = Enter(registry, "x"), b = EnterAndWait(registry, "x");
