@@ -16,30 +16,26 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/base/cancelled.h"
+#include "core/thin/crossed_edges.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {
 
-// The ends of a crossed lattice edge, as numbers of a BitsLayout.
-struct CrossedEdge {
-  uint32_t end, other;
-};
-
 // Thins `set` in place and returns true, if that can be decided for all voxels in `wanted`; else leaves it as it was.
 // It always can if what is known exceeds `wanted` by kThinHalo steps: a voxel's fate depends on others at most eight
 // steps away.
-//   doubtful  ascending: the members all of whose crossed edges from this end, as the nearer one, are known, and none
-//             of them shows essential by its other end being outside
+//   doubtful  the members all of whose crossed edges from this end, as the nearer one, are known, and none of them
+//             shows essential by its other end being outside; each once, in any order
+//   doubted   these, and what else may be doubtful: what is not there stays
 //   edges     all crossed edges between two doubtful voxels; within `known`, also those between one and what else may
-//             be doubtful; in either direction; duplicates allowed
+//             be doubtful; others do no harm. Marks of doubtful voxels are set
 //   known     local voxels; beyond, doubtful ones may have further edges
 //   wanted    local voxels, within `known`; there, what may be doubtful is in `doubtful`
 // Once cancelled, it returns true soon, and the set means nothing.
-bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const std::vector<CrossedEdge>& edges,
+bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedEdges& edges,
           const IndexBox& known, const IndexBox& wanted, TileBits& set,
           const std::atomic<bool>& cancelled = kNeverCancelled);
 

@@ -5,14 +5,10 @@
 #include <cstring>
 #include <iterator>
 
-#include "core/base/sort.h"
 #include "core/tile/cut_out.h"
 
 namespace latvox {
 namespace {
-
-// Lists of so many may be duplicates for the most part, and are compacted; then when they have doubled.
-constexpr size_t kMany = size_t{1} << 18;
 
 // Calls f(n) for all n < size. Neighbours in a list often share a word of bits, for which one change would wait for the
 // other; hence they do not follow each other.
@@ -143,13 +139,14 @@ void TileScan::AddRim(const TileContext& context) {
   });
 }
 
-// Calls f(farther end) for the edges of a star, until that returns false; returns whether it never did.
+// Calls f(farther end, direction, forward) for the edges of a star, until that returns false; returns whether it never
+// did.
 template <class F>
 bool TileScan::ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
   for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
-    const int n = std::countr_zero(bits);
-    const int32_t step = steps_[static_cast<size_t>(n)];
-    if (!f(voxel + static_cast<uint32_t>(star.forward >> n & 1 ? step : -step))) return false;
+    const auto n = static_cast<size_t>(std::countr_zero(bits));
+    const bool forward = (star.forward >> n & 1) != 0;
+    if (!f(voxel + static_cast<uint32_t>(forward ? steps_[n] : -steps_[n]), n, forward)) return false;
   }
   return true;
 }
@@ -161,34 +158,28 @@ void TileScan::FindRest(const TileContext& context) {
   rest_.Resize(layout_.Words());  // empty
   maybe_.clear();
   // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
-  TileBits& essential = rest_;  // which lends its bits
+  essential_.Resize(layout_.Words());  // empty
   ForEachApart(crossings_.nearer.size(),
-               [&](size_t n) { essential.Add(crossings_.nearer[n], !surface_.Test(crossings_.farther[n])); });
-  essential.Find(crossings_.nearer.view(), false, inner_);
+               [&](size_t n) { essential_.Add(crossings_.nearer[n], !surface_.Test(crossings_.farther[n])); });
+  essential_.Find(crossings_.nearer.view(), false, inner_);
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
+  const bool any_tiny = crossings_.nearer.size() > 0;
   const auto add = [&](uint32_t voxel) {
-    if (!essential.Test(voxel) && complete.Contains(layout_.VoxelAt(voxel))) maybe_.push_back(voxel);
+    if ((any_tiny && essential_.Test(voxel)) || rest_.Test(voxel) || !complete.Contains(layout_.VoxelAt(voxel))) return;
+    rest_.Set(voxel);
+    maybe_.push_back(voxel);
   };
   for (const uint32_t n : inner_.view()) add(crossings_.nearer[n]);
-  size_t compact_at = kMany;
   ForEachPart(context, [&] {
     surface_.Find(candidates_.farther.view(), true, positions_);
     for (const uint32_t n : positions_.view()) add(candidates_.nearer[n] & kNumberMask);
-    if (!in_parts_ || maybe_.size() < compact_at) return;
-    SortUnique(maybe_, context.cancelled);
-    compact_at = std::max(kMany, 2 * maybe_.size());
   });
-  const auto in_surface = [&](uint32_t end) { return surface_.Test(end); };
+  const auto in_surface = [&](uint32_t end, size_t, bool) { return surface_.Test(end); };
   for (const auto& [voxel, star] : rim_only_) {
     if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
-  if (crossings_.nearer.size() > 0) rest_.words().assign(layout_.Words(), 0);  // empty again
-  std::erase_if(maybe_, [&](uint32_t voxel) {
-    const bool again = rest_.Test(voxel);
-    rest_.Set(voxel);
-    return again;
-  });
+  if (any_tiny) essential_.words().assign(layout_.Words(), 0);  // empty again
 }
 
 // Whether a voxel is known not to belong to the surface.
@@ -196,23 +187,15 @@ bool TileScan::IsOutside(uint32_t voxel) const {
   return !surface_.Test(voxel) && box_.Contains(layout_.VoxelAt(voxel));
 }
 
-// Leaves out edges that no longer count, and duplicates: where many triangles meet in few voxels, each edge comes from
-// many of them.
-void TileScan::CompactEdges(const TileContext& context) {
-  std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
-  const auto key = [](const CrossedEdge& edge) { return uint64_t{edge.end} << 32 | edge.other; };
-  Sort(edges_, context.cancelled, [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) < key(b); });
-  const auto same = [&](const CrossedEdge& a, const CrossedEdge& b) { return key(a) == key(b); };
-  edges_.erase(std::unique(edges_.begin(), edges_.end(), same), edges_.end());
-}
-
 // Asks all triangles at members of rest_: voxels that prove essential leave it, edges within it are recorded.
 void TileScan::AskRest(const TileContext& context) {
-  edges_.clear();
-  compact_at_ = kMany;
+  edges_.Reset(layout_);
+  for (const ScanFrame& scan : context.frames) edges_.AddDirection(layout_, scan.frame.q);
   ForEachPart(context, [&] { AskRestOfPart(context); });
-  for (const uint32_t n : inner_.view()) edges_.push_back({crossings_.nearer[n], crossings_.farther[n]});
-  std::erase_if(edges_, [&](const CrossedEdge& edge) { return !rest_.Test(edge.end) || !rest_.Test(edge.other); });
+  for (const uint32_t n : inner_.view()) {
+    const uint32_t end = crossings_.nearer[n], other = crossings_.farther[n];
+    if (rest_.Test(end) && rest_.Test(other)) edges_.Add(end, other);
+  }
 }
 
 // Voxels that one list's triangles prove essential spare those of the next.
@@ -238,12 +221,8 @@ void TileScan::AskAtPositions(const TileContext& context, const NumberList& voxe
   pairs_.clear();
   AppendPairs(candidates_, voxels, positions_, run_end, pairs_);
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
-    if (edges_.size() >= compact_at_) {
-      CompactEdges(context);
-      compact_at_ = std::max(kMany, 2 * edges_.size());
-    }
-    const bool may_leave = ForEachEnd(z, star, [&](uint32_t end) {
-      if (rest_.Test(end)) edges_.push_back({z, end});
+    const bool may_leave = ForEachEnd(z, star, [&](uint32_t end, size_t direction, bool forward) {
+      if (rest_.Test(end)) edges_.Add(z, direction, forward);
       return !IsOutside(end);
     });
     if (!may_leave) rest_.Clear(z);
@@ -280,13 +259,12 @@ bool TileScan::Thin(const TileContext& context) {
   if (context.cancelled) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
-  Sort(doubtful, context.cancelled);
   const IndexBox known = Shrunk(box_, context.reach * 2);
-  bool decided = latvox::Thin(layout_, doubtful, edges_, known, block_, surface_, context.cancelled);
+  bool decided = latvox::Thin(layout_, doubtful, rest_, edges_, known, block_, surface_, context.cancelled);
   if (!decided) {
     AddBorder(context, doubtful);
     AskRest(context);
-    decided = latvox::Thin(layout_, doubtful, edges_, box_, block_, surface_, context.cancelled);
+    decided = latvox::Thin(layout_, doubtful, rest_, edges_, box_, block_, surface_, context.cancelled);
   }
   for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
   return decided;

@@ -13,6 +13,7 @@
 #include "core/digitize/stars.h"
 #include "core/digitize/supercover.h"
 #include "core/snap/snap.h"
+#include "core/thin/crossed_edges.h"
 #include "core/thin/thin.h"
 #include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
@@ -78,14 +79,14 @@ class TileScan {
   void AskRestOfPart(const TileContext& context);
   void FindInRest(const NumberList& voxels);
   void AskAtPositions(const TileContext& context, const NumberList& voxels, uint32_t Candidates::Run::*run_end);
-  void CompactEdges(const TileContext& context);
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);
 
   IndexBox block_{}, box_{};  // the node's voxels, and with the halo
   BitsLayout layout_{{}, {}};
   std::array<int32_t, kMaxDirections> steps_{};  // of layout_, along the frames
   TileBits surface_{0};
-  TileBits rest_{0};                     // what nothing has shown essential yet
+  TileBits essential_{0};                // what edges of tiny triangles have shown to be; empty from node to node
+  TileBits rest_{0};                     // what nothing has shown essential yet; likewise
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
   std::vector<uint32_t> others_;         // those of its triangles that are not tiny
   Crossings crossings_;                  // of the tiny ones
@@ -100,8 +101,7 @@ class TileScan {
   std::vector<RimVoxel> rim_only_;  // members that no triangle crosses along its principal direction
   std::vector<uint32_t> maybe_;     // all of rest_, each once, and others
   std::vector<VoxelTriangle> pairs_;
-  std::vector<CrossedEdge> edges_;
-  size_t compact_at_ = 0;  // many edges: time to compact them
+  CrossedEdges edges_;  // between members of rest_
 };
 
 }  // namespace latvox

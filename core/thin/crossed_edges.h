@@ -1,0 +1,91 @@
+// Crossed lattice edges, by voxels.
+#ifndef LATVOX_CORE_THIN_CROSSED_EDGES_H_
+#define LATVOX_CORE_THIN_CROSSED_EDGES_H_
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/vec.h"
+#include "core/lattice/frame.h"
+#include "core/tile/tile_bits.h"
+
+namespace latvox {
+
+// A set of edges, each at both of its ends: a word of bits for each voxel. However often an edge is added, and however
+// many meet, it takes 4 bytes for each of 32 voxels in a row of which one has any.
+class CrossedEdges {
+ public:
+  // Of a voxel: bit 2n stands for the edge to voxel - q, 2n + 1 for that to voxel + q, q the n-th direction. The other
+  // bits are marks, for Thin.
+  static constexpr uint32_t kEdges = (uint32_t{1} << 30) - 1, kListed = uint32_t{1} << 30, kUnsure = uint32_t{1} << 31;
+  static_assert(2 * kMaxPairs <= 30);
+
+  // Makes it empty, for voxels of this layout.
+  void Reset(const BitsLayout& layout) {
+    for (const uint32_t row : touched_) rows_[row] = 0;
+    touched_.clear();
+    words_.assign(kRow, 0);
+    count_ = 0;
+    rows_.resize(layout.Words());
+  }
+  // The next direction.
+  void AddDirection(const BitsLayout& layout, const Vec3i& q) {
+    const uint32_t flip = static_cast<uint32_t>((q[0] & 1) << 2 | (q[1] & 1) << 1 | (q[2] & 1));
+    steps_[count_++] = {-layout.StepOf(q), flip};
+    steps_[count_++] = {layout.StepOf(q), flip};
+  }
+
+  // Adds the edge along direction n.
+  void Add(uint32_t voxel, size_t n, bool forward) {
+    const size_t bit = 2 * n + (forward ? 1 : 0);
+    At(voxel) |= uint32_t{1} << bit;
+    At(voxel + static_cast<uint32_t>(steps_[bit].number)) |= uint32_t{1} << (bit ^ 1);
+  }
+  // Adds the edge between two neighbours.
+  void Add(uint32_t voxel, uint32_t other) {
+    size_t bit = 0;
+    while (voxel + static_cast<uint32_t>(steps_[bit].number) != other) ++bit;
+    Add(voxel, bit / 2, bit % 2 != 0);
+  }
+
+  // Of a voxel.
+  uint32_t Get(uint32_t voxel) const { return words_[rows_[voxel / kRow] * kRow + voxel % kRow]; }
+  // Where that may be changed.
+  uint32_t& At(uint32_t voxel) {
+    uint32_t& row = rows_[voxel / kRow];
+    if (row == 0) {
+      row = static_cast<uint32_t>(words_.size() / kRow);
+      words_.resize(words_.size() + kRow);
+      touched_.push_back(voxel / kRow);
+    }
+    return words_[row * kRow + voxel % kRow];
+  }
+
+  // Calls f(other, flip) for the edges among these bits of a voxel: the parity class of the other end is that of the
+  // voxel ^ flip.
+  template <class F>
+  void ForEach(uint32_t voxel, uint32_t bits, F&& f) const {
+    for (bits &= kEdges; bits != 0; bits &= bits - 1) {
+      const Step& step = steps_[static_cast<size_t>(std::countr_zero(bits))];
+      f(voxel + static_cast<uint32_t>(step.number), step.flip);
+    }
+  }
+
+ private:
+  static constexpr uint32_t kRow = 32;
+  struct Step {
+    int32_t number;  // by which that of the other end differs
+    uint32_t flip;
+  };
+
+  std::array<Step, 2 * kMaxPairs> steps_{};
+  size_t count_ = 0;
+  std::vector<uint32_t> rows_;     // of kRow numbers: where their words are, or 0
+  std::vector<uint32_t> words_;    // first kRow that are 0, for all the others
+  std::vector<uint32_t> touched_;  // rows
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_THIN_CROSSED_EDGES_H_
