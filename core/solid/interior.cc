@@ -31,15 +31,24 @@ Triangle TriangleAt(const SnappedMesh& mesh, uint32_t t) {
 
 class ClosedInterior : public Interior {
  public:
-  ClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
-      : mesh_(mesh), rule_(rule), cancelled_(cancelled), corners_(FindLineCrossings<kCornerBits>(mesh, cancelled)) {
+  ClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region, const std::atomic<bool>& cancelled)
+      : mesh_(mesh),
+        rule_(rule),
+        cancelled_(cancelled),
+        first_tile_(Shifted(region.min, kTileBits)),
+        corners_(FindLineCrossings<kCornerBits>(mesh, region, cancelled)) {
     // Sums over whole lines are even, or 0 (of kWinding): none concerns the lines after it.
     sums_.reserve(corners_.size());
     int32_t sum = 0;
     for (const uint64_t corner : corners_) sums_.push_back(sum += LineCrossing::Turn(corner));
   }
 
-  bool MayHold(const Vec3i& tile_ijk, int) const override { return IsInside(rule_, SumAtCorner(tile_ijk)); }
+  // It is the same for all of the cube: asked of a tile that meets the region.
+  bool MayHold(const Vec3i& tile_ijk, int) const override {
+    Vec3i tile;
+    for (size_t m = 0; m < 3; ++m) tile[m] = std::max(tile_ijk[m], first_tile_[m]);
+    return IsInside(rule_, SumAtCorner(tile));
+  }
 
   void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const override {
     const Vec3i low = tile_ijk * kTileSide;
@@ -143,14 +152,15 @@ class ClosedInterior : public Interior {
   const SnappedMesh& mesh_;
   const InteriorRule rule_;
   const std::atomic<bool>& cancelled_;
+  const Vec3i first_tile_;               // of the region
   const std::vector<uint64_t> corners_;  // of lines through the tiles' corners, in tiles
   std::vector<int32_t> sums_;            // up to each of them, included
 };
 
 class OpenInterior : public Interior {
  public:
-  OpenInterior(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
-      : rule_(rule), crossings_(FindLineCrossings<kSubvoxelBits>(mesh, cancelled)) {}
+  OpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region, const std::atomic<bool>& cancelled)
+      : rule_(rule), crossings_(FindLineCrossings<kSubvoxelBits>(mesh, region, cancelled)) {}
 
   bool MayHold(const Vec3i& tile_ijk, int level) const override {
     const Vec3i low = tile_ijk * kTileSide;
@@ -202,14 +212,14 @@ class OpenInterior : public Interior {
   const std::vector<uint64_t> crossings_;
 };
 
-std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule,
+std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                              const std::atomic<bool>& cancelled) {
-  return std::make_unique<ClosedInterior>(mesh, rule, cancelled);
+  return std::make_unique<ClosedInterior>(mesh, rule, region, cancelled);
 }
 
-std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule,
+std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                            const std::atomic<bool>& cancelled) {
-  return std::make_unique<OpenInterior>(mesh, rule, cancelled);
+  return std::make_unique<OpenInterior>(mesh, rule, region, cancelled);
 }
 
 }  // namespace latvox

@@ -3,10 +3,10 @@
 // Closed meshes: the sum of signed crossings does not depend on the path. One lattice point of each tile is told from
 // the lines along k through the tiles' corners, which are one in 64^2; from there, within the tile and by its own
 // triangles, the path goes along i, then along j, then along k. So tiles without triangles cost nothing, and memory is
-// that of the corner lines.
+// that of the corner lines through the region.
 //
 // Meshes that are not closed: the path is the line along k, from below, on lines that are balanced; the others hold no
-// interior points. All crossings of all lines along k are kept.
+// interior points. All crossings of all lines along k through the region are kept.
 #ifndef LATVOX_CORE_SOLID_INTERIOR_H_
 #define LATVOX_CORE_SOLID_INTERIOR_H_
 
@@ -44,22 +44,24 @@ class Interior {
  public:
   virtual ~Interior() = default;
 
-  // Whether a cube of 2^level tiles a side that no triangle meets may have points inside; tile_ijk: its lowest, local.
+  // Whether a cube of 2^level tiles a side that no triangle meets may have points of the region inside; tile_ijk: its
+  // lowest, local.
   virtual bool MayHold(const Vec3i& tile_ijk, int level) const = 0;
 
-  // Finds the points of a tile (local).
+  // Finds the points of a tile (local) that meets the region; of others outside of it, nothing is said.
   //   triangles   all that meet the box around its lattice points; more do no harm
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;
 };
 
 // Both keep references to the mesh and to `cancelled`. What they make, and what is found, means nothing once they are
 // cancelled.
+//   region   local voxels: others are not asked for
 //
 // Precondition: the mesh is closed (kParity) or oriented (kWinding).
-std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule,
+std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                              const std::atomic<bool>& cancelled = kNeverCancelled);
 // Of any mesh. Memory: kBytesPerLineCrossing for each crossing of a line along k.
-std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule,
+std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                            const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // Twice, as arrays grow, and once more, while they are gathered.

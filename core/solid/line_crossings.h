@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -72,12 +71,15 @@ inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_
   return all;
 }
 
-// Those with the lines whose coordinates are multiples of 2^kUnitBits lattice units, ascending. Ends soon once
-// cancelled; then the result means nothing.
+// Those with the lines whose coordinates are multiples of 2^kUnitBits lattice units, of which there is one below or at
+// each voxel (local) of the region on i and j; ascending. Ends soon once cancelled; then the result means nothing.
 template <int kUnitBits>
-std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
+std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region,
+                                        const std::atomic<bool>& cancelled) {
   constexpr size_t kChunk = 1 << 14;  // triangles a task
-  constexpr int64_t kAll = std::numeric_limits<int32_t>::max();
+  constexpr int kVoxelBits = kUnitBits - kSubvoxelBits;
+  const AxisLines lines{{region.min[0] >> kVoxelBits, (region.max[0] - 1) >> kVoxelBits},
+                        {region.min[1] >> kVoxelBits, (region.max[1] - 1) >> kVoxelBits}};
   constexpr int32_t kRows = 64;  // of lines, between looks whether it is cancelled
   const size_t count = mesh.triangles.size();
   std::vector<std::vector<uint64_t>> parts((count + kChunk - 1) / kChunk);
@@ -87,8 +89,9 @@ std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const std::atom
         const auto& [a, b, c] = mesh.triangles[t];
         const Triangle triangle{mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
         const auto [low, high] = std::minmax({triangle[0][1], triangle[1][1], triangle[2][1]});
-        for (int32_t j = low >> kUnitBits; j <= high >> kUnitBits && !cancelled; j += kRows) {
-          ForEachAxisCrossing<kUnitBits>(triangle, 2, {{-kAll, kAll}, {j, j + kRows - 1}},
+        const int64_t last = std::min(int64_t{high >> kUnitBits}, lines.b.last);
+        for (int64_t j = std::max(int64_t{low >> kUnitBits}, lines.b.first); j <= last && !cancelled; j += kRows) {
+          ForEachAxisCrossing<kUnitBits>(triangle, 2, {lines.a, {j, std::min(j + kRows - 1, last)}},
                                          [&](int32_t i, int32_t line_j, int32_t above, int32_t turn) {
                                            parts[n].push_back(LineCrossing::Make(i, line_j, above, turn));
                                          });

@@ -164,7 +164,7 @@ bool ExactJob::IsSmall(const TileNode& node) const {
 
 absl::Status ExactJob::Prepare() {
   if (!solid_ || interior_) return absl::OkStatus();
-  auto interior = MakeInterior(mesh_, *solid_, facts_.closed, cancelled_, facts_.unbalanced_lines);
+  auto interior = MakeInterior(mesh_, *solid_, facts_.closed, context_.region, cancelled_, facts_.unbalanced_lines);
   if (!interior.ok()) return interior.status();
   interior_ = *std::move(interior);
   tree_.KeepEmpty();

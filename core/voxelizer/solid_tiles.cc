@@ -19,7 +19,7 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 
 // A closed mesh is balanced on every line; of one that is not, all lines are looked at.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
-                                                             const std::atomic<bool>& cancelled,
+                                                             const IndexBox& region, const std::atomic<bool>& cancelled,
                                                              uint64_t& unbalanced_lines) {
   const bool parity = solid.rule == InteriorRule::kParity;
   const bool has_inside = parity ? closed : IsOriented(mesh, cancelled);
@@ -29,8 +29,8 @@ absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& 
         "mesh: it is not closed%s, and %d lattice lines along k end unbalanced; force_open fills the others",
         closed ? " with one orientation, as the rule winding asks" : "", unbalanced_lines));
   }
-  std::unique_ptr<const Interior> interior =
-      has_inside ? MakeClosedInterior(mesh, solid.rule, cancelled) : MakeOpenInterior(mesh, solid.rule, cancelled);
+  std::unique_ptr<const Interior> interior = has_inside ? MakeClosedInterior(mesh, solid.rule, region, cancelled)
+                                                        : MakeOpenInterior(mesh, solid.rule, region, cancelled);
   if (cancelled) return absl::CancelledError("voxelization cancelled");
   return interior;
 }

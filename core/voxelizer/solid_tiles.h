@@ -20,9 +20,10 @@ namespace latvox {
 
 // The interior of a solid, and how many of the mesh's lines along k end unbalanced.
 //   closed   of the mesh, by SurfaceFacts
+//   region   local voxels, of which the interior is wanted
 // Errors: INVALID_ARGUMENT if the mesh has no inside and solid.force_open is not set; CANCELLED.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
-                                                             const std::atomic<bool>& cancelled,
+                                                             const IndexBox& region, const std::atomic<bool>& cancelled,
                                                              uint64_t& unbalanced_lines);
 
 // Whether the frames include those along the three axes of lattice coordinates: then triangles that touch no line along

@@ -4,7 +4,9 @@ import importlib.machinery
 import json
 import os
 import pathlib
+import random
 import subprocess
+import tempfile
 import types
 import unittest
 
@@ -129,6 +131,18 @@ class Bench(unittest.TestCase):
         self.assertGreater(out["triangles"], 1_900_000)
         self.assertLess(out["job_peak_bytes"] / out["triangles"], 60)
 
+    def test_thinning_what_fills_a_volume_takes_bounded_time_and_memory(self):
+        random.seed(5)
+        with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
+            for n in range(900):
+                mesh.writelines("v {} {} {}\n".format(*(random.random() for _ in range(3))) for _ in range(3))
+                mesh.write(f"f {3 * n + 1} {3 * n + 2} {3 * n + 3}\n")
+            mesh.flush()
+            words = (mesh.name, "64", "--threads", "1", "--discard")
+            # In between there are some ten voxel-triangle pairs for each voxel, all of which thinning has to ask.
+            self.assertLess(instructions(*words), 10 * instructions(*words, "--no-minimal"))
+            self.assertLess(once(*words)["job_peak_bytes"], 60e6)
+
     def test_cost_grows_with_output_not_with_volume(self):
         # Some twenty triangles: a lattice of 8 times the volume has 4 times the voxels. The column meets a part of the
         # surface that is as large as that at 256, in a lattice of 2^48 points.
@@ -142,6 +156,11 @@ class Bench(unittest.TestCase):
         words = ("sphere:20", "65536", "--region", "30000,30000,30000,30999,30999,30999")
         self.assertEqual(once(*words)["voxels"], 0)
         self.assertLess(instructions(*words), 5_000_000)
+
+    def test_a_small_region_of_a_huge_solid_costs_little(self):
+        region = ("--region", "0,0,0,9,9,9", "--fill", "solid", "--threads", "1", "--discard")
+        self.assertLess(instructions("box", "65536", *region), 1.5 * instructions("box", "1024", *region))
+        self.assertLess(once("box", "65536", *region)["job_peak_bytes"], 4e6)
 
     def test_exit_statuses(self):
         for words, status in (

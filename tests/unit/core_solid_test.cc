@@ -240,11 +240,13 @@ TEST(Interiors, OfClosedMeshesAreTheSameLineByLine) {
   const SnappedMesh mesh = *Snap(Sphere(30, 200), lattice, {0, 0, 0}, ReachOf(lattice.frames(0)));
   std::vector<uint32_t> triangles(mesh.triangles.size());
   for (uint32_t t = 0; t < triangles.size(); ++t) triangles[t] = t;
+  const Vec3i low = mesh.box.min, side{8 * kTileSide, 8 * kTileSide, 8 * kTileSide};
   for (const InteriorRule rule : kRules) {
-    const auto closed = MakeClosedInterior(mesh, rule), open = MakeOpenInterior(mesh, rule);
+    const auto closed = MakeClosedInterior(mesh, rule, {low, low + side});
+    const auto open = MakeOpenInterior(mesh, rule, {low, low + side});
     InteriorRows a, b;
     for (int32_t n = 0; n < 512; ++n) {
-      const Vec3i tile = Shifted(mesh.box.min, kTileBits) + Vec3i{n >> 6, n >> 3 & 7, n & 7};
+      const Vec3i tile = Shifted(low, kTileBits) + Vec3i{n >> 6, n >> 3 & 7, n & 7};
       closed->Find(tile, triangles, a);
       open->Find(tile, triangles, b);
       ASSERT_TRUE(std::equal(a.view().begin(), a.view().end(), b.view().begin()));
