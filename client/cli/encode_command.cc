@@ -1,10 +1,12 @@
 #include "client/cli/encode_command.h"
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <utility>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/abandoned_work.h"
 #include "client/cli/common_options.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh/mesh_file.h"
@@ -44,10 +46,13 @@ absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource
                                       const Cancellation& cancellation) {
   const auto file = AtomicFile::Create(words.outputs[0]);
   if (!file.ok()) return file.status();
-  const auto mesh = ReadMesh(source);
-  if (!mesh.ok()) return mesh.status();
-  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
-  const auto encoded = EncodeMesh(*mesh, words.quantization);
+  CallOptions call;
+  call.cancellation = cancellation;
+  auto read = DoAbandonably([source] { return ReadMesh(source); }, call);
+  if (!read.ok()) return read.status();
+  const auto mesh = std::make_shared<const Mesh>(*std::move(read));
+  const auto encode = [mesh, bits = words.quantization] { return EncodeMesh(*mesh, bits); };
+  const auto encoded = DoAbandonably(encode, call);
   if (!encoded.ok()) return encoded.status();
   if (auto status = (*file)->Append(encoded->drc); !status.ok()) return status;
   if (auto status = (*file)->Sync(); !status.ok()) return status;

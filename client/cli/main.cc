@@ -1,5 +1,6 @@
 // The command line tool `latvox`.
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/abandoned_work.h"
 #include "client/cli/batch_command.h"
 #include "client/cli/batch_options.h"
 #include "client/cli/commands.h"
@@ -225,4 +227,8 @@ ExitStatus Main(int argc, char** argv) {
 }  // namespace
 }  // namespace latvox::client
 
-int main(int argc, char** argv) { return static_cast<int>(latvox::client::Main(argc, argv)); }
+int main(int argc, char** argv) {
+  const int status = static_cast<int>(latvox::client::Main(argc, argv));
+  if (latvox::client::AnyAbandoned()) _exit(status);
+  return status;
+}

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "client/cli/abandoned_work.h"
 #include "client/curve/curve_file.h"
 #include "client/mesh/input.h"
 #include "client/output/atomic_file.h"
@@ -54,7 +55,7 @@ absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const
   // First of all, so that a place that cannot be written is found before any work.
   const auto files = CreateFiles(options.outputs);
   if (!files.ok()) return files.status();
-  const auto drawing = ReadCurveFile(options.input, call.deadline.value_or(absl::InfiniteFuture()));
+  const auto drawing = DoAbandonably([path = options.input] { return ReadCurveFile(path); }, call);
   if (!drawing.ok()) return drawing.status();
   report.polylines = drawing->polylines.size();
   for (const Polyline& polyline : drawing->polylines) report.points += polyline.points.size();
@@ -65,7 +66,7 @@ absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const
   for (size_t n = 0; n < files->size(); ++n) {
     if (auto status = Write(options.outputs[n], *drawing, report.answer, *(*files)[n]); !status.ok()) return status;
   }
-  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (auto status = CheckTime(call); !status.ok()) return status;
   for (const auto& file : *files) {
     if (auto status = file->Commit(); !status.ok()) return status;
   }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "client/cli/abandoned_work.h"
 #include "client/cli/empty_box.h"
 #include "client/cli/progress_bar.h"
 #include "client/error.h"
@@ -57,17 +59,21 @@ absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const JobHoo
   return upload;
 }
 
-absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, absl::Time deadline, const JobHooks& hooks) {
+absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
   hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
-  auto read = ReadMeshSource(options.mesh, deadline);
+  auto read = DoAbandonably([source = options.mesh] { return ReadMeshSource(source); }, call);
   if (!read.ok()) return read.status();
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
-  const Mesh& mesh = std::get<Mesh>(*read);
+  const auto shared_mesh = std::make_shared<const Mesh>(std::get<Mesh>(*std::move(read)));
+  const Mesh& mesh = *shared_mesh;
   for (const std::string& warning : mesh.warnings) hooks.say(warning);
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
-  auto encoded = EncodeMesh(mesh, bits, options.request.attributes);
+  const auto encode = [shared_mesh, bits, attributes = options.request.attributes] {
+    return EncodeMesh(*shared_mesh, bits, attributes);
+  };
+  auto encoded = DoAbandonably(encode, call);
   if (!encoded.ok()) return encoded.status();
   Upload upload{.drc = std::move(encoded->drc), .skipped = mesh.skipped};
   if (options.weld_report) upload.weld = Weld(mesh);
@@ -90,12 +96,6 @@ absl::Status ForEach(Outputs& outputs, const Step& step) {
   for (auto& output : outputs) {
     if (auto status = step(*output); !status.ok()) return status;
   }
-  return absl::OkStatus();
-}
-
-absl::Status CheckTime(const CallOptions& call) {
-  if (call.cancellation.cancelled()) return absl::CancelledError("cancelled");
-  if (call.deadline && absl::Now() >= *call.deadline) return absl::DeadlineExceededError("the --timeout passed");
   return absl::OkStatus();
 }
 
@@ -165,7 +165,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   // First of all, so that a place that cannot be written is found before any work.
   auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
-  const auto upload = Prepare(options, call.deadline.value_or(absl::InfiniteFuture()), hooks);
+  const auto upload = Prepare(options, call, hooks);
   if (!upload.ok()) return upload.status();
   report.skipped = upload->skipped;
   report.weld = upload->weld;

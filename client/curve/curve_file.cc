@@ -12,13 +12,13 @@
 
 namespace latvox::client {
 
-absl::StatusOr<Drawing> ReadCurveFile(const std::string& path, absl::Time deadline) {
+absl::StatusOr<Drawing> ReadCurveFile(const std::string& path) {
   const bool standard_input = path == kStandardInput;
   const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
   if (!standard_input && extension != ".svg" && extension != ".txt") {
     return absl::InvalidArgumentError(absl::StrCat(path, ": drawing format \"", extension, "\" is not .txt or .svg"));
   }
-  const auto bytes = standard_input ? ReadStandardInput("a drawing", deadline) : ReadBytes(path, deadline);
+  const auto bytes = standard_input ? ReadStandardInput("a drawing") : ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
   const bool svg =
       standard_input ? absl::StartsWith(absl::StripLeadingAsciiWhitespace(*bytes), "<") : extension == ".svg";

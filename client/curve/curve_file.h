@@ -18,7 +18,7 @@ struct Drawing {
 // Reads .txt (client/curve/text_curves.h) or .svg (client/curve/svg_curves.h), or standard input, "-": .svg if it
 // begins with "<". Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, not supported, no
 // curve at all.
-absl::StatusOr<Drawing> ReadCurveFile(const std::string& path, absl::Time deadline = absl::InfiniteFuture());
+absl::StatusOr<Drawing> ReadCurveFile(const std::string& path);
 
 }  // namespace latvox::client
 

@@ -6,18 +6,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <new>
 #include <system_error>
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 
 namespace latvox::client {
 namespace {
@@ -28,31 +25,22 @@ int StopEvent() {
   return event;
 }
 
-// Milliseconds, as poll() wants them.
-int TimeoutUntil(absl::Time deadline) {
-  if (deadline == absl::InfiniteFuture()) return -1;
-  const int64_t left = absl::ToInt64Milliseconds(absl::Ceil(deadline - absl::Now(), absl::Milliseconds(1)));
-  return static_cast<int>(std::clamp<int64_t>(left, 0, std::numeric_limits<int>::max()));
-}
-
-// Waits until there is something to read, or its end.
-absl::Status AwaitBytes(int fd, const std::string& path, absl::Time deadline) {
+// Waits until there is something to read, or its end; false if reading is to stop.
+bool AwaitBytes(int fd) {
   pollfd sources[] = {{fd, POLLIN, 0}, {StopEvent(), POLLIN, 0}};
-  while (poll(sources, 2, TimeoutUntil(deadline)) < 0 && errno == EINTR) {
+  while (poll(sources, 2, -1) < 0 && errno == EINTR) {
   }
-  if (sources[1].revents != 0) return absl::CancelledError("cancelled");
-  if (absl::Now() < deadline) return absl::OkStatus();
-  return absl::DeadlineExceededError(absl::StrCat(NameOfInput(path), ": the deadline passed before its end came"));
+  return sources[1].revents == 0;
 }
 
 // Not by way of a stream, which ends at an error of the device as it does at the end of a file.
-absl::StatusOr<std::string> ReadAll(int fd, const std::string& path, absl::Time deadline) try {
+absl::StatusOr<std::string> ReadAll(int fd, const std::string& path) try {
   struct stat file {};
   const bool is_sized = fstat(fd, &file) == 0 && S_ISREG(file.st_mode);
   std::string bytes(is_sized ? static_cast<size_t>(file.st_size) + 1 : size_t{1} << 16, '\0');
   for (size_t size = 0;;) {
     if (size == bytes.size()) bytes.resize(2 * size);
-    if (absl::Status status = AwaitBytes(fd, path, deadline); !status.ok()) return status;
+    if (!AwaitBytes(fd)) return absl::CancelledError("cancelled");
     const ssize_t got = read(fd, bytes.data() + size, bytes.size() - size);
     if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (got < 0) {
@@ -73,7 +61,7 @@ absl::StatusOr<std::string> ReadAll(int fd, const std::string& path, absl::Time 
 
 std::string NameOfInput(const std::string& path) { return path == kStandardInput ? "standard input" : path; }
 
-absl::StatusOr<std::string> ReadStandardInput(const char* what, absl::Time deadline) {
+absl::StatusOr<std::string> ReadStandardInput(const char* what) {
   if (isatty(STDIN_FILENO) == 1) {
     return absl::InvalidArgumentError(
         absl::StrCat("standard input: is a terminal; ", what, " belongs into it, by | or <"));
@@ -82,10 +70,10 @@ absl::StatusOr<std::string> ReadStandardInput(const char* what, absl::Time deadl
   if (fstat(STDIN_FILENO, &file) != 0 || (file.st_mode & S_IFMT) == 0) {  // a library's event, which has no type
     return absl::InvalidArgumentError("standard input: is closed");
   }
-  return ReadAll(STDIN_FILENO, kStandardInput, deadline);
+  return ReadAll(STDIN_FILENO, kStandardInput);
 }
 
-absl::StatusOr<std::string> ReadBytes(const std::string& path, absl::Time deadline) {
+absl::StatusOr<std::string> ReadBytes(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": is a directory"));
@@ -97,7 +85,7 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path, absl::Time deadli
     return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be read (", std::strerror(errno), ")"));
   }
   const absl::Cleanup close_file = [fd] { close(fd); };
-  return ReadAll(fd, path, deadline);
+  return ReadAll(fd, path);
 }
 
 void StopReading() {

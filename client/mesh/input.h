@@ -5,7 +5,6 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 
 namespace latvox::client {
 
@@ -16,13 +15,12 @@ inline constexpr char kStandardInput[] = "-";
 std::string NameOfInput(const std::string& path);
 
 // All bytes of the file. Errors, with the path: NOT_FOUND; INVALID_ARGUMENT (a directory, empty, cannot be opened);
-// FAILED_PRECONDITION (reading fails midway, which may pass); RESOURCE_EXHAUSTED (memory); CANCELLED;
-// DEADLINE_EXCEEDED.
-absl::StatusOr<std::string> ReadBytes(const std::string& path, absl::Time deadline = absl::InfiniteFuture());
+// FAILED_PRECONDITION (reading fails midway, which may pass); RESOURCE_EXHAUSTED (memory); CANCELLED.
+absl::StatusOr<std::string> ReadBytes(const std::string& path);
 
 // The same of standard input, which is read to its end, for what is wanted there ("a mesh"). Errors: INVALID_ARGUMENT
-// (a terminal, empty); FAILED_PRECONDITION; RESOURCE_EXHAUSTED; CANCELLED; DEADLINE_EXCEEDED.
-absl::StatusOr<std::string> ReadStandardInput(const char* what, absl::Time deadline = absl::InfiniteFuture());
+// (a terminal, empty); FAILED_PRECONDITION; RESOURCE_EXHAUSTED; CANCELLED.
+absl::StatusOr<std::string> ReadStandardInput(const char* what);
 
 // From now on, whoever waits for such bytes, in any thread, gets CANCELLED.
 void StopReading();

@@ -52,7 +52,7 @@ std::string Known() {
 
 }  // namespace
 
-absl::StatusOr<Mesh> ReadMeshFile(const std::string& path, absl::Time deadline) {
+absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
   if (std::filesystem::is_directory(path, error)) {
@@ -63,7 +63,7 @@ absl::StatusOr<Mesh> ReadMeshFile(const std::string& path, absl::Time deadline) 
     return absl::InvalidArgumentError(absl::StrCat(
         path, ": mesh format \"", std::filesystem::path(path).extension().string(), "\" is not one of ", Known()));
   }
-  const auto bytes = ReadBytes(path, deadline);
+  const auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
   return Named(path, Parse(*bytes, *format, std::filesystem::path(path).parent_path()));
 }

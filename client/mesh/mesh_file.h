@@ -5,7 +5,6 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 #include "client/mesh/mesh.h"
 #include "client/mesh/mesh_format.h"
 
@@ -15,7 +14,7 @@ namespace latvox::client {
 // polygons triangulated, with what else of it Mesh has. Binary float32 positions are taken over bit by bit.
 // Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, an index out of range, a vertex
 // that is not finite, no triangle at all; RESOURCE_EXHAUSTED: unpacks to too much.
-absl::StatusOr<Mesh> ReadMeshFile(const std::string& path, absl::Time deadline = absl::InfiniteFuture());
+absl::StatusOr<Mesh> ReadMeshFile(const std::string& path);
 
 // The same of bytes that are known to be of the format, whatever the path's extension; the path is for errors alone.
 // Files that a glTF refers to are looked for in the working directory.

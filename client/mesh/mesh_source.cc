@@ -30,14 +30,13 @@ absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshSource& i
       absl::StrCat(NameOfInput(path), ": begins like none of the mesh formats; --input-format says which one it is"));
 }
 
-absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco,
-                                    absl::Time deadline) {
+absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco) {
   const bool standard_input = path == kStandardInput;
   const auto by_name = FormatOfPath(path);
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
-    return ReadMeshFile(path, deadline);
+    return ReadMeshFile(path);
   }
-  auto bytes = standard_input ? ReadStandardInput("a mesh", deadline) : ReadBytes(path, deadline);
+  auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
   const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
   if (!format.ok()) return format.status();
@@ -59,12 +58,12 @@ bool MayReferToFiles(const MeshSource& input) {
   });
 }
 
-absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input, absl::Time deadline) {
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   const Affine to_world = ToWorld(input);
   const bool keep_draco = input.paths.size() == 1 && to_world == kIdentity;
   Mesh joined;
   for (const std::string& path : input.paths) {
-    auto read = ReadOne(path, input, keep_draco, deadline);
+    auto read = ReadOne(path, input, keep_draco);
     if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
     for (std::string& warning : std::get<Mesh>(*read).warnings)
       warning = absl::StrCat(NameOfInput(path), ": ", warning);

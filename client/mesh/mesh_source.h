@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 #include "client/mesh/mesh.h"
 #include "client/mesh/mesh_format.h"
 #include "client/mesh/up_axis.h"
@@ -40,7 +39,7 @@ using MeshOrDraco = std::variant<Mesh, std::string>;
 
 // Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input is of no format that is known, a vertex is
 // not finite once it is scaled, a mesh has no such attribute.
-absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input, absl::Time deadline = absl::InfiniteFuture());
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
 
 }  // namespace latvox::client
 

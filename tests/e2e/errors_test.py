@@ -232,7 +232,7 @@ class Interruptions(Case):
                 done = subprocess.run([BIN / "latvox", command, "-", size, "9", "-o", out, "--timeout", "0.3"],
                                       stdin=source.stdout, stderr=subprocess.PIPE, text=True, timeout=15)  # fmt: skip
                 source.stdout.close()
-                message = "latvox: standard input: the deadline passed before its end came\n"
+                message = "latvox: the --timeout passed\n"
                 self.assertEqual((done.stderr, done.returncode), (message, STOPPED))
                 self.assertEqual(list(self.dir.iterdir()), [])
 

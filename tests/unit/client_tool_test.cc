@@ -2,6 +2,13 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <memory>
+#include <new>
+#include <thread>
+
+#include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
+#include "client/cli/abandoned_work.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/private_server.h"
 #include "client/cli/progress_bar.h"
@@ -199,6 +206,27 @@ TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
   EXPECT_NE(kill(pid, 0), 0);
   EXPECT_THAT(words.str(), HasSubstr("--listen unix:" + Path("run")));
   EXPECT_THAT(words.str(), HasSubstr("--exit-with-parent --log-level warning --threads 5"));
+}
+
+TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {
+  EXPECT_EQ(DoAbandonably([] { return absl::StatusOr<int>(7); }, {}).value(), 7);
+  const auto fail = []() -> absl::StatusOr<int> { throw std::bad_alloc(); };
+  EXPECT_THROW(static_cast<void>(DoAbandonably(fail, {})), std::bad_alloc);
+  EXPECT_FALSE(AnyAbandoned());
+  const auto go_on = std::make_shared<absl::Notification>();
+  const auto work = [go_on] {
+    go_on->WaitForNotification();
+    return absl::StatusOr<int>(7);
+  };
+  CallOptions late, cancelled;
+  late.deadline = absl::Now() + absl::Milliseconds(20);
+  EXPECT_EQ(DoAbandonably(work, late).status(), absl::DeadlineExceededError("the --timeout passed"));
+  std::thread canceller([&] { cancelled.cancellation.Cancel(); });
+  EXPECT_EQ(DoAbandonably(work, cancelled).status(), absl::CancelledError("cancelled"));
+  canceller.join();
+  EXPECT_TRUE(AnyAbandoned());
+  go_on->Notify();
+  while (AnyAbandoned()) absl::SleepFor(absl::Milliseconds(1));
 }
 
 }  // namespace
