@@ -25,8 +25,10 @@ std::pair<Basis, double> Unscaled(NamedLattice lattice) {
 
 Basis Stretched(NamedLattice lattice, const Vec3d& factors) {
   auto [basis, volume] = Unscaled(lattice);
+  const auto side =
+      static_cast<double>(std::cbrt(static_cast<long double>(volume)));  // rounded once, as the server does
   for (Vec3d* vector : {&basis.a, &basis.b, &basis.c}) {
-    for (size_t axis = 0; axis < 3; ++axis) (*vector)[axis] *= factors[axis] / std::cbrt(volume);
+    for (size_t axis = 0; axis < 3; ++axis) (*vector)[axis] *= factors[axis] / side;
   }
   return basis;
 }

@@ -16,12 +16,15 @@ namespace {
 // No field of the contract's, now or later.
 constexpr int kMark = (1 << 29) - 1;
 
+// Tag and length of the only field of a message, up to: a piece of a mesh may be as long as the limit.
+constexpr uint64_t kFieldHead = 6;
+
 }  // namespace
 
 absl::Status CheckSize(const google::protobuf::Message& message, const Limits& limits) {
   const uint64_t bytes = message.ByteSizeLong();
-  return bytes > limits.max_message_bytes ? LimitExceeded("message_bytes", bytes, limits.max_message_bytes)
-                                          : absl::OkStatus();
+  return bytes > limits.max_message_bytes + kFieldHead ? LimitExceeded("message_bytes", bytes, limits.max_message_bytes)
+                                                       : absl::OkStatus();
 }
 
 void DropUnknownFields(google::protobuf::Message& message) {

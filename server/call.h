@@ -14,7 +14,7 @@
 
 namespace latvox {
 
-// RESOURCE_EXHAUSTED if the message is larger than the limit.
+// RESOURCE_EXHAUSTED if the message is larger than the limit, its outermost tag and length aside.
 absl::Status CheckSize(const google::protobuf::Message& message, const Limits& limits);
 
 // Leaves out what the protocol does not know, which takes thirty times its bytes in memory.

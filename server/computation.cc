@@ -209,7 +209,7 @@ absl::Status Computation::CreateJob() {
   source_ = {BoundsOf(decoded.mesh, cancelled_), decoded.quantization_bits};
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
-  if (!grid.ok()) return WithCauseOfCore(grid.status());
+  if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options, cancelled_);
   const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, cancelled_);
@@ -217,7 +217,7 @@ absl::Status Computation::CreateJob() {
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
   auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);
-  if (!job.ok()) return WithCauseOfCore(job.status());
+  if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();
   if (absl::Status status = TakeEstimate(voxels, visits); !status.ok()) return status;

@@ -306,6 +306,10 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
   if (!attributes.ok()) return attributes.status();
   job.attributes = *attributes;
   job.options.attributes = attributes->count;
+  if (spec.density_case() != v1::VoxelizeSpec::DENSITY_NOT_SET) {
+    job.fields.density = spec.density_case() == v1::VoxelizeSpec::kVoxelSize ? "voxel_size" : "resolution";
+  }
+  if (spec.has_band()) job.fields.band = spec.band().extent_case() == v1::Band::kVoxels ? "band.voxels" : "band.width";
   return job;
 }
 

@@ -10,6 +10,7 @@
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/brick_batch.h"
+#include "server/errors.h"
 #include "server/limits.h"
 #include "server/mesh_attributes.h"
 #include "server/mesh_store.h"
@@ -27,6 +28,7 @@ struct JobSpec {
   uint64_t mesh_bytes = 0;  // declared length of the encoded mesh; 0: unknown
   std::optional<MeshDigest> mesh_digest = std::nullopt;
   MeshAttributes attributes = {};  // that the mesh must have; options.attributes of them
+  RequestFields fields = {};
 };
 
 // Checks everything that can be checked without the mesh. Errors: INVALID_ARGUMENT, and RESOURCE_EXHAUSTED for

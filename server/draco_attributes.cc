@@ -45,7 +45,7 @@ bool ReadColor(const draco::PointAttribute& attribute, draco::AttributeValueInde
   out = 0;
   for (const float x : color) {
     if (!(x >= 0 && x <= 1)) return false;
-    out = out << 8 | static_cast<uint32_t>(std::nearbyint(x * 255));
+    out = out << 8 | static_cast<uint32_t>(std::nearbyint(double{x} * 255));
   }
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/refusal.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
@@ -123,10 +124,18 @@ std::string ReasonOf(const absl::Status& status) {
   return payload && info.ParseFromString(std::string{*payload}) ? info.reason() : "";
 }
 
-absl::Status WithCauseOfCore(absl::Status status) {
+absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields) {
   if (status.code() != absl::StatusCode::kInvalidArgument) return status;
-  const absl::string_view field = status.message().substr(0, status.message().find(':'));
-  return WithCause(status, {field == "mesh" ? "BAD_MESH" : "BAD_SPEC", std::string{field}, "", ""});
+  const std::string field{status.message().substr(0, status.message().find(':'))};
+  const auto payload = [&](const char* url) { return std::string{status.GetPayload(url).value_or(absl::Cord())}; };
+  ErrorCause cause{field == "mesh" ? "BAD_MESH" : "BAD_SPEC", field, payload(kRefusedValue), payload(kRefusedLimit)};
+  if (field == "basis") cause.field = "lattice.basis";
+  if (field == "band" && !cause.value.empty()) cause.field = fields.band;
+  if (field == "voxel_size" || field == "pixel_size") {
+    cause.field = fields.density;
+    if (!cause.limit.empty()) cause.limit_name = "max_extent";
+  }
+  return WithCause(std::move(status), cause);
 }
 
 absl::Status WithRetry(absl::Status status, absl::Duration delay) {

@@ -65,8 +65,15 @@ std::string ReasonOf(const absl::Status& status);
 // The same status with `cause`, unless it is OK or has one already.
 absl::Status WithCause(absl::Status status, const ErrorCause& cause);
 
-// The same for an error of core, which knows no wire. Its messages begin with the field and a colon.
-absl::Status WithCauseOfCore(absl::Status status);
+// What a request has for some of core's fields.
+struct RequestFields {
+  std::string_view density = "lattice.basis";  // voxel_size or pixel_size
+  std::string_view band = "band";
+};
+
+// The same for an error of core, which knows no wire. Its messages begin with the field and a colon;
+// core/base/refusal.h has the rest.
+absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields = {});
 
 // The same status with the advice to try again after `delay`.
 absl::Status WithRetry(absl::Status status, absl::Duration delay);

@@ -108,7 +108,8 @@ struct Metrics::Families {
 
   Counters& requests = Counter("latvox_requests_total", "Calls that are over, by method and status code.");
   Counters& rejections =
-      Counter("latvox_rejections_total", "Calls that were refused or given up, by ErrorInfo.reason.");
+      Counter("latvox_rejections_total",
+              "Calls that were refused or given up, by ErrorInfo.reason; MESH_NOT_FOUND is not counted.");
   Counters& received = Counter("latvox_received_bytes_total", "Bytes of meshes and drawings, by method.");
   Counters& sent = Counter("latvox_sent_bytes_total", "Bytes of messages that were sent, by method.");
   prometheus::Counter& triangles =

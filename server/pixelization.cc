@@ -42,7 +42,7 @@ uint64_t EstimateCrossings(const std::vector<Segment>& segments, const std::vect
 // Crossings are held against their limit, and their memory against the budget, before they take it.
 absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits& limits, MemoryReservation& memory) {
   const auto snapped = Snap(spec.polylines, grid.lattice, grid.origin);
-  if (!snapped.ok()) return WithCauseOfCore(snapped.status());
+  if (!snapped.ok()) return WithCauseOfCore(snapped.status(), spec.fields);
   const uint64_t crossings = EstimateCrossings(snapped->segments, grid.lattice.frames(spec.options.separability));
   if (crossings > limits.max_crossings()) return LimitExceeded("crossings", crossings, limits.max_crossings());
   return memory.Grow(memory.bytes() + crossings * kBytesPerCrossing);
@@ -52,11 +52,11 @@ absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limi
                                             const std::atomic<bool>& cancelled, PixelizationFacts& facts) {
   if (absl::Status status = Validate(spec.polylines); !status.ok()) return WithCauseOfCore(status);
   const auto grid = ResolvePlaneGrid(spec.lattice, spec.density, spec.origin, BoundsOf(spec.polylines));
-  if (!grid.ok()) return WithCauseOfCore(grid.status());
+  if (!grid.ok()) return WithCauseOfCore(grid.status(), spec.fields);
   if (absl::Status status = Admit(spec, *grid, limits, memory); !status.ok()) return status;
   if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
   const auto result = Pixelize(spec.polylines, *grid, spec.options, cancelled);
-  if (!result.ok()) return WithCauseOfCore(result.status());
+  if (!result.ok()) return WithCauseOfCore(result.status(), spec.fields);
   facts.pixels = result->pixels.size();
   if (facts.pixels > limits.max_pixels()) return LimitExceeded("pixels", facts.pixels, limits.max_pixels());
   if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;

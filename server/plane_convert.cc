@@ -122,6 +122,12 @@ absl::StatusOr<std::vector<Polyline>> PolylinesFromProto(const v1::PixelizeReque
     }
     Polyline& polyline = polylines.emplace_back();
     polyline.closed = proto.closed();
+    for (int n = 0; n < proto.xy_size(); ++n) {
+      if (std::isfinite(proto.xy(n))) continue;
+      const std::string field = absl::StrCat("polylines[", polylines.size() - 1, "].xy");
+      return BadSpec(absl::StrCat(field, "[", n, "] ", proto.xy(n), " is not finite"), field,
+                     absl::StrCat(proto.xy(n)));
+    }
     for (int n = 0; n < proto.xy_size(); n += 2) polyline.points.push_back({proto.xy(n), proto.xy(n + 1)});
   }
   return polylines;
@@ -173,7 +179,11 @@ absl::StatusOr<PlaneJobSpec> PlaneJobSpecFromProto(const v1::PixelizeRequest& re
   }
   absl::StatusOr<std::vector<Polyline>> polylines = PolylinesFromProto(request, limits);
   if (!polylines.ok()) return polylines.status();
-  return PlaneJobSpec{*std::move(polylines), *std::move(lattice), *density, origin, *options};
+  PlaneJobSpec job{*std::move(polylines), *std::move(lattice), *density, origin, *options};
+  if (request.density_case() != v1::PixelizeRequest::DENSITY_NOT_SET) {
+    job.fields.density = request.density_case() == v1::PixelizeRequest::kPixelSize ? "pixel_size" : "resolution";
+  }
+  return job;
 }
 
 v1::PixelizeResponse PixelsToProto(const PlaneJobSpec& spec, const PlaneGrid& grid, const PixelizeResult& result) {

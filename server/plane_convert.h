@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/plane/pixelize.h"
 #include "latvox/v1/voxelizer.pb.h"
+#include "server/errors.h"
 #include "server/limits.h"
 
 namespace latvox {
@@ -18,6 +19,7 @@ struct PlaneJobSpec {
   PlaneDensity density;
   std::optional<Vec2d> origin;
   PixelizeOptions options;
+  RequestFields fields = {};
 };
 
 // Checks everything but the points themselves. Errors: INVALID_ARGUMENT, and RESOURCE_EXHAUSTED for more points than

@@ -172,6 +172,7 @@ void PutMeshReactor::OnDone() {
   record.origin = origin_;
   record.status = sent_too_little_ && context_.IsCancelled() ? BrokenRead(environment_.limits) : status_;
   record.bytes_in = bytes_in_;
+  record.bytes_out = record.status.ok() ? response_.ByteSizeLong() : 0;
   record.upload_ms = upload_ms_;
   record.queue_ms = queue_ms_;
   record.total_ms = MillisecondsSince(began_);

@@ -12,7 +12,7 @@ GridTransform FromTransform(const openvdb::math::Transform& transform) {
   GridTransform out;
   out.basis = {{m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]}};
   out.origin = {m[3][0], m[3][1], m[3][2]};
-  out.voxel_size = std::cbrt(std::abs(m.getMat3().det()));
+  out.voxel_size = static_cast<double>(std::cbrt(std::abs(static_cast<long double>(m.getMat3().det()))));
   return out;
 }
 

@@ -46,7 +46,7 @@ uint32_t NextPart(const Mesh& mesh) {
 Color ToColor(const float* rgb) {
   Color color;
   for (size_t n = 0; n < color.size(); ++n) {
-    color[n] = static_cast<uint8_t>(std::nearbyint(std::min(std::max(0.0F, rgb[n]), 1.0F) * 255));
+    color[n] = static_cast<uint8_t>(std::nearbyint(double{std::min(std::max(0.0F, rgb[n]), 1.0F)} * 255));
   }
   return color;
 }

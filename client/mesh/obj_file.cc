@@ -85,7 +85,7 @@ std::optional<Color> ReadColor(absl::string_view rest) {
   for (uint8_t& part : color) {
     float x = 0;
     if (!ParseFloat(NextWord(rest), x) || !(x >= 0 && x <= 1)) return std::nullopt;
-    part = static_cast<uint8_t>(std::nearbyint(x * 255));
+    part = static_cast<uint8_t>(std::nearbyint(double{x} * 255));
   }
   return color;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/base/refusal.h"
 
 namespace latvox {
 namespace {
@@ -30,9 +31,10 @@ absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
     for (size_t c = 0; c < 3; ++c) square += lattice.inverse()[c][m] * lattice.inverse()[c][m];
     const double voxels = width * std::sqrt(square);
     if (!(voxels <= kMaxBandReach)) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("band: a width of %g reaches over %g voxels on lattice axis %c, the limit is %d", width,
-                          voxels, "ijk"[m], kMaxBandReach));
+      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
+                           "band: a width of %g reaches over %g voxels on lattice axis %c, the limit is %d", width,
+                           voxels, "ijk"[m], kMaxBandReach)),
+                       voxels, kMaxBandReach);
     }
     margin[m] = static_cast<int32_t>(std::ceil(voxels * kLatticeUnit * kSlack));
   }
@@ -43,13 +45,15 @@ absl::StatusOr<BandPlan> MakeBandPlan(const Band& band, const Lattice& lattice) 
   const double width = WidthOf(band, lattice);
   using Float = std::numeric_limits<float>;
   if (!(width >= double{Float::min()} && width <= double{Float::max()})) {
-    return absl::InvalidArgumentError(absl::StrFormat("band: a width of %g is not within %g and %g", width,
-                                                      double{Float::min()}, double{Float::max()}));
+    return WithValue(absl::InvalidArgumentError(absl::StrFormat("band: a width of %g is not within %g and %g", width,
+                                                                double{Float::min()}, double{Float::max()})),
+                     width, double{width < 1 ? Float::min() : Float::max()});
   }
   const double size = lattice.voxel_size(), unit = size / kLatticeUnit;
   if (width < kLeastBandSizes * size) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("band: a width of %g is below 1/%g of the voxel size %g", width, 1 / kLeastBandSizes, size));
+    return WithValue(absl::InvalidArgumentError(absl::StrFormat(
+                         "band: a width of %g is below 1/%g of the voxel size %g", width, 1 / kLeastBandSizes, size)),
+                     width, kLeastBandSizes * size);
   }
   const absl::StatusOr<Vec3i> margin = MarginOf(width, lattice);
   if (!margin.ok()) return margin.status();

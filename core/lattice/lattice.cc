@@ -70,6 +70,9 @@ std::string_view NameOf(const Mat3d& basis) {
   return "basis";
 }
 
+// Rounded once: that of doubles is often off by a unit in the last place, and 0.5 would not be the size of 0.5.
+double CubeRoot(double x) { return static_cast<double>(std::cbrt(static_cast<long double>(x))); }
+
 absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) {
   Mat3d reduced;
   for (size_t c = 0; c < 3; ++c) reduced[c] = Apply(basis, transform[c]);
@@ -85,7 +88,7 @@ absl::Status TooSkewError(const Mat3d& basis, const Mat<int32_t, 3>& transform) 
 
 }  // namespace
 
-double Lattice::voxel_size() const { return std::cbrt(std::abs(Determinant(basis_))); }
+double Lattice::voxel_size() const { return CubeRoot(std::abs(Determinant(basis_))); }
 
 absl::StatusOr<Lattice> Lattice::FromBasis(const Mat3d& basis) { return Make(NameOf(basis), basis); }
 
@@ -123,7 +126,7 @@ absl::StatusOr<Lattice> Lattice::Make(std::string_view name, const Mat3d& basis)
 
 Lattice Lattice::Named(NamedLattice name) {
   const NamedBasis& named = NamedBases()[static_cast<size_t>(name)];
-  const double size = std::cbrt(std::abs(Determinant(named.basis)));
+  const double size = CubeRoot(std::abs(Determinant(named.basis)));
   return Make(named.name, Scale(named.basis, 1 / size)).value();
 }
 

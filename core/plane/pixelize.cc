@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/base/refusal.h"
 #include "core/plane/cover.h"
 #include "core/plane/thesis_lines.h"
 
@@ -63,7 +64,11 @@ absl::StatusOr<PlaneGrid> ResolvePlaneGrid(const PlaneLattice& lattice, const Pl
     }
   }
   auto scaled = pixel_size ? lattice.Scaled(*pixel_size) : lattice;
-  if (!scaled.ok()) return scaled.status();
+  if (!scaled.ok()) {
+    return WithValue(absl::InvalidArgumentError(
+                         absl::StrFormat("pixel_size: at %g, %s", *pixel_size, std::string(scaled.status().message()))),
+                     absl::StrFormat("%g", *pixel_size));
+  }
   return PlaneGrid{*std::move(scaled), origin.value_or(bounds.min)};
 }
 

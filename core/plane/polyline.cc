@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "absl/strings/str_format.h"
+#include "core/base/refusal.h"
 
 namespace latvox {
 namespace {
@@ -37,17 +38,20 @@ absl::Status CheckRange(const PlaneBounds& range, double pixel_size) {
   for (size_t m = 0; m < 2; ++m) {
     const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
     if (extent > kMaxExtent) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("pixel_size: at %g the polylines extend over %.0f pixels on lattice axis %c, the limit is %d",
-                          pixel_size, extent, kAxisName[m], kMaxExtent));
+      return WithValue(
+          absl::InvalidArgumentError(absl::StrFormat(
+              "pixel_size: at %g the polylines extend over %.0f pixels on lattice axis %c, the limit is %d", pixel_size,
+              extent, kAxisName[m], kMaxExtent)),
+          extent, kMaxExtent);
     }
   }
   for (size_t m = 0; m < 2; ++m) {
     for (double x : {range.min[m], range.max[m]}) {
       if (std::abs(x) <= kMaxPosition) continue;  // else, and if it is no number
-      return absl::InvalidArgumentError(
-          absl::StrFormat("origin: it puts the polylines at lattice coordinate %g on axis %c, the limit is %.0f", x,
-                          kAxisName[m], kMaxPosition));
+      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
+                           "origin: it puts the polylines at lattice coordinate %g on axis %c, the limit is %.0f", x,
+                           kAxisName[m], kMaxPosition)),
+                       x, kMaxPosition);
     }
   }
   return absl::OkStatus();

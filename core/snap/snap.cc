@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/huge_pages.h"
+#include "core/base/refusal.h"
 #include "core/snap/lattice_map.h"
 #include "core/snap/mesh_range.h"
 
@@ -27,17 +28,19 @@ absl::Status CheckRange(const LatticeRange& range, double voxel_size) {
   for (size_t m = 0; m < 3; ++m) {
     const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
     if (extent > kMaxExtent) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("voxel_size: at %g the mesh extends over %.0f voxels on lattice axis %c, the limit is %d",
-                          voxel_size, extent, kAxisName[m], kMaxExtent));
+      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
+                           "voxel_size: at %g the mesh extends over %.0f voxels on lattice axis %c, the limit is %d",
+                           voxel_size, extent, kAxisName[m], kMaxExtent)),
+                       extent, kMaxExtent);
     }
   }
   for (size_t m = 0; m < 3; ++m) {
     for (double x : {range.min[m], range.max[m]}) {
       if (std::abs(x) <= kMaxPosition) continue;  // else, and if it is no number
-      return absl::InvalidArgumentError(
-          absl::StrFormat("origin: it puts the mesh at lattice coordinate %g on axis %c, the limit is %.0f", x,
-                          kAxisName[m], kMaxPosition));
+      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
+                           "origin: it puts the mesh at lattice coordinate %g on axis %c, the limit is %.0f", x,
+                           kAxisName[m], kMaxPosition)),
+                       x, kMaxPosition);
     }
   }
   return absl::OkStatus();

@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "core/attributes/attributes.h"
 #include "core/attributes/plan.h"
+#include "core/base/refusal.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
 #include "core/tile/tile_order.h"
@@ -164,7 +165,11 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
     }
   }
   auto scaled = voxel_size ? lattice.Scaled(*voxel_size) : lattice;
-  if (!scaled.ok()) return scaled.status();
+  if (!scaled.ok()) {
+    return WithValue(absl::InvalidArgumentError(
+                         absl::StrFormat("voxel_size: at %g, %s", *voxel_size, std::string(scaled.status().message()))),
+                     absl::StrFormat("%g", *voxel_size));
+  }
   return Grid{*std::move(scaled), origin.value_or(bounds.min)};
 }
 
@@ -201,8 +206,9 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   const IndexBox region = RegionOf(*snapped, options, bounds);
   if (options.resume_after && !HasTile(Moved(region, snapped->base_ijk), *options.resume_after)) {
     const auto& [i, j, k] = *options.resume_after;
-    return absl::InvalidArgumentError(
-        absl::StrFormat("resume_after: tile %d,%d,%d does not meet the index box", i, j, k));
+    const std::string tile = absl::StrFormat("%d,%d,%d", i, j, k);
+    return WithValue(
+        absl::InvalidArgumentError(absl::StrFormat("resume_after: tile %s does not meet the index box", tile)), tile);
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
@@ -213,7 +219,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   if (cancelled) return Cancelled();
   if (options.band && options.band->is_signed && !job->facts().closed) {
-    return absl::InvalidArgumentError("band: signed distances need a mesh that is closed, and this one is not");
+    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
   }
   return job;
 }

@@ -227,11 +227,19 @@ TEST(Lattice, NamedOnesHaveUnitCellsAndScaleToAnyOther) {
     const auto scaled = lattice.Scaled(0.37);
     ASSERT_TRUE(scaled.ok());
     EXPECT_NEAR(scaled->voxel_size(), 0.37, 1e-12);
+    // The size that is told may be asked for: it does not drift.
+    EXPECT_EQ(lattice.Scaled(scaled->voxel_size())->voxel_size(), scaled->voxel_size());
     EXPECT_EQ(scaled->name(), c.text);
     for (size_t column = 0; column < 3; ++column) {
       const Vec3d unit = Apply(scaled->inverse(), scaled->basis()[column]);
       for (size_t row = 0; row < 3; ++row) EXPECT_NEAR(unit[row], row == column ? 1 : 0, 1e-12);
     }
+  }
+}
+
+TEST(Lattice, CartesianOnesHaveTheSizeThatWasAskedFor) {
+  for (const double size : {0.5, 0.3, 0.02, 1.0, 7.1, 1e-9, 65536.0}) {
+    EXPECT_EQ(Lattice::Named(NamedLattice::kCartesian).Scaled(size)->voxel_size(), size);
   }
 }
 

@@ -252,8 +252,8 @@ std::vector<BadRequest> BadRequests() {
       {"empty polyline", [](Proto& r) { r.add_polylines(); }, "polyline 1 has no points", "polylines"},
       {"odd", [](Proto& r) { r.mutable_polylines(0)->add_xy(1); }, "polylines[0].xy has 5 coordinates",
        "polylines[0].xy"},
-      {"infinite", [](Proto& r) { r.mutable_polylines(0)->set_xy(3, kInfinity); }, "point 1 of polyline 0",
-       "polylines"},
+      {"infinite", [](Proto& r) { r.mutable_polylines(0)->set_xy(3, kInfinity); },
+       "polylines[0].xy[3] inf is not finite", "polylines[0].xy"},
       {"no lattice", [](Proto& r) { r.clear_lattice(); }, "lattice: neither", "lattice"},
       {"unknown lattice", [](Proto& r) { r.mutable_lattice()->set_named(static_cast<v1::NamedPlaneLattice>(3)); },
        "lattice.named 3 is not a lattice", "lattice.named"},
@@ -271,6 +271,7 @@ std::vector<BadRequest> BadRequests() {
        "algorithm"},
       {"extent", [](Proto& r) { r.set_pixel_size(1e-7); }, "pixel_size: at 1e-07 the polylines extend over",
        "pixel_size"},
+      {"no pixel size", [](Proto& r) { r.set_pixel_size(1e-300); }, "pixel_size: at 1e-300, basis: ", "pixel_size"},
       {"position", [](Proto& r) { r.mutable_origin()->set_x(1e12); }, "origin: it puts", "origin"},
   };
 }

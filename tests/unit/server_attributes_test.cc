@@ -111,10 +111,10 @@ TEST(MeshAttributes, ColorsMayBeOfOtherNumbers) {
   const auto of_wide = DecodeDraco(Encode(false, wide), {}, wanted);
   ASSERT_TRUE(of_wide.ok()) << of_wide.status();
   EXPECT_EQ(of_wide->mesh.attributes, (std::vector<uint32_t>{0x0001FF, 0, 1, 0}));
-  const DracoValues<float> real{kColorType, 3, draco::DT_FLOAT32, {0, 0.5F, 1, 0, 0, 0, 1, 1, 1, 0.25F, 0, 0}, ""};
+  const DracoValues<float> real{kColorType, 3, draco::DT_FLOAT32, {0, 0.5F, 1, 0, 0, 0, 1, 1, 1, 0.3F, 0, 0}, ""};
   const auto of_real = DecodeDraco(Encode(false, real), {}, wanted);
   ASSERT_TRUE(of_real.ok()) << of_real.status();
-  EXPECT_EQ(of_real->mesh.attributes, (std::vector<uint32_t>{0x0080FF, 0, 0xFFFFFF, 0x400000}));
+  EXPECT_EQ(of_real->mesh.attributes, (std::vector<uint32_t>{0x0080FF, 0, 0xFFFFFF, 0x4D0000}));
 }
 
 template <class... T>

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/refusal.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/errors.h"
 #include "tests/unit/server_error_details.h"
@@ -77,6 +78,21 @@ TEST(ErrorTable, NamesTheLimitThatGetLimitsTells) {
   EXPECT_EQ(name(LimitExceeded("mesh_bytes", 2, 1)), "max_mesh_bytes");
   EXPECT_EQ(name(LimitExceeded("mesh_bytes", 2, 1, "mesh_store_bytes")), "mesh_store_bytes");
   EXPECT_EQ(name(BadSpec("mesh_bytes 3 was declared", "mesh_bytes", "3", "2")), "");
+}
+
+TEST(ErrorTable, NamesWhatCoreHasUnderTheNamesOfTheRequest) {
+  const RequestFields fields{"resolution", "band.voxels"};
+  const auto cause = [&](const absl::Status& status) { return CauseOf(WithCauseOfCore(status, fields)).value(); };
+  const auto error = [](const char* message) { return absl::InvalidArgumentError(message); };
+  EXPECT_EQ(cause(WithValue(error("voxel_size: too fine"), 7, 6)),
+            (ErrorCause{"BAD_SPEC", "resolution", "7", "6", "max_extent"}));
+  EXPECT_EQ(cause(WithValue(error("voxel_size: at 1e-300, basis: underflows"), "1e-300")),
+            (ErrorCause{"BAD_SPEC", "resolution", "1e-300", ""}));
+  EXPECT_EQ(cause(WithValue(error("band: too wide"), 257, 256)), (ErrorCause{"BAD_SPEC", "band.voxels", "257", "256"}));
+  EXPECT_EQ(cause(error("band: not together with solid")), (ErrorCause{"BAD_SPEC", "band", "", ""}));
+  EXPECT_EQ(cause(error("basis: too skew")), (ErrorCause{"BAD_SPEC", "lattice.basis", "", ""}));
+  EXPECT_EQ(cause(error("mesh: it is not closed")), (ErrorCause{"BAD_MESH", "mesh", "", ""}));
+  EXPECT_EQ(CauseOf(WithCauseOfCore(WithValue(error("voxel_size: too fine"), 7, 6)))->field, "lattice.basis");
 }
 
 TEST(ErrorTable, KeepsTheFirstCause) {
