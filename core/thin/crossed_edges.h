@@ -2,7 +2,9 @@
 #ifndef LATVOX_CORE_THIN_CROSSED_EDGES_H_
 #define LATVOX_CORE_THIN_CROSSED_EDGES_H_
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
