@@ -38,10 +38,11 @@ bool IsLocal(absl::string_view address) {
 }
 
 absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view what) {
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
-  if (file) text << file.rdbuf();  // which fails, if it is empty
-  if (!file) {
+  if (file) text << file.rdbuf();
+  if (!file || errno != 0) {  // text fails of an empty file, too; of a directory alone errno tells
     return absl::InvalidArgumentError(
         absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
   }

@@ -28,6 +28,8 @@ constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} 
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
 constexpr uint64_t kAttributeThreadBytes = uint64_t{16} << 20;
 constexpr uint64_t kBytesPerAttribute = 6;  // of a vertex
+// Where triangles fill a volume, thinning has many voxels of a block of 128^3 in doubt.
+constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 // Of sets that are kept: a brick, in a vector and an index that double as they grow; and where bricks are not counted
 // beforehand, a voxel, of which a surface has at least ten in a brick.
@@ -156,6 +158,18 @@ uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
   return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
 }
 
+// What thinning takes more, of so many voxels: in a block, if they are spread over the mesh's box.
+uint64_t Computation::BytesOfThinning(double voxels) const {
+  if (!spec_.options.minimal || spec_.options.band || spec_.options.cover == Cover::kSupercover) return 0;
+  double blocks = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    const double side = (source_.bounds.max[m] - source_.bounds.min[m]) / grid_->lattice.voxel_size();
+    blocks *= std::max(side / kBlockSide, 1.0);
+  }
+  const double bytes = std::min(voxels / blocks * kBytesPerVoxelOfBlock, kMostBytesOfBlock);
+  return static_cast<uint64_t>(environment_.bulk.threads()) * static_cast<uint64_t>(bytes);
+}
+
 void Computation::Free() {
   job_.reset();
   voxels_ = {};
@@ -213,7 +227,7 @@ absl::Status Computation::CreateJob() {
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options, cancelled_);
   const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, cancelled_);
-  job_bytes_ += BytesOfSolid(decoded.mesh);
+  job_bytes_ += BytesOfSolid(decoded.mesh) + BytesOfThinning(voxels);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
   auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);

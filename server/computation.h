@@ -83,6 +83,7 @@ class Computation {
   absl::Status ReserveForJob(const TriangleMesh& mesh);
   DecodedMesh TheMesh();
   uint64_t BytesOfSolid(const TriangleMesh& mesh) const;
+  uint64_t BytesOfThinning(double voxels) const;
   absl::Status TakeEstimate(double voxels, double visits);
   absl::Status CreateJob();
   bool TakeTile(const TileBricks& tile, const Deliver& deliver);

@@ -26,13 +26,13 @@ bool AwaitWork(std::function<void()> work, const CallOptions& call) {
     bool IsOver() const { return done || cancelled; }
   };
   const auto shared = std::make_shared<Shared>();
-  ++g_running;
   std::thread([shared, work = std::move(work)] {
     work();
     --g_running;
     const absl::MutexLock lock(&shared->mutex);
     shared->done = true;
   }).detach();
+  ++g_running;
   const Cancellation::Subscription on_cancel(call.cancellation, [shared] {
     const absl::MutexLock lock(&shared->mutex);
     shared->cancelled = true;

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client/cli/abandoned_work.h"
 #include "client/cli/job_digest.h"
 #include "client/cli/voxelize_command.h"
 #include "client/mesh/input.h"
@@ -101,6 +102,7 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   auto job = parser.Parse(line.text);
   result.error = job.status();
   if (!job.ok()) return;
+  const CallOptions call = MakeCallOptions(options_.server, cancellation_);
   result.id = job->id;
   result.mesh = job->mesh;
   result.outputs = job->names;
@@ -108,7 +110,7 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   if (result.error.ok()) result.error = Align(job->options);
   if (!result.error.ok()) return;
   // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
-  auto digest = JobDigest(*job);
+  auto digest = DoAbandonably([job = *job] { return JobDigest(job); }, call);
   result.error = digest.status();
   if (!digest.ok()) return;
   result.job_digest = *std::move(digest);
@@ -116,12 +118,12 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
     result.outcome = JobResult::Outcome::kSkipped;
     result.digest = *std::move(voxels);
   } else {
-    Voxelize(*job, result);
+    Voxelize(*job, call, result);
   }
   if (result.outcome != JobResult::Outcome::kFailed) Measure(job->options.outputs, result);
 }
 
-void BatchRun::Voxelize(const Job& job, JobResult& result) {
+void BatchRun::Voxelize(const Job& job, const CallOptions& call, JobResult& result) {
   result.error = MakeDirectories(job.options.outputs);
   if (!result.error.ok()) return;
   SharedSession session;
@@ -138,7 +140,7 @@ void BatchRun::Voxelize(const Job& job, JobResult& result) {
     const std::lock_guard lock(mutex_);
     bar_.Say(absl::StrCat("latvox: ", job.id, ": ", line));
   };
-  auto report = RunJob(job.options, MakeCallOptions(options_.server, cancellation_), hooks);
+  auto report = RunJob(job.options, call, hooks);
   if (report.ok()) {
     result.outcome = JobResult::Outcome::kDone;
     result.report = *std::move(report);

@@ -39,7 +39,7 @@ class BatchRun {
   // On each worker's thread.
   void Work();
   void Do(JobParser& parser, const JobLine& line, JobResult& result);
-  void Voxelize(const Job& job, JobResult& result);
+  void Voxelize(const Job& job, const CallOptions& call, JobResult& result);
   absl::StatusOr<SharedSession> Connect();
   void Disconnect(const SharedSession& session);
   void End(const JobResult& result);

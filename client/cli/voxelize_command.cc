@@ -48,36 +48,38 @@ double VoxelsAlong(double side, const VoxelizeRequest& request) {
 }
 
 // Sent as it is; only what is counted needs it decoded here.
-absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const JobHooks& hooks, std::string drc) {
+absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks,
+                                    std::string drc) {
   if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
-  Upload upload{.drc = std::move(drc)};
-  if (options.weld_report) {
-    const auto mesh = ParseMeshFile(options.mesh.paths[0], upload.drc, MeshFormat::kDraco);
+  if (!options.weld_report) return Upload{.drc = std::move(drc)};
+  const auto count = [path = options.mesh.paths[0], drc = std::move(drc)]() -> absl::StatusOr<Upload> {
+    const auto mesh = ParseMeshFile(path, drc, MeshFormat::kDraco);
     if (!mesh.ok()) return mesh.status();
-    upload.weld = Weld(*mesh);
-  }
-  return upload;
+    return Upload{.drc = drc, .weld = Weld(*mesh)};
+  };
+  return DoAbandonably(count, call);
 }
 
 absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
   hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
   auto read = DoAbandonably([source = options.mesh] { return ReadMeshSource(source); }, call);
   if (!read.ok()) return read.status();
-  if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, hooks, std::move(*drc));
+  if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, call, hooks, std::move(*drc));
   const auto shared_mesh = std::make_shared<const Mesh>(std::get<Mesh>(*std::move(read)));
   const Mesh& mesh = *shared_mesh;
   for (const std::string& warning : mesh.warnings) hooks.say(warning);
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
-  const auto encode = [shared_mesh, bits, attributes = options.request.attributes] {
-    return EncodeMesh(*shared_mesh, bits, attributes);
+  const auto encode = [shared_mesh, bits, attributes = options.request.attributes,
+                       weld = options.weld_report]() -> absl::StatusOr<Upload> {
+    auto encoded = EncodeMesh(*shared_mesh, bits, attributes);
+    if (!encoded.ok()) return encoded.status();
+    Upload upload{.drc = std::move(encoded->drc), .skipped = shared_mesh->skipped};
+    if (weld) upload.weld = Weld(*shared_mesh);
+    return upload;
   };
-  auto encoded = DoAbandonably(encode, call);
-  if (!encoded.ok()) return encoded.status();
-  Upload upload{.drc = std::move(encoded->drc), .skipped = mesh.skipped};
-  if (options.weld_report) upload.weld = Weld(mesh);
-  return upload;
+  return DoAbandonably(encode, call);
 }
 
 absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options) {

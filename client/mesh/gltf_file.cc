@@ -204,6 +204,10 @@ absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const Json& mesh) 
     }
     const absl::Status& status = primitive.status();
     if (!status.ok()) return In("primitives[", primitives.size(), status);
+    if (primitive->triangles.empty()) {  // its points are nothing to us
+      primitive->positions = {};
+      primitive->colors = {};
+    }
     triangles += primitive->triangles.size();
     vertices += primitive->positions.size();
     if (auto enough = CheckSize(triangles, vertices); !enough.ok()) return enough;

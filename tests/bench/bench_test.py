@@ -158,9 +158,13 @@ class Bench(unittest.TestCase):
         self.assertLess(instructions(*words), 5_000_000)
 
     def test_a_small_region_of_a_huge_solid_costs_little(self):
-        region = ("--region", "0,0,0,9,9,9", "--fill", "solid", "--threads", "1", "--discard")
-        self.assertLess(instructions("box", "65536", *region), 1.5 * instructions("box", "1024", *region))
-        self.assertLess(once("box", "65536", *region)["job_peak_bytes"], 4e6)
+        def region(low):
+            return ("--region", f"{low},{low},{low},{low + 9},{low + 9},{low + 9}", "--fill", "solid", "--threads", "1", "--discard")
+
+        deep = once("box", "65536", *region(30000))
+        self.assertEqual(deep["voxels"], 729)
+        self.assertLess(deep["job_peak_bytes"], 4e6)
+        self.assertLess(instructions("box", "65536", *region(30000)), 2 * instructions("box", "1024", *region(470)))
 
     def test_exit_statuses(self):
         for words, status in (

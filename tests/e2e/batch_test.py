@@ -146,6 +146,13 @@ class Jobs(Batch):
         self.assertEqual(results[2]["error"]["exit_status"], BAD_INPUT)
         self.assertIn("missing.obj", results[2]["error"]["message"])
 
+    def test_a_mesh_that_does_not_come_is_waited_for_until_the_timeout(self):
+        os.mkfifo(self.dir / "silent.ply")  # which nobody opens to write
+        jobs = self.jobs({"mesh": "silent.ply", "resolution": 8}, *self.small(1))
+        done = self.batch(jobs, "--jobs", "1", "--timeout", "2", code=STOPPED)
+        self.assertRegex(done.stderr, r"jobs\.jsonl:1: the --timeout passed\n$")
+        self.assertEqual(self.outputs(), ["0.vdb"])
+
     def test_a_mesh_beyond_memory_fails_its_job_alone(self):
         (self.dir / "huge.ply").touch()
         os.truncate(self.dir / "huge.ply", 8 << 30)  # a hole

@@ -5,7 +5,6 @@ import os
 import re
 import signal
 import subprocess
-import time
 import unittest
 import unittest.mock
 
@@ -117,10 +116,7 @@ class RunningServer(Case):
         return (self.dir / "latvoxd.log").read_text()
 
     def await_log(self, pattern):
-        deadline = time.monotonic() + harness.PATIENCE
-        while not re.search(pattern, self.log()):
-            self.assertLess(time.monotonic(), deadline, f"no {pattern} in {self.log()}")
-            time.sleep(0.02)
+        harness.await_log(self.dir, pattern)
 
     def test_sighup_applies_the_files_log_level_and_names_what_needs_a_new_start(self):
         file = self.dir / "latvoxd.toml"

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import signal
 import struct
 import subprocess
@@ -77,6 +78,15 @@ def server(directory, *options):
     finally:
         process.kill()
         process.wait()
+
+
+def await_log(directory, pattern, count=1):
+    """The first group, or all, of the count-th place that matches in the log of the server in `directory`, once it is there."""
+    deadline = time.monotonic() + PATIENCE
+    while len(found := re.findall(pattern, log := (directory / "latvoxd.log").read_text())) < count:
+        assert time.monotonic() < deadline, f"no {pattern} in {log}"
+        time.sleep(0.02)
+    return found[count - 1]
 
 
 def wait_until_healthy(process):

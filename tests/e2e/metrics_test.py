@@ -27,7 +27,7 @@ def watched_server(directory, *options):
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "3",
                     "-subj", "/CN=x", "-keyout", key, "-out", certificate], check=True, capture_output=True)
     with harness.server(directory, "--metrics-listen", "127.0.0.1:0", "--tls-cert", certificate, "--tls-key", key, *options) as server:
-        address = re.search(r"event=metrics address=(\S+)", (directory / "latvoxd.log").read_text())[1]
+        address = harness.await_log(directory, r"event=metrics address=(\S+)")
         server.scrape = lambda: urllib.request.urlopen(f"http://{address}/metrics", timeout=harness.PATIENCE).read().decode()
         yield server
 
@@ -111,7 +111,7 @@ class Metrics(Case):
 
     def test_an_address_that_cannot_be_had_is_named(self):
         with watched_server(self.dir) as server:
-            address = re.search(r"event=metrics address=(\S+)", (self.dir / "latvoxd.log").read_text())[1]
+            address = harness.await_log(self.dir, r"event=metrics address=(\S+)")
             command = [harness.BIN / "latvoxd", "--listen", "127.0.0.1:0", "--metrics-listen", address]
             done = subprocess.run(command, capture_output=True, text=True, timeout=harness.PATIENCE)
             self.assertEqual(done.returncode, 1)

@@ -68,12 +68,7 @@ class TlsCase(Case):
         return (self.dir / "latvoxd.log").read_text()
 
     def await_log(self, pattern, count=1):
-        """The first group, or all, of the count-th place that matches."""
-        deadline = time.monotonic() + harness.PATIENCE
-        while len(found := re.findall(pattern, self.log())) < count:
-            self.assertLess(time.monotonic(), deadline, f"no {pattern} in {self.log()}")
-            time.sleep(0.02)
-        return found[count - 1]
+        return harness.await_log(self.dir, pattern, count)
 
 
 class Connection(contextlib.ExitStack):

@@ -227,6 +227,10 @@ TEST(GltfFile, ScenesAreOnlySoLarge) {
   primitives.push_back(primitives[0]);
   EXPECT_TRUE(ParseGltf(repeated.dump(), "", 8).ok());
   EXPECT_EQ(ParseGltf(repeated.dump(), "", 7).status().code(), absl::StatusCode::kResourceExhausted);
+
+  // What has no triangles counts for nothing, and is not kept.
+  Json points = With(repeated, "/meshes/0/primitives/0/mode", 0);
+  EXPECT_TRUE(ParseGltf(points.dump(), "", 4).ok());
 }
 
 class GltfFiles : public FilesTest {};
