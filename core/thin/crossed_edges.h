@@ -27,6 +27,7 @@ class CrossedEdges {
   void Reset(const BitsLayout& layout) {
     for (const uint32_t row : touched_) rows_[row] = 0;
     touched_.clear();
+    words_.reserve(kUsual);
     words_.assign(kRow, 0);
     count_ = 0;
     rows_.resize(layout.Words());
@@ -76,6 +77,8 @@ class CrossedEdges {
 
  private:
   static constexpr uint32_t kRow = 32;
+  // Words: more than most blocks need. What is not used of it costs nothing, to grow would.
+  static constexpr size_t kUsual = size_t{1} << 18;
   struct Step {
     int32_t number;  // by which that of the other end differs
     uint32_t flip;

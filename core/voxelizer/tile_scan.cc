@@ -158,13 +158,13 @@ void TileScan::FindRest(const TileContext& context) {
   rest_.Resize(layout_.Words());  // empty
   maybe_.clear();
   // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
-  essential_.Resize(layout_.Words());  // empty
+  const bool any_tiny = crossings_.nearer.size() > 0;
+  if (any_tiny) essential_.Resize(layout_.Words());  // empty
   ForEachApart(crossings_.nearer.size(),
                [&](size_t n) { essential_.Add(crossings_.nearer[n], !surface_.Test(crossings_.farther[n])); });
   essential_.Find(crossings_.nearer.view(), false, inner_);
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
-  const bool any_tiny = crossings_.nearer.size() > 0;
   const auto add = [&](uint32_t voxel) {
     if ((any_tiny && essential_.Test(voxel)) || rest_.Test(voxel) || !complete.Contains(layout_.VoxelAt(voxel))) return;
     rest_.Set(voxel);
