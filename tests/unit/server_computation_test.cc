@@ -199,6 +199,25 @@ TEST(Computation, ReservesBeforehandWhatVerificationKeeps) {
   }
 }
 
+TEST(Computation, ReservesWhatThinningTakesWhereTrianglesFillAVolume) {
+  ThreadDecoder decoder;
+  const auto reserved = [&](int copies, bool minimal) {
+    TestEnvironment environment(decoder);
+    v1::VoxelizeSpec spec = GoodSpec();
+    spec.set_minimal(minimal);
+    TriangleMesh mesh = Sphere(20);
+    const auto once = mesh.triangles;
+    for (int n = 1; n < copies; ++n) mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+    Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+    EXPECT_TRUE(Decode(computation, EncodeDraco(mesh, {.method = DracoMethod::kSequential})).ok());
+    EXPECT_TRUE(computation.Start([](v1::VoxelizeResponse&&) { return true; }).ok());
+    return environment.memory.reserved();
+  };
+  constexpr uint64_t kMebibyte = 1 << 20;
+  EXPECT_LT(reserved(1, true), reserved(1, false) + 10 * kMebibyte);
+  EXPECT_GT(reserved(40, true), reserved(40, false) + 40 * kMebibyte);
+}
+
 class CountingDecoder final : public MeshDecoder {
  public:
   std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override {
@@ -288,6 +307,8 @@ TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(CauseOf(status)->reason, "BAD_SPEC");
   EXPECT_EQ(CauseOf(status)->field, "voxel_size");
+  EXPECT_EQ(CauseOf(status)->limit, "131072");
+  EXPECT_EQ(CauseOf(status)->limit_name, "max_extent");
 }
 
 }  // namespace
