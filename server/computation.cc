@@ -26,7 +26,7 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 // the threads, what they scan with; of the mesh, its arrays and the job's, as measured, and half as much again.
 constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
-constexpr uint64_t kAttributeThreadBytes = uint64_t{16} << 20;
+constexpr uint64_t kAttributeThreadBytes = uint64_t{24} << 20;
 constexpr uint64_t kBytesPerAttribute = 6;  // of a vertex
 // Where triangles fill a volume, thinning has many voxels of a block of 128^3 in doubt.
 constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
@@ -158,12 +158,17 @@ uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
   return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
 }
 
-// What thinning takes more, of so many voxels: in a block, if they are spread over the mesh's box.
+// What thinning takes more, of so many voxels: in a block, if they are spread over the part of the mesh's box that is
+// asked for.
 uint64_t Computation::BytesOfThinning(double voxels) const {
   if (!spec_.options.minimal || spec_.options.band || spec_.options.cover == Cover::kSupercover) return 0;
   double blocks = 1;
   for (size_t m = 0; m < 3; ++m) {
-    const double side = (source_.bounds.max[m] - source_.bounds.min[m]) / grid_->lattice.voxel_size();
+    double side = source_.bounds.max[m] - source_.bounds.min[m];
+    if (const auto& bounds = spec_.options.bounds) side = std::min(side, bounds->max[m] - bounds->min[m]);
+    side /= grid_->lattice.voxel_size();
+    if (const auto& region = spec_.options.region)
+      side = std::min(side, static_cast<double>(region->max[m]) - region->min[m]);
     blocks *= std::max(side / kBlockSide, 1.0);
   }
   const double bytes = std::min(voxels / blocks * kBytesPerVoxelOfBlock, kMostBytesOfBlock);
