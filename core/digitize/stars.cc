@@ -8,7 +8,8 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
+#include <limits>
 
 #include "core/digitize/star.h"
 #include "core/snap/padded_vertices.h"
@@ -20,10 +21,10 @@ namespace {
 
 // How far a triangle's corners may be from the voxel, per axis in lattice units, so that T holds all products. With
 // offsets of b bits, sides have b + 1 bits, normals 2 * b + 2 (twice an area within a square of sides), moments
-// 2 * b + 1, these with q 3 more, and distances, which only doubles hold as they are, 3 * b + 4.
+// 2 * b + 1, and these with q 3 more.
 template <class T>
-inline constexpr int kOffsetBits = sizeof(T) == 4 ? 12 : 16;
-static_assert(kMaxDirection <= 8 && 2 * kOffsetBits<int32_t> + 2 + 3 <= 30 && 3 * kOffsetBits<double> + 4 <= 53);
+inline constexpr int kOffsetBits = sizeof(T) == 4 ? 12 : 24;
+static_assert(kMaxDirection <= 8 && 2 * kOffsetBits<int32_t> + 2 + 3 <= 30 && 2 * kOffsetBits<double> + 2 + 3 <= 53);
 static_assert(3 * kOffsetBits<int32_t> + 2 - 7 <= 31);
 
 StarEdges ScalarStarEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, const Vec3i& z) {
@@ -77,32 +78,27 @@ inline constexpr size_t kLanesOf = HWY_LANES(T);
 template <class T>
 struct Corners {
   alignas(64) T of[3][kLanesOf<T>][4];
+  alignas(64) T distance[kLanesOf<T>];  // of doubles
 };
 
 // ceil(distance / 128) for a distance = n . w, where the unit of n . q is 256: then -along < result <= along says that
-// the voxel is the nearer end. For int32, w = 128 * whole + part, and likewise n, keep the terms within bounds, and
-// their sum fits but for +2^31, which turns negative and is outside, too: for |n . w| is six times the volume of a
-// tetrahedron with sides up to 2^12, at most 4 * (2^12)^3.
+// the voxel is the nearer end. w = 128 * whole + part, and likewise n, keep the terms within bounds, and their sum fits
+// but for +2^31, which turns negative and is outside, too: for |n . w| is six times the volume of a tetrahedron with
+// sides up to 2^12, at most 4 * (2^12)^3.
 template <class D, class V>
 HWY_INLINE V Distance(D d, const std::array<V, 3>& n, const std::array<V, 3>& w) {
-  if constexpr (sizeof(hn::TFromD<D>) == 8) {
-    const V sum = hn::Add(hn::Add(hn::Mul(n[0], w[0]), hn::Mul(n[1], w[1])), hn::Mul(n[2], w[2]));
-    return hn::Mul(sum, hn::Set(d, 1.0 / 128));
-  } else {
-    const V low_bits = hn::Set(d, 127);
-    V whole = hn::Zero(d), part = low_bits;
-    for (size_t m = 0; m < 3; ++m) {
-      const V low = hn::And(w[m], low_bits);
-      whole = hn::Add(whole, hn::Add(hn::Mul(n[m], hn::ShiftRight<7>(w[m])), hn::Mul(hn::ShiftRight<7>(n[m]), low)));
-      part = hn::Add(part, hn::Mul(hn::And(n[m], low_bits), low));
-    }
-    return hn::Add(whole, hn::ShiftRight<7>(part));
+  const V low_bits = hn::Set(d, 127);
+  V whole = hn::Zero(d), part = low_bits;
+  for (size_t m = 0; m < 3; ++m) {
+    const V low = hn::And(w[m], low_bits);
+    whole = hn::Add(whole, hn::Add(hn::Mul(n[m], hn::ShiftRight<7>(w[m])), hn::Mul(hn::ShiftRight<7>(n[m]), low)));
+    part = hn::Add(part, hn::Mul(hn::And(n[m], low_bits), low));
   }
+  return hn::Add(whole, hn::ShiftRight<7>(part));
 }
 
-// Lanes in `ties` are undecided.
 template <class T>
-HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& corners, StarEdges* out, uint64_t& ties) {
+HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& corners, StarEdges* out) {
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   using V3 = std::array<V, 3>;
@@ -128,9 +124,10 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
   }
   V3 normal = cross(minus(v[1], v[0]), minus(v[2], v[0]));
   // Turned so that the normal's first nonzero entry is positive: that reverses all products.
-  const V first =
-      hn::IfThenElse(hn::Eq(normal[0], zero), hn::IfThenElse(hn::Eq(normal[1], zero), normal[2], normal[1]), normal[0]);
-  const auto reversed = hn::Lt(first, zero);
+  const auto first_nonzero = [&](const V3& a) HWY_ATTR {
+    return hn::IfThenElse(hn::Eq(a[0], zero), hn::IfThenElse(hn::Eq(a[1], zero), a[2], a[1]), a[0]);
+  };
+  const auto reversed = hn::Lt(first_nonzero(normal), zero);
   const auto turn = [&](V3& a) {
     for (V& x : a) x = hn::IfThenElse(reversed, hn::Neg(x), x);
   };
@@ -140,12 +137,26 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
     turn(moment[n]);
   }
   turn(normal);
-  const V3 from_corner{hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])};
-  const V distance = Distance(d, normal, from_corner);
+  V distance;
+  if constexpr (sizeof(T) == 4) {
+    distance = Distance(d, normal, {hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])});
+  } else {
+    distance = hn::Load(d, corners.distance);
+  }
   const auto below = hn::Not(hn::Gt(distance, zero));
 
+  // Whether the shift moves the line through the voxel along u, which is q, or -q unless `up`, to the inner side of the
+  // triangle's edge n: s . (edge x u) > 0.
+  const auto tie_is_inside = [&](size_t n, const Vec3i& q, hn::Mask<decltype(d)> up) HWY_ATTR {
+    V3 edge = minus(v[(n + 1) % 3], v[n]);
+    turn(edge);
+    const V3 by{hn::Sub(times(q[2], edge[1]), times(q[1], edge[2])),
+                hn::Sub(times(q[0], edge[2]), times(q[2], edge[0])),
+                hn::Sub(times(q[1], edge[0]), times(q[0], edge[1]))};
+    const V first_by = first_nonzero(by);
+    return hn::Gt(hn::IfThenElse(up, first_by, hn::Neg(first_by)), zero);
+  };
   V nearer = zero, forward = zero;
-  auto tied = hn::Lt(zero, zero);
   for (size_t n = 0; n < frames.size(); ++n) {
     const Vec3i& q = frames[n].frame.q;
     const V along = dot(q, normal), size = hn::Abs(along);
@@ -157,7 +168,12 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
     // All on the inner side: not negative, or not positive where u = -q.
     const V outermost = hn::IfThenElse(up, least, hn::Neg(most));
     meets = hn::And(meets, hn::Not(hn::Lt(outermost, zero)));
-    tied = hn::Or(tied, hn::And(meets, hn::Eq(outermost, zero)));
+    if (!hn::AllFalse(d, hn::And(meets, hn::Eq(outermost, zero)))) {
+      const V sides[3] = {s0, s1, s2};
+      for (size_t m = 0; m < 3; ++m) {
+        meets = hn::And(meets, hn::Or(hn::Ne(sides[m], zero), tie_is_inside(m, q, up)));
+      }
+    }
     const V bit = hn::Set(d, static_cast<T>(1 << n));
     nearer = hn::Add(nearer, hn::IfThenElseZero(meets, bit));
     forward = hn::Add(forward, hn::IfThenElseZero(hn::And(meets, hn::Not(hn::Xor(up, below))), bit));
@@ -167,90 +183,134 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
   hn::Store(forward, d, bits[1]);
   for (size_t n = 0; n < kLanesOf<T>; ++n)
     out[n] = {static_cast<uint32_t>(bits[0][n]), static_cast<uint32_t>(bits[1][n])};
-  ties = 0;
-  hn::StoreMaskBits(d, tied, reinterpret_cast<uint8_t*>(&ties));
 }
 
 using FourInts = hn::CappedTag<int32_t, 4>;
 using Four = hn::Vec<FourInts>;
 
-// Whether no entry of the first three exceeds 2^bits in size.
-HWY_INLINE bool Within(const std::array<Four, 3>& corners, int bits) {
+// How far the corners are away: of each axis the farthest, and 0.
+HWY_INLINE Four FarthestOf(const std::array<Four, 3>& corners) {
   const FourInts d;
   const Four size = hn::Max(hn::Max(hn::Abs(corners[0]), hn::Abs(corners[1])), hn::Abs(corners[2]));
-  return hn::AllFalse(d, hn::And(hn::Gt(size, hn::Set(d, 1 << bits)), hn::FirstN(d, 3)));
+  return hn::IfThenElseZero(hn::FirstN(d, 3), size);
 }
+
+HWY_INLINE bool Within(Four farthest, int bits) {
+  const FourInts d;
+  return hn::AllFalse(d, hn::Gt(farthest, hn::Set(d, 1 << bits)));
+}
+
+HWY_INLINE void StoreDoubles(Four v, double* to) {
+  if constexpr (HWY_LANES(double) >= 4) {
+    const hn::Rebind<double, FourInts> d;
+    hn::Store(hn::PromoteTo(d, v), d, to);
+  } else {
+    alignas(16) int32_t ints[4];
+    hn::Store(v, FourInts(), ints);
+    std::copy_n(ints, 4, to);
+  }
+}
+
+// Of triangles that int32 does not hold; mostly, several pairs of one follow each other.
+class Normals {
+ public:
+  explicit Normals(const SnappedMesh& mesh) : mesh_(mesh) {}
+
+  // ceil(n . (z - A) / 128), the triangle turned as Stars turns it, whose corner A is within 2^24 of z on each axis.
+  // Products may take more than 64 bits, but not where z is as close to the plane as candidates are; where it is not,
+  // doubles say so: infinity.
+  HWY_INLINE double Distance(uint32_t triangle, const int32_t (&corner)[4]) {
+    if (triangle != triangle_) {
+      triangle_ = triangle;
+      normal_ = OrientedTriangle(TriangleOf(mesh_, triangle)).normal;
+    }
+    uint64_t distance = 0;  // modulo 2^64
+    double estimate = 0;
+    for (size_t m = 0; m < 3; ++m) {
+      distance -= static_cast<uint64_t>(normal_[m]) * static_cast<uint64_t>(int64_t{corner[m]});
+      estimate -= static_cast<double>(normal_[m]) * corner[m];
+    }
+    if (std::abs(estimate) > 0x1p62) return std::numeric_limits<double>::infinity();
+    return static_cast<double>((static_cast<int64_t>(distance) + 127) >> 7);
+  }
+
+ private:
+  const SnappedMesh& mesh_;
+  uint32_t triangle_ = UINT32_MAX;
+  Vec<int64_t, 3> normal_{};
+};
 
 // Pairs that wait for the lanes to fill up.
 template <class T>
 class Batch {
  public:
-  Batch(const std::vector<ScanFrame>& frames, StarEdges* out) : frames_(frames), out_(out) {}
+  explicit Batch(const std::vector<ScanFrame>& frames) : frames_(frames) {}
 
-  // `undecided` is told the indices of pairs with ties. Precondition: T holds the products.
-  template <class F>
-  HWY_INLINE void Add(size_t index, const std::array<Four, 3>& corners, F&& undecided) {
+  // `out` gets the edges when the lanes are full, or flushed. Precondition: T holds the products.
+  HWY_INLINE void Add(StarEdges* out, const std::array<Four, 3>& corners, [[maybe_unused]] uint32_t triangle,
+                      [[maybe_unused]] Normals& normals) {
     const FourInts d4;
-    const hn::Rebind<T, FourInts> d;
-    for (size_t n = 0; n < 3; ++n) {
-      if constexpr (sizeof(T) == 4) {
-        hn::Store(corners[n], d, corners_.of[n][size_]);
-      } else {
-        alignas(16) int32_t ints[4] = {};
-        hn::Store(corners[n], d4, ints);
-        for (size_t m = 0; m < 4; ++m) corners_.of[n][size_][m] = ints[m];
-      }
+    if constexpr (sizeof(T) == 4) {
+      for (size_t n = 0; n < 3; ++n) hn::Store(corners[n], d4, corners_.of[n][size_]);
+    } else {
+      alignas(16) int32_t first[4];
+      hn::Store(corners[0], d4, first);
+      corners_.distance[size_] = normals.Distance(triangle, first);
+      for (size_t n = 0; n < 3; ++n) StoreDoubles(corners[n], corners_.of[n][size_]);
     }
-    index_[size_++] = index;
-    if (size_ == kLanesOf<T>) Flush(undecided);
+    out_[size_++] = out;
+    if (size_ == kLanesOf<T>) Flush();
   }
-  template <class F>
-  void Flush(F&& undecided) {
+  void Flush() {
     if (size_ == 0) return;
     StarEdges edges[kLanesOf<T>];
-    uint64_t ties;
-    Stars(frames_, corners_, edges, ties);
-    for (size_t n = 0; n < size_; ++n) {
-      out_[index_[n]] = edges[n];
-      if (ties >> n & 1) undecided(index_[n]);
-    }
+    Stars(frames_, corners_, edges);
+    for (size_t n = 0; n < size_; ++n) *out_[n] = edges[n];
     size_ = 0;
   }
 
  private:
   const std::vector<ScanFrame>& frames_;
-  StarEdges* out_;
   Corners<T> corners_;
-  size_t index_[kLanesOf<T>];
+  StarEdges* out_[kLanesOf<T>];
   size_t size_ = 0;
 };
 
 void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
                  std::span<const VoxelTriangle> pairs, StarEdges* out) {
-  Batch<int32_t> ints(frames, out);
-  Batch<double> doubles(frames, out);
-  const auto scalar = [&](size_t n) {
-    out[n] = ScalarStarEdges(TriangleOf(mesh, pairs[n].triangle), frames, layout.VoxelAt(pairs[n].voxel));
-  };
+  Batch<int32_t> ints(frames);
+  Batch<double> doubles(frames);
+  Normals normals(mesh);
   const PaddedVertices vertices(mesh);
   const FourInts d;
-  for (const auto& [voxel, triangle] : pairs) hwy::Prefetch(&mesh.triangles[triangle]);
-  for (size_t n = 0; n < pairs.size(); ++n) {
-    const Vec3i z = layout.VoxelAt(pairs[n].voxel) * kLatticeUnit;
-    alignas(16) const int32_t at[4] = {z[0], z[1], z[2], 0};
-    const auto& indices = mesh.triangles[pairs[n].triangle];
-    std::array<Four, 3> corners;
-    for (size_t m = 0; m < 3; ++m) corners[m] = hn::Sub(hn::LoadU(d, vertices[indices[m]]), hn::Load(d, at));
-    if (Within(corners, kOffsetBits<int32_t>)) {
-      ints.Add(n, corners, scalar);
-    } else if (Within(corners, kOffsetBits<double>)) {
-      doubles.Add(n, corners, scalar);
-    } else {
-      scalar(n);
+  constexpr size_t kAtOnce = 64;
+  for (; !pairs.empty(); pairs = pairs.subspan(std::min(kAtOnce, pairs.size())), out += kAtOnce) {
+    const size_t count = std::min(kAtOnce, pairs.size());
+    // All voxels first: what was just written number by number cannot be read as a vector at once.
+    alignas(16) int32_t voxels[kAtOnce][4];
+    for (size_t n = 0; n < count; ++n) {
+      hwy::Prefetch(&mesh.triangles[pairs[n].triangle]);
+      const Vec3i z = layout.VoxelAt(pairs[n].voxel) * kLatticeUnit;
+      for (size_t m = 0; m < 3; ++m) voxels[n][m] = z[m];
+      voxels[n][3] = 0;
+    }
+    for (size_t n = 0; n < count; ++n) {
+      const uint32_t triangle = pairs[n].triangle;
+      const Four z = hn::Load(d, voxels[n]);
+      std::array<Four, 3> corners;
+      for (size_t m = 0; m < 3; ++m) corners[m] = hn::Sub(hn::LoadU(d, vertices[mesh.triangles[triangle][m]]), z);
+      const Four farthest = FarthestOf(corners);
+      if (Within(farthest, kOffsetBits<int32_t>)) {
+        ints.Add(out + n, corners, triangle, normals);
+      } else if (Within(farthest, kOffsetBits<double>)) {
+        doubles.Add(out + n, corners, triangle, normals);
+      } else {
+        out[n] = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(pairs[n].voxel));
+      }
     }
   }
-  ints.Flush(scalar);
-  doubles.Flush(scalar);
+  ints.Flush();
+  doubles.Flush();
 }
 
 #endif
