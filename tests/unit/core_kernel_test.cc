@@ -60,7 +60,7 @@ TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
   const BitsLayout layout(tile_min, {8, 8, 8});
   for (const ExactLattice& l : ExactLattices()) {
     const auto frames = MakeScanFrames(l.lattice.frames(0));
-    for (const int32_t size : {60, 400, 9000, 40000, 1 << 22}) {
+    for (const int32_t size : {60, 400, 9000, 40000, 1 << 19, 1 << 22, 3 << 22}) {
       const auto triangles = TrianglesAround(tile_min, size, 60);
       const SnappedMesh mesh = MeshOf(triangles);
       // Voxels that are within half a step of the plane, as candidates are.
@@ -95,6 +95,22 @@ TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
         }
       }
     }
+  }
+}
+
+// The distance from this plane, times the normal, is 2^64.
+TEST(StarEdges, AreNoneWherePlanesAreFarOnEachKernel) {
+  constexpr int32_t kSide = 1 << 24, kAway = 1 << 16;
+  const BitsLayout layout({0, 0, 0}, {8, 8, 8});
+  const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kCartesian).frames(0));
+  const int32_t low = -kSide / 4;
+  const SnappedMesh mesh = MeshOf({{{{low, low, kAway}, {low + kSide, low, kAway}, {low, low + kSide, kAway}}}});
+  const VoxelTriangle pair{layout.NumberOf({0, 0, 0}), 0};
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    StarEdges star;
+    FindStarEdges(mesh, frames, layout, {&pair, 1}, &star);
+    EXPECT_EQ(star.nearer, 0U) << SimdInUse();
   }
 }
 
