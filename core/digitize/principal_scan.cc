@@ -44,6 +44,11 @@ std::vector<ScanFrame> MakeScanFrames(const std::vector<Frame>& frames) {
     }
     scans.push_back(scan);
   }
+  const auto length = [](const ScanFrame& scan) {
+    return std::abs(scan.frame.q[0]) + std::abs(scan.frame.q[1]) + std::abs(scan.frame.q[2]);
+  };
+  std::stable_sort(scans.begin(), scans.end(),
+                   [&](const ScanFrame& a, const ScanFrame& b) { return length(a) < length(b); });
   return scans;
 }
 

@@ -32,7 +32,8 @@ struct ScanFrame {
   int64_t reach_a, reach_b;           // its extent along both axes
 };
 
-// One for each frame, in the same order.
+// One for each frame, those with small q first. Where planes are parallel to a lattice plane, |n.q| is the largest for
+// several directions, of which the first is taken: along the smallest, the rim is narrowest.
 std::vector<ScanFrame> MakeScanFrames(const std::vector<Frame>& frames);
 
 // The first with the largest |normal . q|. Precondition: frames is not empty.
