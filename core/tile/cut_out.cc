@@ -6,6 +6,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -99,8 +100,14 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
   std::array<Brick, kBricks * kBricks * kBricks> found;
   size_t size = 0;
   Column column;
-  for (int32_t bi = 0; bi < kBricks; ++bi) {
-    for (int32_t bj = 0; bj < kBricks; ++bj) {
+  Vec3i first, end;  // bricks that meet the region, of the tile's
+  for (size_t m = 0; m < 3; ++m) {
+    first[m] = std::max((region.min[m] - tile_min[m]) >> kBrickBits, 0);
+    end[m] = std::min(((region.max[m] - tile_min[m] - 1) >> kBrickBits) + 1, kBricks);
+    if (first[m] >= end[m]) return out;
+  }
+  for (int32_t bi = first[0]; bi < end[0]; ++bi) {
+    for (int32_t bj = first[1]; bj < end[1]; ++bj) {
       const Vec3i corner = tile_min + Vec3i{bi, bj, 0} * kBrickSide;
       const uint32_t bricks = (plain ? ScalarColumn : CutColumn)(bytes + layout.NumberOf(corner) / 8,
                                                                  static_cast<size_t>(layout.stride[0] / 8),

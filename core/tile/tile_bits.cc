@@ -68,6 +68,21 @@ void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set,
   }
 }
 
+NumberRange Range(std::span<const uint32_t> numbers) {
+  const Numbers d;
+  NumberRange range;
+  auto least = hn::Set(d, range.first), most = hn::Zero(d);
+  size_t n = 0;
+  for (; n + kLanes <= numbers.size(); n += kLanes) {
+    const auto number = hn::And(hn::LoadU(d, numbers.data() + n), hn::Set(d, kNumberMask));
+    least = hn::Min(least, number);
+    most = hn::Max(most, number);
+  }
+  range = {hn::GetLane(hn::MinOfLanes(d, least)), hn::GetLane(hn::MaxOfLanes(d, most))};
+  for (; n < numbers.size(); ++n) range.Add({numbers[n] & kNumberMask, numbers[n] & kNumberMask});
+  return range;
+}
+
 // A table of a bit for each hash.
 constexpr size_t kTableWords = 4 * kLanes;
 // Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
@@ -107,6 +122,7 @@ HWY_AFTER_NAMESPACE();
 namespace latvox {
 namespace {
 
+HWY_EXPORT(Range);
 HWY_EXPORT(Find);
 HWY_EXPORT(FindFew);
 
@@ -118,6 +134,8 @@ void NumberList::Enlarge(size_t more) {
   std::copy_n(data_.get(), size_, larger.get());
   data_ = std::move(larger);
 }
+
+NumberRange RangeOf(std::span<const uint32_t> numbers) { return HWY_DYNAMIC_DISPATCH(Range)(numbers); }
 
 void TileBits::SetRun(uint32_t first, uint32_t count) {
   const uint32_t last = first + count - 1;

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_TILE_TILE_BITS_H_
 #define LATVOX_CORE_TILE_TILE_BITS_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -94,6 +95,20 @@ class NumberList {
   std::unique_ptr<uint32_t[]> data_;
 };
 
+// Numbers from `first` to `last`; none if first > last.
+struct NumberRange {
+  uint32_t first = UINT32_MAX, last = 0;
+
+  bool empty() const { return first > last; }
+  void Add(const NumberRange& other) {
+    first = std::min(first, other.first);
+    last = std::max(last, other.last);
+  }
+};
+
+// The least and the largest of the low kNumberBits of some numbers.
+NumberRange RangeOf(std::span<const uint32_t> numbers);
+
 // A set of voxels, one bit each.
 class TileBits {
  public:
@@ -113,6 +128,10 @@ class TileBits {
   // The same as Find(numbers, true, positions), faster where the set has few members. `members` are all of them;
   // others and duplicates do no harm.
   void FindFew(std::span<const uint32_t> numbers, std::span<const uint32_t> members, NumberList& positions) const;
+
+  void ClearRange(const NumberRange& range) {
+    if (!range.empty()) std::fill(words_.begin() + (range.first >> 5), words_.begin() + (range.last >> 5) + 1, 0);
+  }
 
   // What is added is 0.
   void Resize(size_t words) { words_.resize(words); }

@@ -1,9 +1,11 @@
 #include "core/voxelizer/tile_scan.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 #include "core/tile/cut_out.h"
 
@@ -23,6 +25,14 @@ void ForEachApart(size_t size, F&& f) {
 }
 
 IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
+
+IndexBox Union(IndexBox a, const IndexBox& b) {
+  for (size_t m = 0; m < 3; ++m) {
+    a.min[m] = std::min(a.min[m], b.min[m]);
+    a.max[m] = std::max(a.max[m], b.max[m]);
+  }
+  return a;
+}
 
 // Appends to `pairs` the voxels at `positions` of one of the candidates' lists, with the triangles that put them there.
 //   end   the member of Candidates::Run for that list
@@ -45,7 +55,9 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   box_ = {block_.min - context.reach * halo, block_.max + context.reach * halo};
   layout_ = BitsLayout(low, context.reach * (halo + 1), side);
   for (size_t n = 0; n < context.frames.size(); ++n) steps_[n] = layout_.StepOf(context.frames[n].frame.q);
-  surface_.words().assign(layout_.Words(), 0);
+  surface_.ClearRange(std::exchange(used_, {}));
+  used_box_ = {layout_.origin + layout_.side, layout_.origin};  // empty
+  surface_.Resize(layout_.Words());
   candidates_.Clear();
   crossings_.Clear();
   triangles_ = triangles;
@@ -58,12 +70,14 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     triangles_ = others_;
   }
   if (context.cancelled) return;
+  Use(crossings_.nearer.view());
   ForEachApart(crossings_.nearer.size(), [this](size_t n) { surface_.Set(crossings_.nearer[n]); });
   rim_only_.clear();
   size_t end = 0;
   do {
     in_parts_ = end > 0;
     end = Gather(context, end);
+    Use(candidates_.nearer.view());
     ForEachApart(candidates_.nearer.size(), [this](size_t n) { surface_.Set(candidates_.nearer[n] & kNumberMask); });
     AddRim(context);
   } while (end < triangles_.size() && !context.cancelled);
@@ -78,15 +92,40 @@ std::array<int32_t, kPackedDirections> TileScan::PackedSteps() const {
   return steps;
 }
 
+// Where few voxels lie in a large block, to clear and to cut out all of it would take most of the time.
+void TileScan::Use(std::span<const uint32_t> voxels) {
+  constexpr size_t kFew = 128;
+  if (voxels.size() > kFew) return UsePlanes(RangeOf(voxels));
+  for (const uint32_t voxel : voxels) {
+    const uint32_t number = voxel & kNumberMask;
+    used_.Add({number, number});
+    const Vec3i ijk = layout_.VoxelAt(number);
+    used_box_ = Union(used_box_, {ijk, ijk + Vec3i{1, 1, 1}});
+  }
+}
+
+void TileScan::UsePlanes(const NumberRange& voxels) {
+  if (voxels.empty()) return;
+  used_.Add(voxels);
+  IndexBox planes{layout_.origin, layout_.origin + layout_.side};
+  planes.min[0] = layout_.VoxelAt(voxels.first)[0];
+  planes.max[0] = layout_.VoxelAt(voxels.last)[0] + 1;
+  used_box_ = Union(used_box_, planes);
+}
+
 void TileScan::CoverAll(const TileContext& context) {
+  NumberRange used;
   for (const uint32_t t : triangles_) {
-    if (context.cancelled) return;
+    if (context.cancelled) break;
     const auto& [a, b, c] = context.mesh.triangles[t];
     const auto& v = context.mesh.vertices_lat;
-    context.supercover->ForEachRun({v[a], v[b], v[c]}, box_, [this](const Vec3i& first, int32_t count) {
-      surface_.SetRun(layout_.NumberOf(first), static_cast<uint32_t>(count));
+    context.supercover->ForEachRun({v[a], v[b], v[c]}, box_, [&](const Vec3i& first, int32_t count) {
+      const uint32_t number = layout_.NumberOf(first), size = static_cast<uint32_t>(count);
+      used.Add({number, number + size - 1});
+      surface_.SetRun(number, size);
     });
   }
+  UsePlanes(used);
 }
 
 // Finds the candidates of the triangles from `begin` on, of all or of enough of them; returns where those end. Many
@@ -134,6 +173,7 @@ void TileScan::AddRim(const TileContext& context) {
   AppendPairs(candidates_, candidates_.rim, positions_, &Candidates::Run::rim_end, pairs_);
   ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
     if (star.nearer == 0 || surface_.Test(voxel)) return;
+    Use({&voxel, 1});
     surface_.Set(voxel);
     rim_only_.push_back({voxel, star});
   });
@@ -275,19 +315,28 @@ void TileScan::AddRows(const Vec3i& tile_ijk, std::span<const uint64_t> rows) {
   static_assert(std::endian::native == std::endian::little, "words of both sizes are read as bytes");
   auto* const bytes = reinterpret_cast<char*>(surface_.words().data());
   const Vec3i low = tile_ijk * kTileSide;
+  NumberRange used;
   for (int32_t row = 0; row < kTileSide * kTileSide; ++row) {
     const uint64_t added = rows[static_cast<size_t>(row)];
     if (added == 0) continue;
-    char* const at = bytes + layout_.NumberOf(low + Vec3i{row / kTileSide, row % kTileSide, 0}) / 8;
+    const uint32_t number = layout_.NumberOf(low + Vec3i{row / kTileSide, row % kTileSide, 0});
+    used.Add({number, number + kTileSide - 1});
+    char* const at = bytes + number / 8;
     uint64_t word;
     std::memcpy(&word, at, sizeof(word));
     word |= added;
     std::memcpy(at, &word, sizeof(word));
   }
+  UsePlanes(used);
 }
 
 TileBricks TileScan::CutOut(const TileContext& context, const Vec3i& tile_ijk) const {
-  return latvox::CutOut(layout_, surface_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
+  IndexBox region = context.region;
+  for (size_t m = 0; m < 3; ++m) {  // whole bricks of what is used: they need not be clipped
+    region.min[m] = std::max(region.min[m], used_box_.min[m] & -kBrickSide);
+    region.max[m] = std::min(region.max[m], (used_box_.max[m] + kBrickSide - 1) & -kBrickSide);
+  }
+  return latvox::CutOut(layout_, surface_, tile_ijk * kTileSide, region, context.mesh.base_ijk);
 }
 
 }  // namespace latvox

@@ -64,6 +64,8 @@ class TileScan {
 
  private:
   std::array<int32_t, kPackedDirections> PackedSteps() const;
+  void Use(std::span<const uint32_t> voxels);
+  void UsePlanes(const NumberRange& voxels);
   void CoverAll(const TileContext& context);
   size_t Gather(const TileContext& context, size_t begin);
   template <class F>
@@ -85,6 +87,8 @@ class TileScan {
   BitsLayout layout_{{}, {}};
   std::array<int32_t, kMaxDirections> steps_{};  // of layout_, along the frames
   TileBits surface_{0};
+  NumberRange used_;                     // of surface_: all members that it has had for this node lie there,
+  IndexBox used_box_{};                  // and here
   TileBits essential_{0};                // what edges of tiny triangles have shown to be; empty from node to node
   TileBits rest_{0};                     // what nothing has shown essential yet; likewise
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
