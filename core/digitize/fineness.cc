@@ -2,11 +2,32 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "core/digitize/line_forms.h"
 #include "core/digitize/sift.h"
 
 namespace latvox {
+
+namespace {
+
+// Whether triangles are many for the tiles that they lie in, each of which takes memory: of all tiles that there may
+// be, or, where a mesh lies in few of these, by how often the sample comes to one tile.
+bool AreDense(const SnappedMesh& mesh, std::vector<Vec3i> tiles_of_sample) {
+  constexpr size_t kTrianglesATile = 8, kManyPairs = 16;
+  size_t tiles = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    tiles *= static_cast<size_t>(((mesh.box.max[m] - 1) >> kTileBits) - (mesh.box.min[m] >> kTileBits) + 1);
+  }
+  if (tiles * kTrianglesATile <= mesh.triangles.size()) return true;
+  std::sort(tiles_of_sample.begin(), tiles_of_sample.end());
+  size_t again = 0;
+  for (size_t n = 1; n < tiles_of_sample.size(); ++n) again += tiles_of_sample[n] == tiles_of_sample[n - 1] ? 1 : 0;
+  return again >= kManyPairs;
+}
+
+}  // namespace
 
 Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames) {
   constexpr size_t kSample = 256, kManyTriangles = 16384;
@@ -16,8 +37,10 @@ Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frame
   if (count < kManyTriangles) return {};
   const LineForms all(frames);
   size_t touching = 0, tiny = 0, lines_of_tiny = 0;
+  std::vector<Vec3i> tiles;
   for (size_t n = 0; n < kSample; ++n) {
     const auto& [i, j, k] = mesh.triangles[n * count / kSample];
+    tiles.push_back(Shifted(mesh.vertices_lat[i], kSubvoxelBits + kTileBits));
     std::array<int32_t, kMaxForms> integers{};  // between a form's values at the corners
     for (size_t f = 0; f < all.forms.size(); ++f) {
       const auto floor = [&](uint32_t vertex) { return Dot(all.forms[f], mesh.vertices_lat[vertex]) >> kSubvoxelBits; };
@@ -35,7 +58,8 @@ Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frame
     touching += touches ? 1 : 0;
   }
   const bool few_touch = touching < kSample / 4 * 3;
-  const bool most_tiny = tiny >= kSample / 8 * 5 && lines_of_tiny <= kFewLines * tiny;
+  const bool most_tiny =
+      tiny >= kSample / 8 * 5 && lines_of_tiny <= kFewLines * tiny && AreDense(mesh, std::move(tiles));
   return {few_touch, most_tiny};
 }
 

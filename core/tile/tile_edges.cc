@@ -149,27 +149,30 @@ HWY_EXPORT(Collect);
 
 }  // namespace
 
-uint32_t* EdgeBlocks::Next() {
-  constexpr size_t kFirst = 64 * kBlock;
-  static_assert(kHugePage / sizeof(uint32_t) % kBlock == 0);
-  if (next_ == end_ && first_ == nullptr) {
+// What is left of a piece where the next block does not fit is lost.
+uint32_t* EdgeBlocks::Next(size_t size) {
+  constexpr size_t kFirst = 64 * kLargest;
+  static_assert(kHugePage / sizeof(uint32_t) >= kLargest);
+  if (size > static_cast<size_t>(end_ - next_) && first_ == nullptr) {
     first_ = std::make_unique_for_overwrite<uint32_t[]>(kFirst);
     next_ = first_.get();
     end_ = next_ + kFirst;
-  } else if (next_ == end_) {
+  } else if (size > static_cast<size_t>(end_ - next_)) {
     auto& edges = pieces_.emplace_back(std::make_unique_for_overwrite<Piece>())->edges;
     AdviseHugePages(edges.data(), kHugePage);
     next_ = edges.data();
     end_ = next_ + edges.size();
   }
-  return std::exchange(next_, next_ + kBlock);
+  return std::exchange(next_, next_ + size);
 }
 
 void EdgeList::Extend(EdgeBlocks& memory) {
+  constexpr size_t kSmallest = 2 * kSlack;  // what Reserve makes room for, and kSlack behind
+  const size_t size = std::clamp(2 * static_cast<size_t>(limit_ - begin_), kSmallest, EdgeBlocks::kLargest);
   if (end_ != begin_) full_.emplace_back(begin_, end_);
   full_size_ += static_cast<size_t>(end_ - begin_);
-  begin_ = end_ = memory.Next();
-  limit_ = begin_ + EdgeBlocks::kBlock;
+  begin_ = end_ = memory.Next(size);
+  limit_ = begin_ + size;
 }
 
 // Few tiles are asked for again and again: those around one place.

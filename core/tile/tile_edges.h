@@ -59,10 +59,10 @@ struct PackedEdges {
 // system hands out, and clears, its memory page by page.
 class EdgeBlocks {
  public:
-  static constexpr size_t kBlock = 1024;  // edges
+  static constexpr size_t kLargest = 1024;  // edges
 
-  // A block, indeterminate, which is there as long as this.
-  uint32_t* Next();
+  // A block of so many edges, indeterminate, which is there as long as this.
+  uint32_t* Next(size_t size);
 
  private:
   struct alignas(kHugePage) Piece {
@@ -74,7 +74,7 @@ class EdgeBlocks {
   uint32_t *next_ = nullptr, *end_ = nullptr;
 };
 
-// Packed edges, in blocks.
+// Packed edges, in blocks, each twice as large as the one before: most lists may have few edges, or many.
 class EdgeList {
  public:
   static constexpr ptrdiff_t kSlack = 16;  // edges: a vector's worth

@@ -143,6 +143,20 @@ class Bench(unittest.TestCase):
             self.assertLess(instructions(*words), 24 * instructions(*words, "--no-minimal"))
             self.assertLess(once(*words)["job_peak_bytes"], 60e6)
 
+    def test_triangles_that_lie_far_apart_take_little_each(self):
+        random.seed(6)
+        with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
+            count = 17000
+            for n in range(count):  # most have a tile of 64 voxels a side to themselves
+                corner = [random.random() for _ in range(3)]
+                for _ in range(3):
+                    mesh.write("v {:.6f} {:.6f} {:.6f}\n".format(*(x + 0.0004 * random.random() for x in corner)))
+                mesh.write(f"f {3 * n + 1} {3 * n + 2} {3 * n + 3}\n")
+            mesh.flush()
+            fine, coarse = ((mesh.name, resolution, "--threads", "1", "--discard") for resolution in ("2048", "8192"))
+            self.assertLess(once(*fine)["job_peak_bytes"] / count, 300)
+            self.assertLess(instructions(*coarse) / count, 80_000)
+
     def test_cost_grows_with_output_not_with_volume(self):
         # Some twenty triangles: a lattice of 8 times the volume has 4 times the voxels. The column meets a part of the
         # surface that is as large as that at 256, in a lattice of 2^48 points.

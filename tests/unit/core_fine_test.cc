@@ -80,6 +80,38 @@ TEST(FineMeshes, HaveTheSameVoxelsOnAllKernelsAndThreads) {
   }
 }
 
+// Triangles of a third of a voxel, in two cubes with a gap between.
+TriangleMesh Dust(float side, float gap) {
+  TriangleMesh mesh;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> any(0, 1);
+  for (uint32_t n = 0; n < 3 * 20000; n += 3) {
+    const float from = n % 2 == 0 ? 0 : side + gap;
+    const Vec3f middle{from + side * any(random), from + side * any(random), from + side * any(random)};
+    for (int corner = 0; corner < 3; ++corner) {
+      mesh.vertices.push_back({middle[0] + any(random) / 3, middle[1] + any(random) / 3, middle[2] + any(random) / 3});
+    }
+    mesh.triangles.push_back({n, n + 1, n + 2});
+  }
+  return mesh;
+}
+
+TEST(FineMeshes, AreThoseWithManyTrianglesInEachTile) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const auto frames = grid.lattice.frames(0);
+  for (const auto& [mesh, is_fine] : {std::pair{Dust(100, 0), true}, {Dust(100, 5000), true}, {Dust(3000, 0), false}}) {
+    const SnappedMesh snapped = *Snap(mesh, grid.lattice, grid.origin, ReachOf(frames));
+    EXPECT_EQ(FinenessOf(snapped, MakeScanFrames(frames)).most_tiny, is_fine);
+    std::string expected;
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      const std::string digest = Voxelize(mesh, grid, {.separability = 0}, 2).totals.digest.ToHex();
+      if (expected.empty()) expected = digest;
+      EXPECT_EQ(digest, expected) << SimdInUse();
+    }
+  }
+}
+
 TEST(FineMeshes, HaveTheFactsOfAnyMesh) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   TriangleMesh open = FineSphere(), flat = FineSphere(), heaps = FineMesh(500);
