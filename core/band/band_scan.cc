@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/digitize/cut_triangle.h"
+
 namespace latvox {
 namespace {
 
@@ -59,9 +61,7 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
     const auto& [a, b, c] = context.mesh.triangles[t];
     const Triangle triangle{context.mesh.vertices_lat[a], context.mesh.vertices_lat[b], context.mesh.vertices_lat[c]};
     const IndexBox box = Overlap(VoxelsAround(triangle, context.plan.margin), tile);
-    if (box.min[0] < box.max[0] && box.min[1] < box.max[1] && box.min[2] < box.max[2]) {
-      Add(context, TriangleDistance(context.plan.metric, triangle), box);
-    }
+    if (box.min[0] < box.max[0] && box.min[1] < box.max[1] && box.min[2] < box.max[2]) Add(context, triangle, box);
   }
   if (context.inside) {
     const bool corner = context.inside->IsInside(tile_min_);
@@ -77,15 +77,44 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
   return out;
 }
 
-// `box`: where to look, within the tile.
-void BandScan::Add(const BandContext& context, const TriangleDistance& triangle, const IndexBox& box) {
+// `box`: where to look, within the tile. Of a triangle that is longer than the band is wide, what is near to a plane of
+// voxels, and to a row, says where.
+void BandScan::Add(const BandContext& context, const Triangle& corners, const IndexBox& box) {
+  const TriangleDistance triangle(context.plan.metric, corners);
   const Vec3d step = context.plan.metric.root[2] * double{kLatticeUnit};
   const double far = triangle.radius() + std::sqrt(high_);
   const double slack = 0x1p-30 * far * far;
   const Rows rows{triangle.radius() * triangle.radius(), slack, std::sqrt(high_ + slack), step, Dot(step, step),
                   Dot(step, triangle.unit_normal())};
+  const CutTriangle whole(corners);
+  const Vec3i& margin = context.plan.margin;
+  const auto is_long = [&](size_t axis) { return (box.max[axis] - box.min[axis]) * kLatticeUnit > 4 * margin[axis]; };
+  const bool is_long_i = is_long(0), is_long_j = is_long(1);
+  // Of the box on an axis, what is within the margin of some part.
+  struct Span {
+    int32_t first, end;
+  };
+  const auto near = [&](const CutTriangle& part, size_t axis) {
+    const auto [low, high] = part.Along(axis);
+    const double first = std::ceil((low - margin[axis]) / kLatticeUnit);
+    const double end = std::floor((high + margin[axis]) / kLatticeUnit) + 1;
+    const auto clamped = [&](double x) {
+      return static_cast<int32_t>(std::clamp<double>(x, box.min[axis], box.max[axis]));
+    };
+    return Span{clamped(first), clamped(end)};
+  };
+  const auto cut = [&](const CutTriangle& part, size_t axis, int32_t at) {
+    const double middle = static_cast<double>(at) * kLatticeUnit;
+    return part.Between(axis, middle - margin[axis], middle + margin[axis]);
+  };
   for (int32_t i = box.min[0]; i < box.max[0] && !context.cancelled; ++i) {
-    for (int32_t j = box.min[1]; j < box.max[1]; ++j) ScanRow(context, triangle, rows, {i, j, box.min[2]}, box.max[2]);
+    const CutTriangle plane = is_long_i ? cut(whole, 0, i) : whole;
+    const Span js = is_long_i ? near(plane, 1) : Span{box.min[1], box.max[1]};
+    Span ks = is_long_i ? near(plane, 2) : Span{box.min[2], box.max[2]};
+    for (int32_t j = js.first; j < js.end; ++j) {
+      if (is_long_j) ks = near(cut(plane, 1, j), 2);
+      if (ks.first < ks.end) ScanRow(context, triangle, rows, {i, j, ks.first}, ks.end);
+    }
   }
 }
 

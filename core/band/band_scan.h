@@ -38,7 +38,7 @@ class BandScan {
 
  private:
   struct Rows;
-  void Add(const BandContext& context, const TriangleDistance& triangle, const IndexBox& box);
+  void Add(const BandContext& context, const Triangle& corners, const IndexBox& box);
   void ScanRow(const BandContext& context, const TriangleDistance& triangle, const Rows& rows, const Vec3i& ijk,
                int32_t end);
   void Offer(const BandContext& context, const TriangleDistance& triangle, const Vec3i& ijk, double& best) const;

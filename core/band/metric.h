@@ -50,11 +50,6 @@ struct Metric {
 // which is at most 3 / (2^-10 * 4 / 9) < 2^13.
 absl::StatusOr<Metric> MakeMetric(const Lattice& lattice);
 
-template <class T>
-constexpr Vec3d ToDouble(const Vec<T, 3>& v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
 // u^T g v, exactly. Precondition: coordinates within kPointBits.
 constexpr __int128 Inner(const Metric& metric, const Vec3i& u, const Vec3i& v) {
   __int128 sum = 0;

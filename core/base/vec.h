@@ -64,6 +64,11 @@ constexpr Vec<T, 3> Cross(const Vec<T, 3>& a, const Vec<T, 3>& b) {
 }
 
 template <class T>
+constexpr Vec3d ToDouble(const Vec<T, 3>& v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+template <class T>
 constexpr T Determinant(const Mat<T, 3>& m) {
   return Dot(m[0], Cross(m[1], m[2]));
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/digitize/cut_triangle.h"
+
 namespace latvox {
 namespace {
 
@@ -115,7 +117,10 @@ constexpr double kDoubt = 0x1p-20;
 template <class Int>
 class Supercover::Polytope {
  public:
-  Polytope(const Supercover& cover, const Triangle& triangle, const Vec3i& base, bool is_small) : cover_(cover) {
+  Polytope(const Supercover& cover, const Triangle& triangle, const Vec3i& base, bool is_small)
+      : cover_(cover),
+        cut_(
+            {triangle[0] - base * kLatticeUnit, triangle[1] - base * kLatticeUnit, triangle[2] - base * kLatticeUnit}) {
     for (size_t n = 0; n < 3; ++n) {
       for (size_t m = 0; m < 3; ++m) v_[n][m] = triangle[n][m] - base[m] * kLatticeUnit;
     }
@@ -129,9 +134,10 @@ class Supercover::Polytope {
 
   // Calls run for each row of `box`, which is relative, too.
   void ForEachRun(const IndexBox& box, const Vec3i& base, Run run) {
+    const Interval all{box.min[2], box.max[2] - 1};
     for (int32_t i = box.min[0]; i < box.max[0]; ++i) {
-      for (int32_t j = box.min[1]; j < box.max[1]; ++j) {
-        const Interval all{box.min[2], box.max[2] - 1};
+      const Interval rows = RowsOf(i, {box.min[1], box.max[1] - 1});
+      for (int32_t j = rows.first; j <= rows.last; ++j) {
         Interval k = CutRow(i, j, all);
         if (!complete_ && k.first <= k.last && !(HoldsCorner({i, j, k.first}) && HoldsCorner({i, j, k.last}))) {
           AddPlane();
@@ -145,6 +151,18 @@ class Supercover::Polytope {
   }
 
  private:
+  // Of rows (i, j), those that cells of the triangle's part between i - half an extent and i + half an extent reach.
+  Interval RowsOf(int32_t i, Interval j) const {
+    constexpr int32_t kFewRows = 8;
+    if (j.last - j.first < kFewRows) return j;
+    const Vec3i& half = cover_.half_extent_lat_;
+    const double middle = static_cast<double>(i) * kLatticeUnit;
+    const auto [low, high] = cut_.Between(0, middle - half[0], middle + half[0]).Along(1);
+    if (low > high) return {0, -1};
+    return {std::max(j.first, static_cast<int32_t>(std::ceil((low - half[1]) / kLatticeUnit))),
+            std::min(j.last, static_cast<int32_t>(std::floor((high + half[1]) / kLatticeUnit)))};
+  }
+
   // What is left of a row. Where doubles cannot tell, the integers are asked.
   Interval CutRow(int32_t i, int32_t j, Interval k) const {
     const double most = upper_.Least(i, j), least = -lower_.Least(i, j);
@@ -235,6 +253,7 @@ class Supercover::Polytope {
   }
 
   const Supercover& cover_;
+  const CutTriangle cut_;
   std::array<Vec3l, 3> v_;
   Vec3l normal_;
   std::array<std::array<Int, 3>, kMaxFacets / 2> facet_at_;  // of the corners along each facet's normal

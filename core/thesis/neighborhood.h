@@ -44,10 +44,6 @@ class Tube {
   double length2_, radius2_;
 };
 
-inline Vec3d ToDouble(const Vec3i& v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_THESIS_NEIGHBORHOOD_H_

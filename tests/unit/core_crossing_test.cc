@@ -1,11 +1,13 @@
 // Tier: scalar = exact oracle. And the theorems, ties included.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <random>
 
 #include "core/digitize/crossing.h"
+#include "core/digitize/cut_triangle.h"
 #include "tests/unit/core_exact.h"
 
 namespace latvox {
@@ -195,6 +197,48 @@ TEST(CrossingRule, EqualsTheGeneralPlaneOnEveryLattice) {
         }
       }
     }
+  }
+}
+
+// Points of triangles of all sizes and shapes, needles above all, that lie between planes, are not cut off; and little
+// else is left.
+TEST(CutTriangle, IsWhatLiesBetweenPlanes) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int n = 0; n < 20000; ++n) {
+    const auto size = static_cast<int32_t>(std::pow(2.0, 2 + 22 * any(random)));
+    const auto width = static_cast<int32_t>(n % 3 == 0 ? 2 : size);
+    std::uniform_int_distribution<int32_t> far(-size, size), near(-width, width);
+    Triangle t;
+    for (size_t m = 0; m < 3; ++m) {
+      t[0][m] = far(random);
+      t[1][m] = far(random);
+      t[2][m] = t[n % 2][m] + near(random);
+    }
+    const Vec3d a = ToDouble(t[0]), u = ToDouble(t[1]) - a, v = ToDouble(t[2]) - a;
+    double x = any(random), y = any(random);
+    if (x + y > 1) {
+      x = 1 - x;
+      y = 1 - y;
+    }
+    const Vec3d point = a + u * x + v * y;
+    const size_t first = random() % 3, second = (first + 1 + random() % 2) % 3, third = 3 - first - second;
+    const double half = 300 * any(random);
+    const auto cut = [&](const CutTriangle& part, size_t axis) {
+      return part.Between(axis, point[axis] - half, point[axis] + half);
+    };
+    const CutTriangle once = cut(CutTriangle(t), first), twice = cut(once, second);
+    for (const CutTriangle& part : {once, twice}) {
+      const auto [low, high] = part.Along(third);
+      EXPECT_LE(low, point[third]) << n;
+      EXPECT_GE(high, point[third]) << n;
+    }
+    const auto [low, high] = twice.Along(first);
+    EXPECT_GE(low, point[first] - half - 2.01);
+    EXPECT_LE(high, point[first] + half + 2.01);
+    const auto beyond = static_cast<double>(std::max({t[0][first], t[1][first], t[2][first]})) + 2;
+    const auto [from, to] = CutTriangle(t).Between(first, beyond, beyond + half).Along(second);
+    EXPECT_GT(from, to);
   }
 }
 
