@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "core/digitize/cut_triangle.h"
+
 namespace latvox {
 namespace {
 
@@ -75,37 +77,30 @@ size_t AttributeScan::NumberOf(const Vec3i& at) const {
 
 void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
   const Triangle corners = CornersOf(context.mesh, number);
-  Vec3i low, high;  // voxels of the tile, within the margin of the triangle's bounding box
-  for (size_t m = 0; m < 3; ++m) {
-    const auto [least, most] = std::minmax({corners[0][m], corners[1][m], corners[2][m]});
-    low[m] = std::max(((least - context.carried.plan.margin[m] - 1) >> kSubvoxelBits) + 1 - tile_min_[m], 0);
-    high[m] = std::min(((most + context.carried.plan.margin[m]) >> kSubvoxelBits) + 1 - tile_min_[m], kTileSide);
-    if (low[m] >= high[m]) return;
-  }
+  const Vec3i& margin = context.carried.plan.margin;
+  const IndexBox box = VoxelsNear(corners, margin, {tile_min_, tile_min_ + Vec3i{kTileSide, kTileSide, kTileSide}});
   const Metric& metric = context.carried.plan.metric;
-  const uint64_t between = BitsBetween(low[2], high[2]);
   std::optional<TriangleDistance> triangle;  // once there is a voxel
   double slack = 0;                          // what squares may be wrong by, for rounding, and far more
-  for (int32_t i = low[0]; i < high[0]; ++i) {
-    for (int32_t j = low[1]; j < high[1]; ++j) {
-      const auto row = static_cast<size_t>(i << kTileBits | j);
-      uint64_t bits = rows_[row] & between;
-      if (bits == 0) continue;
-      if (!triangle) {
-        triangle.emplace(metric, corners);
-        const double far = triangle->radius() + std::sqrt(context.carried.plan.most);
-        slack = 0x1p-30 * far * far;
-      }
-      for (; bits != 0; bits &= bits - 1) {
-        const Vec3i at{i, j, std::countr_zero(bits)};
-        const size_t voxel = NumberOf(at);
-        const Vec3i point = (tile_min_ + at) * kLatticeUnit;
-        const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->centre();
-        if (!MayComeWithin(*triangle, x, least_[voxel] + slack)) continue;
-        Compare(*triangle, number, point, voxel);
-      }
+  ForEachRowNear(corners, margin, box, [&](int32_t i, int32_t j, int32_t first, int32_t end) {
+    const Vec3i from = Vec3i{i, j, first} - tile_min_;
+    uint64_t bits = rows_[static_cast<size_t>(from[0] << kTileBits | from[1])];
+    bits &= BitsBetween(from[2], from[2] + end - first);
+    if (bits == 0) return;
+    if (!triangle) {
+      triangle.emplace(metric, corners);
+      const double far = triangle->radius() + std::sqrt(context.carried.plan.most);
+      slack = 0x1p-30 * far * far;
     }
-  }
+    for (; bits != 0; bits &= bits - 1) {
+      const Vec3i at{from[0], from[1], std::countr_zero(bits)};
+      const size_t voxel = NumberOf(at);
+      const Vec3i point = (tile_min_ + at) * kLatticeUnit;
+      const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->centre();
+      if (!MayComeWithin(*triangle, x, least_[voxel] + slack)) continue;
+      Compare(*triangle, number, point, voxel);
+    }
+  });
 }
 
 void AttributeScan::Compare(const TriangleDistance& triangle, uint32_t number, const Vec3i& point, size_t voxel) {

@@ -10,25 +10,6 @@ namespace {
 
 constexpr size_t kTileVoxels = size_t{kTileSide} * kTileSide * kTileSide;
 
-IndexBox Overlap(IndexBox a, const IndexBox& b) {
-  for (size_t m = 0; m < 3; ++m) {
-    a.min[m] = std::max(a.min[m], b.min[m]);
-    a.max[m] = std::min(a.max[m], b.max[m]);
-  }
-  return a;
-}
-
-// The voxels within the margin of a triangle's bounding box.
-IndexBox VoxelsAround(const Triangle& triangle, const Vec3i& margin) {
-  IndexBox box;
-  for (size_t m = 0; m < 3; ++m) {
-    const auto [low, high] = std::minmax({triangle[0][m], triangle[1][m], triangle[2][m]});
-    box.min[m] = ((low - margin[m] - 1) >> kSubvoxelBits) + 1;
-    box.max[m] = ((high + margin[m]) >> kSubvoxelBits) + 1;
-  }
-  return box;
-}
-
 }  // namespace
 
 // What bounds distances to a triangle from below, along the rows of a box. In Cartesian coordinates around the centre
@@ -55,13 +36,13 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
   low_ = limit * (1 - 2 * kSquareError);
   high_ = limit * (1 + 2 * kSquareError);
   std::fill(best_.begin(), best_.end(), high_);
-  const IndexBox tile = Overlap({tile_min_, tile_min_ + Vec3i{kTileSide, kTileSide, kTileSide}}, context.region);
+  const IndexBox tile = Intersection({tile_min_, tile_min_ + Vec3i{kTileSide, kTileSide, kTileSide}}, context.region);
   for (const uint32_t t : triangles) {
     if (context.cancelled) return {};
     const auto& [a, b, c] = context.mesh.triangles[t];
     const Triangle triangle{context.mesh.vertices_lat[a], context.mesh.vertices_lat[b], context.mesh.vertices_lat[c]};
-    const IndexBox box = Overlap(VoxelsAround(triangle, context.plan.margin), tile);
-    if (box.min[0] < box.max[0] && box.min[1] < box.max[1] && box.min[2] < box.max[2]) Add(context, triangle, box);
+    const IndexBox box = VoxelsNear(triangle, context.plan.margin, tile);
+    if (!IsEmpty(box)) Add(context, triangle, box);
   }
   if (context.inside) {
     const bool corner = context.inside->IsInside(tile_min_);
@@ -77,8 +58,7 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
   return out;
 }
 
-// `box`: where to look, within the tile. Of a triangle that is longer than the band is wide, what is near to a plane of
-// voxels, and to a row, says where.
+// `box`: VoxelsNear of the triangle.
 void BandScan::Add(const BandContext& context, const Triangle& corners, const IndexBox& box) {
   const TriangleDistance triangle(context.plan.metric, corners);
   const Vec3d step = context.plan.metric.root[2] * double{kLatticeUnit};
@@ -86,36 +66,9 @@ void BandScan::Add(const BandContext& context, const Triangle& corners, const In
   const double slack = 0x1p-30 * far * far;
   const Rows rows{triangle.radius() * triangle.radius(), slack, std::sqrt(high_ + slack), step, Dot(step, step),
                   Dot(step, triangle.unit_normal())};
-  const CutTriangle whole(corners);
-  const Vec3i& margin = context.plan.margin;
-  const auto is_long = [&](size_t axis) { return (box.max[axis] - box.min[axis]) * kLatticeUnit > 4 * margin[axis]; };
-  const bool is_long_i = is_long(0), is_long_j = is_long(1);
-  // Of the box on an axis, what is within the margin of some part.
-  struct Span {
-    int32_t first, end;
-  };
-  const auto near = [&](const CutTriangle& part, size_t axis) {
-    const auto [low, high] = part.Along(axis);
-    const double first = std::ceil((low - margin[axis]) / kLatticeUnit);
-    const double end = std::floor((high + margin[axis]) / kLatticeUnit) + 1;
-    const auto clamped = [&](double x) {
-      return static_cast<int32_t>(std::clamp<double>(x, box.min[axis], box.max[axis]));
-    };
-    return Span{clamped(first), clamped(end)};
-  };
-  const auto cut = [&](const CutTriangle& part, size_t axis, int32_t at) {
-    const double middle = static_cast<double>(at) * kLatticeUnit;
-    return part.Between(axis, middle - margin[axis], middle + margin[axis]);
-  };
-  for (int32_t i = box.min[0]; i < box.max[0] && !context.cancelled; ++i) {
-    const CutTriangle plane = is_long_i ? cut(whole, 0, i) : whole;
-    const Span js = is_long_i ? near(plane, 1) : Span{box.min[1], box.max[1]};
-    Span ks = is_long_i ? near(plane, 2) : Span{box.min[2], box.max[2]};
-    for (int32_t j = js.first; j < js.end; ++j) {
-      if (is_long_j) ks = near(cut(plane, 1, j), 2);
-      if (ks.first < ks.end) ScanRow(context, triangle, rows, {i, j, ks.first}, ks.end);
-    }
-  }
+  ForEachRowNear(corners, context.plan.margin, box, [&](int32_t i, int32_t j, int32_t first, int32_t end) {
+    if (!context.cancelled) ScanRow(context, triangle, rows, {i, j, first}, end);
+  });
 }
 
 // From ijk up to k = end.

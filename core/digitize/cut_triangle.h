@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "core/base/vec.h"
 #include "core/digitize/crossing.h"
+#include "core/tile/brick.h"
 
 namespace latvox {
 
@@ -56,10 +59,60 @@ class CutTriangle {
     return part;
   }
 
-  // Each plane adds one corner at most; no more than two axes are cut.
-  std::array<Vec3d, 3 + 4> corners_;
+  // Of planes across two axes each adds one corner; half as many as there are, were rounding to have corners that lie
+  // in a plane alternate about it: 3, 4, 6, 9, 13.
+  std::array<Vec3d, 13> corners_;
   size_t size_ = 0;
 };
+
+// The voxels of a box that come within the margin (lattice units) of a triangle's bounding box, on every axis.
+inline IndexBox VoxelsNear(const Triangle& triangle, const Vec3i& margin, const IndexBox& within) {
+  IndexBox box;
+  for (size_t m = 0; m < 3; ++m) {
+    const auto [low, high] = std::minmax({triangle[0][m], triangle[1][m], triangle[2][m]});
+    box.min[m] = ((low - margin[m] - 1) >> kSubvoxelBits) + 1;
+    box.max[m] = ((high + margin[m]) >> kSubvoxelBits) + 1;
+  }
+  return Intersection(box, within);
+}
+
+// Calls f(i, j, first, end) for rows of such a box: k = first .. end - 1 come within the margin of the triangle itself.
+// All that do are among them, and few others; where the triangle is short beside the margin, all of the box.
+template <class F>
+void ForEachRowNear(const Triangle& triangle, const Vec3i& margin, const IndexBox& box, F&& f) {
+  if (IsEmpty(box)) return;
+  struct Span {
+    int32_t first, end;
+  };
+  const auto all = [&](size_t axis) { return Span{box.min[axis], box.max[axis]}; };
+  const auto near = [&](const CutTriangle& part, size_t axis) {
+    const auto [low, high] = part.Along(axis);
+    const auto clamped = [&](double x) {
+      return static_cast<int32_t>(std::clamp<double>(x, box.min[axis], box.max[axis]));
+    };
+    return Span{clamped(std::ceil((low - margin[axis]) / kLatticeUnit)),
+                clamped(std::floor((high + margin[axis]) / kLatticeUnit) + 1)};
+  };
+  const auto cut = [&](const CutTriangle& part, size_t axis, int32_t at) {
+    const double middle = static_cast<double>(at) * kLatticeUnit;
+    return part.Between(axis, middle - margin[axis], middle + margin[axis]);
+  };
+  // To cut takes as long as to look at some rows, or at some voxels of a row.
+  const auto exceeds = [&](size_t axis, int32_t margins) {
+    return (box.max[axis] - box.min[axis]) * kLatticeUnit > margins * margin[axis];
+  };
+  const bool is_long_i = exceeds(0, 4), is_long_j = exceeds(1, 16);
+  const CutTriangle whole(triangle);
+  for (int32_t i = box.min[0]; i < box.max[0]; ++i) {
+    const CutTriangle plane = is_long_i ? cut(whole, 0, i) : whole;
+    const Span js = is_long_i ? near(plane, 1) : all(1);
+    Span ks = is_long_i ? near(plane, 2) : all(2);
+    for (int32_t j = js.first; j < js.end; ++j) {
+      if (is_long_j) ks = near(cut(plane, 1, j), 2);
+      if (ks.first < ks.end) f(i, j, ks.first, ks.end);
+    }
+  }
+}
 
 }  // namespace latvox
 

@@ -6,6 +6,7 @@
 #ifndef LATVOX_CORE_TILE_BRICK_H_
 #define LATVOX_CORE_TILE_BRICK_H_
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -49,6 +50,19 @@ struct IndexBox {
     return true;
   }
 };
+
+inline bool IsEmpty(const IndexBox& box) {
+  return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
+}
+
+// The points of both; there may be none.
+inline IndexBox Intersection(IndexBox a, const IndexBox& b) {
+  for (size_t m = 0; m < 3; ++m) {
+    a.min[m] = std::max(a.min[m], b.min[m]);
+    a.max[m] = std::min(a.max[m], b.max[m]);
+  }
+  return a;
+}
 
 inline uint64_t CountVoxels(const BrickMask& mask) {
   uint64_t count = 0;

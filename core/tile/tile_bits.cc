@@ -135,7 +135,12 @@ void NumberList::Enlarge(size_t more) {
   data_ = std::move(larger);
 }
 
-NumberRange RangeOf(std::span<const uint32_t> numbers) { return HWY_DYNAMIC_DISPATCH(Range)(numbers); }
+NumberRange RangeOf(std::span<const uint32_t> numbers) {
+  if (!SimdIsScalar()) return HWY_DYNAMIC_DISPATCH(Range)(numbers);
+  NumberRange range;
+  for (const uint32_t n : numbers) range.Add({n & kNumberMask, n & kNumberMask});
+  return range;
+}
 
 void TileBits::SetRun(uint32_t first, uint32_t count) {
   const uint32_t last = first + count - 1;

@@ -13,10 +13,6 @@ uint64_t TilesIn(const IndexBox& box) {
 
 }  // namespace
 
-bool IsEmpty(const IndexBox& box) {
-  return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
-}
-
 bool HasTile(const IndexBox& box, const Vec3i& tile_ijk) {
   if (IsEmpty(box)) return false;
   for (size_t m = 0; m < 3; ++m) {

@@ -15,8 +15,6 @@ namespace latvox {
 JobFacts FactsOfJob(const SnappedMesh& mesh, const SurfaceFacts& surface, const IndexBox& region,
                     const std::optional<WorldBox>& bounds);
 
-bool IsEmpty(const IndexBox& box);
-
 // Whether the tile meets the box.
 bool HasTile(const IndexBox& box, const Vec3i& tile_ijk);
 

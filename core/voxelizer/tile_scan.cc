@@ -171,12 +171,14 @@ void TileScan::AddRim(const TileContext& context) {
   if (context.cancelled) return;
   surface_.Find(candidates_.rim.view(), false, positions_);
   AppendPairs(candidates_, candidates_.rim, positions_, &Candidates::Run::rim_end, pairs_);
+  added_.clear();
   ForEachStar(context, surface_, false, [&](uint32_t voxel, const StarEdges& star) {
     if (star.nearer == 0 || surface_.Test(voxel)) return;
-    Use({&voxel, 1});
     surface_.Set(voxel);
+    added_.push_back(voxel);
     rim_only_.push_back({voxel, star});
   });
+  Use(added_);
 }
 
 // Calls f(farther end, direction, forward) for the edges of a star, until that returns false; returns whether it never
@@ -331,12 +333,13 @@ void TileScan::AddRows(const Vec3i& tile_ijk, std::span<const uint64_t> rows) {
 }
 
 TileBricks TileScan::CutOut(const TileContext& context, const Vec3i& tile_ijk) const {
-  IndexBox region = context.region;
-  for (size_t m = 0; m < 3; ++m) {  // whole bricks of what is used: they need not be clipped
-    region.min[m] = std::max(region.min[m], used_box_.min[m] & -kBrickSide);
-    region.max[m] = std::min(region.max[m], (used_box_.max[m] + kBrickSide - 1) & -kBrickSide);
+  IndexBox used;  // in whole bricks, which need not be clipped
+  for (size_t m = 0; m < 3; ++m) {
+    used.min[m] = used_box_.min[m] & -kBrickSide;
+    used.max[m] = (used_box_.max[m] + kBrickSide - 1) & -kBrickSide;
   }
-  return latvox::CutOut(layout_, surface_, tile_ijk * kTileSide, region, context.mesh.base_ijk);
+  return latvox::CutOut(layout_, surface_, tile_ijk * kTileSide, Intersection(context.region, used),
+                        context.mesh.base_ijk);
 }
 
 }  // namespace latvox

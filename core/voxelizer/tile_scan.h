@@ -102,6 +102,7 @@ class TileScan {
     uint32_t voxel;
     StarEdges star;
   };
+  std::vector<uint32_t> added_;     // the voxels of AddRim
   std::vector<RimVoxel> rim_only_;  // members that no triangle crosses along its principal direction
   std::vector<uint32_t> maybe_;     // all of rest_, each once, and others
   std::vector<VoxelTriangle> pairs_;

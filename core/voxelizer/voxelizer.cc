@@ -24,14 +24,6 @@
 namespace latvox {
 namespace {
 
-IndexBox Intersection(IndexBox a, const IndexBox& b) {
-  for (size_t m = 0; m < 3; ++m) {
-    a.min[m] = std::max(a.min[m], b.min[m]);
-    a.max[m] = std::max(a.min[m], std::min(a.max[m], b.max[m]));
-  }
-  return a;
-}
-
 absl::Status Cancelled() { return absl::CancelledError("voxelization cancelled"); }
 
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }

@@ -242,5 +242,47 @@ TEST(CutTriangle, IsWhatLiesBetweenPlanes) {
   }
 }
 
+TEST(ForEachRowNear, HasAllVoxelsWithinTheMarginAndFewOthersOfANeedle) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int n = 0; n < 3000; ++n) {
+    const int32_t size = 1 << (6 + n % 12), width = n % 2 == 0 ? 3 : size;
+    std::uniform_int_distribution<int32_t> far(-size, size), near(-width, width);
+    Triangle t;
+    Vec3d point;
+    const double x = any(random), y = (1 - x) * any(random);
+    const Vec3i margin{100 + n % 900, 100 + n % 700, 100 + n % 800};
+    Vec3i z;
+    for (size_t m = 0; m < 3; ++m) {
+      t[0][m] = far(random);
+      t[1][m] = far(random);
+      t[2][m] = t[1][m] + near(random);
+      point[m] = t[0][m] + x * (t[1][m] - t[0][m]) + y * (t[2][m] - t[0][m]);
+      z[m] = static_cast<int32_t>(std::nearbyint((point[m] + (2 * any(random) - 1) * margin[m]) / kLatticeUnit));
+    }
+    bool within = true;
+    for (size_t m = 0; m < 3; ++m) within &= std::abs(point[m] - z[m] * double{kLatticeUnit}) <= margin[m];
+    const Vec3i around{20, 20, 20};
+    int visits = 0;
+    const auto visit = [&](int32_t i, int32_t j, int32_t first, int32_t end) {
+      visits += i == z[0] && j == z[1] && first <= z[2] && z[2] < end ? 1 : 0;
+    };
+    ForEachRowNear(t, margin, VoxelsNear(t, margin, {z - around, z + around}), visit);
+    EXPECT_LE(visits, 1);
+    if (within) {
+      EXPECT_EQ(visits, 1) << n;
+    }
+  }
+  const Vec3i margin{128, 128, 128};
+  const Triangle needle{{{0, 0, 0}, {51200, 51200, 51200}, {51200, 51200, 51201}}};
+  int voxels = 0;
+  ForEachRowNear(needle, margin, VoxelsNear(needle, margin, kEverywhere),
+                 [&](int32_t, int32_t, int32_t first, int32_t end) { voxels += end - first; });
+  EXPECT_GE(voxels, 201);
+  EXPECT_LE(voxels, 8 * 201);
+  const auto none = [](int32_t, int32_t, int32_t, int32_t) { FAIL(); };
+  ForEachRowNear(needle, margin, VoxelsNear(needle, margin, {{300, 0, 0}, {400, 10, 10}}), none);
+}
+
 }  // namespace
 }  // namespace latvox
