@@ -201,14 +201,14 @@ HWY_INLINE bool Within(Four farthest, int bits) {
 }
 
 HWY_INLINE void StoreDoubles(Four v, double* to) {
-  if constexpr (HWY_LANES(double) >= 4) {
-    const hn::Rebind<double, FourInts> d;
-    hn::Store(hn::PromoteTo(d, v), d, to);
-  } else {
-    alignas(16) int32_t ints[4];
-    hn::Store(v, FourInts(), ints);
-    std::copy_n(ints, 4, to);
-  }
+#if HWY_MAX_BYTES >= 32
+  const hn::Rebind<double, FourInts> d;
+  hn::Store(hn::PromoteTo(d, v), d, to);
+#else  // which have no vectors of four doubles
+  alignas(16) int32_t ints[4];
+  hn::Store(v, FourInts(), ints);
+  std::copy_n(ints, 4, to);
+#endif
 }
 
 // Of triangles that int32 does not hold; mostly, several pairs of one follow each other.
