@@ -15,8 +15,9 @@
 
 namespace latvox {
 
-// A triangle, or what is left of it between planes across lattice axes: a convex polygon. It may be too large by a
-// unit of 1/kLatticeUnit voxel, which rounding does not exceed; never too small.
+// A triangle, or what is left of it between planes across two lattice axes: a convex polygon, in doubles. Planes are
+// moved apart by a unit of 1/kLatticeUnit voxel, and Along adds one, which rounding does not exceed: it may be too
+// large, never too small.
 class CutTriangle {
  public:
   struct Range {
@@ -27,7 +28,7 @@ class CutTriangle {
     for (const Vec3i& v : triangle) Add(ToDouble(v));
   }
 
-  // The part between two planes, which may be nothing.
+  // The part between two planes, which may be nothing. At most twice, one after the other.
   CutTriangle Between(size_t axis, double low, double high) const {
     return Beyond(axis, 1, low - 1).Beyond(axis, -1, -high - 1);
   }
@@ -61,7 +62,7 @@ class CutTriangle {
 
   // Of planes across two axes each adds one corner; half as many as there are, were rounding to have corners that lie
   // in a plane alternate about it: 3, 4, 6, 9, 13.
-  std::array<Vec3d, 13> corners_;
+  std::array<Vec3d, 13> corners_{};
   size_t size_ = 0;
 };
 
@@ -76,8 +77,8 @@ inline IndexBox VoxelsNear(const Triangle& triangle, const Vec3i& margin, const 
   return Intersection(box, within);
 }
 
-// Calls f(i, j, first, end) for rows of such a box: k = first .. end - 1 come within the margin of the triangle itself.
-// All that do are among them, and few others; where the triangle is short beside the margin, all of the box.
+// Calls f(i, j, first, end) for rows of such a box: k = first .. end - 1 are all of the row that come within the margin
+// of the triangle itself, and few others; where the triangle is short beside the margin, all of the box.
 template <class F>
 void ForEachRowNear(const Triangle& triangle, const Vec3i& margin, const IndexBox& box, F&& f) {
   if (IsEmpty(box)) return;

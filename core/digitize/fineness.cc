@@ -9,7 +9,6 @@
 #include "core/digitize/sift.h"
 
 namespace latvox {
-
 namespace {
 
 // Whether triangles are many for the tiles that they lie in, each of which takes memory: of all tiles that there may

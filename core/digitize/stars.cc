@@ -204,7 +204,7 @@ HWY_INLINE void StoreDoubles(Four v, double* to) {
 #if HWY_MAX_BYTES >= 32
   const hn::Rebind<double, FourInts> d;
   hn::Store(hn::PromoteTo(d, v), d, to);
-#else  // which have no vectors of four doubles
+#else  // targets without vectors of four doubles
   alignas(16) int32_t ints[4];
   hn::Store(v, FourInts(), ints);
   std::copy_n(ints, 4, to);
@@ -217,8 +217,8 @@ class Normals {
   explicit Normals(const SnappedMesh& mesh) : mesh_(mesh) {}
 
   // ceil(n . (z - A) / 128), the triangle turned as Stars turns it, whose corner A is within 2^24 of z on each axis.
-  // Products may take more than 64 bits, but not where z is as close to the plane as candidates are; where it is not,
-  // doubles say so: infinity.
+  // Terms may take more than 64 bits; their sum does not where z is as close to the plane as candidates are. Where it
+  // is not, doubles say so: infinity.
   HWY_INLINE double Distance(uint32_t triangle, const int32_t (&corner)[4]) {
     if (triangle != triangle_) {
       triangle_ = triangle;
@@ -284,7 +284,7 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   const PaddedVertices vertices(mesh);
   const FourInts d;
   constexpr size_t kAtOnce = 64;
-  for (; !pairs.empty(); pairs = pairs.subspan(std::min(kAtOnce, pairs.size())), out += kAtOnce) {
+  while (!pairs.empty()) {
     const size_t count = std::min(kAtOnce, pairs.size());
     // All voxels first: what was just written number by number cannot be read as a vector at once.
     alignas(16) int32_t voxels[kAtOnce][4];
@@ -308,6 +308,8 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
         out[n] = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(pairs[n].voxel));
       }
     }
+    pairs = pairs.subspan(count);
+    out += count;
   }
   ints.Flush();
   doubles.Flush();

@@ -155,7 +155,7 @@ class Supercover::Polytope {
   Interval RowsOf(int32_t i, Interval j) const {
     constexpr int32_t kFewRows = 8;
     if (j.last - j.first < kFewRows) return j;
-    const Vec3i& half = cover_.half_extent_lat_;
+    const Vec3i half = cover_.half_extent_lat_ + Vec3i{1, 1, 1};  // which are rounded down
     const double middle = static_cast<double>(i) * kLatticeUnit;
     const auto [low, high] = cut_.Between(0, middle - half[0], middle + half[0]).Along(1);
     if (low > high) return {0, -1};

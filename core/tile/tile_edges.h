@@ -74,7 +74,8 @@ class EdgeBlocks {
   uint32_t *next_ = nullptr, *end_ = nullptr;
 };
 
-// Packed edges, in blocks, each twice as large as the one before: most lists may have few edges, or many.
+// Packed edges, in blocks, each twice as large as the one before, up to EdgeBlocks::kLargest: most lists may have few
+// edges, or many.
 class EdgeList {
  public:
   static constexpr ptrdiff_t kSlack = 16;  // edges: a vector's worth
