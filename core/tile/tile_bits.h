@@ -116,9 +116,6 @@ class TileBits {
 
   bool Test(uint32_t number) const { return words_[number >> 5] >> (number & 31) & 1; }
   void Set(uint32_t number) { words_[number >> 5] |= 1U << (number & 31); }
-  void Add(uint32_t number, bool is_member) {  // no branch
-    words_[number >> 5] |= static_cast<uint32_t>(is_member) << (number & 31);
-  }
   void SetRun(uint32_t first, uint32_t count);  // count > 0
   void Clear(uint32_t number) { words_[number >> 5] &= ~(1U << (number & 31)); }
 

@@ -28,9 +28,10 @@ constexpr size_t kFewTiles = 12;
 // Where a tile lies in a layout, and in a box in it.
 struct Placed {
   Vec3i from_box;        // the tile's low corner, from the box's
+  bool all_inside;       // of the box
   Vec3i size;            // of the box
   Vec3i stride;          // of numbers
-  uint32_t number;       // of the box's low corner
+  uint32_t number;       // of the tile's low corner, modulo 2^32
   const int32_t* steps;  // by packed direction
 };
 
@@ -109,27 +110,43 @@ void CopyBorder(const PackedEdges& edges, const Vec3i& margin, PackedEdges& bord
 }
 
 // Precondition: `out` has room.
-void Collect(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
+//   kAllInside   no edge's nearer end is outside of the box
+template <bool kAllInside>
+HWY_INLINE void UnpackEdges(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
   const Numbers d;
   const LaneTable<kPackedDirections> steps(reinterpret_cast<const uint32_t*>(at.steps));  // modulo 2^32
   uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
   for (size_t n = 0; n < edges.size(); n += kLanes) {
     const auto edge = hn::LoadU(d, edges.data() + n);
+    const auto number = hn::Add(hn::Add(hn::Mul(End(edge, 0), hn::Set(d, static_cast<uint32_t>(at.stride[0]))),
+                                        hn::Mul(End(edge, 1), hn::Set(d, static_cast<uint32_t>(at.stride[1])))),
+                                hn::Add(End(edge, 2), hn::Set(d, at.number)));
+    const auto other = hn::Add(number, steps.At(edge));
+    if constexpr (kAllInside) {
+      hn::StoreU(number, d, nearer);
+      hn::StoreU(other, d, farther);
+      const size_t count = std::min(kLanes, edges.size() - n);
+      nearer += count;
+      farther += count;
+      continue;
+    }
     auto inside = hn::FirstN(d, edges.size() - n);
-    auto number = hn::Set(d, at.number);
     for (size_t m = 0; m < 3; ++m) {
       const auto end = hn::Add(End(edge, m), hn::Set(d, static_cast<uint32_t>(at.from_box[m])));
       inside = hn::And(inside, hn::Lt(end, hn::Set(d, static_cast<uint32_t>(at.size[m]))));
-      number = hn::Add(number, hn::Mul(end, hn::Set(d, static_cast<uint32_t>(at.stride[m]))));
     }
     const SelectedLanes<Numbers> selected(d, inside);
     selected.Store(number, nearer);
-    selected.Store(hn::Add(number, steps.At(edge)), farther);
+    selected.Store(other, farther);
     nearer += selected.count();
     farther += selected.count();
   }
   out.nearer.Grow(static_cast<size_t>(nearer - out.nearer.end()));
   out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
+}
+
+void Unpack(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
+  at.all_inside ? UnpackEdges<true>(at, edges, out) : UnpackEdges<false>(at, edges, out);
 }
 
 }  // namespace
@@ -145,7 +162,7 @@ namespace {
 
 HWY_EXPORT(CopyBorder);
 HWY_EXPORT(Move);
-HWY_EXPORT(Collect);
+HWY_EXPORT(Unpack);
 
 }  // namespace
 
@@ -240,9 +257,10 @@ size_t TileEdges::CountIn(const Vec3i& tile_ijk, int level) const {
   return before(first + (uint64_t{1} << 3 * level)) - before(first);
 }
 
-void TileEdges::Collect(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
-                        const std::array<int32_t, kPackedDirections>& steps, Crossings& out) const {
-  Placed at{{}, box.max - box.min, layout.stride, layout.NumberOf(box.min), steps.data()};
+void TileEdges::ForEachBatch(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
+                             const std::array<int32_t, kPackedDirections>& steps,
+                             absl::FunctionRef<void(const Crossings&)> f) const {
+  Placed at{{}, false, box.max - box.min, layout.stride, 0, steps.data()};
   bool beyond_margin = false;
   Vec3i low, high;  // tiles that meet the box
   for (size_t m = 0; m < 3; ++m) {
@@ -250,30 +268,33 @@ void TileEdges::Collect(const IndexBox& block, const IndexBox& box, const BitsLa
     low[m] = std::max(box.min[m] >> kTileBits, first_tile_[m]);
     high[m] = (box.max[m] - 1) >> kTileBits;
   }
-  struct Wanted {
-    const EdgeList* edges;
-    Vec3i tile;
+  Crossings batch;
+  batch.nearer.Reserve(kBatch);
+  batch.farther.Reserve(kBatch);
+  const auto hand_out = [&] {
+    if (batch.nearer.size() > 0) f(batch);
+    batch.Clear();
   };
-  std::vector<Wanted> wanted;
-  size_t size = 0;
   for (Vec3i tile = low; tile[0] <= high[0]; ++tile[0]) {
     for (tile[1] = low[1]; tile[1] <= high[1]; ++tile[1]) {
       for (tile[2] = low[2]; tile[2] <= high[2]; ++tile[2]) {
         const uint64_t number = TileNumber(tile - first_tile_);
         const bool all = beyond_margin || block.Contains(tile * kTileSide);
+        const Vec3i tile_min = tile * kTileSide;
+        at.from_box = tile_min - box.min;
+        at.all_inside =
+            box.Contains(tile_min) && box.Contains(tile_min + Vec3i{kTileSide - 1, kTileSide - 1, kTileSide - 1});
+        at.number = layout.NumberOf(tile_min);
         for (auto t = From(number); t != tiles_.end() && t->number == number; ++t) {
-          wanted.push_back({all ? &t->lists->all : &t->lists->border, tile});
-          size += wanted.back().edges->size();
+          (all ? t->lists->all : t->lists->border).ForEachBlock([&](std::span<const uint32_t> edges) {
+            if (batch.nearer.size() + edges.size() > kBatch) hand_out();
+            HWY_DYNAMIC_DISPATCH(Unpack)(at, edges, batch);
+          });
         }
       }
     }
   }
-  out.nearer.Reserve(size);
-  out.farther.Reserve(size);
-  for (const auto& [edges, tile] : wanted) {
-    at.from_box = tile * kTileSide - box.min;
-    edges->ForEachBlock([&](std::span<const uint32_t> some) { HWY_DYNAMIC_DISPATCH(Collect)(at, some, out); });
-  }
+  hand_out();
 }
 
 }  // namespace latvox

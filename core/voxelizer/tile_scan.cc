@@ -59,10 +59,12 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   used_box_ = {layout_.origin + layout_.side, layout_.origin};  // empty
   surface_.Resize(layout_.Words());
   candidates_.Clear();
-  crossings_.Clear();
   triangles_ = triangles;
   if (context.supercover != nullptr) return CoverAll(context);
-  if (!context.edges.empty()) context.edges.Collect(block_, box_, layout_, PackedSteps(), crossings_);
+  ForEachTinyBatch(context, [this](const Crossings& some) {
+    Use(some.nearer.view());
+    ForEachApart(some.nearer.size(), [&](size_t n) { surface_.Set(some.nearer[n]); });
+  });
   if (!context.is_tiny.empty()) {
     others_.clear();
     std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(others_),
@@ -70,8 +72,6 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     triangles_ = others_;
   }
   if (context.cancelled) return;
-  Use(crossings_.nearer.view());
-  ForEachApart(crossings_.nearer.size(), [this](size_t n) { surface_.Set(crossings_.nearer[n]); });
   rim_only_.clear();
   size_t end = 0;
   do {
@@ -83,13 +83,16 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   } while (end < triangles_.size() && !context.cancelled);
 }
 
-std::array<int32_t, kPackedDirections> TileScan::PackedSteps() const {
+// Calls f(crossings) with all edges of tiny triangles from voxels of the box, batch by batch.
+template <class F>
+void TileScan::ForEachTinyBatch(const TileContext& context, F&& f) const {
+  if (context.edges.empty()) return;
   std::array<int32_t, kPackedDirections> steps{};
   for (size_t n = 0; n < kMaxPairs; ++n) {
     steps[2 * n] = -steps_[n];
     steps[2 * n + 1] = steps_[n];
   }
-  return steps;
+  context.edges.ForEachBatch(block_, box_, layout_, steps, f);
 }
 
 // Where few voxels lie in a large block, to clear and to cut out all of it would take most of the time.
@@ -193,6 +196,20 @@ bool TileScan::ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
   return true;
 }
 
+// Sets inner_ to the edges of tiny triangles from voxels that are in `bits`, or are not.
+void TileScan::KeepInner(const TileContext& context, const TileBits& bits, bool in_set) {
+  inner_.Clear();
+  ForEachTinyBatch(context, [&](const Crossings& some) {
+    bits.Find(some.nearer.view(), in_set, positions_);
+    inner_.nearer.Reserve(positions_.size());
+    inner_.farther.Reserve(positions_.size());
+    for (const uint32_t n : positions_.view()) {
+      inner_.nearer.Add(some.nearer[n]);
+      inner_.farther.Add(some.farther[n]);
+    }
+  });
+}
+
 // What may be redundant becomes rest_. An edge whose farther end lies outside of the surface shows its nearer end
 // essential; the edges at hand, along principal directions and of tiny triangles, do so for nearly all voxels. Those
 // with neighbours outside of the box, of which nothing is known, are left out.
@@ -200,11 +217,13 @@ void TileScan::FindRest(const TileContext& context) {
   rest_.Resize(layout_.Words());  // empty
   maybe_.clear();
   // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
-  const bool any_tiny = crossings_.nearer.size() > 0;
+  const bool any_tiny = !context.edges.empty();
   if (any_tiny) essential_.Resize(layout_.Words());  // empty
-  ForEachApart(crossings_.nearer.size(),
-               [&](size_t n) { essential_.Add(crossings_.nearer[n], !surface_.Test(crossings_.farther[n])); });
-  essential_.Find(crossings_.nearer.view(), false, inner_);
+  ForEachTinyBatch(context, [this](const Crossings& some) {
+    surface_.Find(some.farther.view(), false, positions_);
+    ForEachApart(positions_.size(), [&](size_t n) { essential_.Set(some.nearer[positions_[n]]); });
+  });
+  KeepInner(context, essential_, false);
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
   const auto add = [&](uint32_t voxel) {
@@ -212,7 +231,7 @@ void TileScan::FindRest(const TileContext& context) {
     rest_.Set(voxel);
     maybe_.push_back(voxel);
   };
-  for (const uint32_t n : inner_.view()) add(crossings_.nearer[n]);
+  for (const uint32_t voxel : inner_.nearer.view()) add(voxel);
   ForEachPart(context, [&] {
     surface_.Find(candidates_.farther.view(), true, positions_);
     for (const uint32_t n : positions_.view()) add(candidates_.nearer[n] & kNumberMask);
@@ -221,7 +240,7 @@ void TileScan::FindRest(const TileContext& context) {
   for (const auto& [voxel, star] : rim_only_) {
     if (ForEachEnd(voxel, star, in_surface)) add(voxel);
   }
-  if (any_tiny) essential_.words().assign(layout_.Words(), 0);  // empty again
+  if (any_tiny) essential_.ClearRange(used_);
 }
 
 // Whether a voxel is known not to belong to the surface.
@@ -234,8 +253,8 @@ void TileScan::AskRest(const TileContext& context) {
   edges_.Reset(layout_);
   for (const ScanFrame& scan : context.frames) edges_.AddDirection(layout_, scan.frame.q);
   ForEachPart(context, [&] { AskRestOfPart(context); });
-  for (const uint32_t n : inner_.view()) {
-    const uint32_t end = crossings_.nearer[n], other = crossings_.farther[n];
+  for (size_t n = 0; n < inner_.nearer.size(); ++n) {
+    const uint32_t end = inner_.nearer[n], other = inner_.farther[n];
     if (rest_.Test(end) && rest_.Test(other)) edges_.Add(end, other);
   }
 }
@@ -287,9 +306,9 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
     }
   }
   // That an edge leads out of the box shows nothing.
-  rest_.Find(crossings_.nearer.view(), true, inner_);
-  for (const uint32_t n : inner_.view()) {
-    if (IsOutside(crossings_.farther[n])) rest_.Clear(crossings_.nearer[n]);
+  KeepInner(context, rest_, true);
+  for (size_t n = 0; n < inner_.nearer.size(); ++n) {
+    if (IsOutside(inner_.farther[n])) rest_.Clear(inner_.nearer[n]);
   }
 }
 

@@ -63,7 +63,8 @@ class TileScan {
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
  private:
-  std::array<int32_t, kPackedDirections> PackedSteps() const;
+  template <class F>
+  void ForEachTinyBatch(const TileContext& context, F&& f) const;
   void Use(std::span<const uint32_t> voxels);
   void UsePlanes(const NumberRange& voxels);
   void CoverAll(const TileContext& context);
@@ -75,6 +76,7 @@ class TileScan {
   void AddRim(const TileContext& context);
   template <class F>
   bool ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const;
+  void KeepInner(const TileContext& context, const TileBits& bits, bool in_set);
   void FindRest(const TileContext& context);
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
@@ -93,11 +95,10 @@ class TileScan {
   TileBits rest_{0};                     // what nothing has shown essential yet; likewise
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
   std::vector<uint32_t> others_;         // those of its triangles that are not tiny
-  Crossings crossings_;                  // of the tiny ones
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  NumberList inner_;  // positions in crossings_ of voxels that no edge out of the surface shows essential
+  Crossings inner_;  // of tiny triangles, from members of rest_, or from what may become some
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;

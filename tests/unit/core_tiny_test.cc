@@ -36,10 +36,11 @@ Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, co
     steps[2 * n + 1] = layout.StepOf(frames[n].frame.q);
     steps[2 * n] = -steps[2 * n + 1];
   }
-  Crossings crossings;
-  edges.Collect({tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}}, box, layout, steps, crossings);
   Edges collected;
-  for (size_t n = 0; n < crossings.nearer.size(); ++n) collected.insert({crossings.nearer[n], crossings.farther[n]});
+  const IndexBox tile{tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide}};
+  edges.ForEachBatch(tile, box, layout, steps, [&](const Crossings& some) {
+    for (size_t n = 0; n < some.nearer.size(); ++n) collected.insert({some.nearer[n], some.farther[n]});
+  });
   return collected;
 }
 
@@ -161,15 +162,15 @@ TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
         const Vec3i low = tile * kTileSide, high = low + Vec3i{kTileSide, kTileSide, kTileSide};
         const IndexBox box{low - margin, high + margin};
         const BitsLayout layout(low, margin);
-        Crossings found;
-        edges.Collect({low, high}, box, layout, steps, found);
         Edges expected, collected;
         for (const auto& [end, direction] : ends) {
           const uint32_t nearer = layout.NumberOf(end);
           if (box.Contains(end)) expected.insert({nearer, nearer + static_cast<uint32_t>(steps[direction])});
         }
-        ASSERT_EQ(found.nearer.size(), found.farther.size());
-        for (size_t n = 0; n < found.nearer.size(); ++n) collected.insert({found.nearer[n], found.farther[n]});
+        edges.ForEachBatch({low, high}, box, layout, steps, [&](const Crossings& some) {
+          ASSERT_EQ(some.nearer.size(), some.farther.size());
+          for (size_t n = 0; n < some.nearer.size(); ++n) collected.insert({some.nearer[n], some.farther[n]});
+        });
         EXPECT_EQ(collected, expected);
       }
     }
