@@ -2,15 +2,19 @@
 #ifndef LATVOX_CORE_BASE_UNINITIALIZED_H_
 #define LATVOX_CORE_BASE_UNINITIALIZED_H_
 
+#include <cstddef>
 #include <memory>
 #include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "core/base/huge_pages.h"
+
 namespace latvox {
 
-// std::allocator, but for elements made without a value, which stay indeterminate.
+// std::allocator, but for elements made without a value, which stay indeterminate; and large arrays are made of whole
+// large pages, where the system has them.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
   static_assert(std::is_trivially_default_constructible_v<T>);
@@ -18,11 +22,25 @@ struct UninitializedAllocator : std::allocator<T> {
   struct rebind {
     using other = UninitializedAllocator<U>;
   };
+  T* allocate(size_t count) {
+    if (!IsLarge(count)) return std::allocator<T>::allocate(count);
+    const size_t bytes = (count * sizeof(T) + kHugePage - 1) & ~(kHugePage - 1);
+    void* const at = ::operator new (bytes, std::align_val_t{kHugePage});
+    AdviseHugePages(at, bytes);
+    return static_cast<T*>(at);
+  }
+  void deallocate(T* at, size_t count) {
+    if (!IsLarge(count)) return std::allocator<T>::deallocate(at, count);
+    ::operator delete (at, std::align_val_t{kHugePage});
+  }
   void construct(T* at) { ::new (static_cast<void*>(at)) T; }
   template <class... Args>
   void construct(T* at, Args&&... args) {
     std::construct_at(at, std::forward<Args>(args)...);
   }
+
+ private:
+  static bool IsLarge(size_t count) { return count > kHugePage / sizeof(T); }
 };
 
 // resize() leaves new elements indeterminate.
@@ -36,8 +54,8 @@ struct PaddedAllocator : UninitializedAllocator<T> {
   struct rebind {
     using other = PaddedAllocator<U>;
   };
-  T* allocate(size_t count) { return std::allocator<T>::allocate(count + 1); }
-  void deallocate(T* at, size_t count) { std::allocator<T>::deallocate(at, count + 1); }
+  T* allocate(size_t count) { return UninitializedAllocator<T>::allocate(count + 1); }
+  void deallocate(T* at, size_t count) { UninitializedAllocator<T>::deallocate(at, count + 1); }
 };
 
 template <class T>

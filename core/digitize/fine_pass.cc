@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 
-#include "core/base/huge_pages.h"
 #include "core/base/simd.h"
 #include "core/digitize/line_forms.h"
 #include "core/digitize/tiny.h"
@@ -68,7 +67,6 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
   uint8_t* marks = nullptr;
   if (find_tiny && is_tiny != nullptr) {
     is_tiny->resize(count);
-    AdviseHugePages(is_tiny->data(), count);
     marks = is_tiny->data();
   }
   const LineForms forms(frames);

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "core/base/huge_pages.h"
 #include "core/base/refusal.h"
 #include "core/snap/lattice_map.h"
 #include "core/snap/mesh_range.h"
@@ -63,7 +62,6 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
 
   // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
   snapped.vertices_lat.resize(mesh.vertices.size());
-  AdviseHugePages(snapped.vertices_lat.data(), snapped.vertices_lat.size() * sizeof(Vec3i));
   oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
     if (cancelled) return;
     RoundVertices(map, range, snapped.base_ijk, &mesh.vertices[part.begin()], part.size(),

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/huge_pages.h"
+#include "core/base/uninitialized.h"
 #include "core/snap/snap.h"
 #include "tests/unit/core_simd.h"
 
@@ -312,6 +313,23 @@ TEST(HugePages, AreAskedForWithinLargeArraysAlone) {
   EXPECT_EQ(MappingFlags(begin).find(" hg "), std::string::npos);
   EXPECT_EQ(MappingFlags(begin + kSize - 1).find(" hg "), std::string::npos);
   munmap(memory, kSize);
+}
+
+TEST(HugePages, AreWhatLargeUninitializedArraysConsistOf) {
+  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP() << "the kernel has none";
+  for (const size_t bytes : {kHugePage, kHugePage + 1, 5 * kHugePage / 2}) {
+    UninitializedVector<uint8_t> array(bytes);
+    PaddedVector<uint8_t> padded(bytes - 1);  // and one more
+    std::fill(array.begin(), array.end(), 1);
+    std::fill(padded.begin(), padded.end(), 1);
+    if (bytes == kHugePage) continue;
+    for (const uint8_t* data : {array.data(), padded.data()}) {
+      const auto begin = reinterpret_cast<uintptr_t>(data);
+      EXPECT_EQ(begin % kHugePage, 0U) << bytes;
+      EXPECT_NE(MappingFlags(begin).find(" hg "), std::string::npos) << bytes;
+      EXPECT_NE(MappingFlags(begin + bytes - 1).find(" hg "), std::string::npos) << bytes;
+    }
+  }
 }
 
 }  // namespace
