@@ -36,22 +36,28 @@ Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frame
   if (count < kManyTriangles) return {};
   const LineForms all(frames);
   size_t touching = 0, tiny = 0, lines_of_tiny = 0;
-  std::vector<Vec3i> tiles;
+  // Read first of all, so that memory is waited for once.
+  std::array<std::array<uint32_t, 3>, kSample> sample;
+  for (size_t n = 0; n < kSample; ++n) sample[n] = mesh.triangles[n * count / kSample];
+  std::array<std::array<Vec3i, 3>, kSample> corners;
   for (size_t n = 0; n < kSample; ++n) {
-    const auto& [i, j, k] = mesh.triangles[n * count / kSample];
-    tiles.push_back(Shifted(mesh.vertices_lat[i], kSubvoxelBits + kTileBits));
+    for (size_t c = 0; c < 3; ++c) corners[n][c] = mesh.vertices_lat[sample[n][c]];
+  }
+  std::vector<Vec3i> tiles;
+  for (const auto& [a, b, c] : corners) {
+    tiles.push_back(Shifted(a, kSubvoxelBits + kTileBits));
     std::array<int32_t, kMaxForms> integers{};  // between a form's values at the corners
     for (size_t f = 0; f < all.forms.size(); ++f) {
-      const auto floor = [&](uint32_t vertex) { return Dot(all.forms[f], mesh.vertices_lat[vertex]) >> kSubvoxelBits; };
-      const auto [first, last] = std::minmax({floor(i), floor(j), floor(k)});
+      const auto floor = [&](const Vec3i& v) { return Dot(all.forms[f], v) >> kSubvoxelBits; };
+      const auto [first, last] = std::minmax({floor(a), floor(b), floor(c)});
       integers[f] = last - first;
     }
     const bool is_tiny = *std::max_element(integers.begin(), integers.end()) <= kMostIntegers;
     bool touches = false;
     for (const LineForms::OfFrame& frame : all.of_frame) {
-      const int32_t a = integers[frame.form[0]], b = integers[frame.form[1]];
-      touches |= a > 0 && b > 0;
-      if (is_tiny) lines_of_tiny += static_cast<size_t>(a * b);
+      const int32_t x = integers[frame.form[0]], y = integers[frame.form[1]];
+      touches |= x > 0 && y > 0;
+      if (is_tiny) lines_of_tiny += static_cast<size_t>(x * y);
     }
     tiny += is_tiny ? 1 : 0;
     touching += touches ? 1 : 0;

@@ -5,24 +5,21 @@ namespace {
 
 using Point = Vec<int64_t, 2>;
 
-// Whether p lies in the convex hull of the other points and their negatives: then it never alone attains a maximum of
-// |g . q|. It does iff it is in a triangle, possibly flat, of two of them and the origin.
-bool IsCovered(const Point& p, const std::vector<Point>& points) {
+// The corners of the convex hull of some points and their negatives, one of each two that are opposite: none of the
+// other points alone attains a maximum of |g . p|. By the lower monotone chain [Andrew 1979]; the upper one is its
+// negative.
+//   points   one at least; none is 0, no two are equal or opposite
+std::vector<Point> CornersOfHull(std::vector<Point> points) {
   const auto det = [](const Point& a, const Point& b) { return a[0] * b[1] - a[1] * b[0]; };
-  for (const Point& a : points) {
-    for (const Point& b : points) {
-      for (const Point& c : {b, -b}) {
-        const int64_t area = det(a, c);
-        // p = (s a + t c) / area with s = det(p, c), t = det(a, p); inside iff s, t >= 0 and s + t <= area.
-        if (area <= 0 || a == p || c == p || a == -p || c == -p) continue;
-        for (const Point& r : {p, -p}) {
-          const int64_t s = det(r, c), t = det(a, r);
-          if (s >= 0 && t >= 0 && s + t <= area) return true;
-        }
-      }
-    }
+  for (size_t n = 0, count = points.size(); n < count; ++n) points.push_back(-points[n]);
+  std::sort(points.begin(), points.end());
+  std::vector<Point> hull;
+  for (const Point& p : points) {
+    while (hull.size() > 1 && det(hull.back() - hull.end()[-2], p - hull.back()) <= 0) hull.pop_back();
+    hull.push_back(p);
   }
-  return false;
+  hull.pop_back();  // opposite to the first
+  return hull;
 }
 
 }  // namespace
@@ -36,9 +33,8 @@ std::vector<ScanFrame> MakeScanFrames(const std::vector<Frame>& frames) {
       const bool known = std::any_of(points.begin(), points.end(), [&](const Point& o) { return o == p || o == -p; });
       if (p != Point{} && !known) points.push_back(p);
     }
-    ScanFrame scan{frame, {}, 0, 0};
+    ScanFrame scan{frame, CornersOfHull(points), 0, 0};
     for (const Point& p : points) {
-      if (!IsCovered(p, points)) scan.hull.push_back(p);
       scan.reach_a = std::max(scan.reach_a, std::abs(p[0]));
       scan.reach_b = std::max(scan.reach_b, std::abs(p[1]));
     }

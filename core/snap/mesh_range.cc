@@ -90,32 +90,44 @@ class BlockRanges {
   LatticeRange all_;
 };
 
-// Whether a triangle uses the vertex, of the quarter around the one whose numbers, in a sample, are nearest to its own:
+// Whether triangles use all of these vertices. They are looked for first where, in a sample, the nearest numbers are:
 // most meshes number vertices as their triangles come, at least in parts.
-bool IsUsedNearby(const TriangleMesh& mesh, uint32_t vertex, const std::atomic<bool>& cancelled) {
+bool AreUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, const std::atomic<bool>& cancelled) {
   constexpr size_t kMostSamples = 4096, kLeastGap = 256, kStep = 2048;
   const std::span triangles(mesh.triangles);
-  size_t center = 0;
-  int64_t nearest = std::numeric_limits<int64_t>::max();
+  struct Nearest {
+    size_t triangle = 0;
+    int64_t distance = std::numeric_limits<int64_t>::max();
+  };
+  std::vector<Nearest> nearest(vertices.size());
   for (size_t t = 0; t < triangles.size(); t += std::max(triangles.size() / kMostSamples, kLeastGap)) {
-    for (const uint32_t index : triangles[t]) {
-      const int64_t distance = std::abs(int64_t{index} - vertex);
-      if (distance < nearest) center = t;
-      nearest = std::min(nearest, distance);
+    for (size_t n = 0; n < vertices.size(); ++n) {
+      for (const uint32_t index : triangles[t]) {
+        const int64_t distance = std::abs(int64_t{index} - vertices[n]);
+        if (distance < nearest[n].distance) nearest[n] = {t, distance};
+      }
     }
   }
   const std::span corners(triangles.front().data(), 3 * triangles.size());
-  const auto is_used = [&](size_t first, size_t end) {
+  const auto is_used = [&](size_t first, size_t end, uint32_t vertex) {
     uint32_t used = 0;
     for (const uint32_t index : corners.subspan(3 * first, 3 * (end - first))) used |= index == vertex ? 1 : 0;
     return used != 0;
   };
-  for (size_t distance = 0; distance <= triangles.size() / 8 && !cancelled; distance += kStep) {
-    const size_t below = center - std::min(center, distance), above = std::min(center + distance, triangles.size());
-    if (is_used(below - std::min(below, kStep), below)) return true;
-    if (is_used(above, std::min(above + kStep, triangles.size()))) return true;
+  const auto is_found_from = [&](size_t center, uint32_t vertex) {
+    size_t below = center, above = center;  // what lies between has been searched
+    while ((below > 0 || above < triangles.size()) && !cancelled) {
+      const size_t lower = below - std::min(below, kStep), upper = std::min(above + kStep, triangles.size());
+      if (is_used(lower, below, vertex) || is_used(above, upper, vertex)) return true;
+      below = lower;
+      above = upper;
+    }
+    return false;
+  };
+  for (size_t n = 0; n < vertices.size(); ++n) {
+    if (!is_found_from(nearest[n].triangle, vertices[n])) return false;
   }
-  return false;
+  return true;
 }
 
 }  // namespace
@@ -125,14 +137,14 @@ bool IsUsedNearby(const TriangleMesh& mesh, uint32_t vertex, const std::atomic<b
 LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled) {
   const BlockRanges ranges(mesh, map, {}, cancelled);
   if (cancelled) return {};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    for (const auto side : {&LatticeRange::min, &LatticeRange::max}) {
-      const std::optional<uint32_t> vertex = ranges.VertexAt(side, axis);
-      if (vertex && IsUsedNearby(mesh, *vertex, cancelled)) continue;
-      return BlockRanges(mesh, map, UsedVertices(mesh, cancelled), cancelled).all();
-    }
+  const auto of_used = [&] { return BlockRanges(mesh, map, UsedVertices(mesh, cancelled), cancelled).all(); };
+  std::array<uint32_t, 6> extreme;
+  for (size_t n = 0; n < 6; ++n) {
+    const auto vertex = ranges.VertexAt(n < 3 ? &LatticeRange::min : &LatticeRange::max, n % 3);
+    if (!vertex) return of_used();
+    extreme[n] = *vertex;
   }
-  return ranges.all();
+  return AreUsed(mesh, extreme, cancelled) ? ranges.all() : of_used();
 }
 
 }  // namespace latvox

@@ -158,8 +158,9 @@ bool ExactJob::IsUnit(const TileNode& node) const {
 // No thread may be long at the last unit while the others have nothing to do: guided self-scheduling [Polychronopoulos
 // and Kuck 1987], with units of up to twice a thread's part of what is left, for tiles by themselves take longer.
 bool ExactJob::IsSmall(const TileNode& node) const {
+  constexpr double kRounding = 1e-9;  // of shares and their sums
   const int threads = oneapi::tbb::this_task_arena::max_concurrency();
-  return node.level == 0 || threads == 1 || node.share * threads <= 2 * (1 - node.progress);
+  return node.level == 0 || threads == 1 || node.share * threads <= 2 * (1 - node.progress) + kRounding;
 }
 
 absl::Status ExactJob::Prepare() {
