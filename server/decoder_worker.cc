@@ -11,6 +11,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/string_view.h"
+#include "core/base/kept_memory.h"
 #include "server/decoder_protocol.h"
 #include "server/decoder_sandbox.h"
 #include "server/draco_decoder.h"
@@ -24,8 +25,7 @@ constexpr int kLost = 1;  // exit status: the server is gone, or does not unders
 // faults, half as much as all that isolation costs is won.
 void KeepMemory() {
   constexpr int kKeptBytes = 64 << 20;
-  mallopt(M_MMAP_THRESHOLD, kKeptBytes / 2);
-  mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+  KeepFreedMemory(kKeptBytes);
   mallopt(M_ARENA_MAX, 1);  // at the limit of memory malloc would try another, by calls that are forbidden
 }
 

@@ -1,5 +1,4 @@
 // latvoxd: the server.
-#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "core/base/kept_memory.h"
 #include "core/base/simd.h"
 #include "server/configuration_watch.h"
 #include "server/decoder_worker.h"
@@ -56,14 +56,6 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
   return 0;
 }
 
-// What a job gives back serves the next: without, a small job has 700 page faults, almost a tenth of its time. No more
-// than the C library by itself would keep after a job with arrays of 16 MiB.
-void KeepMemory() {
-  constexpr int kKeptBytes = 32 << 20;
-  mallopt(M_MMAP_THRESHOLD, kKeptBytes / 2);
-  mallopt(M_TRIM_THRESHOLD, kKeptBytes);
-}
-
 // Each connection takes one file; a login has 1024 as a rule, though it may have more. Once there is none left, gRPC
 // takes no new connections any more, even when others have closed. A private server has a handful of connections.
 void TakeMoreFiles(bool is_private) {
@@ -86,7 +78,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   for (const auto& [name, nearest] : configuration.misspelt) {
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
-  KeepMemory();
+  latvox::KeepFreedMemory(latvox::kMemoryKeptByJobs);
   TakeMoreFiles(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   const auto server = latvox::VoxelServer::Start(options.server);

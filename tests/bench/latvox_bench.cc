@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "core/base/kept_memory.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/meshes.h"
@@ -87,6 +88,7 @@ class Lines {
 }  // namespace latvox
 
 int main(int argc, char** argv) {
+  latvox::KeepFreedMemory(latvox::kMemoryKeptByJobs);  // as latvoxd does
   // Else there would be no more threads than cores, whatever an arena asks for.
   const oneapi::tbb::global_control any(oneapi::tbb::global_control::max_allowed_parallelism, latvox::kMaxThreads);
   const std::vector<std::string> words(argv + 1, argv + argc);
