@@ -214,10 +214,11 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
   return memory_.Grow(spec_.verify ? job_bytes_ + kept : job_bytes_);
 }
 
-// Once. Keeps what is asked for a second time: most meshes come once.
+// Once; with its extent, unless cancelled. Keeps what is asked for a second time: most meshes come once.
 DecodedMesh Computation::TheMesh() {
   if (kept_) return *std::exchange(kept_, nullptr);
-  if (mesh_comes_again_) environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, decoded_);
+  decoded_.extent = ExtentOf(decoded_.mesh, cancelled_);
+  if (mesh_comes_again_ && !cancelled_) environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, decoded_);
   return std::move(decoded_);
 }
 
@@ -225,17 +226,17 @@ absl::Status Computation::CreateJob() {
   const Stopwatch stopwatch(facts_.voxelize_ms);
   DecodedMesh decoded = TheMesh();
   facts_.triangles = decoded.mesh.triangles.size();
-  source_ = {BoundsOf(decoded.mesh, cancelled_), decoded.quantization_bits};
+  source_ = {decoded.extent.bounds, decoded.quantization_bits};
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
   grid_ = *std::move(grid);
-  const double voxels = EstimateVoxels(decoded.mesh, *grid_, spec_.options, cancelled_);
+  const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.options, cancelled_);
   const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, cancelled_);
   job_bytes_ += BytesOfSolid(decoded.mesh) + BytesOfThinning(voxels);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
-  auto job = VoxelizeJob::Create(std::move(decoded.mesh), *grid_, options, cancelled_);
+  auto job = VoxelizeJob::CreateFromValid(std::move(decoded.mesh), *grid_, options, cancelled_);
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();

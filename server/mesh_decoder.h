@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "core/mesh/mesh.h"
+#include "core/voxelizer/estimate.h"
 #include "server/limits.h"
 #include "server/mesh_attributes.h"
 
@@ -18,6 +19,7 @@ namespace latvox {
 struct DecodedMesh {
   TriangleMesh mesh;               // Validate(mesh) is OK; with the attributes that were wanted
   uint32_t quantization_bits = 0;  // of POSITION; 0: not quantized
+  MeshExtent extent = {};          // ExtentOf(mesh), once a job has asked for it: for all jobs that get a kept mesh
 };
 
 struct EncodedMesh {

@@ -2,14 +2,12 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 #include "absl/strings/str_format.h"
@@ -73,35 +71,6 @@ absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancell
     if (!cancelled && !AreBelow(mesh.vertices.size(), {&mesh.triangles[part.begin()], part.size()})) valid = false;
   });
   return valid ? absl::OkStatus() : Complain(mesh);
-}
-
-Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
-  using Part = oneapi::tbb::blocked_range<size_t>;
-  constexpr size_t kGrain = 16384;  // triangles a task
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto add = [](Bounds& bounds, const Vec3d& low, const Vec3d& high) {
-    for (size_t m = 0; m < 3; ++m) {
-      bounds.min[m] = std::min(bounds.min[m], low[m]);
-      bounds.max[m] = std::max(bounds.max[m], high[m]);
-    }
-  };
-  return oneapi::tbb::parallel_reduce(
-      Part(0, mesh.triangles.size(), kGrain),
-      Bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}},
-      [&](const Part& part, Bounds bounds) {
-        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
-          for (uint32_t index : mesh.triangles[t]) {
-            const Vec3f& v = mesh.vertices[index];
-            const Vec3d position = {v[0], v[1], v[2]};
-            add(bounds, position, position);
-          }
-        }
-        return bounds;
-      },
-      [&](Bounds a, const Bounds& b) {
-        add(a, b.min, b.max);
-        return a;
-      });
 }
 
 }  // namespace latvox

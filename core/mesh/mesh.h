@@ -31,9 +31,6 @@ struct Bounds {
 // finite.
 absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
 
-// Box of the vertices that triangles use. Precondition: Validate(mesh).
-Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
-
 }  // namespace latvox
 
 #endif  // LATVOX_CORE_MESH_MESH_H_

@@ -147,4 +147,10 @@ LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std:
   return AreUsed(mesh, extreme, cancelled) ? ranges.all() : of_used();
 }
 
+Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
+  const LatticeMap world{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}};
+  const LatticeRange range = RangeOf(mesh, world, cancelled);
+  return {range.min, range.max};
+}
+
 }  // namespace latvox

@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 
+#include "core/snap/mesh_range.h"
 #include "core/voxelizer/world_box.h"
 
 namespace latvox {
@@ -70,28 +71,33 @@ double VolumeOf(const IndexBox& box) {
   return volume;
 }
 
-// Of the interior of a surface with twice that area, by the isoperimetric inequality.
-double EstimateInterior(const Bounds& bounds, double twice_area, double size, bool closed) {
+// Of the interior of a surface, by the isoperimetric inequality.
+double EstimateInterior(const MeshExtent& extent, double size, bool closed) {
   double volume = 1;
-  for (size_t m = 0; m < 3; ++m) volume *= bounds.max[m] - bounds.min[m];
-  const double ball = std::pow(twice_area / 2, 1.5) / (6 * std::sqrt(std::numbers::pi));
+  for (size_t m = 0; m < 3; ++m) volume *= extent.bounds.max[m] - extent.bounds.min[m];
+  const double ball = std::pow(extent.area, 1.5) / (6 * std::sqrt(std::numbers::pi));
   return (closed ? std::min(volume, ball) : volume) / (size * size * size);
 }
 
 }  // namespace
 
-double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options,
-                      const std::atomic<bool>& cancelled) {
+MeshExtent ExtentOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
+  const double twice_area = SumOver(mesh, cancelled, [](const Corners& corners) { return TwiceAreaOf(corners); });
+  return {BoundsOf(mesh, cancelled), twice_area / 2};
+}
+
+double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
+                      const VoxelizeOptions& options, const std::atomic<bool>& cancelled) {
   const double size = grid.lattice.voxel_size();
   const auto grown = [&](const Corners& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
   };
   if (options.algorithm != Algorithm::kExact) return SumOver(mesh, cancelled, grown);
-  const double twice_area = SumOver(mesh, cancelled, [&](const Corners& corners) { return TwiceAreaOf(corners); });
-  double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, cancelled, grown) : twice_area / (size * size);
+  double voxels =
+      options.cover == Cover::kSupercover ? SumOver(mesh, cancelled, grown) : 2 * extent.area / (size * size);
   if (options.band) voxels *= WidthOf(*options.band, grid.lattice) / size;  // without what neighbouring triangles share
   if (options.solid) {
-    voxels += EstimateInterior(BoundsOf(mesh, cancelled), twice_area, size, !options.solid->force_open);
+    voxels += EstimateInterior(extent, size, !options.solid->force_open);
   }
   double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
   if (options.bounds) delivered = std::min(delivered, MostPointsIn(grid, *options.bounds));

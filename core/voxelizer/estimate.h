@@ -11,15 +11,25 @@
 
 namespace latvox {
 
+// What estimates know of a mesh, whatever the job.
+struct MeshExtent {
+  Bounds bounds;    // of the vertices that triangles use
+  double area = 0;  // of all triangles, world units squared
+};
+
+// One pass over the vertices and one over the triangles. Precondition: Validate(mesh) is OK.
+MeshExtent ExtentOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
+
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as
 // often. A surface of area A has between A / h^2 and 2 A / h^2 voxels, h the voxel size, for all the common lattices
 // and every k; this is the upper one, within the region's volume and the bounds', of a shard its part. A supercover has
 // some for every triangle, too, however small. The inside of a solid is taken for as large as it can be: a ball with
 // that surface, or the mesh's bounding box, which is all that bounds that of a mesh that is not closed. The thesis's
-// algorithms have some along the edges of triangles without area, too, whatever the region. Up to two passes over the
+// algorithms have some along the edges of triangles without area, too, whatever the region. Up to one pass over the
 // triangles. Precondition: Validate(mesh) is OK.
-double EstimateVoxels(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options,
-                      const std::atomic<bool>& cancelled = kNeverCancelled);
+//   extent   the mesh's
+double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
+                      const VoxelizeOptions& options, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // Estimates how many lattice points a job looks at, as often as it does: a band's those within its width of each
 // triangle, of a shard its part, brute force all those in the boxes around triangles, which takes one pass, as above; a

@@ -168,6 +168,13 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh mesh, const Grid& grid,
                                                                  const VoxelizeOptions& options,
                                                                  const std::atomic<bool>& cancelled) {
+  if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
+  return CreateFromValid(std::move(mesh), grid, options, cancelled);
+}
+
+absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::CreateFromValid(TriangleMesh mesh, const Grid& grid,
+                                                                          const VoxelizeOptions& options,
+                                                                          const std::atomic<bool>& cancelled) {
   if (options.separability < 0 || options.separability > 2) {
     return OutOfRange("separability", options.separability, "0, 1 or 2");
   }
@@ -178,7 +185,6 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
   }
   const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(options, grid.lattice);
   if (!band.ok()) return band.status();
-  if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
   if (auto status = CheckAttributes(mesh, options); !status.ok()) return status;
   auto attributes = TakeAttributes(mesh, grid.lattice, options);
   if (!attributes.ok()) return attributes.status();

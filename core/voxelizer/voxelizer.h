@@ -96,6 +96,11 @@ class VoxelizeJob {
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);
+  // The same of a mesh that was validated as it came: Validate takes a tenth of the time of a job with fine triangles.
+  // Precondition: Validate(mesh) is OK.
+  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(
+      TriangleMesh mesh, const Grid& grid, const VoxelizeOptions& options,
+      const std::atomic<bool>& cancelled = kNeverCancelled);
   virtual ~VoxelizeJob() = default;
 
   virtual const JobFacts& facts() const = 0;

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/simd.h"
+#include "core/snap/mesh_range.h"
 #include "core/snap/snap.h"
 #include "core/snap/surface_facts.h"
 #include "core/tile/tile_tree.h"
@@ -101,7 +102,7 @@ void Job(benchmark::State& state, const Scene& scene, const VoxelizeOptions& opt
     state.PauseTiming();
     TriangleMesh copy = mesh;
     state.ResumeTiming();
-    const auto job = OrDie(VoxelizeJob::Create(std::move(copy), grid, options), scene.name);
+    const auto job = OrDie(VoxelizeJob::CreateFromValid(std::move(copy), grid, options), scene.name);
     job->Advance([](TileBricks&&) { return true; }).IgnoreError();
     voxels = job->totals().voxels;
   }

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/snap/mesh_range.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/peer_openvdb.h"
 
@@ -32,7 +33,7 @@ struct Run {
 // The whole of what is timed, and the function that tests/bench/instructions counts.
 extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, const Grid& grid, Run& run) {
   run.start = Clock::now();
-  auto job = VoxelizeJob::Create(std::move(run.mesh), grid, arguments.options);
+  auto job = VoxelizeJob::CreateFromValid(std::move(run.mesh), grid, arguments.options);
   run.status = job.status();
   if (!job.ok()) return;
   run.job = *std::move(job);
@@ -61,7 +62,7 @@ absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMe
       cancel = true;
       if (VoxelizeJob* const job = running) job->Cancel();
     });
-    auto job = VoxelizeJob::Create(std::move(copy), grid, arguments.options, cancel);
+    auto job = VoxelizeJob::CreateFromValid(std::move(copy), grid, arguments.options, cancel);
     if (job.ok()) {
       running = job->get();
       if (cancel) (*job)->Cancel();

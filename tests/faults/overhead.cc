@@ -16,6 +16,7 @@
 
 #include "client/client.h"
 #include "client/mesh/input.h"
+#include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/bench/meshes.h"
 #include "tests/faults/commands.h"

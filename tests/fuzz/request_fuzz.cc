@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "core/snap/mesh_range.h"
 #include "core/voxelizer/estimate.h"
 #include "server/convert.h"
 
@@ -46,7 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   const auto& solid = spec->options.solid;
   // Before the first tile, all lines of a mesh that is not closed are looked at.
   constexpr double kManyVoxels = 1e6;
-  if (solid && latvox::EstimateVoxels(mesh, *grid, spec->options) > kManyVoxels) return 0;
+  if (solid && latvox::EstimateVoxels(mesh, latvox::ExtentOf(mesh), *grid, spec->options) > kManyVoxels) return 0;
   const auto job = latvox::VoxelizeJob::Create(mesh, *grid, spec->options);
   if (!job.ok()) return 0;
 

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "absl/strings/str_format.h"
+#include "core/snap/mesh_range.h"
 #include "tests/thesis/measure.h"
 
 namespace latvox::thesis {

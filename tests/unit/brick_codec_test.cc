@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/lattice/grid.h"
+#include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "server/brick_batch.h"
 #include "server/brick_codec.h"

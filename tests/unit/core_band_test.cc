@@ -324,7 +324,7 @@ TEST(Band, IsEstimatedFromTheAreaAndTheWidth) {
     for (const double width : {1.0, 3.0}) {
       const VoxelizeOptions options{.band = Band{.width = width}};
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
-      const double estimate = EstimateVoxels(mesh, grid, options);
+      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, options);
       EXPECT_NEAR(estimate, voxels, 0.1 * voxels);
       EXPECT_GT(EstimateVisits(mesh, grid, options, estimate), voxels);
     }

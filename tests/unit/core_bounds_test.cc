@@ -211,7 +211,7 @@ TEST(Bounds, NarrowTheIndexBoxOnEveryBasis) {
       for (const Vec3d& column : grid.lattice.inverse()) row += column[m] * column[m];
       EXPECT_LE(facts->index_box->max[m] - facts->index_box->min[m], 7 * std::sqrt(3 * row) + 2) << name;
     }
-    EXPECT_LT(EstimateVoxels(mesh, grid, {.bounds = bounds}), 9000) << name;
+    EXPECT_LT(EstimateVoxels(mesh, ExtentOf(mesh), grid, {.bounds = bounds}), 9000) << name;
   }
 }
 

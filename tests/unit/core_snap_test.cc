@@ -17,6 +17,7 @@
 
 #include "core/base/huge_pages.h"
 #include "core/base/uninitialized.h"
+#include "core/snap/mesh_range.h"
 #include "core/snap/snap.h"
 #include "tests/unit/core_simd.h"
 

@@ -378,7 +378,7 @@ TEST(Solids, AreEstimated) {
     for (const TriangleMesh& mesh : {Sphere(20, 100), ToWorld(Cube(150), grid.lattice)}) {
       const VoxelizeOptions options{.solid = Solid{}};
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
-      const double estimate = EstimateVoxels(mesh, grid, options);
+      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, options);
       EXPECT_LE(voxels, estimate);
       EXPECT_GE(3 * voxels, estimate);
     }

@@ -261,7 +261,7 @@ TEST(Supercover, IsEstimatedToHaveNoFewerVoxelsThanItHas) {
       const Lattice lattice = Lattice::Named(name);
       const TriangleMesh sphere = Sphere(16, radius);
       const VoxelizeOptions options{.cover = Cover::kSupercover};
-      const double voxels = EstimateVoxels(sphere, Unscaled(lattice), options);
+      const double voxels = EstimateVoxels(sphere, ExtentOf(sphere), Unscaled(lattice), options);
       EXPECT_GE(voxels, static_cast<double>(Cover(sphere, lattice).totals.voxels));
       EXPECT_GT(EstimateVisits(sphere, Unscaled(lattice), options, voxels), voxels);
     }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "core/snap/mesh_range.h"
 #include "core/voxelizer/thesis_job.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_thesis_meshes.h"

@@ -276,13 +276,14 @@ TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
     for (const int k : {0, 2}) {
       const Grid grid = Unscaled(Lattice::Named(lattice));
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, {.separability = k}).totals.voxels);
-      const double estimate = EstimateVoxels(mesh, grid, {.separability = k});
+      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, {.separability = k});
       EXPECT_GE(estimate, voxels);
       EXPECT_LE(estimate, 3 * voxels);
     }
   }
   const IndexBox box = {{0, 0, 0}, {10, 20, 30}};
-  EXPECT_EQ(EstimateVoxels(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.region = box}), 6000);
+  EXPECT_EQ(EstimateVoxels(mesh, ExtentOf(mesh), Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.region = box}),
+            6000);
 }
 
 TEST(ResolveGrid, MapsTheLongestSideToOneVoxelLessThanTheResolution) {
