@@ -27,7 +27,7 @@ constexpr auto kSlice = std::chrono::milliseconds(20);
 constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
 constexpr uint64_t kAttributeThreadBytes = uint64_t{24} << 20;
-constexpr uint64_t kBytesPerAttribute = 6;  // of a vertex
+constexpr uint64_t kBytesPerAttribute = 8;  // of a vertex, and in a mesh that the store has dropped since
 // Where triangles fill a volume, thinning has many voxels of a block of 128^3 in doubt.
 constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
@@ -214,17 +214,19 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
   return memory_.Grow(spec_.verify ? job_bytes_ + kept : job_bytes_);
 }
 
-// Once; with its extent, unless cancelled. Keeps what is asked for a second time: most meshes come once.
-DecodedMesh Computation::TheMesh() {
-  if (kept_) return *std::exchange(kept_, nullptr);
+// Most meshes come once.
+void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, cancelled_);
-  if (mesh_comes_again_ && !cancelled_) environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, decoded_);
-  return std::move(decoded_);
+  if (!mesh_comes_again_ || cancelled_) return;
+  kept_ = std::make_shared<const DecodedMesh>(std::exchange(decoded_, {}));
+  environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, kept_);
 }
 
 absl::Status Computation::CreateJob() {
   const Stopwatch stopwatch(facts_.voxelize_ms);
-  DecodedMesh decoded = TheMesh();
+  if (!kept_) ShareIfItComesAgain();
+  const std::shared_ptr<const DecodedMesh> kept = std::move(kept_);
+  const DecodedMesh& decoded = kept ? *kept : decoded_;
   facts_.triangles = decoded.mesh.triangles.size();
   source_ = {decoded.extent.bounds, decoded.quantization_bits};
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
@@ -236,7 +238,8 @@ absl::Status Computation::CreateJob() {
   job_bytes_ += BytesOfSolid(decoded.mesh) + BytesOfThinning(voxels);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
-  auto job = VoxelizeJob::CreateFromValid(std::move(decoded.mesh), *grid_, options, cancelled_);
+  auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, options, cancelled_)
+                  : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, options, cancelled_);
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();

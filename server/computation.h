@@ -81,7 +81,7 @@ class Computation {
   bool FindDecoded();
   absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
   absl::Status ReserveForJob(const TriangleMesh& mesh);
-  DecodedMesh TheMesh();
+  void ShareIfItComesAgain();
   uint64_t BytesOfSolid(const TriangleMesh& mesh) const;
   uint64_t BytesOfThinning(double voxels) const;
   absl::Status TakeEstimate(double voxels, double visits);
@@ -105,8 +105,8 @@ class Computation {
   Clock::time_point decode_began_;
   absl::Cord mesh_;                          // encoded, until it is decoded
   bool mesh_comes_again_ = false;            // it was kept before this request
-  std::shared_ptr<const DecodedMesh> kept_;  // until Start
-  DecodedMesh decoded_;                      // until Start, if none was kept
+  std::shared_ptr<const DecodedMesh> kept_;  // until Start, if it is the store's, too
+  DecodedMesh decoded_;                      // until Start, if it is not
   bool large_ = false;
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;

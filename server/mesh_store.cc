@@ -57,7 +57,7 @@ bool MeshStore::Put(const MeshDigest& digest, const absl::Cord& mesh) {
   const std::lock_guard lock(mu_);
   if (encoded_.Find(digest)) return true;
   encoded_.Add(digest, mesh, mesh.size());
-  MakeRoomFor(0, dropped);
+  DropWhatExceeds(dropped);
   return false;
 }
 
@@ -67,28 +67,22 @@ std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& dige
   return decoded && decoded->attributes == attributes ? decoded->mesh : nullptr;
 }
 
-void MeshStore::KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes, const DecodedMesh& mesh) {
-  const auto [triangles, vertices, numbers] =
-      std::array{mesh.mesh.triangles.size(), mesh.mesh.vertices.size(), mesh.mesh.attributes.size()};
-  const uint64_t bytes = sizeof(DecodedMesh) + triangles * sizeof(mesh.mesh.triangles[0]) +
-                         vertices * sizeof(mesh.mesh.vertices[0]) + numbers * sizeof(mesh.mesh.attributes[0]);
-  const auto fits = [&] { return keeps_decoded_ && bytes <= capacity_ && encoded_.bytes() <= capacity_ - bytes; };
-  {
-    Dropped first;  // rather than after the copy: memory is short
-    const std::lock_guard lock(mu_);
-    if (!fits() || decoded_.Find(digest)) return;
-    MakeRoomFor(bytes, first);
-  }
-  Decoded copy{attributes, std::make_shared<const DecodedMesh>(mesh)};
+void MeshStore::KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
+                            std::shared_ptr<const DecodedMesh> decoded) {
+  const TriangleMesh& mesh = decoded->mesh;
+  const uint64_t bytes = sizeof(DecodedMesh) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
+                         mesh.vertices.size() * sizeof(mesh.vertices[0]) +
+                         mesh.attributes.size() * sizeof(mesh.attributes[0]);
   Dropped dropped;
   const std::lock_guard lock(mu_);
-  if (!fits() || decoded_.Find(digest)) return;
-  decoded_.Add(digest, std::move(copy), bytes);
-  MakeRoomFor(0, dropped);
+  const bool fits = keeps_decoded_ && bytes <= capacity_ && encoded_.bytes() <= capacity_ - bytes;
+  if (!fits || decoded_.Find(digest)) return;
+  decoded_.Add(digest, {attributes, std::move(decoded)}, bytes);
+  DropWhatExceeds(dropped);
 }
 
-void MeshStore::MakeRoomFor(uint64_t bytes, Dropped& dropped) {
-  while (encoded_.bytes() + decoded_.bytes() + bytes > capacity_) {
+void MeshStore::DropWhatExceeds(Dropped& dropped) {
+  while (encoded_.bytes() + decoded_.bytes() > capacity_) {
     if (decoded_.empty()) {
       dropped.encoded.push_back(encoded_.DropLast());
     } else {

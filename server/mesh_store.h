@@ -109,9 +109,10 @@ class MeshStore {
   // What the mesh was decoded to, with these attributes, if that is kept; else nullptr. Counts as a use.
   std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const MeshAttributes& attributes);
 
-  // Keeps a copy of what the mesh was decoded to, and drops the least recently used others of its kind for it. Does
+  // Keeps what the mesh was decoded to, and drops the least recently used others of its kind for it. Does
   // nothing if encoded meshes leave no room, or there is one of this mesh already.
-  void KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes, const DecodedMesh& mesh);
+  void KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
+                   std::shared_ptr<const DecodedMesh> decoded);
 
   uint64_t capacity() const { return capacity_; }
   uint64_t bytes() const;
@@ -128,7 +129,7 @@ class MeshStore {
     std::vector<Decoded> decoded;
   };
 
-  void MakeRoomFor(uint64_t bytes, Dropped& dropped);
+  void DropWhatExceeds(Dropped& dropped);
 
   const uint64_t capacity_;
   const bool keeps_decoded_;

@@ -45,10 +45,9 @@ absl::Status CheckRange(const LatticeRange& range, double voxel_size) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
-                                 const std::atomic<bool>& cancelled) {
+// Without triangles.
+absl::StatusOr<SnappedMesh> SnapVertices(const TriangleMesh& mesh, const Lattice& lattice, const Vec3d& origin,
+                                         const Vec3i& reach, const std::atomic<bool>& cancelled) {
   const LatticeMap map{lattice.inverse(), origin};
   const LatticeRange range = RangeOf(mesh, map, cancelled);
   if (cancelled) return absl::CancelledError("voxelization cancelled");
@@ -67,7 +66,6 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
     RoundVertices(map, range, snapped.base_ijk, &mesh.vertices[part.begin()], part.size(),
                   &snapped.vertices_lat[part.begin()]);
   });
-  snapped.triangles = std::move(mesh.triangles);
 
   for (size_t m = 0; m < 3; ++m) {
     // The nearer end of a crossed edge lies within reach/2 of the surface.
@@ -76,6 +74,22 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
     snapped.box.min[m] = static_cast<int32_t>(std::ceil(unit(range.min[m]) - half)) - snapped.base_ijk[m];
     snapped.box.max[m] = static_cast<int32_t>(std::floor(unit(range.max[m]) + half)) - snapped.base_ijk[m] + 1;
   }
+  return snapped;
+}
+
+}  // namespace
+
+absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
+                                 const std::atomic<bool>& cancelled) {
+  auto snapped = SnapVertices(mesh, lattice, origin, reach, cancelled);
+  if (snapped.ok()) snapped->triangles = std::move(mesh.triangles);
+  return snapped;
+}
+
+absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const Lattice& lattice, const Vec3d& origin,
+                                 const Vec3i& reach, const std::atomic<bool>& cancelled) {
+  auto snapped = SnapVertices(*mesh, lattice, origin, reach, cancelled);
+  if (snapped.ok()) snapped->triangles = SharedTriangles(std::move(mesh));
   return snapped;
 }
 

@@ -9,7 +9,7 @@
 
 #include <atomic>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "absl/status/statusor.h"
 #include "core/base/cancelled.h"
@@ -17,6 +17,7 @@
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/shared_triangles.h"
 #include "core/tile/brick.h"
 
 namespace latvox {
@@ -49,10 +50,10 @@ static_assert(kDepthDenominatorBits <= 62, "twice a remainder of depths must fit
 
 // A mesh in fixed-point lattice coordinates.
 struct SnappedMesh {
-  Vec3i base_ijk;                                  // a multiple of kTileSide on every axis
-  PaddedVector<Vec3i> vertices_lat;                // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
-  std::vector<std::array<uint32_t, 3>> triangles;  // indices into vertices_lat
-  IndexBox box;  // local voxels: no k-neighbour half-edge that starts outside meets the mesh
+  Vec3i base_ijk;                    // a multiple of kTileSide on every axis
+  PaddedVector<Vec3i> vertices_lat;  // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
+  SharedTriangles triangles;         // indices into vertices_lat
+  IndexBox box;                      // local voxels: no k-neighbour half-edge that starts outside meets the mesh
 };
 
 // Largest move of a vertex by snapping, in each lattice coordinate, in voxels: half a unit. (The affine map itself is
@@ -60,12 +61,14 @@ struct SnappedMesh {
 inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes the mesh over, for its
-// memory.
+// memory; or shares its triangles.
 //   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  const std::atomic<bool>& cancelled = kNeverCancelled);
+absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const Lattice& lattice, const Vec3d& origin,
+                                 const Vec3i& reach, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 }  // namespace latvox
 

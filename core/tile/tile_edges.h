@@ -168,7 +168,7 @@ class TileEdges {
     const Part::Lists* lists;
     size_t before;  // edges in the tiles before this
   };
-  static constexpr size_t kBatch = 2048;  // small beside a core's first-level cache
+  static constexpr size_t kBatch = 2048;  // edges: less than a core's first-level cache holds
 
   std::vector<Tile>::const_iterator From(uint64_t number) const;
 

@@ -104,14 +104,71 @@ absl::Status CheckAttributes(const TriangleMesh& mesh, const VoxelizeOptions& op
   return absl::OkStatus();
 }
 
-// Takes them from the mesh. Nullopt: none are asked for.
-absl::StatusOr<std::optional<CarriedAttributes>> TakeAttributes(TriangleMesh& mesh, const Lattice& lattice,
+// Nullopt: none are asked for.
+absl::StatusOr<std::optional<CarriedAttributes>> MakeAttributes(std::vector<uint32_t> of_vertices,
+                                                                const Lattice& lattice,
                                                                 const VoxelizeOptions& options) {
-  std::vector<uint32_t> of_vertices = std::exchange(mesh.attributes, {});
   if (options.attributes == 0) return std::nullopt;
   auto plan = MakeAttributePlan(lattice, lattice.frames(options.separability), options.cover == Cover::kSupercover);
   if (!plan.ok()) return plan.status();
   return CarriedAttributes{*std::move(plan), options.attributes, std::move(of_vertices)};
+}
+
+const TriangleMesh& MeshOf(const TriangleMesh& mesh) { return mesh; }
+const TriangleMesh& MeshOf(const std::shared_ptr<const TriangleMesh>& mesh) { return *mesh; }
+
+std::vector<uint32_t> AttributesOf(TriangleMesh& mesh) { return std::exchange(mesh.attributes, {}); }
+std::vector<uint32_t> AttributesOf(const std::shared_ptr<const TriangleMesh>& mesh) { return mesh->attributes; }
+
+//   Mesh   a TriangleMesh, or shared
+template <class Mesh>
+absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid, const VoxelizeOptions& options,
+                                                     const std::atomic<bool>& cancelled) {
+  if (options.separability < 0 || options.separability > 2) {
+    return OutOfRange("separability", options.separability, "0, 1 or 2");
+  }
+  if (absl::Status status = CheckPart(options); !status.ok()) return status;
+  if (options.solid && options.algorithm != Algorithm::kExact) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("solid: not with the algorithm %s, but with exact", NameOf(options.algorithm)));
+  }
+  const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(options, grid.lattice);
+  if (!band.ok()) return band.status();
+  if (auto status = CheckAttributes(MeshOf(mesh), options); !status.ok()) return status;
+  auto attributes = MakeAttributes(AttributesOf(mesh), grid.lattice, options);
+  if (!attributes.ok()) return attributes.status();
+  const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
+  const bool exact = options.algorithm == Algorithm::kExact;
+  auto supercover = SupercoverFor(grid.lattice, options);
+  if (!supercover.ok()) return supercover.status();
+  const Vec3i reach = *band         ? (*band)->reach * 2  // the box is for half of a neighbour's step
+                      : *supercover ? (*supercover)->Reach()
+                      : exact       ? ReachOf(frames)
+                                    : ThesisReach(grid.lattice, options.separability, options.algorithm);
+  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
+  if (cancelled) return Cancelled();
+  if (!snapped.ok()) return snapped.status();
+  std::optional<WorldBox> bounds;
+  if (options.bounds) bounds.emplace(grid, *options.bounds);
+  const IndexBox region = RegionOf(*snapped, options, bounds);
+  if (options.resume_after && !HasTile(Moved(region, snapped->base_ijk), *options.resume_after)) {
+    const auto& [i, j, k] = *options.resume_after;
+    const std::string tile = absl::StrFormat("%d,%d,%d", i, j, k);
+    return WithValue(
+        absl::InvalidArgumentError(absl::StrFormat("resume_after: tile %s does not meet the index box", tile)), tile);
+  }
+  std::unique_ptr<VoxelizeJob> job;
+  if (exact) {
+    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), options,
+                       region, bounds, cancelled);
+  } else {
+    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, cancelled);
+  }
+  if (cancelled) return Cancelled();
+  if (options.band && options.band->is_signed && !job->facts().closed) {
+    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
+  }
+  return job;
 }
 
 // Adds each brick with its part of the values, of which there are `each` for a voxel.
@@ -175,51 +232,14 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh me
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::CreateFromValid(TriangleMesh mesh, const Grid& grid,
                                                                           const VoxelizeOptions& options,
                                                                           const std::atomic<bool>& cancelled) {
-  if (options.separability < 0 || options.separability > 2) {
-    return OutOfRange("separability", options.separability, "0, 1 or 2");
-  }
-  if (absl::Status status = CheckPart(options); !status.ok()) return status;
-  if (options.solid && options.algorithm != Algorithm::kExact) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("solid: not with the algorithm %s, but with exact", NameOf(options.algorithm)));
-  }
-  const absl::StatusOr<std::optional<BandPlan>> band = PlanOfBand(options, grid.lattice);
-  if (!band.ok()) return band.status();
-  if (auto status = CheckAttributes(mesh, options); !status.ok()) return status;
-  auto attributes = TakeAttributes(mesh, grid.lattice, options);
-  if (!attributes.ok()) return attributes.status();
-  const std::vector<Frame>& frames = grid.lattice.frames(options.separability);
-  const bool exact = options.algorithm == Algorithm::kExact;
-  auto supercover = SupercoverFor(grid.lattice, options);
-  if (!supercover.ok()) return supercover.status();
-  const Vec3i reach = *band         ? (*band)->reach * 2  // the box is for half of a neighbour's step
-                      : *supercover ? (*supercover)->Reach()
-                      : exact       ? ReachOf(frames)
-                                    : ThesisReach(grid.lattice, options.separability, options.algorithm);
-  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
-  if (cancelled) return Cancelled();
-  if (!snapped.ok()) return snapped.status();
-  std::optional<WorldBox> bounds;
-  if (options.bounds) bounds.emplace(grid, *options.bounds);
-  const IndexBox region = RegionOf(*snapped, options, bounds);
-  if (options.resume_after && !HasTile(Moved(region, snapped->base_ijk), *options.resume_after)) {
-    const auto& [i, j, k] = *options.resume_after;
-    const std::string tile = absl::StrFormat("%d,%d,%d", i, j, k);
-    return WithValue(
-        absl::InvalidArgumentError(absl::StrFormat("resume_after: tile %s does not meet the index box", tile)), tile);
-  }
-  std::unique_ptr<VoxelizeJob> job;
-  if (exact) {
-    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), options,
-                       region, bounds, cancelled);
-  } else {
-    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, cancelled);
-  }
-  if (cancelled) return Cancelled();
-  if (options.band && options.band->is_signed && !job->facts().closed) {
-    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
-  }
-  return job;
+  return MakeJob(std::move(mesh), grid, options, cancelled);
+}
+
+absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::CreateFromValid(std::shared_ptr<const TriangleMesh> mesh,
+                                                                          const Grid& grid,
+                                                                          const VoxelizeOptions& options,
+                                                                          const std::atomic<bool>& cancelled) {
+  return MakeJob(std::move(mesh), grid, options, cancelled);
 }
 
 }  // namespace latvox

@@ -97,9 +97,13 @@ class VoxelizeJob {
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);
   // The same of a mesh that was validated as it came: Validate takes a tenth of the time of a job with fine triangles.
+  // The job takes the mesh over, for its memory; or it shares the mesh with others, which spares them copies.
   // Precondition: Validate(mesh) is OK.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(
       TriangleMesh mesh, const Grid& grid, const VoxelizeOptions& options,
+      const std::atomic<bool>& cancelled = kNeverCancelled);
+  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(
+      std::shared_ptr<const TriangleMesh> mesh, const Grid& grid, const VoxelizeOptions& options,
       const std::atomic<bool>& cancelled = kNeverCancelled);
   virtual ~VoxelizeJob() = default;
 

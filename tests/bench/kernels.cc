@@ -93,7 +93,7 @@ void Tree(benchmark::State& state, const Scene& scene) {
   CountTriangles(state, mesh.triangles.size());
 }
 
-// All of a job, from the mesh in memory. The items are voxels for triangles that are larger than voxels.
+// All of a job, from the valid mesh in memory. The items are voxels for triangles that are larger than voxels.
 void Job(benchmark::State& state, const Scene& scene, const VoxelizeOptions& options) {
   const TriangleMesh mesh = MeshOf(scene);
   const Grid grid = GridOf(scene, mesh);

@@ -1,4 +1,4 @@
-// The core alone, memory to memory: from a mesh in memory to all bricks in memory.
+// The core alone, memory to memory: from a valid mesh in memory to all bricks in memory.
 #include <oneapi/tbb/global_control.h>
 
 #include <cstdio>

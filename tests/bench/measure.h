@@ -16,7 +16,7 @@ struct Measurement {
   uint64_t triangles = 0, voxels = 0;
   std::string simd;                                // kernels, or "openvdb"
   std::string digest;                              // empty for OpenVDB
-  std::vector<double> milliseconds;                // of each repetition, ascending: mesh in memory to bricks in memory
+  std::vector<double> milliseconds;                // of each repetition, ascending: valid mesh to bricks, in memory
   std::optional<double> first_brick_milliseconds;  // from the same start to the first tile, least
   std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel until all threads stopped, most
   uint64_t peak_rss_bytes = 0;                     // of the process, once the mesh was there

@@ -6,12 +6,20 @@
 #include <map>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "core/snap/surface_facts.h"
 #include "tests/unit/core_simd.h"
 
 namespace latvox {
 namespace {
+
+// What a mesh is made of.
+struct Surface {
+  PaddedVector<Vec3i> vertices_lat;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  operator SnappedMesh() const { return {{}, vertices_lat, triangles, {}}; }
+};
 
 // Facts from a table of all edges, and from exact areas.
 SurfaceFacts CountedFacts(const SnappedMesh& mesh) {
@@ -39,7 +47,7 @@ TEST(SurfaceFacts, AgreeWithATableOfAllEdges) {
     // A few positions, each at several vertices: many triangles are degenerate, edges coincide.
     const auto positions = static_cast<uint32_t>(4 + random() % 12);
     const int32_t spread = round % 2 == 0 ? 3 : 1 << 25;
-    SnappedMesh mesh;
+    Surface mesh;
     for (uint32_t n = 0; n < 3 * positions; ++n) {
       const bool again = n >= positions;
       mesh.vertices_lat.push_back(again ? mesh.vertices_lat[n - positions]
@@ -81,7 +89,7 @@ TEST(SurfaceFacts, AgreeWithATableOfAllEdges) {
 }
 
 TEST(SurfaceFacts, OneTriangleMoreOrLessOpensALargeClosedMesh) {
-  SnappedMesh mesh;  // a closed tube of quads, round and round
+  Surface mesh;  // a closed tube of quads, round and round
   constexpr uint32_t kSide = 150;
   for (uint32_t n = 0; n < kSide * kSide; ++n) {
     mesh.vertices_lat.push_back({static_cast<int32_t>(n / kSide * 97), static_cast<int32_t>(n % kSide * 31),
@@ -96,7 +104,7 @@ TEST(SurfaceFacts, OneTriangleMoreOrLessOpensALargeClosedMesh) {
   WithEachSimd([&] {
     EXPECT_TRUE(FactsOf(mesh).closed);
     for (size_t n : {size_t{0}, size_t{12345}, mesh.triangles.size() - 1}) {
-      SnappedMesh open = mesh;
+      Surface open = mesh;
       open.triangles.erase(open.triangles.begin() + static_cast<ptrdiff_t>(n));
       EXPECT_FALSE(FactsOf(open).closed);
       open.triangles.push_back(mesh.triangles[n]);
@@ -110,14 +118,14 @@ TEST(SurfaceFacts, OneTriangleMoreOrLessOpensALargeClosedMesh) {
 TEST(SurfaceFacts, CountEveryTriangleOfEveryPartOfAMesh) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int32_t> any(0, 7);
-  SnappedMesh mesh{};
+  Surface mesh;
   for (int n = 0; n < 100; ++n) mesh.vertices_lat.push_back({any(random), any(random), any(random)});
   std::uniform_int_distribution<uint32_t> vertex(0, 99);
   for (const size_t size : {1, 2, 3, 4, 5, 15, 16, 17, 1023, 1024, 1025, 2050, 4096, 4099}) {
     while (mesh.triangles.size() < size) mesh.triangles.push_back({vertex(random), vertex(random), vertex(random)});
     mesh.triangles.back() = {99, 99, 99};
     const SurfaceFacts expected = CountedFacts(mesh);
-    SnappedMesh twice = mesh;  // which closes it
+    Surface twice = mesh;  // which closes it
     twice.triangles.insert(twice.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
     WithEachSimd([&] {
       EXPECT_EQ(FactsOf(mesh).degenerate_triangles, expected.degenerate_triangles) << size;
@@ -129,7 +137,7 @@ TEST(SurfaceFacts, CountEveryTriangleOfEveryPartOfAMesh) {
 }
 
 TEST(SurfaceFacts, AnAreaThatVanishesModuloTwoToThe32IsAnArea) {
-  SnappedMesh mesh;
+  Surface mesh;
   mesh.vertices_lat = {{0, 0, 0}, {1 << 16, 0, 0}, {0, 1 << 16, 0}, {1 << 17, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
   WithEachSimd([&] { EXPECT_EQ(FactsOf(mesh).degenerate_triangles, 1U); });
@@ -140,7 +148,7 @@ TEST(SurfaceFacts, AnAreaThatVanishesModuloTwoToThe32IsAnArea) {
 TEST(SurfaceFacts, FlatTrianglesAreCountedUpToTheExtentThatLanesHoldAndBeyond) {
   for (const int32_t extent : {1, (1 << 15) - 1, 1 << 15, (1 << 15) + 1}) {
     for (const int32_t other : {2, extent}) {  // small triangles beside large ones, and large ones alone
-      SnappedMesh mesh;
+      Surface mesh;
       mesh.vertices_lat = {{0, 0, 0}, {extent, 0, 0}, {0, extent, 0}, {2 * extent, 0, 0},
                            {0, 0, 9}, {other, 0, 9},  {0, other, 9},  {0, 2 * other, 9}};
       for (int n = 0; n < 3; ++n)

@@ -20,11 +20,13 @@ inline constexpr unsigned kSeed = 7;
 
 inline SnappedMesh MeshOf(const std::vector<Triangle>& triangles) {
   SnappedMesh mesh{};
+  std::vector<std::array<uint32_t, 3>> indices;
   for (const Triangle& triangle : triangles) {
     const auto n = static_cast<uint32_t>(mesh.vertices_lat.size());
     mesh.vertices_lat.insert(mesh.vertices_lat.end(), triangle.begin(), triangle.end());
-    mesh.triangles.push_back({n, n + 1, n + 2});
+    indices.push_back({n, n + 1, n + 2});
   }
+  mesh.triangles = std::move(indices);
   return mesh;
 }
 

@@ -5,8 +5,11 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <random>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "core/voxelizer/estimate.h"
 #include "core/voxelizer/voxelizer.h"
@@ -251,6 +254,33 @@ TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
     const auto job = VoxelizeJob::Create(mesh, grid, {}, cancelled);
     canceller.join();
     EXPECT_TRUE(job.ok() || job.status().code() == absl::StatusCode::kCancelled);
+  }
+}
+
+TEST(VoxelizeJob, SharesAMeshWithOthersAndOutlivesThem) {
+  const Grid grid = Unscaled(ExactLattices().front().lattice);
+  for (const uint32_t attributes : {0U, 1U}) {
+    const VoxelizeOptions options{.attributes = attributes};
+    TriangleMesh own = Sphere(20, 60);
+    for (uint32_t n = 0; n < own.vertices.size() * attributes; ++n) own.attributes.push_back(n);
+    auto shared = std::make_shared<const TriangleMesh>(own);
+    const std::weak_ptr<const TriangleMesh> left = shared;
+    auto first = *VoxelizeJob::CreateFromValid(shared, grid, options);
+    auto second = *VoxelizeJob::CreateFromValid(std::move(shared), grid, options);
+    const auto all = [](TileBricks&&) { return true; };
+    ASSERT_TRUE(first->Advance(all).ok());
+    EXPECT_EQ(left.lock()->triangles, own.triangles);
+    EXPECT_EQ(left.lock()->attributes, own.attributes);
+    const std::string digest = first->totals().digest.ToHex(), carried = first->totals().attributes.ToHex();
+    first.reset();
+    ASSERT_TRUE(second->Advance(all).ok());
+    EXPECT_EQ(second->totals().digest.ToHex(), digest);
+    second.reset();
+    EXPECT_TRUE(left.expired());
+    auto alone = *VoxelizeJob::Create(own, grid, options);
+    ASSERT_TRUE(alone->Advance(all).ok());
+    EXPECT_EQ(alone->totals().digest.ToHex(), digest);
+    EXPECT_EQ(alone->totals().attributes.ToHex(), carried);
   }
 }
 

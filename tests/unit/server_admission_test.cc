@@ -323,11 +323,11 @@ TEST(MeshStore, DropsTheLeastRecentlyUsedFirst) {
   EXPECT_EQ(store.bytes(), 100);
 }
 
-DecodedMesh Decoded(size_t triangles) {
+std::shared_ptr<const DecodedMesh> Decoded(size_t triangles) {
   DecodedMesh decoded;
   decoded.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   decoded.mesh.triangles.assign(triangles, {0, 1, 2});
-  return decoded;
+  return std::make_shared<const DecodedMesh>(std::move(decoded));
 }
 
 TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
