@@ -218,8 +218,7 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
 void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, cancelled_);
   if (!mesh_comes_again_ || cancelled_) return;
-  kept_ = std::make_shared<const DecodedMesh>(std::exchange(decoded_, {}));
-  environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, kept_);
+  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, std::move(decoded_));
 }
 
 absl::Status Computation::CreateJob() {

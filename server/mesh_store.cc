@@ -3,7 +3,6 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <new>
 #include <utility>
@@ -67,18 +66,20 @@ std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& dige
   return decoded && decoded->attributes == attributes ? decoded->mesh : nullptr;
 }
 
-void MeshStore::KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
-                            std::shared_ptr<const DecodedMesh> decoded) {
-  const TriangleMesh& mesh = decoded->mesh;
+std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
+                                                          DecodedMesh&& decoded) {
+  const TriangleMesh& mesh = decoded.mesh;
   const uint64_t bytes = sizeof(DecodedMesh) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
                          mesh.vertices.size() * sizeof(mesh.vertices[0]) +
                          mesh.attributes.size() * sizeof(mesh.attributes[0]);
   Dropped dropped;
   const std::lock_guard lock(mu_);
   const bool fits = keeps_decoded_ && bytes <= capacity_ && encoded_.bytes() <= capacity_ - bytes;
-  if (!fits || decoded_.Find(digest)) return;
-  decoded_.Add(digest, {attributes, std::move(decoded)}, bytes);
+  if (!fits || decoded_.Find(digest)) return nullptr;
+  auto kept = std::make_shared<const DecodedMesh>(std::move(decoded));
+  decoded_.Add(digest, {attributes, kept}, bytes);
   DropWhatExceeds(dropped);
+  return kept;
 }
 
 void MeshStore::DropWhatExceeds(Dropped& dropped) {

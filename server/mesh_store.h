@@ -109,10 +109,11 @@ class MeshStore {
   // What the mesh was decoded to, with these attributes, if that is kept; else nullptr. Counts as a use.
   std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const MeshAttributes& attributes);
 
-  // Keeps what the mesh was decoded to, and drops the least recently used others of its kind for it. Does
-  // nothing if encoded meshes leave no room, or there is one of this mesh already.
-  void KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
-                   std::shared_ptr<const DecodedMesh> decoded);
+  // Takes what the mesh was decoded to, with its extent, keeps it, and drops the least recently used others of its kind
+  // for it. Returns what it keeps; or nullptr, and takes nothing, if encoded meshes leave no room, or there is one of
+  // this mesh already.
+  std::shared_ptr<const DecodedMesh> KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
+                                                 DecodedMesh&& decoded);
 
   uint64_t capacity() const { return capacity_; }
   uint64_t bytes() const;

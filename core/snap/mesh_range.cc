@@ -90,9 +90,10 @@ class BlockRanges {
   LatticeRange all_;
 };
 
-// Whether triangles use all of these vertices. They are looked for first where, in a sample, the nearest numbers are:
-// most meshes number vertices as their triangles come, at least in parts.
-bool AreUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, const std::atomic<bool>& cancelled) {
+// Whether triangles are seen to use all of these vertices, by looking at as many triangles as the mesh has. Each vertex
+// is looked for where, in a sample, the nearest numbers are, and then farther and farther from there: most meshes
+// number vertices as their triangles come, at least in parts.
+bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, const std::atomic<bool>& cancelled) {
   constexpr size_t kMostSamples = 4096, kLeastGap = 256, kStep = 2048;
   const std::span triangles(mesh.triangles);
   struct Nearest {
@@ -114,11 +115,13 @@ bool AreUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, const
     for (const uint32_t index : corners.subspan(3 * first, 3 * (end - first))) used |= index == vertex ? 1 : 0;
     return used != 0;
   };
+  size_t searched = 0;  // triangles
   const auto is_found_from = [&](size_t center, uint32_t vertex) {
     size_t below = center, above = center;  // what lies between has been searched
-    while ((below > 0 || above < triangles.size()) && !cancelled) {
+    while ((below > 0 || above < triangles.size()) && searched <= triangles.size() && !cancelled) {
       const size_t lower = below - std::min(below, kStep), upper = std::min(above + kStep, triangles.size());
       if (is_used(lower, below, vertex) || is_used(above, upper, vertex)) return true;
+      searched += (below - lower) + (upper - above);
       below = lower;
       above = upper;
     }
@@ -144,13 +147,13 @@ LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std:
     if (!vertex) return of_used();
     extreme[n] = *vertex;
   }
-  return AreUsed(mesh, extreme, cancelled) ? ranges.all() : of_used();
+  return AreSeenUsed(mesh, extreme, cancelled) ? ranges.all() : of_used();
 }
 
 Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
   const LatticeMap world{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}};
   const LatticeRange range = RangeOf(mesh, world, cancelled);
-  return {range.min, range.max};
+  return {range.min + Vec3d{}, range.max + Vec3d{}};  // no -0, which lanes may order otherwise than a scalar does
 }
 
 }  // namespace latvox

@@ -34,7 +34,7 @@ struct BitsLayout {
     for (size_t m = 0; m < 2; ++m) reciprocal[m] = (uint64_t{1} << 44) / static_cast<uint64_t>(stride[m]) + 1;
   }
 
-  // Precondition: the box contains ijk.
+  // Modulo 2^32, of voxels outside of the box.
   uint32_t NumberOf(const Vec3i& ijk) const { return static_cast<uint32_t>(Dot(ijk - origin, stride)); }
   int32_t StepOf(const Vec3i& q) const { return Dot(q, stride); }
   Vec3i VoxelAt(uint32_t number) const {

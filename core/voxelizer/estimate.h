@@ -17,7 +17,7 @@ struct MeshExtent {
   double area = 0;  // of all triangles, world units squared
 };
 
-// One pass over the vertices and one over the triangles. Precondition: Validate(mesh) is OK.
+// A pass over the vertices and one over the triangles, or two. Precondition: Validate(mesh) is OK.
 MeshExtent ExtentOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
 
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as

@@ -84,7 +84,8 @@ struct JobTotals {
 // any number of threads and any order of triangles.
 //
 // Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
-// calling thread. Memory: the snapped mesh, what Create keeps, and a bounded number of tiles; for the thesis's
+// calling thread. Memory: the snapped mesh, or a shared one and its snapped vertices, what Create keeps, and a bounded
+// number of tiles; for the thesis's
 // algorithms, which are jobs with the same promises (core/voxelizer/thesis_job.h), the whole set.
 class VoxelizeJob {
  public:
@@ -97,8 +98,8 @@ class VoxelizeJob {
                                                              const VoxelizeOptions& options,
                                                              const std::atomic<bool>& cancelled = kNeverCancelled);
   // The same of a mesh that was validated as it came: Validate takes a tenth of the time of a job with fine triangles.
-  // The job takes the mesh over, for its memory; or it shares the mesh with others, which spares them copies.
-  // Precondition: Validate(mesh) is OK.
+  // The job takes the mesh over, for its memory; or it shares the mesh with others, and copies its attributes alone.
+  // Precondition: Validate(mesh) is OK, unless cancelled.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(
       TriangleMesh mesh, const Grid& grid, const VoxelizeOptions& options,
       const std::atomic<bool>& cancelled = kNeverCancelled);

@@ -323,18 +323,18 @@ TEST(MeshStore, DropsTheLeastRecentlyUsedFirst) {
   EXPECT_EQ(store.bytes(), 100);
 }
 
-std::shared_ptr<const DecodedMesh> Decoded(size_t triangles) {
+DecodedMesh Decoded(size_t triangles) {
   DecodedMesh decoded;
   decoded.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   decoded.mesh.triangles.assign(triangles, {0, 1, 2});
-  return std::make_shared<const DecodedMesh>(std::move(decoded));
+  return decoded;
 }
 
 TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
   const MeshAttributes none, part{1, {MeshAttribute::kPart}};
   MeshStore store(3000);
   store.Put(Digest(1), Bytes(40));
-  store.KeepDecoded(Digest(1), none, Decoded(100));
+  ASSERT_TRUE(store.KeepDecoded(Digest(1), none, Decoded(100)));
   const auto kept = store.FindDecoded(Digest(1), none);
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->mesh.triangles.size(), 100);
@@ -351,10 +351,15 @@ TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
   EXPECT_TRUE(store.FindDecoded(Digest(3), none));
   EXPECT_EQ(store.bytes(), 40 + 2 * bytes);
 
+  DecodedMesh again = Decoded(100);
+  EXPECT_FALSE(store.KeepDecoded(Digest(1), part, std::move(again)));
+  EXPECT_EQ(again.mesh.triangles.size(), 100);  // not taken
+
   // Encoded meshes go before decoded ones, and are not dropped for one.
   store.Put(Digest(4), Bytes(2900));
   EXPECT_EQ(store.bytes(), 2940);
-  store.KeepDecoded(Digest(1), none, Decoded(100));
+  EXPECT_FALSE(store.KeepDecoded(Digest(1), none, std::move(again)));
+  EXPECT_EQ(again.mesh.triangles.size(), 100);
   EXPECT_EQ(store.bytes(), 2940);
   EXPECT_EQ(kept->mesh.triangles.size(), 100);
 }

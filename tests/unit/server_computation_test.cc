@@ -267,7 +267,7 @@ TEST(Computation, LeavesAKeptMeshOverTheCallersLimitsToTheDecoder) {
   ThreadDecoder decoder;
   TestEnvironment environment(decoder);
   environment.meshes.Put(digest, absl::Cord(bytes));
-  environment.meshes.KeepDecoded(digest, {}, std::make_shared<const DecodedMesh>(DecodedMesh{Sphere(20)}));
+  environment.meshes.KeepDecoded(digest, {}, DecodedMesh{Sphere(20), 0, ExtentOf(Sphere(20))});
   CallEnvironment narrow = environment.shared();
   narrow.limits.max_triangles = 10;
   Computation computation(*JobSpecFromProto(spec, {}), "id", narrow);
