@@ -214,7 +214,7 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
   return memory_.Grow(spec_.verify ? job_bytes_ + kept : job_bytes_);
 }
 
-// Most meshes come once.
+// Finds its extent, and lets the store keep it if it comes again: most meshes come once.
 void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, cancelled_);
   if (!mesh_comes_again_ || cancelled_) return;

@@ -14,7 +14,7 @@
 
 namespace latvox {
 
-// Copies are of the same triangles.
+// Copies are of the same triangles. What was moved from may only be assigned to, or destroyed.
 class SharedTriangles {
  public:
   using Triangle = std::array<uint32_t, 3>;  // indices of vertices

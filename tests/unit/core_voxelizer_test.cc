@@ -275,6 +275,7 @@ TEST(VoxelizeJob, SharesAMeshWithOthersAndOutlivesThem) {
     first.reset();
     ASSERT_TRUE(second->Advance(all).ok());
     EXPECT_EQ(second->totals().digest.ToHex(), digest);
+    EXPECT_EQ(second->totals().attributes.ToHex(), carried);
     second.reset();
     EXPECT_TRUE(left.expired());
     auto alone = *VoxelizeJob::Create(own, grid, options);
