@@ -44,6 +44,10 @@ class LaneTable {
     namespace hn = hwy::HWY_NAMESPACE;
     if constexpr (kCount == 1) {
       return hn::TableLookupLanes(table_[kFirst], lanes);
+#if HWY_TARGET <= HWY_AVX3  // Highway 1.0.3 has no lookups in two vectors
+    } else if constexpr (kCount == 2) {
+      return V{_mm512_permutex2var_epi32(table_[kFirst].raw, places.raw, table_[kFirst + 1].raw)};
+#endif
     } else {
       constexpr size_t kHalf = kCount / 2;
       const auto upper = hn::TestBit(places, hn::Set(Numbers(), kHalf * kLanes));

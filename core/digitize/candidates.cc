@@ -1,5 +1,5 @@
-// Triangles are set up one a lane. Those of few lines then go through their lines together, sorted so that these are
-// about as many; the others one by one, in blocks of as many lines as there are lanes.
+// Triangles are set up one a lane. Those of few lines then mostly go through their lines together, sorted so that these
+// are about as many; the others one by one, in blocks of as many lines as there are lanes.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/candidates.cc"
 #include "core/digitize/candidates.h"
@@ -7,11 +7,15 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <bit>
+#include <span>
 #include <utility>
 
 #include "core/digitize/line_blocks-inl.h"
 #include "core/digitize/line_scan.h"
 #include "core/digitize/line_scan_lanes-inl.h"
+#include "core/digitize/lines_together-inl.h"
 #include "core/snap/padded_vertices.h"
 
 namespace latvox {
@@ -82,101 +86,6 @@ HWY_NOINLINE void ScanLarge(const Triangle& v, size_t place, const std::vector<S
   ScanLines(lines, in_box.astride(), &in_box, place, scan.frame, target, out);
 }
 
-// Triangles with few lines each, one a lane: line after line of all.
-constexpr int32_t kFewLines = 14;  // along a and b
-
-//   which           the lanes that take part
-//   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
-void ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, const Ints3& highest,
-                  const FrameTable& table, const Target& target, Candidates& out) {
-  const Lanes d;
-  const hn::RebindToFloat<Lanes> df;
-  const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
-  const auto some = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&which));
-  const Ints lines_a = hn::IfThenElseZero(some, load(s.width)), lines_b = hn::IfThenElseZero(some, load(s.height));
-  // Rows go along the axis of more lines, whichever that is of a lane's: then the lanes' rows are about as long.
-  const auto turned = hn::Gt(lines_b, lines_a);
-  const Ints width = hn::Max(lines_a, lines_b), height = hn::Min(lines_a, lines_b);
-  const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
-  const int32_t last_a = most(width), last_b = most(height);
-  Appender appender(out, static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
-
-  const FramePick pick(load(s.frame));
-  const Ints along = load(s.along), below_along = hn::Sub(along, Fill(1)), below_half = hn::Sub(load(s.half), Fill(1));
-  const auto number_of = [&](const Ints3& ijk) HWY_ATTR {
-    return hn::Add(
-        hn::Add(hn::Mul(ijk[0], Fill(target.layout.stride[0])), hn::Mul(ijk[1], Fill(target.layout.stride[1]))),
-        ijk[2]);
-  };
-  const Ints3 q = pick(table.q), u0 = pick(table.u[0]), u1 = pick(table.u[1]);
-  const Ints step = number_of(q);
-  struct State {
-    Ints edge[3], remainder, number;
-    Ints3 ijk;
-  };
-  // The step to the next line along u.
-  const auto step_of = [&](const LaneInts(&edge)[3], const LaneInts& per_line, const Ints3& u) HWY_ATTR {
-    State by;
-    for (size_t n = 0; n < 3; ++n) by.edge[n] = load(edge[n]);
-    const Ints level = load(per_line);
-    Ints depth;
-    Divide(d, level, hn::Div(hn::ConvertTo(df, level), hn::ConvertTo(df, along)), along, depth, by.remainder);
-    for (size_t m = 0; m < 3; ++m) by.ijk[m] = hn::Add(u[m], hn::Mul(depth, q[m]));
-    by.number = number_of(by.ijk);
-    return by;
-  };
-  const State along_a = step_of(s.edge_a, s.level_a, u0), along_b = step_of(s.edge_b, s.level_b, u1);
-  const auto choose = [&](const State& if_turned, const State& else_) HWY_ATTR {
-    State by;
-    for (size_t n = 0; n < 3; ++n) {
-      by.edge[n] = hn::IfThenElse(turned, if_turned.edge[n], else_.edge[n]);
-      by.ijk[n] = hn::IfThenElse(turned, if_turned.ijk[n], else_.ijk[n]);
-    }
-    by.remainder = hn::IfThenElse(turned, if_turned.remainder, else_.remainder);
-    by.number = hn::IfThenElse(turned, if_turned.number, else_.number);
-    return by;
-  };
-  const State right = choose(along_b, along_a), down = choose(along_a, along_b);
-  const auto advance = [&](State& state, const State& by) HWY_ATTR {
-    for (size_t n = 0; n < 3; ++n) state.edge[n] = hn::Add(state.edge[n], by.edge[n]);
-    const Ints remainder = hn::Add(state.remainder, by.remainder);
-    const auto carry = hn::Gt(remainder, below_along);
-    state.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
-    state.number = hn::Add(hn::Add(state.number, by.number), hn::IfThenElseZero(carry, step));
-    for (size_t m = 0; m < 3; ++m) {
-      state.ijk[m] = hn::Add(hn::Add(state.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, q[m]));
-    }
-  };
-
-  State row;
-  Ints below_rim[3];
-  for (size_t n = 0; n < 3; ++n) {
-    row.edge[n] = load(s.edge[n]);
-    below_rim[n] = hn::Sub(Fill(-1), load(s.rim[n]));
-  }
-  row.remainder = load(s.remainder);
-  for (size_t m = 0; m < 3; ++m) {
-    row.ijk[m] = hn::Add(hn::Add(hn::Mul(load(s.a), u0[m]), hn::Mul(load(s.b), u1[m])), hn::Mul(load(s.depth), q[m]));
-  }
-  row.number = hn::Add(hn::Add(number_of(row.ijk), Fill(target.number)), hn::ShiftLeft<kNumberBits>(hn::Iota(d, 0)));
-  for (int32_t b = 0; b < last_b; ++b, advance(row, down)) {
-    const auto in_height = hn::Gt(height, Fill(b));
-    State line = row;
-    for (int32_t a = 0; a < last_a; ++a, advance(line, right)) {
-      auto candidate = hn::And(in_height, hn::Gt(width, Fill(a)));
-      for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(line.edge[n], below_rim[n]));
-      for (size_t m = 0; m < 3; ++m) {
-        const Ints within = hn::Or(hn::Sub(line.ijk[m], lowest[m]), hn::Sub(highest[m], line.ijk[m]));
-        candidate = hn::And(candidate, hn::Gt(within, Fill(-1)));
-      }
-      if (hn::AllFalse(d, candidate)) continue;
-      const auto inside = hn::Gt(hn::Or(hn::Or(line.edge[0], line.edge[1]), line.edge[2]), Fill(-1));
-      const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
-      appender.Append(d, line.number, to_farther, hn::And(candidate, inside), hn::AndNot(inside, candidate));
-    }
-  }
-}
-
 // What all triangles of a box have in common.
 struct Scan {
   const SnappedMesh& mesh;
@@ -229,8 +138,8 @@ class LinesOrder {
   // Returns the first `count` triangles, up to kMost, in that order; valid until the next call.
   HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles, size_t count) {
     const Lanes d;
-    const hn::Rebind<uint8_t, Lanes> bytes;
-    Ints lines = hn::Zero(d);
+    const hn::Rebind<uint16_t, Lanes> d16;
+    Ints lines = hn::Zero(d), largest = lines;
     int32_t steps = 0;  // of all lanes, unsorted
     for (size_t n = 0; n < count; n += kTriangleLanes) {
       PrefetchCorners(scan.mesh, triangles.subspan(n));
@@ -242,8 +151,10 @@ class LinesOrder {
       const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(few, v))); };
       steps += most(longer) * most(shorter);
       lines = hn::Add(lines, hn::IfThenElseZero(few, hn::Mul(longer, shorter)));
-      const Ints key = hn::Add(hn::Mul(longer, Fill(kFewLines + 1)), shorter);
-      hn::StoreU(hn::DemoteTo(bytes, hn::IfThenElse(few, key, Fill(kKeys - 1))), bytes, keys_ + n);
+      const Ints key = hn::Add(hn::Mul(longer, Fill(kShorter)), hn::Add(hn::ShiftRight<1>(shorter), Fill(1)));
+      const Ints key_or_0 = hn::IfThenElseZero(few, key);
+      largest = hn::Max(largest, key_or_0);
+      hn::StoreU(hn::DemoteTo(d16, key_or_0), d16, keys_ + n);
     }
     // Sorted, lanes wait for a sixth of their time.
     const auto vectors = static_cast<int32_t>((count + kTriangleLanes - 1) / kTriangleLanes);
@@ -251,18 +162,19 @@ class LinesOrder {
     pays_ = steps - sorted_steps > kStepsToSort * vectors;
     uint16_t ends[kKeys]{};
     for (size_t n = 0; n < count; ++n) ++ends[keys_[n]];
+    const auto used = static_cast<size_t>(hn::GetLane(hn::MaxOfLanes(d, largest))) + 1;
     uint16_t end = 0;
-    for (uint16_t& size : ends) size = std::exchange(end, static_cast<uint16_t>(end + size));
+    for (uint16_t& size : std::span(ends).first(used)) size = std::exchange(end, static_cast<uint16_t>(end + size));
     for (size_t n = 0; n < count; ++n) order_[ends[keys_[n]]++] = triangles[n];
     return {order_, count};
   }
 
  private:
-  static constexpr size_t kKeys = (kFewLines + 1) * (kFewLines + 1) + 1;
-  static_assert(kKeys <= 256);
+  // 0 for those that are not scanned together; of the others the longer side tells first, and half the shorter one.
+  static constexpr size_t kShorter = kFewLines / 2 + 1, kKeys = 1 + (kFewLines + 1) * kShorter;
   static constexpr int32_t kStepsToSort = 9;  // of a vector of triangles, which take as long as to sort it
   bool pays_ = true;
-  uint8_t keys_[kMost + kTriangleLanes];
+  uint16_t keys_[kMost + kTriangleLanes];
   uint32_t order_[kMost];
 };
 
@@ -275,12 +187,13 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates&
   const LineBoxes boxes = these.Boxes(scan);
   MakeLineScans(scan.table, boxes, lines);
 
+  const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lines.valid));
+  const auto few = hn::And(valid, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)));
   uint64_t together = 0;
-  hn::StoreMaskBits(d, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)),
-                    reinterpret_cast<uint8_t*>(&together));
-  together &= lines.valid;
-  if (static_cast<size_t>(std::popcount(together)) < kTriangleLanes / 4) together = 0;
-  if (together != 0) ScanTogether(lines, together, these.lowest, these.highest, scan.table, target, out);
+  if (PaysTogether(boxes.width, boxes.height, few)) {
+    hn::StoreMaskBits(d, few, reinterpret_cast<uint8_t*>(&together));
+  }
+  if (together != 0) together = ScanTogether(lines, together, these.lowest, these.highest, scan.table, target, out);
   const uint64_t by_themselves = lines.valid & ~together;
   if (by_themselves != 0) PrepareBlocks(scan.table, target.size, lines);
   for (uint64_t some = by_themselves; some != 0; some &= some - 1) {

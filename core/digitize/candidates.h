@@ -5,8 +5,10 @@
 //   principal_scan.h, star.h     one triangle, all directions: candidates on the lines along its principal direction,
 //                                and which of them it contributes; plain C++ stops here
 //   line_scan.h                  that scan in integers that are linear over the lines, and fit lanes of 32 bits
-//   line_scan_lanes-inl.h,       many triangles' scans and a triangle's lines in lanes, put together in candidates.cc;
-//   line_blocks-inl.h, stars.h   many stars in lanes
+//   line_scan_lanes-inl.h        many triangles' scans in lanes; and their lines, of many small triangles, or of one:
+//   lines_together-inl.h,        all put together in candidates.cc
+//   line_blocks-inl.h
+//   stars.h                      many stars in lanes
 //   touching.h, sift.h, tiny.h   triangles smaller than voxels: those that no line meets, and the others' crossings
 // The supercover (supercover.h) is another rule.
 #ifndef LATVOX_CORE_DIGITIZE_CANDIDATES_H_

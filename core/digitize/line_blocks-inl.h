@@ -153,12 +153,11 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
     for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
     const V remainder = hn::Add(lines.remainder, by.remainder);
     const auto carry = hn::Gt(remainder, below_along);
-    lines.remainder = hn::Sub(remainder, hn::IfThenElseZero(carry, along));
-    lines.number = hn::Add(hn::Add(lines.number, by.number), hn::IfThenElseZero(carry, step));
+    const auto add_if_carry = [&](V v, V more) HWY_ATTR { return hn::IfThenElse(carry, hn::Add(v, more), v); };
+    lines.remainder = hn::IfThenElse(carry, hn::Sub(remainder, along), remainder);
+    lines.number = add_if_carry(hn::Add(lines.number, by.number), step);
     for (size_t m = 0; m < 3; ++m) {
-      if (clip >> m & 1) {
-        lines.ijk[m] = hn::Add(hn::Add(lines.ijk[m], by.ijk[m]), hn::IfThenElseZero(carry, all(frame.q[m])));
-      }
+      if (clip >> m & 1) lines.ijk[m] = add_if_carry(hn::Add(lines.ijk[m], by.ijk[m]), all(frame.q[m]));
     }
   };
 
@@ -197,7 +196,7 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
     return lines;
   };
   V rim[3];
-  for (size_t n = 0; n < 3; ++n) rim[n] = all(-s.rim[n] - 1);
+  for (size_t n = 0; n < 3; ++n) rim[n] = all(s.rim[n]);
 
   for (int32_t from_b = 0; from_b < s.height; from_b += high) {
     if (from_b != 0) advance(row, down);
@@ -212,9 +211,10 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
     }
     for (int32_t from_a = first_a; from_a < end_a; from_a += wide) {
       if (from_a != first_a) advance(block, right);
-      auto candidate = hn::And(in_height, hn::Lt(a, all(s.width - from_a)));
-      for (size_t n = 0; n < 3; ++n) candidate = hn::And(candidate, hn::Gt(block.edge[n], rim[n]));
-      if (hn::AllFalse(d, candidate)) continue;
+      const auto& e = block.edge;
+      const V beyond_rim = hn::Or3(hn::Add(e[0], rim[0]), hn::Add(e[1], rim[1]), hn::Add(e[2], rim[2]));
+      const auto in_width = hn::Lt(a, all(s.width - from_a));
+      auto candidate = hn::And(hn::And(in_height, in_width), hn::Gt(beyond_rim, all(-1)));
       if (kLarge && s.doubt != 0) {
         // From `doubt` below a multiple of `half`, which is half of `along`, a power of two, then.
         const V distance = hn::And(hn::Add(block.remainder, all(s.doubt)), all(s.half - 1));
@@ -229,7 +229,7 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
               hn::And(candidate, hn::And(hn::Gt(block.ijk[m], all(-1)), hn::Lt(block.ijk[m], all(target.size[m]))));
         }
       }
-      const auto inside = hn::Gt(hn::Or(hn::Or(block.edge[0], block.edge[1]), block.edge[2]), all(-1));
+      const auto inside = hn::Gt(hn::Or3(e[0], e[1], e[2]), all(-1));
       const auto crossed = hn::And(candidate, inside), rim_only = hn::AndNot(inside, candidate);
       const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
       appender.Append(d, block.number, to_farther, crossed, rim_only);

@@ -196,7 +196,7 @@ bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out
   for (size_t n = 0; n < 3; ++n) {
     const auto [least, most] = EdgeBounds(lines, n);
     const bool matters = least < 0;
-    if (matters && !(fits(least) && fits(most) && fits(lines.rim[n]))) return false;
+    if (matters && !(fits(least) && fits(most + lines.rim[n]) && fits(lines.rim[n]))) return false;
     out.edge[n] = matters ? static_cast<int32_t>(lines.edge[n]) : 0;
     out.edge_a[n] = matters ? static_cast<int32_t>(lines.edge_a[n]) : 0;
     out.edge_b[n] = matters ? static_cast<int32_t>(lines.edge_b[n]) : 0;

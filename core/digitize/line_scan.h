@@ -36,7 +36,7 @@ struct LineScan {
   int64_t a, b;
   int32_t width, height;
   std::array<T, 3> edge, edge_a, edge_b;  // E'
-  std::array<T, 3> rim;                   // candidates have E' >= -rim
+  std::array<T, 3> rim;                   // candidates have E' + rim >= 0, a sum that fits T on all lines
   T along, level_a, level_b;              // along, and the steps of M
   T remainder, half;
   T doubt;  // remainders are wrong by less than this; 0: they are exact

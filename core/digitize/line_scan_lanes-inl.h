@@ -180,14 +180,9 @@ struct LineBoxes {
     normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
     Ints up = zero;
     along = zero, frame = zero;
-    Ints multiples[3][2 * kMaxDirection + 1];
-    for (size_t m = 0; m < 3; ++m) {
-      for (int32_t c = -frames.reach; c <= frames.reach; ++c)
-        multiples[m][c + kMaxDirection] = hn::Mul(Fill(c), normal[m]);
-    }
+    const Multiples<Lanes> multiples(d, normal, frames.reach);
     for (size_t n = 0; n < frames.size; ++n) {
-      const auto q = [&](size_t m) HWY_ATTR { return multiples[m][frames.q[m].of[n] + kMaxDirection]; };
-      const Ints dot = hn::Add(hn::Add(q(0), q(1)), q(2));
+      const Ints dot = multiples.Dot({frames.q[0].of[n], frames.q[1].of[n], frames.q[2].of[n]});
       const auto more = hn::Gt(hn::Abs(dot), along);
       up = hn::IfThenElse(more, dot, up);
       frame = hn::IfThenElse(more, Fill(static_cast<int64_t>(n)), frame);

@@ -6,7 +6,7 @@
 // to such a line: it meets the triangle iff the origin lies inside, which is to say that
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
 // all have one sign. That need not be decided where e is close to 0: whatever is let pass, TinyCrossings decides
-// (core/digitize/tiny.h). So 16 bits do, and the few units that products are rounded by.
+// (core/digitize/tiny.h). So 16 bits do, of products rounded down: of two, the larger is then not the smaller.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/sift.cc"
 #include "core/digitize/sift.h"
@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <span>
 
 #include "core/base/append_lanes-inl.h"
@@ -61,66 +62,82 @@ static_assert(kSiftLanes <= SiftedLines::kSlack && kSiftLanes <= CornerList::kSl
 // Positions are within kNearest of a voxel close to the triangle, else it is not taken for tiny; values of forms are
 // sums of kMaxFrameRow of these at most.
 constexpr int16_t kNearest = 16 * kLatticeUnit;
-static_assert(kMaxFrameRow * kNearest < 1 << 15);
+static_assert(kMaxFrameRow * kNearest < 1 << 15 && std::has_single_bit(uint16_t{kNearest}));
 
-// |x|, |y| < (kMostIntegers + 1) * kLatticeUnit are given kScaleBits more, and their products lose 15 of twice that: e
-// is then in units of 2^(15 - 2 * kScaleBits), off by kSlack at most. Relative to a line that does not lie between the
-// corners, they may not fit, and nothing is made of it.
-constexpr int kScaleBits = 5;
-constexpr int16_t kSlack = 1;
+// |x|, |y| < (kMostIntegers + 1) * kLatticeUnit are given kScaleBits more, and their products lose 16: they are then in
+// units of 2^kLostBits, and their differences fit. Of a triangle that is not tiny, these mean nothing.
+constexpr int kScaleBits = 5, kLostBits = 16 - 2 * kScaleBits;
 static_assert((kMostIntegers + 1) * kLatticeUnit << kScaleBits < 1 << 15);
 
-// The corners of some triangles, as the forms have them.
+HWY_INLINE Shorts FillShort(int n) { return hn::Set(ShortLanes(), static_cast<int16_t>(n)); }
+
+// The corners of some triangles, as the forms have them. A lane's sign says yes or no: signs are combined in fewer
+// steps than masks.
 struct Values {
   Shorts3 relative[kMaxForms];  // of rows 0 and 1, to the last integer that is not above all of the values; scaled
-  Shorts integers[kMaxForms];   // how many lie between them
+  Shorts less[kMaxForms];       // the number of integers between them, negated
+  Shorts several;               // whether any such number is above 1
   ShortMask tiny;
 
   HWY_INLINE Values(const LineForms& forms, const std::array<Shorts3, 3>& v) {
     const ShortLanes d;
-    Shorts farthest = hn::Zero(d), most = hn::Zero(d);
-    for (const Shorts3& corner : v) {
-      for (const Shorts x : corner) farthest = hn::Max(farthest, hn::Max(x, hn::Not(x)));  // -x - 1, which always fits
+    const Shorts zero = hn::Zero(d);
+    Shorts off = zero, least = zero;
+    several = zero;
+    for (size_t c = 1; c < 3; ++c) {  // the first corner is near
+      for (const Shorts x : v[c]) off = hn::Or(off, hn::Add(x, FillShort(kNearest)));
     }
     for (size_t n = 0; n < forms.forms.size(); ++n) {
       const Shorts3 value = ValuesOf(d, forms.forms[n], v);
       const Shorts first = hn::ShiftRight<kSubvoxelBits>(hn::Min(value[0], hn::Min(value[1], value[2])));
       const Shorts last = hn::ShiftRight<kSubvoxelBits>(hn::Max(value[0], hn::Max(value[1], value[2])));
-      const Shorts from = hn::ShiftLeft<kSubvoxelBits>(last);
-      integers[n] = hn::Sub(last, first);
-      most = hn::Max(most, integers[n]);
+      less[n] = hn::Sub(first, last);
+      least = hn::Min(least, less[n]);
       if (n >= forms.between) continue;
+      several = hn::Add(least, FillShort(1));
+      const Shorts from = hn::ShiftLeft<kSubvoxelBits>(last);
       for (size_t c = 0; c < 3; ++c) relative[n][c] = hn::ShiftLeft<kScaleBits>(hn::Sub(value[c], from));
     }
-    tiny = hn::And(hn::Lt(farthest, hn::Set(d, kNearest)), hn::Lt(most, hn::Set(d, kMostIntegers + 1)));
+    const Shorts too_far = hn::And(off, FillShort(-2 * kNearest));
+    tiny = hn::And(hn::Eq(too_far, zero), hn::Gt(least, FillShort(-kMostIntegers - 1)));
   }
 };
 
-// Whether the origin may be inside.
-HWY_INLINE ShortMask MayMeet(const Shorts3& e) {
-  const ShortLanes d;
-  const Shorts least = hn::Min(e[0], hn::Min(e[1], e[2])), most = hn::Max(e[0], hn::Max(e[1], e[2]));
-  return hn::Or(hn::Gt(least, hn::Set(d, -kSlack - 1)), hn::Lt(most, hn::Set(d, kSlack + 1)));
-}
+// The two products of which e[n] is the difference, each rounded down.
+struct Edge {
+  Shorts plus, minus;
+};
+using Edges = std::array<Edge, 3>;
 
-HWY_INLINE Shorts3 EdgesOf(const Shorts3& x, const Shorts3& y) {
+HWY_INLINE Edges EdgesOf(const Shorts3& x, const Shorts3& y) {
   const auto edge = [&](size_t from, size_t to) HWY_ATTR {
-    return hn::Sub(hn::MulFixedPoint15(x[from], y[to]), hn::MulFixedPoint15(x[to], y[from]));
+    return Edge{hn::MulHigh(x[from], y[to]), hn::MulHigh(x[to], y[from])};
   };
   return {edge(0, 1), edge(1, 2), edge(2, 0)};
 }
 
-HWY_INLINE ShortMask Exceeds(Shorts integers, int16_t n) { return hn::Gt(integers, hn::Set(ShortLanes(), n)); }
+// Whether the origin may be inside. Rounded down, the larger product is not the smaller one.
+HWY_INLINE Shorts MayMeet(const Edges& e) {
+  const Shorts right =
+      hn::Or3(hn::Sub(e[0].plus, e[0].minus), hn::Sub(e[1].plus, e[1].minus), hn::Sub(e[2].plus, e[2].minus));
+  const Shorts left =
+      hn::Or3(hn::Sub(e[0].minus, e[0].plus), hn::Sub(e[1].minus, e[1].plus), hn::Sub(e[2].minus, e[2].plus));
+  return hn::Not(hn::And(left, right));
+}
+
+// Sets bit n of `directions` where the signs say so.
+HWY_INLINE void SetBit(size_t n, Shorts between_a, Shorts between_b, Shorts meets, Shorts& directions) {
+  const Shorts all = hn::And(hn::And(between_a, between_b), meets);
+  const auto bit = hn::BitCast(ShortLanes(), Fill(0x10001 << n));  // twice: of 32 bits
+  directions = hn::OrAnd(directions, hn::ShiftRight<15>(all), bit);
+}
 
 // Bit n says that the line (a, b) along direction n, as SiftedLines has it, may meet the triangle.
 HWY_INLINE Shorts DirectionsOf(const LineForms& forms, const Values& values) {
-  const ShortLanes d;
-  Shorts directions = hn::Zero(d);
+  Shorts directions = hn::Zero(ShortLanes());
   for (size_t n = 0; n < forms.of_frame.size(); ++n) {
     const size_t a = forms.of_frame[n].form[0], b = forms.of_frame[n].form[1];
-    const auto between = hn::And(Exceeds(values.integers[a], 0), Exceeds(values.integers[b], 0));
-    const auto meets = hn::And(between, MayMeet(EdgesOf(values.relative[a], values.relative[b])));
-    directions = hn::Or(directions, hn::IfThenElseZero(meets, hn::Set(d, static_cast<int16_t>(1 << n))));
+    SetBit(n, values.less[a], values.less[b], MayMeet(EdgesOf(values.relative[a], values.relative[b])), directions);
   }
   return hn::IfThenElseZero(values.tiny, directions);
 }
@@ -129,125 +146,140 @@ HWY_INLINE Shorts DirectionsOf(const LineForms& forms, const Values& values) {
 //   U * (y[n+1] - y[n])   and   U * (x[n] - x[n+1]).
 HWY_INLINE Shorts3 MoreDirectionsOf(const LineForms& forms, const Values& values) {
   const ShortLanes d;
-  const auto step = [&](const Shorts3& v, size_t from, size_t to)
-                        HWY_ATTR { return hn::ShiftRight<15 - kScaleBits - kSubvoxelBits>(hn::Sub(v[to], v[from])); };
+  // Exact: scaled, differences are multiples of 2^kScaleBits.
+  const auto step = [&](const Shorts3& v, size_t from, size_t to) HWY_ATTR {
+    return hn::ShiftRight<kScaleBits + kLostBits - kSubvoxelBits>(hn::Sub(v[to], v[from]));
+  };
+  const auto more = [](const Edges& e, const Shorts3& by) HWY_ATTR {
+    return Edges{Edge{hn::Add(e[0].plus, by[0]), e[0].minus}, Edge{hn::Add(e[1].plus, by[1]), e[1].minus},
+                 Edge{hn::Add(e[2].plus, by[2]), e[2].minus}};
+  };
   Shorts3 directions{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (size_t n = 0; n < forms.of_frame.size(); ++n) {
     const size_t a = forms.of_frame[n].form[0], b = forms.of_frame[n].form[1];
-    const auto any_a = Exceeds(values.integers[a], 0), two_a = Exceeds(values.integers[a], 1);
-    const auto any_b = Exceeds(values.integers[b], 0), two_b = Exceeds(values.integers[b], 1);
-    if (hn::AllFalse(d, hn::And(hn::And(any_a, any_b), hn::Or(two_a, two_b)))) continue;
+    const Shorts any_a = values.less[a], two_a = hn::Add(any_a, FillShort(1));
+    const Shorts any_b = values.less[b], two_b = hn::Add(any_b, FillShort(1));
+    const Shorts any = hn::And(hn::And(any_a, any_b), hn::Or(two_a, two_b));
+    if (hn::AllFalse(d, hn::Lt(any, hn::Zero(d)))) continue;
     const Shorts3 &x = values.relative[a], &y = values.relative[b];
-    const Shorts3 e = EdgesOf(x, y);
-    const Shorts3 less_a{hn::Add(e[0], step(y, 0, 1)), hn::Add(e[1], step(y, 1, 2)), hn::Add(e[2], step(y, 2, 0))};
-    const Shorts3 by_b{step(x, 1, 0), step(x, 2, 1), step(x, 0, 2)};
-    const Shorts3 less_b{hn::Add(e[0], by_b[0]), hn::Add(e[1], by_b[1]), hn::Add(e[2], by_b[2])};
-    const Shorts3 less_both{hn::Add(less_a[0], by_b[0]), hn::Add(less_a[1], by_b[1]), hn::Add(less_a[2], by_b[2])};
-    const Shorts bit = hn::Set(d, static_cast<int16_t>(1 << n));
-    const auto add = [&](Shorts& to, const Shorts3& edges, ShortMask between)
-                         HWY_ATTR { to = hn::Or(to, hn::IfThenElseZero(hn::And(between, MayMeet(edges)), bit)); };
-    add(directions[0], less_a, hn::And(two_a, any_b));
-    add(directions[1], less_b, hn::And(any_a, two_b));
-    add(directions[2], less_both, hn::And(two_a, two_b));
+    const Edges e = EdgesOf(x, y);
+    const Shorts3 by_a{step(y, 0, 1), step(y, 1, 2), step(y, 2, 0)}, by_b{step(x, 1, 0), step(x, 2, 1), step(x, 0, 2)};
+    const Edges less_a = more(e, by_a);
+    SetBit(n, two_a, any_b, MayMeet(less_a), directions[0]);
+    SetBit(n, any_a, two_b, MayMeet(more(e, by_b)), directions[1]);
+    SetBit(n, two_a, two_b, MayMeet(more(less_a, by_b)), directions[2]);
   }
   for (Shorts& lines : directions) lines = hn::IfThenElseZero(values.tiny, lines);
   return directions;
 }
 
-// The corners of kSiftLanes triangles, by axis, relative to a voxel close to the first one; what does not fit is as far
+// Two vectors in one. In what order is left to the processor; it is always the same.
+HWY_INLINE Shorts Both(Ints a, Ints b) { return hn::ReorderDemote2To(ShortLanes(), a, b); }
+
+// The corners of kSiftLanes triangles, by axis, relative to the voxel of the first one; what does not fit is as far
 // away as can be.
-//   u, v   corners of the first half of them, and of the second
+//   u, v   corners of half of them, and of the others
 HWY_INLINE std::array<Shorts3, 3> Near(const std::array<Ints3, 3>& u, const std::array<Ints3, 3>& v) {
-  const ShortLanes d;
-  const hn::Half<ShortLanes> half;
   std::array<Shorts3, 3> near;
   for (size_t m = 0; m < 3; ++m) {
-    const Ints fraction = Fill(kLatticeUnit - 1), from_u = hn::AndNot(fraction, u[0][m]);
-    const Ints from_v = hn::AndNot(fraction, v[0][m]);
-    for (size_t c = 0; c < 3; ++c) {
-      near[c][m] =
-          hn::Combine(d, hn::DemoteTo(half, hn::Sub(v[c][m], from_v)), hn::DemoteTo(half, hn::Sub(u[c][m], from_u)));
-    }
+    const Ints fraction = Fill(kLatticeUnit - 1);
+    near[0][m] = Both(hn::And(fraction, u[0][m]), hn::And(fraction, v[0][m]));
+    const Ints from_u = hn::AndNot(fraction, u[0][m]), from_v = hn::AndNot(fraction, v[0][m]);
+    for (size_t c = 1; c < 3; ++c) near[c][m] = Both(hn::Sub(u[c][m], from_u), hn::Sub(v[c][m], from_v));
   }
   return near;
 }
 
-// Appends, of two vectors, the lanes that the mask selects to a list.
-HWY_INLINE void AppendBoth(hn::Vec<hn::RebindToUnsigned<Lanes> > low, hn::Vec<hn::RebindToUnsigned<Lanes> > high,
-                           ShortMask mask, uint32_t*& end) {
-  const ShortLanes d;
+// Of a mask, bits in the order of places, not lanes.
+class BitOrder {
+ public:
+  HWY_INLINE explicit BitOrder(Shorts place_of) { hn::StoreU(place_of, ShortLanes(), place_of_); }
+
+  HWY_INLINE uint64_t operator()(ShortMask mask) const {
+    uint64_t lanes = 0, places = 0;
+    hn::StoreMaskBits(ShortLanes(), mask, reinterpret_cast<uint8_t*>(&lanes));
+    for (; lanes != 0; lanes &= lanes - 1) places |= uint64_t{1} << place_of_[std::countr_zero(lanes)];
+    return places;
+  }
+
+ private:
+  static_assert(kSiftLanes <= 64);
+  int16_t place_of_[kSiftLanes];
+};
+
+// Calls f(half of the one, half of the other) for both halves, in lanes of 32 bits.
+template <class F>
+HWY_INLINE void ForEachHalf(Shorts a, Shorts b, const F& f) {
   const hn::Half<ShortLanes> half;
+  const auto wide = [&](hn::Vec<hn::Half<ShortLanes> > of) HWY_ATTR { return hn::PromoteTo(Lanes(), of); };
+  f(wide(hn::LowerHalf(half, a)), wide(hn::LowerHalf(half, b)));
+  f(wide(hn::UpperHalf(half, a)), wide(hn::UpperHalf(half, b)));
+}
+
+// Appends those of the places whose sign is set in `which` to a list.
+HWY_INLINE void AppendPlaces(Shorts places, Shorts which, uint32_t*& end) {
   const hn::RebindToUnsigned<Lanes> du;
-  const Shorts selected = hn::VecFromMask(d, mask);
-  const auto wide = [&](hn::Vec<hn::Half<ShortLanes> > of)
-                        HWY_ATTR { return hn::RebindMask(du, hn::Ne(hn::PromoteTo(Lanes(), of), hn::Zero(Lanes()))); };
-  end += AppendLanes(du, low, wide(hn::LowerHalf(half, selected)), end);
-  end += AppendLanes(du, high, wide(hn::UpperHalf(half, selected)), end);
+  ForEachHalf(places, which, [&](Ints place, Ints sign) HWY_ATTR {
+    const auto selected = hn::RebindMask(du, hn::Lt(sign, hn::Zero(Lanes())));
+    end += AppendLanes(du, hn::BitCast(du, place), selected, end);
+  });
 }
 
 // Appends those of a vector of directions that are not 0, with their entries.
-HWY_INLINE void AppendLines(Shorts directions, hn::Vec<hn::RebindToUnsigned<Lanes> > low,
-                            hn::Vec<hn::RebindToUnsigned<Lanes> > high, SiftedLines& lines) {
-  const hn::Half<ShortLanes> half;
+//   which   x | y << 1, as SiftedLines has them
+HWY_INLINE void AppendLines(Shorts directions, Shorts places, int which, SiftedLines& lines) {
   const hn::RebindToUnsigned<Lanes> du;
-  const auto append = [&](hn::Vec<hn::Half<ShortLanes> > of, hn::Vec<decltype(du)> entries) HWY_ATTR {
-    const Ints wide = hn::PromoteTo(Lanes(), of);
-    const SelectedLanes<decltype(du)> some(du, hn::RebindMask(du, hn::Ne(wide, hn::Zero(Lanes()))));
-    some.Store(entries, lines.entries + lines.size);
-    some.Store(hn::BitCast(du, wide), lines.directions + lines.size);
+  ForEachHalf(places, directions, [&](Ints place, Ints along) HWY_ATTR {
+    const SelectedLanes<decltype(du)> some(du, hn::RebindMask(du, hn::Ne(along, hn::Zero(Lanes()))));
+    const Ints entries = hn::Or(place, Fill(which << SiftedLines::kPlaceBits));
+    some.Store(hn::BitCast(du, entries), lines.entries + lines.size);
+    some.Store(hn::BitCast(du, along), lines.directions + lines.size);
     lines.size += some.count();
-  };
-  append(hn::LowerHalf(half, directions), low);
-  append(hn::UpperHalf(half, directions), high);
+  });
 }
 
 void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
                  uint8_t* is_tiny) {
   const ShortLanes d;
-  const hn::RebindToUnsigned<Lanes> du;
   lines.size = 0;
-  const size_t before = kept.size();
-  kept.resize(before + triangles.size + kSiftLanes);
-  uint32_t* kept_end = kept.data() + before;
   uint32_t again[CornerList::kMost + CornerList::kSlack];
   uint32_t* again_end = again;
+  const Ints order = StoredOrder();
+  const Shorts place_of = Both(order, hn::Add(order, Fill(kTriangleLanes)));  // from the first one's
+  const BitOrder in_order(place_of);
   for (size_t n = 0; n < triangles.size; n += kSiftLanes) {
-    const Values values(forms, Near(LoadCorners(triangles, n), LoadCorners(triangles, n + kTriangleLanes)));
-    const ShortMask given = hn::FirstN(d, triangles.size - n);
+    const Values values(forms, Near(LoadStored(triangles, n), LoadStored(triangles, n + kTriangleLanes)));
+    const ShortMask given = hn::Lt(place_of, FillShort(static_cast<int>(std::min(triangles.size - n, kSiftLanes))));
     const Shorts directions = hn::IfThenElseZero(given, DirectionsOf(forms, values));
-    Shorts most = hn::Zero(d);
-    for (size_t f = 0; f < forms.between; ++f) most = hn::Max(most, values.integers[f]);
-    const ShortMask several = hn::And(hn::And(given, values.tiny), hn::Gt(most, hn::Set(d, 1)));
-    const auto low = hn::Iota(du, static_cast<uint32_t>(n)), high = hn::Add(low, hn::Set(du, kTriangleLanes));
-    AppendLines(directions, low, high, lines);
-    AppendBoth(low, high, several, again_end);
+    const Shorts several = hn::IfThenElseZero(hn::And(given, values.tiny), values.several);
+    const Shorts places = hn::Add(place_of, FillShort(static_cast<int>(n)));
+    AppendLines(directions, places, 0, lines);
+    AppendPlaces(places, several, again_end);
+    const uint32_t* const numbers = triangles.triangles + n;
     ShortMask keep = hn::AndNot(values.tiny, given);
     if (is_tiny != nullptr) {
-      keep = hn::Or(keep, hn::Or(several, hn::Ne(directions, hn::Zero(d))));
-      uint64_t bits = 0;
-      hn::StoreMaskBits(d, values.tiny, reinterpret_cast<uint8_t*>(&bits));
+      keep = hn::Or(keep, hn::Or(hn::Lt(several, hn::Zero(d)), hn::Ne(directions, hn::Zero(d))));
+      const uint64_t tiny = in_order(values.tiny);
       const size_t count = std::min(kSiftLanes, triangles.size - n);
-      for (size_t m = 0; m < count; ++m) is_tiny[triangles.triangles[n + m]] = bits >> m & 1;
+      for (size_t m = 0; m < count; ++m) is_tiny[numbers[m]] = tiny >> m & 1;
     }
     if (hn::AllFalse(d, keep)) continue;
-    const uint32_t* numbers = triangles.triangles + n;
-    AppendBoth(hn::LoadU(du, numbers), hn::LoadU(du, numbers + kTriangleLanes), keep, kept_end);
+    for (uint64_t bits = in_order(keep); bits != 0; bits &= bits - 1) kept.push_back(numbers[std::countr_zero(bits)]);
   }
-  kept.resize(static_cast<size_t>(kept_end - kept.data()));
 
   const auto count = static_cast<size_t>(again_end - again);
   std::fill_n(again_end, kSiftLanes, 0);
+  const Shorts lane = Both(hn::Iota(Lanes(), 0), hn::Iota(Lanes(), static_cast<int>(kTriangleLanes)));
   for (size_t n = 0; n < count; n += kSiftLanes) {
-    const uint32_t* places = again + n;
-    const Values values(forms,
-                        Near(LoadCornersAt(triangles, places), LoadCornersAt(triangles, places + kTriangleLanes)));
-    const auto append = [&](Shorts lines_of, uint32_t which) HWY_ATTR {
-      const auto more = hn::Set(du, which << SiftedLines::kPlaceBits);
-      AppendLines(hn::IfThenElseZero(hn::FirstN(d, count - n), lines_of), hn::Add(hn::LoadU(du, places), more),
-                  hn::Add(hn::LoadU(du, places + kTriangleLanes), more), lines);
-    };
+    const uint32_t *low = again + n, *high = low + kTriangleLanes;
+    const Values values(forms, Near(LoadCornersAt(triangles, low), LoadCornersAt(triangles, high)));
+    const hn::RebindToUnsigned<Lanes> du;
+    const Shorts places = Both(hn::BitCast(Lanes(), hn::LoadU(du, low)), hn::BitCast(Lanes(), hn::LoadU(du, high)));
+    const ShortMask given = hn::Lt(lane, FillShort(static_cast<int>(std::min(count - n, kSiftLanes))));
     const Shorts3 directions = MoreDirectionsOf(forms, values);
-    for (size_t which = 0; which < 3; ++which) append(directions[which], static_cast<uint32_t>(which) + 1);
+    for (int which = 1; which <= 3; ++which) {
+      AppendLines(hn::IfThenElseZero(given, directions[static_cast<size_t>(which) - 1]), places, which, lines);
+    }
   }
   std::fill_n(lines.directions + lines.size, kTriangleLanes, 0);
 }

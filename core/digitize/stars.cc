@@ -13,6 +13,7 @@
 
 #include "core/digitize/star.h"
 #include "core/snap/padded_vertices.h"
+#include "core/snap/triangle_lanes-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_STARS_CC_ONCE
@@ -98,7 +99,7 @@ HWY_INLINE V Distance(D d, const std::array<V, 3>& n, const std::array<V, 3>& w)
 }
 
 template <class T>
-HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& corners, StarEdges* out) {
+HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach, const Corners<T>& corners, StarEdges* out) {
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   using V3 = std::array<V, 3>;
@@ -112,9 +113,6 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
   };
   const auto times = [&](int32_t c, V v) {
     return c == 0 ? zero : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(hn::Set(d, static_cast<T>(c)), v);
-  };
-  const auto dot = [&](const Vec3i& q, const V3& v) {
-    return hn::Add(hn::Add(times(q[0], v[0]), times(q[1], v[1])), times(q[2], v[2]));
   };
 
   std::array<V3, 3> v, moment;
@@ -156,14 +154,17 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, const Corners<T>& co
     const V first_by = first_nonzero(by);
     return hn::Gt(hn::IfThenElse(up, first_by, hn::Neg(first_by)), zero);
   };
+  using Dots = Multiples<decltype(d)>;
+  const Dots by_normal(d, normal, reach);
+  const Dots by_moment[3] = {{d, moment[0], reach}, {d, moment[1], reach}, {d, moment[2], reach}};
   V nearer = zero, forward = zero;
   for (size_t n = 0; n < frames.size(); ++n) {
     const Vec3i& q = frames[n].frame.q;
-    const V along = dot(q, normal), size = hn::Abs(along);
+    const V along = by_normal.Dot(q), size = hn::Abs(along);
     auto meets = hn::And(hn::Lt(hn::Neg(size), distance), hn::Not(hn::Gt(distance, size)));
     if (hn::AllFalse(d, meets)) continue;
     const auto up = hn::Gt(along, zero);
-    const V s0 = dot(q, moment[0]), s1 = dot(q, moment[1]), s2 = dot(q, moment[2]);
+    const V s0 = by_moment[0].Dot(q), s1 = by_moment[1].Dot(q), s2 = by_moment[2].Dot(q);
     const V least = hn::Min(s0, hn::Min(s1, s2)), most = hn::Max(s0, hn::Max(s1, s2));
     // All on the inner side: not negative, or not positive where u = -q.
     const V outermost = hn::IfThenElse(up, least, hn::Neg(most));
@@ -244,7 +245,11 @@ class Normals {
 template <class T>
 class Batch {
  public:
-  explicit Batch(const std::vector<ScanFrame>& frames) : frames_(frames) {}
+  explicit Batch(const std::vector<ScanFrame>& frames) : frames_(frames) {
+    for (const ScanFrame& scan : frames) {
+      for (const int32_t q : scan.frame.q) reach_ = std::max(reach_, std::abs(q));
+    }
+  }
 
   // `out` gets the edges when the lanes are full, or flushed. Precondition: T holds the products.
   HWY_INLINE void Add(StarEdges* out, const std::array<Four, 3>& corners, [[maybe_unused]] uint32_t triangle,
@@ -264,13 +269,14 @@ class Batch {
   void Flush() {
     if (size_ == 0) return;
     StarEdges edges[kLanesOf<T>];
-    Stars(frames_, corners_, edges);
+    Stars(frames_, reach_, corners_, edges);
     for (size_t n = 0; n < size_; ++n) *out_[n] = edges[n];
     size_ = 0;
   }
 
  private:
   const std::vector<ScanFrame>& frames_;
+  int32_t reach_ = 0;  // the largest |entry| of their directions
   Corners<T> corners_;
   StarEdges* out_[kLanesOf<T>];
   size_t size_ = 0;

@@ -134,21 +134,21 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   const FormValues third(scene.all.forms[direction.form[2]], v, zero);
   const Ints3 &x = first.relative, &y = second.relative;
   const Ints3 e{Minor(x[0], x[1], y[0], y[1]), Minor(x[1], x[2], y[1], y[2]), Minor(x[2], x[0], y[2], y[0])};
+  const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
   Ints3 side = e;
   const auto given = hn::FirstN(d, count);
-  const auto tied = hn::Or(hn::Eq(e[0], zero), hn::Or(hn::Eq(e[1], zero), hn::Eq(e[2], zero)));
+  const auto tied = hn::Eq(Least(weight[0], weight[1], weight[2]), zero);
   if (!hn::AllFalse(d, hn::And(given, tied))) {
     const Ints tie_x = Fill(direction.tie_x), tie_y = Fill(direction.tie_y);
     const auto moved = [&](size_t n) HWY_ATTR { return hn::Sub(hn::Mul(tie_x, y[n]), hn::Mul(tie_y, x[n])); };
     const Ints3 by{moved(0), moved(1), moved(2)};
     for (size_t n = 0; n < 3; ++n) side[n] = hn::IfThenElse(hn::Eq(e[n], zero), hn::Sub(by[(n + 1) % 3], by[n]), e[n]);
   }
-  const Ints least = Least(side[0], side[1], side[2]), most = Most(side[0], side[1], side[2]);
-  const auto negative = hn::Lt(most, zero);
-  auto crossed = hn::And(given, hn::Or(hn::Gt(least, zero), negative));
+  const auto negative = hn::Lt(hn::And(hn::And(side[0], side[1]), side[2]), zero);
+  const auto positive = hn::Gt(hn::Or3(side[0], side[1], side[2]), Fill(-1));
+  auto crossed = hn::And(given, hn::Or(negative, positive));
 
   // From here on in units of the voxel, `whole`, along the direction: depth * D, D = area.
-  const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
   const Ints area = hn::Add(hn::Add(weight[0], weight[1]), weight[2]);
   const Ints whole = hn::ShiftLeft<kSubvoxelBits>(area), half = hn::ShiftRight<1>(whole);
   Ints3 z = third.relative;
@@ -162,10 +162,12 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
     for (Ints& at : z) at = hn::Add(at, above);
   }
   Ints rest = hn::Add(DotOf(weight, z), half);
-  for (int n = 0; n < kMostIntegers + 1; ++n) {  // z <= (kMostIntegers + 1) * U
-    const auto more = hn::Not(hn::Lt(rest, whole));
-    rest = hn::Sub(rest, hn::IfThenElseZero(more, whole));
-    depth = hn::Add(depth, hn::IfThenElseZero(more, one));
+  constexpr int kMostWhole = kMostIntegers + 1;  // z <= kMostWhole * U
+  depth = hn::Add(depth, Fill(kMostWhole));
+  for (int n = 0; n < kMostWhole; ++n) {
+    const Ints less = hn::Sub(rest, whole);  // if negative, unsigned it is not the lesser one
+    rest = hn::BitCast(d, hn::Min(hn::BitCast(du, rest), hn::BitCast(du, less)));
+    depth = hn::Add(depth, hn::BroadcastSignBit(less));
   }
   const auto midway = hn::And(crossed, hn::Or(hn::Eq(rest, zero), hn::Eq(rest, half)));
   if (!hn::AllFalse(d, midway)) {

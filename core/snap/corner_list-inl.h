@@ -22,20 +22,37 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The corners, by axis, of kTriangleLanes triangles from place `first` on, a multiple of that.
-HWY_INLINE std::array<Ints3, 3> LoadCorners(const CornerList& list, size_t first) {
+// The corners, by axis, of kTriangleLanes triangles from place `first` on, a multiple of that, in the order in which
+// loading them takes least: lane n holds the one at first + StoredOrder()[n].
+HWY_INLINE std::array<Ints3, 3> LoadStored(const CornerList& list, size_t first) {
   const Lanes d;
-  constexpr size_t kRows = kTriangleLanes / 4;  // of a vector
-  int32_t lane_of[kTriangleLanes];              // in the columns
-  for (size_t n = 0; n < kTriangleLanes; ++n) lane_of[n] = static_cast<int32_t>(n % kRows * 4 + n / kRows);
-  const auto lanes = hn::SetTableIndices(d, lane_of);
   std::array<Ints3, 3> v;
   for (size_t n = 0; n < 3; ++n) {
     const int32_t* rows = list.corners[n][first].data();
     v[n] = ColumnsOf({hn::Load(d, rows), hn::Load(d, rows + kTriangleLanes), hn::Load(d, rows + 2 * kTriangleLanes),
                       hn::Load(d, rows + 3 * kTriangleLanes)});
-    if constexpr (kRows > 1) {
-      for (Ints& column : v[n]) column = hn::TableLookupLanes(column, lanes);
+  }
+  return v;
+}
+inline constexpr size_t kStoredRows = kTriangleLanes / 4;  // of a vector: so far apart are neighbours in four lanes
+HWY_INLINE Ints StoredOrder() {
+  int32_t order[kTriangleLanes];
+  for (size_t n = 0; n < kTriangleLanes; ++n) order[n] = static_cast<int32_t>(n % 4 * kStoredRows + n / 4);
+  return hn::LoadU(Lanes(), order);
+}
+
+// The same in their order.
+HWY_INLINE std::array<Ints3, 3> LoadCorners(const CornerList& list, size_t first) {
+  const Lanes d;
+  int32_t lane_of[kTriangleLanes];
+  for (size_t n = 0; n < kTriangleLanes; ++n) {
+    lane_of[n] = static_cast<int32_t>(n % kStoredRows * 4 + n / kStoredRows);
+  }
+  const auto lanes = hn::SetTableIndices(d, lane_of);
+  std::array<Ints3, 3> v = LoadStored(list, first);
+  if constexpr (kStoredRows > 1) {
+    for (Ints3& corner : v) {
+      for (Ints& column : corner) column = hn::TableLookupLanes(column, lanes);
     }
   }
   return v;

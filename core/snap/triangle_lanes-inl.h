@@ -13,6 +13,7 @@
 #include <array>
 #include <span>
 
+#include "core/lattice/frame.h"
 #include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
 
@@ -63,6 +64,28 @@ HWY_INLINE std::array<V, 3> ValuesOf(D d, const Vec3i& form, const std::array<st
   }
   return value;
 }
+
+// Multiples of a vector of three, for products with many vectors of small integers.
+template <class D>
+class Multiples {
+ public:
+  using V = hn::Vec<D>;
+
+  //   reach   the largest |entry| of those vectors
+  HWY_INLINE Multiples(D d, const std::array<V, 3>& v, int32_t reach) {
+    for (size_t m = 0; m < 3; ++m) {
+      for (int32_t c = -reach; c <= reach; ++c) At(m, c) = hn::Mul(hn::Set(d, static_cast<hn::TFromD<D> >(c)), v[m]);
+    }
+  }
+
+  HWY_INLINE V Dot(const Vec3i& q) const { return hn::Add(hn::Add(At(0, q[0]), At(1, q[1])), At(2, q[2])); }
+
+ private:
+  HWY_INLINE V& At(size_t m, int32_t c) { return of_[m][c + kMaxDirection]; }
+  HWY_INLINE const V& At(size_t m, int32_t c) const { return of_[m][c + kMaxDirection]; }
+
+  V of_[3][2 * kMaxDirection + 1];
+};
 
 // The numbers of up to kTriangleLanes triangles, padded with the last one's.
 class LaneNumbers {

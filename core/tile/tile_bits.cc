@@ -40,29 +40,18 @@ HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numb
   return TestBits(hn::GatherIndex(d, words, index), number);
 }
 
-// Appends the positions of numbers that select(numbers) selects of a vector of them; returns how many it was asked of.
-// kRare: it selects none of most vectors.
-template <bool kRare, class F>
-HWY_INLINE size_t AppendSelected(std::span<const uint32_t> numbers, NumberList& positions, F&& select) {
+// A branch for vectors without any that is wanted would be hard to predict.
+void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
   const Numbers d;
-  const auto step = hn::Set(d, kLanes);
+  const auto unwanted = hn::FirstN(d, in_set ? 0 : kLanes);
   auto position = hn::Iota(d, 0);
   uint32_t* end = positions.end();
   size_t n = 0;
   for (; n + kLanes <= numbers.size(); n += kLanes) {
-    const auto selected = select(numbers.data() + n);
-    if (!kRare || !hn::AllFalse(d, selected)) end += AppendLanes(d, position, selected, end);
-    position = hn::Add(position, step);
+    end += AppendLanes(d, position, hn::Xor(Members(words, numbers.data() + n), unwanted), end);
+    position = hn::Add(position, hn::Set(d, kLanes));
   }
   positions.Grow(static_cast<size_t>(end - positions.end()));
-  return n;
-}
-
-void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
-  const auto unwanted = hn::FirstN(Numbers(), in_set ? 0 : kLanes);
-  const auto wanted = [&](const uint32_t* some) HWY_ATTR { return hn::Xor(Members(words, some), unwanted); };
-  size_t n =
-      in_set ? AppendSelected<true>(numbers, positions, wanted) : AppendSelected<false>(numbers, positions, wanted);
   for (; n < numbers.size(); ++n) {
     if (IsMember(words, numbers[n]) == in_set) positions.Add(static_cast<uint32_t>(n));
   }
@@ -88,7 +77,7 @@ constexpr size_t kTableWords = 4 * kLanes;
 // Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
 constexpr uint32_t kHashFactor = 0x9E3779B1;
 constexpr int kBitShift = kNumberBits - 5, kWordShift = kBitShift - std::countr_zero(kTableWords);
-constexpr size_t kFewMembers = kTableWords * 32 / 3;  // with more, too many other numbers have their hashes
+constexpr size_t kFewMembers = kTableWords * 32 / 2;  // with more, too many other numbers have their hashes
 
 // All numbers are looked up in the table, which is in registers; those found there, in the set.
 void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span<const uint32_t> members,
@@ -101,14 +90,37 @@ void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span
     hashed[hash >> kWordShift & (kTableWords - 1)] |= 1U << (hash >> kBitShift & 31);
   }
   const LaneTable<kTableWords> table(hashed);
-  const auto likely = [&](const uint32_t* some) HWY_ATTR {
-    const auto hash = hn::Mul(hn::LoadU(d, some), hn::Set(d, kHashFactor));
+  const auto likely = [&](hn::Vec<Numbers> number) HWY_ATTR {
+    const auto hash = hn::Mul(number, hn::Set(d, kHashFactor));
     const auto word = table.At(hn::ShiftRight<kWordShift>(hash));
     return TestBits(word, hn::ShiftRight<kBitShift>(hash));
   };
-  size_t n = AppendSelected<false>(numbers, positions, likely);
-  for (; n < numbers.size(); ++n) positions.Add(static_cast<uint32_t>(n));
-  positions.Keep([&](uint32_t at) { return IsMember(words, numbers[at]); });
+  // Some at a time, which stay in the first-level cache.
+  constexpr size_t kBatch = 1024;
+  static_assert(kBatch % kLanes == 0);
+  uint32_t likely_numbers[kBatch + kLanes], likely_positions[kBatch + kLanes];
+  for (size_t first = 0; first < numbers.size(); first += kBatch) {
+    const size_t end = std::min(first + kBatch, numbers.size()), whole = first + (end - first) / kLanes * kLanes;
+    size_t count = 0;
+    auto position = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<uint32_t>(first)));
+    for (size_t n = first; n < whole; n += kLanes) {
+      const auto number = hn::LoadU(d, numbers.data() + n);
+      const SelectedLanes<Numbers> selected(d, likely(number));
+      selected.Store(number, likely_numbers + count);
+      selected.Store(position, likely_positions + count);
+      count += selected.count();
+      position = hn::Add(position, hn::Set(d, kLanes));
+    }
+    for (size_t n = whole; n < end; ++n, ++count) {
+      likely_numbers[count] = numbers[n];
+      likely_positions[count] = static_cast<uint32_t>(n);
+    }
+    std::fill_n(likely_numbers + count, kLanes, 0);
+    for (size_t n = 0; n < count; n += kLanes) {
+      const auto wanted = hn::And(hn::FirstN(d, count - n), Members(words, likely_numbers + n));
+      positions.Grow(AppendLanes(d, hn::LoadU(d, likely_positions + n), wanted, positions.end()));
+    }
+  }
 }
 
 }  // namespace

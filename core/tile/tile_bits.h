@@ -72,18 +72,6 @@ class NumberList {
   void Grow(size_t by) { size_ += by; }
   void Clear() { size_ = 0; }
 
-  // Leaves out the numbers that wanted(number) is false for.
-  template <class F>
-  void Keep(F&& wanted) {
-    size_t kept = 0;
-    for (size_t n = 0; n < size_; ++n) {
-      const uint32_t number = data_[n];
-      data_[kept] = number;
-      kept += wanted(number) ? 1 : 0;
-    }
-    size_ = kept;
-  }
-
   size_t size() const { return size_; }
   uint32_t operator[](size_t n) const { return data_[n]; }
   std::span<const uint32_t> view() const { return {data_.get(), size_}; }

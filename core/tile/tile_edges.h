@@ -2,6 +2,8 @@
 #ifndef LATVOX_CORE_TILE_TILE_EDGES_H_
 #define LATVOX_CORE_TILE_TILE_EDGES_H_
 
+#include <hwy/cache_control.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -93,12 +95,20 @@ class EdgeList {
   // Calls f(span) for all of them, block by block; behind each kSlack more can be read.
   template <class F>
   void ForEachBlock(F&& f) const {
-    for (const std::span<const uint32_t>& block : full_) f(block);
+    for (size_t n = 0; n < full_.size(); ++n) {
+      PrefetchHead(n + 1 < full_.size() ? full_[n + 1].data() : begin_);
+      f(full_[n]);
+    }
     f(std::span<const uint32_t>(begin_, end_));
   }
 
  private:
   void Extend(EdgeBlocks& memory);
+  // Memory is asked for the beginning of a block: processors that look ahead by themselves see the rest coming.
+  static void PrefetchHead(const uint32_t* block) {
+    constexpr size_t kLine = 16, kLines = 8;
+    for (size_t line = 0; line < kLines; ++line) hwy::Prefetch(block + line * kLine);
+  }
 
   std::vector<std::span<const uint32_t>> full_;  // all blocks but the last
   size_t full_size_ = 0;

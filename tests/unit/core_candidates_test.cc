@@ -263,6 +263,29 @@ TEST(Candidates, OfTrianglesAlongTheSidesOfTheBoxOnEachKernel) {
   }
 }
 
+// Where edges of triangles are longer, an edge function exceeds 32 bits in the last of the box's rows.
+TEST(Candidates, OfEdgesAboutAsLongAs32BitsHoldAreThoseOfThePlainScanOnEachKernel) {
+  constexpr int32_t kSide = 2 * kTileSide, kLow = 1 << 15;
+  const Vec3i tile_min{kLow, kLow, kLow}, low = tile_min * kLatticeUnit;
+  const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kCartesian).frames(2));
+  const IndexBox box{tile_min, tile_min + Vec3i{kSide, kSide, kSide}};
+  std::mt19937 random(kSeed);
+  std::uniform_int_distribution<int32_t> beside(0, 255), depth(0, kSide * kLatticeUnit);
+  std::uniform_int_distribution<int32_t> length(INT32_MAX / 128 - 100'000, INT32_MAX / 126);
+  std::vector<Triangle> triangles;
+  for (int n = 0; n < Dose(100, 40); ++n) {
+    const Vec3i first = low + Vec3i{-8'000'000, beside(random), depth(random)};
+    const int32_t z = depth(random) - depth(random);
+    triangles.push_back({first, first + Vec3i{length(random), 0, 0}, first + Vec3i{8'000'000, 20'000'000, z}});
+  }
+  const Found expected = Expected(triangles, frames, box);
+  EXPECT_GT(expected.size(), 100'000U);
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    EXPECT_EQ(FromCandidates(triangles, frames, box, tile_min, SIZE_MAX, kSide), expected) << SimdInUse();
+  }
+}
+
 // What is known of one line.
 struct LineFacts {
   bool candidate, inside, in_doubt;
@@ -276,7 +299,7 @@ LineFacts FactsOf(const LineScan<T>& lines, int32_t a, int32_t b) {
   for (size_t n = 0; n < 3; ++n) {
     const auto edge =
         static_cast<T>(int64_t{lines.edge[n]} + int64_t{lines.edge_a[n]} * a + int64_t{lines.edge_b[n]} * b);
-    facts.candidate &= edge >= -lines.rim[n];
+    facts.candidate &= static_cast<T>(int64_t{edge} + lines.rim[n]) >= 0;  // as lanes add
     facts.inside &= edge >= 0;
   }
   const auto level = crossing_internal::FloorDivision(
