@@ -9,7 +9,7 @@
 namespace latvox::client {
 namespace {
 
-std::atomic<int> g_running = 0;
+std::atomic<bool> g_any_abandoned = false;
 
 }  // namespace
 
@@ -26,23 +26,30 @@ bool AwaitWork(std::function<void()> work, const CallOptions& call) {
     bool IsOver() const { return done || cancelled; }
   };
   const auto shared = std::make_shared<Shared>();
-  std::thread([shared, work = std::move(work)] {
-    work();
-    --g_running;
-    const absl::MutexLock lock(&shared->mutex);
-    shared->done = true;
-  }).detach();
-  ++g_running;
   const Cancellation::Subscription on_cancel(call.cancellation, [shared] {
     const absl::MutexLock lock(&shared->mutex);
     shared->cancelled = true;
   });
-  const absl::MutexLock lock(&shared->mutex);
-  shared->mutex.AwaitWithDeadline(absl::Condition(shared.get(), &Shared::IsOver),
-                                  call.deadline.value_or(absl::InfiniteFuture()));
-  return shared->done;
+  std::thread thread([shared, work = std::move(work)] {
+    work();
+    const absl::MutexLock lock(&shared->mutex);
+    shared->done = true;
+  });
+  shared->mutex.LockWhenWithDeadline(absl::Condition(shared.get(), &Shared::IsOver),
+                                     call.deadline.value_or(absl::InfiniteFuture()));
+  const bool done = shared->done;
+  shared->mutex.Unlock();
+  if (done) {
+    // A thread has not ended with its work: libraries' destructors of what was the thread's follow, and must not meet
+    // those of the process.
+    thread.join();
+  } else {
+    g_any_abandoned = true;
+    thread.detach();
+  }
+  return done;
 }
 
-bool AnyAbandoned() { return g_running > 0; }
+bool AnyAbandoned() { return g_any_abandoned; }
 
 }  // namespace latvox::client

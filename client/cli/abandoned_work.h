@@ -20,8 +20,8 @@ absl::Status CheckTime(const CallOptions& call);
 // passes before, returns false: then the thread goes on, and `work` must own all that it uses.
 bool AwaitWork(std::function<void()> work, const CallOptions& call);
 
-// Whether such threads are at work, once nobody waits for any: then the process is to end by _exit, which destroys
-// nothing that they may use.
+// Whether there was such a thread. Then the process is to end by _exit, which destroys nothing that it may use, be it
+// only to end.
 bool AnyAbandoned();
 
 // What work() returns, an absl::StatusOr, or throws; or the error of CheckTime.

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <atomic>
 #include <memory>
 #include <new>
 #include <thread>
@@ -209,10 +210,11 @@ TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
 }
 
 TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {
+  const bool any_before = AnyAbandoned();  // by other tests
   EXPECT_EQ(DoAbandonably([] { return absl::StatusOr<int>(7); }, {}).value(), 7);
   const auto fail = []() -> absl::StatusOr<int> { throw std::bad_alloc(); };
   EXPECT_THROW(static_cast<void>(DoAbandonably(fail, {})), std::bad_alloc);
-  EXPECT_FALSE(AnyAbandoned());
+  EXPECT_EQ(AnyAbandoned(), any_before);
   const auto go_on = std::make_shared<absl::Notification>();
   const auto work = [go_on] {
     go_on->WaitForNotification();
@@ -226,7 +228,23 @@ TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {
   canceller.join();
   EXPECT_TRUE(AnyAbandoned());
   go_on->Notify();
-  while (AnyAbandoned()) absl::SleepFor(absl::Milliseconds(1));
+}
+
+// As OpenSSL does with what it keeps for a thread, which it frees while the process ends, too.
+TEST(AbandonedWork, HasLeftItsThreadOnceItIsWaitedFor) {
+  static std::atomic<bool> ended;
+  struct AtEnd {
+    ~AtEnd() {
+      absl::SleepFor(absl::Milliseconds(50));
+      ended = true;
+    }
+  };
+  const auto work = [] {
+    thread_local AtEnd at_end;
+    return absl::StatusOr<const void*>(&at_end);
+  };
+  EXPECT_TRUE(DoAbandonably(work, {}).ok());
+  EXPECT_TRUE(ended);
 }
 
 }  // namespace
