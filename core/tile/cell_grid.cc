@@ -52,18 +52,69 @@ void PlainEncode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, std::s
       high[m] = std::max({a[m], b[m], c[m]});
     }
     const CellBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
-    out.all[n] = 0;
+    CellGrid::Code& code = out.of[n] = {};
+    bool is_long = false, several = false, three = false, none = false;
     for (size_t m = 0; m < 3; ++m) {
-      const int32_t is_long = high[m] - low[m] >= 1 << bounds.shift;
-      const int32_t several =
-          (low[m] - bounds.far.below[m]) >> bounds.shift < (high[m] + bounds.far.above[m]) >> bounds.shift;
-      out.low[m][n] = HitPart(m, far.min[m]) | (Contains(near, m, far.min[m]) ? 0 : 1) | is_long << CellGrid::kLongBit |
-                      several << CellGrid::kSeveralBit | (far.max[m] - far.min[m]) * (1 << CellGrid::kMoreBit);
-      out.high[m][n] = HitPart(m, far.max[m]) | (Contains(near, m, far.max[m]) ? 0 : 1);
-      out.all[n] |= out.low[m][n];
+      const auto part = [&](int32_t cell) {
+        return static_cast<uint16_t>(HitPart(m, cell) | (Contains(near, m, cell) ? 0 : 1));
+      };
+      code.part[m] = {part(far.min[m]), part(far.max[m])};
+      const int32_t more = far.max[m] - far.min[m];
+      code.two |= static_cast<uint16_t>((more & 1) << (2 - m));
+      is_long |= high[m] - low[m] >= 1 << bounds.shift;
+      several |= (low[m] - bounds.far.below[m]) >> bounds.shift < (high[m] + bounds.far.above[m]) >> bounds.shift;
+      three |= more > 1;
+      none |= more < 0;
     }
+    code.is_many = !none && (three || (is_long && several)) ? 1 : 0;
+    if (none) code = {{{static_cast<uint16_t>(bounds.no_hit), 0}, {}, {}}, 0, 0};
   }
 }
+
+size_t PlainFewHits(const CellGrid::Codes& codes, size_t n, CellHit*& end) {
+  for (; n < codes.size && codes.of[n].is_many == 0; ++n) {
+    const CellGrid::Code& code = codes.of[n];
+    int32_t subset = 0;  // of the axes with two cells: those where it is the highest
+    do {
+      int32_t hit = 0;
+      for (size_t m = 0; m < 3; ++m) {
+        hit |= (subset >> (2 - m) & 1) != 0 ? code.part[m].highest : code.part[m].lowest;
+      }
+      *end++ = static_cast<CellHit>(hit);
+      subset = (subset - code.two) & code.two;
+    } while (subset != 0);
+    end[-1] |= kLastHit;
+  }
+  return n;
+}
+
+// For each `two`, what puts a code's hits one beside the other: bytes of the code for each axis, marks, their number.
+struct Placement {
+  alignas(16) uint8_t bytes[3][16];
+  alignas(16) CellHit marks[8];
+  size_t count;
+};
+
+constexpr std::array<Placement, 8> MakePlacements() {
+  std::array<Placement, 8> all{};
+  for (size_t two = 0; two < 8; ++two) {
+    Placement& of = all[two];
+    for (size_t subset = 0; subset < 8; ++subset) {
+      if ((subset & ~two) != 0) continue;
+      for (size_t m = 0; m < 3; ++m) {
+        const size_t from = 4 * m + 2 * (subset >> (2 - m) & 1);
+        of.bytes[m][2 * of.count] = static_cast<uint8_t>(from);
+        of.bytes[m][2 * of.count + 1] = static_cast<uint8_t>(from + 1);
+      }
+      ++of.count;
+    }
+    of.marks[of.count - 1] = kLastHit;
+  }
+  return all;
+}
+
+constexpr std::array<Placement, 8> kPlacements = MakePlacements();
+static_assert(sizeof(CellGrid::Code) == 16);
 
 }  // namespace
 }  // namespace latvox
@@ -82,6 +133,8 @@ void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const Padde
   PlainEncode(bounds, mesh, triangles, out);
 }
 
+size_t FewHits(const CellGrid::Codes& codes, size_t first, CellHit*& end) { return PlainFewHits(codes, first, end); }
+
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -90,41 +143,65 @@ static_assert(CellGrid::kBlock % kTriangleLanes == 0);
 void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices& vertices,
             std::span<const uint32_t> triangles, CellGrid::Codes& out) {
   const Lanes d;
+  const hn::RebindToUnsigned<Lanes> du;
   const Ints almost_a_cell = Fill((1 << bounds.shift) - 1);
   const auto cell = [&](Ints v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
-  const auto bit_if_negative = [&](Ints v, int32_t bit)
-                                   HWY_ATTR { return hn::And(hn::BroadcastSignBit(v), Fill(bit)); };
-  // See HitPart. Cells have four bits: 3210 -> 32....10 -> 3..2..1..0.
-  const auto hit_part = [&](size_t axis, Ints cell) HWY_ATTR {
-    cell = hn::And(hn::Or(cell, hn::ShiftLeft<4>(cell)), Fill(0xC3));
-    cell = hn::And(hn::Or(cell, hn::ShiftLeft<2>(cell)), Fill(0x249));
-    return hn::ShiftLeftSame(cell, 3 - static_cast<int>(axis));
+  const auto bit_if_negative = [&](Ints v) HWY_ATTR { return hn::BitCast(d, hn::ShiftRight<31>(hn::BitCast(du, v))); };
+  // See HitPart. Cells have four bits: 3210 -> 32....10 -> 3..2..1..0. Two at a time, side by side.
+  const auto hit_parts = [&](size_t axis, Ints cells) HWY_ATTR {
+    cells = hn::And(hn::Or(cells, hn::ShiftLeft<4>(cells)), Fill(0x00C300C3));
+    cells = hn::And(hn::Or(cells, hn::ShiftLeft<2>(cells)), Fill(0x02490249));
+    return hn::ShiftLeftSame(cells, 3 - static_cast<int>(axis));
   };
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, LaneNumbers(triangles.subspan(n)), {});
-    Ints all = hn::Zero(d);
+    Ints3 parts;
+    // Less than 0 if that holds on an axis.
+    Ints is_long = hn::Zero(d), several = is_long, three = is_long, none = is_long, two = is_long;
     for (size_t m = 0; m < 3; ++m) {
       const auto near_below = Fill(bounds.near.below[m]), near_above = Fill(bounds.near.above[m]);
       const auto far_below = Fill(bounds.far.below[m]), far_above = Fill(bounds.far.above[m]);
       const Ints lowest = Fill(bounds.lowest[m]), highest = Fill(bounds.highest[m]);
       const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-      const Ints near_min = hn::Max(cell(hn::Sub(low, near_below)), lowest);
-      const Ints near_max = hn::Min(cell(hn::Add(high, near_above)), highest);
+      const Ints near_min = cell(hn::Sub(low, near_below)), near_max = cell(hn::Add(high, near_above));
       const Ints first = cell(hn::Sub(low, far_below)), last = cell(hn::Add(high, far_above));
       const Ints far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
-      const Ints is_long = bit_if_negative(hn::Sub(almost_a_cell, hn::Sub(high, low)), 1 << CellGrid::kLongBit);
-      const Ints several = bit_if_negative(hn::Sub(first, last), 1 << CellGrid::kSeveralBit);
-      const Ints low_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_min, near_min), hn::Sub(near_max, far_min)), 1);
-      const Ints high_is_fringe = bit_if_negative(hn::Or(hn::Sub(far_max, near_min), hn::Sub(near_max, far_max)), 1);
-      const Ints more = hn::ShiftLeft<CellGrid::kMoreBit>(hn::Sub(far_max, far_min));
-      const Ints flags = hn::Or(hn::Or(is_long, several), more);
-      const Ints low_code = hn::Or(hn::Or(hit_part(m, far_min), low_is_fringe), flags);
-      hn::StoreU(low_code, d, &out.low[m][n]);
-      hn::StoreU(hn::Or(hit_part(m, far_max), high_is_fringe), d, &out.high[m][n]);
-      all = hn::Or(all, low_code);
+      const auto fringe = [&](Ints cell) HWY_ATTR {
+        return bit_if_negative(hn::Or(hn::Sub(cell, near_min), hn::Sub(near_max, cell)));
+      };
+      parts[m] = hn::Or(hit_parts(m, hn::Or(far_min, hn::ShiftLeft<16>(far_max))),
+                        hn::Or(fringe(far_min), hn::ShiftLeft<16>(fringe(far_max))));
+      const Ints more = hn::Sub(far_max, far_min);
+      two = hn::Or(hn::Add(two, two), more);
+      is_long = hn::Or(is_long, hn::Sub(almost_a_cell, hn::Sub(high, low)));
+      several = hn::Or(several, hn::Sub(first, last));
+      three = hn::Or(three, hn::Sub(Fill(1), more));
+      none = hn::Or(none, more);
     }
-    hn::StoreU(all, d, &out.all[n]);
+    const Ints is_many = hn::AndNot(none, hn::Or(three, hn::And(is_long, several)));
+    const Ints last_part = hn::Or(hn::And(two, Fill(7)), hn::And(hn::BroadcastSignBit(is_many), Fill(1 << 16)));
+    const auto any = hn::Not(hn::Lt(none, hn::Zero(d)));
+    hn::StoreInterleaved4(hn::IfThenElse(any, parts[0], Fill(bounds.no_hit)), hn::IfThenElseZero(any, parts[1]),
+                          hn::IfThenElseZero(any, parts[2]), hn::IfThenElseZero(any, last_part), d,
+                          reinterpret_cast<int32_t*>(&out.of[n]));
   }
+}
+
+// Which of the axes have two cells is hard to predict.
+size_t FewHits(const CellGrid::Codes& codes, size_t n, CellHit*& end) {
+  const hn::FixedTag<uint8_t, 16> d8;
+  const hn::FixedTag<CellHit, 8> d;
+  CellHit* next = end;
+  for (; n < codes.size && codes.of[n].is_many == 0; ++n) {
+    const Placement& placement = kPlacements[codes.of[n].two];
+    const auto code = hn::LoadU(d8, reinterpret_cast<const uint8_t*>(&codes.of[n]));
+    const auto parts = [&](size_t m) HWY_ATTR { return hn::TableLookupBytes(code, hn::Load(d8, placement.bytes[m])); };
+    const auto hits = hn::BitCast(d, hn::Or(hn::Or(parts(0), parts(1)), parts(2)));
+    hn::StoreU(hn::Or(hits, hn::Load(d, placement.marks)), d, next);
+    next += placement.count;
+  }
+  end = next;
+  return n;
 }
 
 #endif
@@ -256,6 +333,7 @@ CellGrid::CellGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& ne
     bounds_.lowest[m] = std::max(0, (region.min[m] - low_voxel) >> voxel_shift);
     bounds_.highest[m] = std::min((1 << levels) - 1, (region.max[m] - 1 - low_voxel) >> voxel_shift);
   }
+  bounds_.no_hit = 2 << 3 * levels;
 }
 
 bool CellGrid::IsEmpty() const {
@@ -277,11 +355,18 @@ std::vector<CellHit> CellGrid::ManyHits(const std::array<Vec3i, 3>& corners) con
 }
 
 HWY_EXPORT(Encode);
+HWY_EXPORT(FewHits);
 
 void CellGrid::Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
                       Codes& out) const {
+  out.size = triangles.size();
   if (SimdIsScalar()) return PlainEncode(bounds_, mesh, triangles, out);
   HWY_DYNAMIC_DISPATCH(Encode)(bounds_, mesh, vertices, triangles, out);
+}
+
+size_t CellGrid::FewHits(const Codes& codes, size_t first, CellHit*& end) {
+  if (SimdIsScalar()) return PlainFewHits(codes, first, end);
+  return HWY_DYNAMIC_DISPATCH(FewHits)(codes, first, end);
 }
 
 }  // namespace latvox

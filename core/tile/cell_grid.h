@@ -20,6 +20,10 @@ inline constexpr int kMaxGridLevels = 4;
 // Fringe says that the triangle comes within the far margin of the cell, not within the near one.
 using CellHit = uint16_t;
 
+// In a list of hits, one triangle's after the other's, kLastHit marks each triangle's last.
+inline constexpr CellHit kLastHit = 1 << 15;
+static_assert(2 << 3 * kMaxGridLevels < kLastHit);
+
 // A cube of tiles, cut into 2^levels cells a side. Cells that do not meet a region do not count.
 class CellGrid {
  public:
@@ -32,49 +36,33 @@ class CellGrid {
   // Whether no cell counts.
   bool IsEmpty() const;
 
-  // What triangles' bounding boxes say of the cells. For each axis, by triangle:
-  //   low, high   lowest and highest cell's part in a hit: hits are the parts of all axes, or-ed
-  // Above the 16 bits of a hit, `low` has
-  //   bit 16      the triangle is long: a cell, or more
-  //   bit 17      it comes near to several cells, not all of which need count
-  //   bits 18 -   highest - lowest; less than 0 if no cell counts, whatever the other bits
-  // and `all` is the or of the three: if nothing is above the hit, it is the one that there is.
-  static constexpr size_t kBlock = 128;
-  struct Codes {
-    std::array<int32_t, kBlock> all;
-    std::array<std::array<int32_t, kBlock>, 3> low, high;
+  // What a triangle's bounding box says of the cells: on most axes it comes near to one or two of them.
+  struct Code {
+    // A hit is the or of a part for each axis: these are the parts of the lowest and of the highest cell.
+    struct {
+      uint16_t lowest, highest;
+    } part[3];
+    uint16_t two;      // bit 2 - m: on axis m, the highest cell is another one
+    uint16_t is_many;  // not 0: this takes ManyHits
   };
-  static constexpr int kLongBit = 16, kSeveralBit = 17, kMoreBit = 18;
 
   // Codes of up to kBlock triangles of the mesh. `vertices` are the mesh's.
+  static constexpr size_t kBlock = 128;
+  struct Codes {
+    alignas(64) std::array<Code, kBlock> of;
+    size_t size = 0;
+  };
   void Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
               Codes& out) const;
 
-  // Calls f(hit) for each cell that triangle n of the codes comes near to, no more than kMaxFewHits times, and returns
-  // true; or returns false if that takes ManyHits, which asks separating axes, not the bounding box alone.
-  static constexpr size_t kMaxFewHits = 8;
-  template <class F>
-  static bool ForEachOfFewHits(const Codes& codes, size_t n, F&& f) {
-    const int32_t any = codes.all[n] >> kLongBit;
-    if (any == 0) {
-      f(static_cast<CellHit>(codes.all[n]));
-      return true;
-    }
-    if (any < 0) return true;
-    if (any >= 8 || (any & 3) == 3) return false;  // three cells on an axis, or long and not inside of a cell
-    // Which of the axes have two cells is hard to predict: a loop over the subsets of these axes surprises the
-    // processor once at most.
-    int32_t two = 0;
-    for (size_t m = 0; m < 3; ++m) two |= (codes.low[m][n] >> kMoreBit) << (2 - m);
-    int32_t subset = 0;
-    do {
-      int32_t hit = 0;
-      for (size_t m = 0; m < 3; ++m) hit |= (subset >> (2 - m) & 1) != 0 ? codes.high[m][n] : codes.low[m][n];
-      f(static_cast<CellHit>(hit));
-      subset = (subset - two) & two;
-    } while (subset != 0);
-    return true;
-  }
+  // The hit of a triangle that no cell that counts is near to.
+  CellHit NoHit() const { return static_cast<CellHit>(bounds_.no_hit); }
+
+  // Writes the hits of the triangles from the code `first` on, before the next one that takes ManyHits, which asks
+  // separating axes, not the bounding box alone; returns which that is, or codes.size.
+  //   end  where; thereafter, what follows. Room for kMostHits a triangle is needed
+  static constexpr size_t kMostHits = 8;
+  static size_t FewHits(const Codes& codes, size_t first, CellHit*& end);
 
   // The hits of the triangle with these corners.
   std::vector<CellHit> ManyHits(const std::array<Vec3i, 3>& corners) const;
@@ -89,6 +77,7 @@ class CellGrid {
     int shift;  // log2 of a cell's side in lattice units
     Margin near, far;
     Vec3i lowest, highest;  // cells that count
+    int32_t no_hit;         // the number after the last one's
   };
 
  private:

@@ -8,6 +8,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -31,10 +32,6 @@ constexpr int kFewLevels = 2;
 // which bounds the memory.
 constexpr size_t kHitsPerTriangle = 6;
 constexpr size_t kFewHits = 4096;
-
-// In a list of hits, kLast marks each triangle's last. A triangle without any has the number after the last cell's.
-constexpr CellHit kLast = 1 << 15;
-static_assert(2 << 3 * kMaxGridLevels < kLast);
 
 template <class F>
 void ForEachOf(size_t count, const F& f) {
@@ -65,6 +62,31 @@ int LevelsBelow(int level, size_t triangles) {
 }
 
 }  // namespace
+
+// How often there is each hit. A count waits for the one before it, if that is of the same hit, as is likely: hence
+// neighbours in the list are counted apart.
+class TileTree::HitCounts {
+ public:
+  //   no_hit   the largest hit
+  explicit HitCounts(CellHit no_hit) : even_(size_t{no_hit} + 1), odd_(even_.size()) {}
+
+  void Add(std::span<const CellHit> hits) {
+    const auto cell = [&](size_t n) { return static_cast<size_t>(hits[n] & ~kLastHit); };
+    for (size_t n = 0; n + 1 < hits.size(); n += 2) {
+      ++even_[cell(n)];
+      ++odd_[cell(n + 1)];
+    }
+    if (hits.size() % 2 != 0) ++even_[cell(hits.size() - 1)];
+  }
+
+  std::vector<uint32_t> Sum() {
+    std::transform(even_.begin(), even_.end(), odd_.begin(), even_.begin(), std::plus());
+    return std::move(even_);
+  }
+
+ private:
+  std::vector<uint32_t> even_, odd_;
+};
 
 // Some of a node's triangles, near ones and fringe, and the cells that they hit.
 struct TileTree::Chunk {
@@ -130,7 +152,7 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   std::atomic<size_t> total_hits = 0;
   ForEachOf(count, [&](size_t n) {
     SetTriangles(node, part(triangles, n), part(triangles, n + 1), chunks[n]);
-    FindHits(grid, cells, max_hits, total_hits, chunks[n]);
+    FindHits(grid, max_hits, total_hits, chunks[n]);
   });
   if (cancelled_) return std::vector<TileNode>{};
   if (total_hits > max_hits) return std::nullopt;
@@ -204,55 +226,46 @@ void TileTree::SetTriangles(const TileNode& node, size_t begin, size_t end, Chun
 }
 
 // Leaves the chunk undone if the job is cancelled or the sum of all chunks' hits exceeds max_hits.
-void TileTree::FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std::atomic<size_t>& total,
-                        Chunk& chunk) const {
-  chunk.counts.resize(2 * cells);
+void TileTree::FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const {
   chunk.hits.resize(chunk.size + chunk.size / 4 + kFewHits);
-  uint32_t* const counts = chunk.counts.data();
-  CellHit *next = chunk.hits.data(), *end = next + chunk.hits.size();
-  size_t reported = 0;
-  const auto may_go_on = [&](size_t size) {
+  size_t size = 0, reported = 0;
+  const auto may_go_on = [&] {
     total += size - std::exchange(reported, size);
     return total <= max_hits && !cancelled_;
   };
   const auto make_room = [&](size_t room) {
-    if (static_cast<size_t>(end - next) >= room) return true;
-    const auto size = static_cast<size_t>(next - chunk.hits.data());
-    if (!may_go_on(size)) return false;
+    if (chunk.hits.size() - size >= room) return true;
+    if (!may_go_on()) return false;
     chunk.hits.resize(chunk.hits.size() + chunk.hits.size() / 2 + room);
-    next = chunk.hits.data() + size;
-    end = chunk.hits.data() + chunk.hits.size();
     return true;
   };
-  if (!may_go_on(0)) return;
-  const auto add = [&](CellHit hit) {
-    ++counts[hit];
-    *next++ = hit;
-  };
+  if (!may_go_on()) return;
+  HitCounts counts(grid.NoHit());
   CellGrid::Codes codes;
   std::array<uint32_t, CellGrid::kBlock> all_ids;
-  for (size_t block = 0; block < chunk.size && !cancelled_; block += CellGrid::kBlock) {
-    const size_t size = std::min(CellGrid::kBlock, chunk.size - block);
+  for (size_t block = 0; block < chunk.size; block += CellGrid::kBlock) {
+    const size_t in_block = std::min(CellGrid::kBlock, chunk.size - block), before = size;
     const uint32_t* ids = chunk.ids == nullptr ? all_ids.data() : chunk.ids + block;
     if (chunk.ids == nullptr) std::iota(all_ids.begin(), all_ids.end(), chunk.Triangle(block));
-    grid.Encode(mesh_, vertices_, {ids, size}, codes);
-    for (size_t n = 0; n < size; ++n) {
-      if (!make_room(CellGrid::kMaxFewHits)) return;
-      const CellHit* first = next;
-      if (!CellGrid::ForEachOfFewHits(codes, n, add)) {
-        if (cancelled_) return;
-        const auto [a, b, c] = mesh_.triangles[ids[n]];
-        const std::vector<CellHit> many =
-            grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});
-        if (!make_room(many.size() + 1)) return;
-        first = next;
-        std::for_each(many.begin(), many.end(), add);
-      }
-      if (next == first) *next++ = static_cast<CellHit>(2 * cells);
-      next[-1] |= kLast;
+    grid.Encode(mesh_, vertices_, {ids, in_block}, codes);
+    for (size_t n = 0;; ++n) {
+      if (cancelled_ || !make_room(CellGrid::kMostHits * in_block)) return;
+      CellHit* end = chunk.hits.data() + size;
+      n = CellGrid::FewHits(codes, n, end);
+      size = static_cast<size_t>(end - chunk.hits.data());
+      if (n == in_block) break;
+      const auto [a, b, c] = mesh_.triangles[ids[n]];
+      std::vector<CellHit> many = grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});
+      if (many.empty()) many.push_back(grid.NoHit());
+      many.back() |= kLastHit;
+      if (!make_room(many.size())) return;
+      std::copy(many.begin(), many.end(), chunk.hits.data() + size);
+      size += many.size();
     }
+    counts.Add({chunk.hits.data() + before, size - before});
   }
-  may_go_on(static_cast<size_t>(next - chunk.hits.data()));
+  chunk.counts = counts.Sum();
+  may_go_on();
 }
 
 // Adds up all chunks' counts of the hits first .. last - 1, and turns each into the sum before it.
@@ -271,9 +284,9 @@ void TileTree::Fill(uint32_t* const* lists, Chunk& chunk) {
   uint32_t* const next = chunk.counts.data();
   const CellHit* hits = chunk.hits.data();
   for (size_t n = 0; n < chunk.size; ++hits) {
-    const size_t hit = *hits & ~kLast;
+    const size_t hit = *hits & ~kLastHit;
     if (uint32_t* list = lists[hit]) list[next[hit]++] = chunk.Triangle(n);
-    n += (*hits & kLast) != 0;
+    n += (*hits & kLastHit) != 0;
   }
 }
 

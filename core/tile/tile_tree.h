@@ -73,13 +73,14 @@ class TileTree {
 
  private:
   struct Chunk;
+  class HitCounts;
 
   size_t EdgesIn(const Vec3i& tile_ijk, int level) const;
   std::vector<TileNode> Split(const TileNode& node, size_t triangles, int leaf_level) const;
   std::optional<std::vector<TileNode>> SplitBy(int levels, const TileNode& node, size_t triangles,
                                                size_t max_hits) const;
   static void SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk);
-  void FindHits(const CellGrid& grid, size_t cells, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const;
+  void FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const;
   static void AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, std::vector<uint32_t>& sums);
   static void Fill(uint32_t* const* lists, Chunk& chunk);
 
