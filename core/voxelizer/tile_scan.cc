@@ -196,18 +196,15 @@ bool TileScan::ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
   return true;
 }
 
-// Sets inner_ to the edges of tiny triangles from voxels that are in `bits`, or are not.
-void TileScan::KeepInner(const TileContext& context, const TileBits& bits, bool in_set) {
-  inner_.Clear();
-  ForEachTinyBatch(context, [&](const Crossings& some) {
-    bits.Find(some.nearer.view(), in_set, positions_);
-    inner_.nearer.Reserve(positions_.size());
-    inner_.farther.Reserve(positions_.size());
-    for (const uint32_t n : positions_.view()) {
-      inner_.nearer.Add(some.nearer[n]);
-      inner_.farther.Add(some.farther[n]);
-    }
-  });
+// Adds to inner_ those of the edges whose nearer ends are in `bits`, or are not.
+void TileScan::AddInner(const Crossings& some, const TileBits& bits, bool in_set) {
+  bits.Find(some.nearer.view(), in_set, positions_);
+  inner_.nearer.Reserve(positions_.size());
+  inner_.farther.Reserve(positions_.size());
+  for (const uint32_t n : positions_.view()) {
+    inner_.nearer.Add(some.nearer[n]);
+    inner_.farther.Add(some.farther[n]);
+  }
 }
 
 // What may be redundant becomes rest_. An edge whose farther end lies outside of the surface shows its nearer end
@@ -216,14 +213,21 @@ void TileScan::KeepInner(const TileContext& context, const TileBits& bits, bool 
 void TileScan::FindRest(const TileContext& context) {
   rest_.Resize(layout_.Words());  // empty
   maybe_.clear();
-  // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential.
+  // Of tiny triangles, all edges are at hand: first of all, these show most voxels essential; nearly all others of such
+  // a voxel's edges are in the same batch, or in later ones.
   const bool any_tiny = !context.edges.empty();
   if (any_tiny) essential_.Resize(layout_.Words());  // empty
+  inner_.Clear();
   ForEachTinyBatch(context, [this](const Crossings& some) {
     surface_.Find(some.farther.view(), false, positions_);
     ForEachApart(positions_.size(), [&](size_t n) { essential_.Set(some.nearer[positions_[n]]); });
+    AddInner(some, essential_, false);
   });
-  KeepInner(context, essential_, false);
+  if (any_tiny) {
+    std::swap(inner_, maybe_inner_);
+    inner_.Clear();
+    AddInner(maybe_inner_, essential_, false);
+  }
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);
   const auto add = [&](uint32_t voxel) {
@@ -305,8 +309,9 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
       }
     }
   }
+  inner_.Clear();
+  ForEachTinyBatch(context, [this](const Crossings& some) { AddInner(some, rest_, true); });
   // That an edge leads out of the box shows nothing.
-  KeepInner(context, rest_, true);
   for (size_t n = 0; n < inner_.nearer.size(); ++n) {
     if (IsOutside(inner_.farther[n])) rest_.Clear(inner_.nearer[n]);
   }

@@ -76,7 +76,7 @@ class TileScan {
   void AddRim(const TileContext& context);
   template <class F>
   bool ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const;
-  void KeepInner(const TileContext& context, const TileBits& bits, bool in_set);
+  void AddInner(const Crossings& some, const TileBits& bits, bool in_set);
   void FindRest(const TileContext& context);
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
@@ -98,7 +98,8 @@ class TileScan {
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  Crossings inner_;  // of tiny triangles, from members of rest_, or from what may become some
+  Crossings inner_;        // of tiny triangles, from members of rest_, or from what may become some
+  Crossings maybe_inner_;  // of FindRest
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;
