@@ -20,6 +20,7 @@ absl::Status CheckTime(const CallOptions& call) {
 }
 
 bool AwaitWork(std::function<void()> work, const CallOptions& call) {
+  if (!CheckTime(call).ok()) return false;
   struct Shared {
     absl::Mutex mutex;
     bool done = false, cancelled = false;  // guarded by mutex

@@ -17,11 +17,11 @@ namespace latvox::client {
 absl::Status CheckTime(const CallOptions& call);
 
 // Runs `work` on a thread of its own. Waits for its end, and returns true; or, if the call is cancelled or its deadline
-// passes before, returns false: then the thread goes on, and `work` must own all that it uses.
+// passes before, returns false: then the thread goes on, if it has begun, and `work` must own all that it uses.
 bool AwaitWork(std::function<void()> work, const CallOptions& call);
 
-// Whether there was such a thread. Then the process is to end by _exit, which destroys nothing that it may use, be it
-// only to end.
+// Whether any thread went on so, be it that it has ended since. Then the process is to end by _exit, which destroys
+// nothing that such a thread may use, if only to end.
 bool AnyAbandoned();
 
 // What work() returns, an absl::StatusOr, or throws; or the error of CheckTime.

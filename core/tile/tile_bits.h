@@ -71,6 +71,11 @@ class NumberList {
   uint32_t* end() { return data_.get() + size_; }
   void Grow(size_t by) { size_ += by; }
   void Clear() { size_ = 0; }
+  // Leaves those at some positions, ascending.
+  void Keep(std::span<const uint32_t> positions) {
+    for (size_t n = 0; n < positions.size(); ++n) data_[n] = data_[positions[n]];
+    size_ = positions.size();
+  }
 
   size_t size() const { return size_; }
   uint32_t operator[](size_t n) const { return data_[n]; }

@@ -224,9 +224,9 @@ void TileScan::FindRest(const TileContext& context) {
     AddInner(some, essential_, false);
   });
   if (any_tiny) {
-    std::swap(inner_, maybe_inner_);
-    inner_.Clear();
-    AddInner(maybe_inner_, essential_, false);
+    essential_.Find(inner_.nearer.view(), false, positions_);
+    inner_.nearer.Keep(positions_.view());
+    inner_.farther.Keep(positions_.view());
   }
   if (context.cancelled) return;
   const IndexBox complete = Shrunk(box_, context.reach);

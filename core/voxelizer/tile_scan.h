@@ -98,8 +98,7 @@ class TileScan {
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  Crossings inner_;        // of tiny triangles, from members of rest_, or from what may become some
-  Crossings maybe_inner_;  // of FindRest
+  Crossings inner_;  // of tiny triangles, from members of rest_, or from what may become some
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;

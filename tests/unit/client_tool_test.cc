@@ -3,7 +3,6 @@
 #include <signal.h>
 
 #include <atomic>
-#include <memory>
 #include <new>
 #include <thread>
 
@@ -215,19 +214,33 @@ TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {
   const auto fail = []() -> absl::StatusOr<int> { throw std::bad_alloc(); };
   EXPECT_THROW(static_cast<void>(DoAbandonably(fail, {})), std::bad_alloc);
   EXPECT_EQ(AnyAbandoned(), any_before);
-  const auto go_on = std::make_shared<absl::Notification>();
-  const auto work = [go_on] {
-    go_on->WaitForNotification();
-    return absl::StatusOr<int>(7);
+  static absl::Notification go_on;
+  static std::atomic<int> begun, ended;
+  struct AtEnd {
+    ~AtEnd() { ++ended; }
+  };
+  const auto work = [] {
+    thread_local AtEnd at_end;
+    ++begun;
+    go_on.WaitForNotification();
+    return absl::StatusOr<const void*>(&at_end);
   };
   CallOptions late, cancelled;
-  late.deadline = absl::Now() + absl::Milliseconds(20);
+  late.deadline = absl::Now() + absl::Milliseconds(300);
   EXPECT_EQ(DoAbandonably(work, late).status(), absl::DeadlineExceededError("the --timeout passed"));
-  std::thread canceller([&] { cancelled.cancellation.Cancel(); });
+  std::thread canceller([&] {
+    while (begun < 2) absl::SleepFor(absl::Milliseconds(1));
+    cancelled.cancellation.Cancel();
+  });
   EXPECT_EQ(DoAbandonably(work, cancelled).status(), absl::CancelledError("cancelled"));
   canceller.join();
   EXPECT_TRUE(AnyAbandoned());
-  go_on->Notify();
+  // What is late or cancelled before does not begin.
+  EXPECT_EQ(DoAbandonably(work, late).status().code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(DoAbandonably(work, cancelled).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(begun, 2);
+  go_on.Notify();
+  while (ended < begun) absl::SleepFor(absl::Milliseconds(1));
 }
 
 // As OpenSSL does with what it keeps for a thread, which it frees while the process ends, too.
