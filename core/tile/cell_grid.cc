@@ -156,7 +156,7 @@ void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const Padde
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, LaneNumbers(triangles.subspan(n)), {});
     Ints3 parts;
-    // Less than 0 if that holds on an axis.
+    // Less than 0 if that holds on an axis; and `two`, as codes have it.
     Ints is_long = hn::Zero(d), several = is_long, three = is_long, none = is_long, two = is_long;
     for (size_t m = 0; m < 3; ++m) {
       const auto near_below = Fill(bounds.near.below[m]), near_above = Fill(bounds.near.above[m]);
@@ -187,7 +187,7 @@ void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const Padde
   }
 }
 
-// Which of the axes have two cells is hard to predict.
+// Without a branch for the axes that have two cells, which is hard to predict.
 size_t FewHits(const CellGrid::Codes& codes, size_t n, CellHit*& end) {
   const hn::FixedTag<uint8_t, 16> d8;
   const hn::FixedTag<CellHit, 8> d;

@@ -1,8 +1,7 @@
-// Candidates of one triangle or many, held against the crossing rule in every direction; and the scans that find them.
+// Candidates of one triangle or many, held against the crossing rule in every direction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 #include <random>
 #include <set>
 #include <span>
@@ -167,54 +166,6 @@ TEST(Candidates, RoundDepthsDownOnEachKernel) {
   }
 }
 
-// Large, and nearly all of their lattice lines are hard to round: planes that are parallel to axes or all but that,
-// next to where depths are ties; and slivers of an area of 3/2 lattice units, with a lattice point on their longest
-// edge.
-std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
-  std::mt19937 random(kSeed);
-  const auto among = [&](int32_t least, int32_t most) {
-    return std::uniform_int_distribution<int32_t>(least, most)(random);
-  };
-  std::vector<Triangle> triangles;
-  const auto add = [&](Triangle triangle) {
-    const Vec3i at = (tile_min + Vec3i{among(0, 63), among(0, 63), among(0, 63)}) * kLatticeUnit;
-    const auto first = static_cast<size_t>(among(0, 2));  // which axis x is
-    for (Vec3i& v : triangle) v = at + Vec3i{v[first], v[(first + 1) % 3], v[(first + 2) % 3]};
-    if (among(0, 1) == 0) std::swap(triangle[0], triangle[1]);
-    triangles.push_back(triangle);
-  };
-  for (const int32_t size : {1 << 15, 1 << 21}) {
-    for (const int32_t most : {0, 1, 40}) {
-      for (int n = 0; n < Dose(8, 2); ++n) {
-        const int32_t z = among(0, 1) * kLatticeUnit / 2;
-        add({{{-among(1, size), -among(1, size), z + among(-most, most)},
-              {among(1, size), -among(1, size), z + among(-most, most)},
-              {among(-size, size), among(1, size), z + among(-most, most)}}});
-      }
-    }
-  }
-  for (int n = 0; n < Dose(20, 5); ++n) {
-    constexpr int32_t kFar = kMaxExtent * kLatticeUnit / 2 - 1, kNear = 1 << 13;
-    add({{{-among(0, kNear), -among(0, kNear), among(-kNear, kNear)},
-          {among(kFar / 2, kFar), among(-kFar, kFar), among(-kFar, kFar)},
-          {among(-kFar, kFar), among(kFar / 2, kFar), among(-kFar, kFar)}}});
-  }
-  for (int n = 0; n < Dose(40, 10); ++n) {
-    // Corners at -u, 2u and w - u, with det(u, w) = 1; in z, planes of slope -1, 0 or 1.
-    Vec<int64_t, 2> u{among(1 << 13, 1 << 15), among(1 << 13, 1 << 15)}, w{};
-    while (std::gcd(u[0], u[1]) != 1) ++u[1];
-    while ((u[0] * w[1] - 1) % u[1] != 0) ++w[1];
-    w[0] = (u[0] * w[1] - 1) / u[1];
-    const int32_t over_x = among(-1, 1), over_y = among(-1, 1), z = among(0, kLatticeUnit);
-    const auto corner = [&](const Vec<int64_t, 2>& p) {
-      const auto x = static_cast<int32_t>(p[0]), y = static_cast<int32_t>(p[1]);
-      return Vec3i{x, y, z + over_x * x + over_y * y};
-    };
-    add({corner(-u), corner(u + u), corner(w - u)});
-  }
-  return triangles;
-}
-
 TEST(Candidates, OfLargeTrianglesWithDepthsThatAreHardToRoundOnEachKernel) {
   const Vec3i tile_min{64, 0, 128};
   constexpr int32_t kSide = 2 * kTileSide;
@@ -283,87 +234,6 @@ TEST(Candidates, OfEdgesAboutAsLongAs32BitsHoldAreThoseOfThePlainScanOnEachKerne
   for (const Simd simd : SimdHere()) {
     const ForcedSimd forced(simd);
     EXPECT_EQ(FromCandidates(triangles, frames, box, tile_min, SIZE_MAX, kSide), expected) << SimdInUse();
-  }
-}
-
-// What is known of one line.
-struct LineFacts {
-  bool candidate, inside, in_doubt;
-  int64_t depth;
-  bool above;
-};
-
-template <class T>
-LineFacts FactsOf(const LineScan<T>& lines, int32_t a, int32_t b) {
-  LineFacts facts{true, true, false, 0, false};
-  for (size_t n = 0; n < 3; ++n) {
-    const auto edge =
-        static_cast<T>(int64_t{lines.edge[n]} + int64_t{lines.edge_a[n]} * a + int64_t{lines.edge_b[n]} * b);
-    facts.candidate &= static_cast<T>(int64_t{edge} + lines.rim[n]) >= 0;  // as lanes add
-    facts.inside &= edge >= 0;
-  }
-  const auto level = crossing_internal::FloorDivision(
-      __int128{lines.remainder} + __int128{lines.level_a} * a + __int128{lines.level_b} * b, lines.along);
-  facts.depth = lines.depth + level.quotient;
-  facts.above = level.remainder >= lines.half;
-  for (const int64_t tie : {int64_t{0}, int64_t{lines.half}, int64_t{lines.along}}) {
-    facts.in_doubt |= std::abs(level.remainder - tie) <= lines.doubt && lines.doubt != 0;
-  }
-  return facts;
-}
-
-TEST(LineScan, IsTheSameInFewerBitsWhereItIsNotInDoubt) {
-  const Vec3i tile_min{0, 0, 0};
-  for (const ExactLattice& l : ExactLattices()) {
-    const auto frames = MakeScanFrames(l.lattice.frames(0));
-    const IndexBox box{tile_min, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} * 2};
-    std::vector<Triangle> triangles = LargeAndClose(tile_min);
-    const size_t close = triangles.size();
-    for (const int32_t size : {20000, 1 << 19, 1 << 23}) {
-      const auto some = TrianglesAround(tile_min, size, 60);
-      triangles.insert(triangles.end(), some.begin(), some.end());
-    }
-    size_t rounded_lines = 0, in_doubt = 0, exact = 0;
-    for (size_t t = 0; t < triangles.size(); ++t) {
-      const OrientedTriangle triangle(triangles[t]);
-      if (triangle.normal == Vec<int64_t, 3>{}) continue;
-      const ScanFrame& scan = PrincipalScanFrame(frames, triangle.normal);
-      LineScan<int64_t> lines;
-      if (!MakeLineScan(triangle, scan, box, NearBox(frames, box), lines)) continue;
-      for (const bool rounded : {true, false}) {
-        LineScan<int32_t> narrow;
-        if (!Narrow(lines, rounded, narrow)) continue;
-        EXPECT_EQ(narrow.doubt != 0, rounded);
-        if (!rounded) ++exact;
-        for (int32_t b = 0; b < lines.height; ++b) {
-          for (int32_t a = 0; a < lines.width; ++a) {
-            const LineFacts want = FactsOf(lines, a, b), got = FactsOf(narrow, a, b);
-            ASSERT_EQ(got.candidate, want.candidate) << l.name << " triangle " << t << " line " << a << " " << b;
-            if (!want.candidate) continue;
-            ASSERT_EQ(got.inside, want.inside) << l.name << " triangle " << t << " line " << a << " " << b;
-            if (rounded) {  // how far remainders are wrong, not only whether that matters here
-              const auto truth = __int128{lines.remainder} + __int128{lines.level_a} * a + __int128{lines.level_b} * b;
-              const auto scaled =
-                  __int128{narrow.remainder} + __int128{narrow.level_a} * a + __int128{narrow.level_b} * b;
-              const __int128 wrong = scaled * lines.along - (truth << kScaledBits);
-              ASSERT_LT(static_cast<double>(wrong < 0 ? -wrong : wrong) / static_cast<double>(lines.along),
-                        narrow.doubt)
-                  << l.name << " triangle " << t << " line " << a << " " << b;
-            }
-            if (rounded && t >= close) {
-              ++rounded_lines;
-              in_doubt += got.in_doubt ? 1 : 0;
-            }
-            if (got.in_doubt) continue;
-            ASSERT_EQ(got.depth, want.depth) << l.name << " triangle " << t << " line " << a << " " << b;
-            ASSERT_EQ(got.above, want.above) << l.name << " triangle " << t << " line " << a << " " << b;
-          }
-        }
-      }
-    }
-    EXPECT_GT(exact, 10U) << l.name;
-    EXPECT_GT(rounded_lines, 10000U) << l.name;
-    EXPECT_LT(in_doubt, rounded_lines / 1000) << l.name;
   }
 }
 

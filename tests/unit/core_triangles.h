@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/digitize/principal_scan.h"
 #include "core/snap/corner_list.h"
 #include "core/snap/snap.h"
+#include "tests/unit/dose.h"
 
 namespace latvox {
 
@@ -71,6 +73,54 @@ inline std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size
       triangle[2] = (tile_min * kLatticeUnit + at) * 3 - triangle[0] - triangle[1];  // its middle is there
     if (n % 17 == 0) triangle[2] = triangle[n % 2];
     triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+// Large, and nearly all of their lattice lines are hard to round: planes that are parallel to axes or all but that,
+// next to where depths are ties; and slivers of an area of 3/2 lattice units, with a lattice point on their longest
+// edge.
+inline std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
+  std::mt19937 random(kSeed);
+  const auto among = [&](int32_t least, int32_t most) {
+    return std::uniform_int_distribution<int32_t>(least, most)(random);
+  };
+  std::vector<Triangle> triangles;
+  const auto add = [&](Triangle triangle) {
+    const Vec3i at = (tile_min + Vec3i{among(0, 63), among(0, 63), among(0, 63)}) * kLatticeUnit;
+    const auto first = static_cast<size_t>(among(0, 2));  // which axis x is
+    for (Vec3i& v : triangle) v = at + Vec3i{v[first], v[(first + 1) % 3], v[(first + 2) % 3]};
+    if (among(0, 1) == 0) std::swap(triangle[0], triangle[1]);
+    triangles.push_back(triangle);
+  };
+  for (const int32_t size : {1 << 15, 1 << 21}) {
+    for (const int32_t most : {0, 1, 40}) {
+      for (int n = 0; n < Dose(8, 2); ++n) {
+        const int32_t z = among(0, 1) * kLatticeUnit / 2;
+        add({{{-among(1, size), -among(1, size), z + among(-most, most)},
+              {among(1, size), -among(1, size), z + among(-most, most)},
+              {among(-size, size), among(1, size), z + among(-most, most)}}});
+      }
+    }
+  }
+  for (int n = 0; n < Dose(20, 5); ++n) {
+    constexpr int32_t kFar = kMaxExtent * kLatticeUnit / 2 - 1, kNear = 1 << 13;
+    add({{{-among(0, kNear), -among(0, kNear), among(-kNear, kNear)},
+          {among(kFar / 2, kFar), among(-kFar, kFar), among(-kFar, kFar)},
+          {among(-kFar, kFar), among(kFar / 2, kFar), among(-kFar, kFar)}}});
+  }
+  for (int n = 0; n < Dose(40, 10); ++n) {
+    // Corners at -u, 2u and w - u, with det(u, w) = 1; in z, planes of slope -1, 0 or 1.
+    Vec<int64_t, 2> u{among(1 << 13, 1 << 15), among(1 << 13, 1 << 15)}, w{};
+    while (std::gcd(u[0], u[1]) != 1) ++u[1];
+    while ((u[0] * w[1] - 1) % u[1] != 0) ++w[1];
+    w[0] = (u[0] * w[1] - 1) / u[1];
+    const int32_t over_x = among(-1, 1), over_y = among(-1, 1), z = among(0, kLatticeUnit);
+    const auto corner = [&](const Vec<int64_t, 2>& p) {
+      const auto x = static_cast<int32_t>(p[0]), y = static_cast<int32_t>(p[1]);
+      return Vec3i{x, y, z + over_x * x + over_y * y};
+    };
+    add({corner(-u), corner(u + u), corner(w - u)});
   }
   return triangles;
 }
