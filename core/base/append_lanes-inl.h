@@ -88,6 +88,48 @@ class SelectedLanes {
 #endif
 };
 
+#if HWY_TARGET != HWY_SCALAR  // which has no halves
+// The same of lanes of 16 bits.
+template <class D>
+class SelectedShorts {
+ public:
+  using Mask = hwy::HWY_NAMESPACE::Mask<D>;
+  using V = hwy::HWY_NAMESPACE::Vec<D>;
+
+  HWY_INLINE SelectedShorts(D d, Mask mask) : mask_(mask), count_(hwy::HWY_NAMESPACE::CountTrue(d, mask)) {}
+
+  size_t count() const { return count_; }
+
+  // Writes whole lanes, of which count() mean something.
+  HWY_INLINE void Store(V v, uint16_t* to) const {
+    namespace hn = hwy::HWY_NAMESPACE;
+    const hn::RebindToUnsigned<D> du;
+    const auto numbers = hn::BitCast(du, v);
+#if HWY_TARGET == HWY_AVX3_DL  // others compress lanes of 32 bits
+    hn::StoreU(hn::Compress(numbers, hn::RebindMask(du, mask_)), du, to);
+#else
+    const hn::Half<decltype(du)> half;
+    const hn::RepartitionToWide<decltype(du)> wide;
+    const auto selected = hn::VecFromMask(du, hn::RebindMask(du, mask_));
+    const auto append = [&](auto of, auto which) HWY_ATTR {
+      const auto mask = hn::Ne(hn::PromoteTo(wide, which), hn::Zero(wide));
+      const SelectedLanes<decltype(wide)> some(wide, mask);
+      uint32_t lanes[HWY_LANES(uint32_t)];
+      some.Store(hn::PromoteTo(wide, of), lanes);
+      hn::StoreU(hn::TruncateTo(half, hn::LoadU(wide, lanes)), half, to);
+      to += some.count();
+    };
+    append(hn::LowerHalf(half, numbers), hn::LowerHalf(half, selected));
+    append(hn::UpperHalf(half, numbers), hn::UpperHalf(half, selected));
+#endif
+  }
+
+ private:
+  Mask mask_;
+  size_t count_;
+};
+#endif
+
 // The same for one vector; returns how many.
 template <class D>
 HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESPACE::Mask<D> mask, uint32_t* to) {

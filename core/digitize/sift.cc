@@ -9,6 +9,7 @@
 // (core/digitize/tiny.h). So 16 bits do, of products rounded down: of two, the larger is then not the smaller.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/sift.cc"
+#define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
 #include "core/digitize/sift.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -228,14 +229,11 @@ HWY_INLINE void AppendPlaces(Shorts places, Shorts which, uint32_t*& end) {
 // Appends those of a vector of directions that are not 0, with their entries.
 //   which   x | y << 1, as SiftedLines has them
 HWY_INLINE void AppendLines(Shorts directions, Shorts places, int which, SiftedLines& lines) {
-  const hn::RebindToUnsigned<Lanes> du;
-  ForEachHalf(places, directions, [&](Ints place, Ints along) HWY_ATTR {
-    const SelectedLanes<decltype(du)> some(du, hn::RebindMask(du, hn::Ne(along, hn::Zero(Lanes()))));
-    const Ints entries = hn::Or(place, Fill(which << SiftedLines::kPlaceBits));
-    some.Store(hn::BitCast(du, entries), lines.entries + lines.size);
-    some.Store(hn::BitCast(du, along), lines.directions + lines.size);
-    lines.size += some.count();
-  });
+  const ShortLanes d;
+  const SelectedShorts<ShortLanes> some(d, hn::Ne(directions, hn::Zero(d)));
+  some.Store(hn::Or(places, FillShort(which << SiftedLines::kPlaceBits)), lines.entries + lines.size);
+  some.Store(directions, lines.directions + lines.size);
+  lines.size += some.count();
 }
 
 void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
@@ -281,7 +279,7 @@ void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLine
       AppendLines(hn::IfThenElseZero(given, directions[static_cast<size_t>(which) - 1]), places, which, lines);
     }
   }
-  std::fill_n(lines.directions + lines.size, kTriangleLanes, 0);
+  std::fill_n(lines.directions + lines.size, kSiftLanes, 0);
 }
 
 #endif

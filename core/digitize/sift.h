@@ -24,9 +24,10 @@ struct SiftedLines {
   static constexpr size_t kMost = 4 * CornerList::kMost, kSlack = 64;  // whole vectors can be read and written
 
   size_t size = 0;
-  uint32_t entries[kMost + kSlack];
-  uint32_t directions[kMost + kSlack];  // behind the last, those of a vector's lanes are 0
+  uint16_t entries[kMost + kSlack];
+  uint16_t directions[kMost + kSlack];  // behind the last, those of a vector's lanes are 0
 };
+static_assert(SiftedLines::kPlaceBits + 2 <= 16);
 static_assert(kMaxPairs < 16, "directions have a bit each in 16, of which one is a sign");
 
 // Finds all lines that meet tiny ones of the triangles, and few others. The numbers of triangles that are not tiny are

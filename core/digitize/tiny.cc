@@ -15,6 +15,7 @@
 // seldom, and are asked for only where there is one.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/tiny.cc"
+#define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
 #include "core/digitize/tiny.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -96,7 +97,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
-void CrossAll(const Scene&, const CornerList&, const SiftedLines&, NumberList&, PackedEdges&) {}
+void CrossAll(const Scene&, const CornerList&, const SiftedLines&, uint16_t*, PackedEdges&) {}
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -121,12 +122,13 @@ HWY_INLINE Ints Times(int32_t c, Ints v) {
 // Up to kTriangleLanes lines along the direction, each with a tiny triangle between whose corners it lies.
 //   entries   as in SiftedLines; padded
 HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const CornerList& triangles,
-                      const uint32_t* entries, size_t count, PackedEdges& out) {
+                      const uint16_t* entries, size_t count, PackedEdges& out) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
   const Ints zero = hn::Zero(d), one = Fill(1);
   const std::array<Ints3, 3> v = LoadCornersAt(triangles, entries);
-  const Ints entry = hn::BitCast(d, hn::LoadU(du, entries));
+  const hn::Rebind<uint16_t, Lanes> d16;
+  const Ints entry = hn::PromoteTo(d, hn::LoadU(d16, entries));
   const Ints less_a = hn::And(hn::ShiftRight<SiftedLines::kPlaceBits>(entry), one);
   const Ints less_b = hn::ShiftRight<SiftedLines::kPlaceBits + 1>(entry);
   const FormValues first(scene.all.forms[direction.form[0]], v, less_a);
@@ -200,24 +202,22 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   out.Grow(selected.count());
 }
 
-//   list   memory
-void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines& lines, NumberList& list,
+//   list   memory, of as many entries as `lines`
+void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines& lines, uint16_t* list,
               PackedEdges& out) {
-  const hn::RebindToUnsigned<Lanes> du;
+  const hn::ScalableTag<uint16_t> d;
   for (size_t direction = 0; direction < scene.directions.size(); ++direction) {
-    list.Clear();
-    list.Reserve(lines.size);
-    const auto bit = hn::Set(du, 1U << direction);
-    uint32_t* end = list.end();
-    for (size_t n = 0; n < lines.size; n += kTriangleLanes) {
-      const auto wanted = hn::TestBit(hn::LoadU(du, lines.directions + n), bit);
-      end += AppendLanes(du, hn::LoadU(du, lines.entries + n), wanted, end);
+    const auto bit = hn::Set(d, static_cast<uint16_t>(1 << direction));
+    size_t count = 0;
+    for (size_t n = 0; n < lines.size; n += hn::Lanes(d)) {
+      const SelectedShorts<decltype(d)> wanted(d, hn::TestBit(hn::LoadU(d, lines.directions + n), bit));
+      wanted.Store(hn::LoadU(d, lines.entries + n), list + count);
+      count += wanted.count();
     }
-    const auto count = static_cast<size_t>(end - list.end());
-    std::fill_n(end, kTriangleLanes, 0);
+    std::fill_n(list + count, kTriangleLanes, 0);
     out.Reserve(count);
     for (size_t n = 0; n < count; n += kTriangleLanes) {
-      Cross(scene, scene.directions[direction], triangles, list.end() + n, std::min(kTriangleLanes, count - n), out);
+      Cross(scene, scene.directions[direction], triangles, list + n, std::min(kTriangleLanes, count - n), out);
     }
   }
 }
@@ -243,7 +243,7 @@ struct TinyCrossings::State {
   TileEdges& edges;
   std::unique_ptr<TileEdges::Part> part;
   SiftedLines lines = {};
-  NumberList list = {};
+  uint16_t list[SiftedLines::kMost + SiftedLines::kSlack] = {};
   PackedEdges found = {};
 };
 

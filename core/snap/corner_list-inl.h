@@ -59,7 +59,8 @@ HWY_INLINE std::array<Ints3, 3> LoadCorners(const CornerList& list, size_t first
 }
 
 // The same of those at some places: the low bits, below kMost, of each of kTriangleLanes numbers.
-HWY_INLINE std::array<Ints3, 3> LoadCornersAt(const CornerList& list, const uint32_t* places) {
+template <class Place>
+HWY_INLINE std::array<Ints3, 3> LoadCornersAt(const CornerList& list, const Place* places) {
   return LoadCorners([&](size_t corner, size_t n)
                          HWY_ATTR { return list.corners[corner][places[n] & (CornerList::kMost - 1)].data(); });
 }
