@@ -28,21 +28,26 @@ struct Chunk {
 // Goes through chunks, one after the other, in one thread.
 class ChunkPass {
  public:
-  //   tiny   null: none is to be taken for tiny
-  //   marks  of is_tiny, or null
-  ChunkPass(const SnappedMesh& mesh, const LineForms& forms, bool few_touch, TinyCrossings* tiny, uint8_t* marks)
-      : mesh_(mesh), forms_(forms), few_touch_(few_touch), tiny_(tiny), marks_(marks) {}
+  //   origin  of tiny ones' lists
+  //   tiny    null: none is to be taken for tiny
+  //   marks   of is_tiny, or null
+  ChunkPass(const SnappedMesh& mesh, const LineForms& forms, bool few_touch, const Vec3i& origin, TinyCrossings* tiny,
+            uint8_t* marks)
+      : mesh_(mesh), forms_(forms), few_touch_(few_touch), origin_(origin), tiny_(tiny), marks_(marks) {}
 
   Chunk Do(size_t begin, size_t end) {
     Chunk chunk;
     kept_.clear();
     if (marks_ != nullptr) std::fill(marks_ + begin, marks_ + end, 1);  // those that no line can meet, too
-    ForEachList(mesh_, begin, end, *list_, [&] {
-      chunk.sums.Add(*list_);
+    for (size_t first = begin; first < end; first += CornerList::kMost) {
+      chunk.sums.AddAndList(mesh_, first, std::min(CornerList::kMost, end - first), origin_, *list_);
       if (few_touch_) KeepTouching(forms_, *list_);
-      if (tiny_ != nullptr) return tiny_->Find(*list_, kept_, marks_);
-      kept_.insert(kept_.end(), list_->triangles, list_->triangles + list_->size);
-    });
+      if (tiny_ != nullptr) {
+        tiny_->Find(*list_, kept_, marks_);
+      } else {
+        kept_.insert(kept_.end(), list_->triangles, list_->triangles + list_->size);
+      }
+    }
     chunk.kept = kept_;  // no larger than it must be
     return chunk;
   }
@@ -51,6 +56,7 @@ class ChunkPass {
   const SnappedMesh& mesh_;
   const LineForms& forms_;
   const bool few_touch_;
+  const Vec3i origin_;
   TinyCrossings* const tiny_;
   uint8_t* const marks_;
   const std::unique_ptr<CornerList> list_ = std::make_unique<CornerList>();
@@ -74,7 +80,7 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
     std::optional<TinyCrossings> tiny;
     if (find_tiny) tiny.emplace(frames, box, edges);
-    ChunkPass pass(mesh, forms, fineness.few_touch, tiny ? &*tiny : nullptr, marks);
+    ChunkPass pass(mesh, forms, fineness.few_touch, TinyCrossings::Origin(edges), tiny ? &*tiny : nullptr, marks);
     for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
       chunks[n] = pass.Do(n * kChunk, std::min((n + 1) * kChunk, count));
     }

@@ -60,10 +60,8 @@ using ShortMask = hn::Mask<ShortLanes>;
 constexpr size_t kSiftLanes = 2 * kTriangleLanes;
 static_assert(kSiftLanes <= SiftedLines::kSlack && kSiftLanes <= CornerList::kSlack);
 
-// Positions are within kNearest of a voxel close to the triangle, else it is not taken for tiny; values of forms are
-// sums of kMaxFrameRow of these at most.
-constexpr int16_t kNearest = 16 * kLatticeUnit;
-static_assert(kMaxFrameRow * kNearest < 1 << 15 && std::has_single_bit(uint16_t{kNearest}));
+// Of a triangle that is near: values of forms are sums of kMaxFrameRow coordinates at most. Others are not tiny.
+static_assert(kMaxFrameRow * CornerList::kNear < 1 << 15);
 
 // |x|, |y| < (kMostIntegers + 1) * kLatticeUnit are given kScaleBits more, and their products lose 16: they are then in
 // units of 2^kLostBits, and their differences fit. Of a triangle that is not tiny, these mean nothing.
@@ -82,12 +80,8 @@ struct Values {
 
   HWY_INLINE Values(const LineForms& forms, const std::array<Shorts3, 3>& v) {
     const ShortLanes d;
-    const Shorts zero = hn::Zero(d);
-    Shorts off = zero, least = zero;
-    several = zero;
-    for (size_t c = 1; c < 3; ++c) {  // the first corner is near
-      for (const Shorts x : v[c]) off = hn::Or(off, hn::Add(x, FillShort(kNearest)));
-    }
+    Shorts least = hn::Zero(d);
+    several = least;
     for (size_t n = 0; n < forms.forms.size(); ++n) {
       const Shorts3 value = ValuesOf(d, forms.forms[n], v);
       const Shorts first = hn::ShiftRight<kSubvoxelBits>(hn::Min(value[0], hn::Min(value[1], value[2])));
@@ -99,8 +93,7 @@ struct Values {
       const Shorts from = hn::ShiftLeft<kSubvoxelBits>(last);
       for (size_t c = 0; c < 3; ++c) relative[n][c] = hn::ShiftLeft<kScaleBits>(hn::Sub(value[c], from));
     }
-    const Shorts too_far = hn::And(off, FillShort(-2 * kNearest));
-    tiny = hn::And(hn::Eq(too_far, zero), hn::Gt(least, FillShort(-kMostIntegers - 1)));
+    tiny = hn::And(AreNear(d, v), hn::Gt(least, FillShort(-kMostIntegers - 1)));
   }
 };
 
@@ -174,56 +167,12 @@ HWY_INLINE Shorts3 MoreDirectionsOf(const LineForms& forms, const Values& values
   return directions;
 }
 
-// Two vectors in one. In what order is left to the processor; it is always the same.
-HWY_INLINE Shorts Both(Ints a, Ints b) { return hn::ReorderDemote2To(ShortLanes(), a, b); }
-
-// The corners of kSiftLanes triangles, by axis, relative to the voxel of the first one; what does not fit is as far
-// away as can be.
-//   u, v   corners of half of them, and of the others
-HWY_INLINE std::array<Shorts3, 3> Near(const std::array<Ints3, 3>& u, const std::array<Ints3, 3>& v) {
-  std::array<Shorts3, 3> near;
-  for (size_t m = 0; m < 3; ++m) {
-    const Ints fraction = Fill(kLatticeUnit - 1);
-    near[0][m] = Both(hn::And(fraction, u[0][m]), hn::And(fraction, v[0][m]));
-    const Ints from_u = hn::AndNot(fraction, u[0][m]), from_v = hn::AndNot(fraction, v[0][m]);
-    for (size_t c = 1; c < 3; ++c) near[c][m] = Both(hn::Sub(u[c][m], from_u), hn::Sub(v[c][m], from_v));
-  }
-  return near;
-}
-
-// Of a mask, bits in the order of places, not lanes.
-class BitOrder {
- public:
-  HWY_INLINE explicit BitOrder(Shorts place_of) { hn::StoreU(place_of, ShortLanes(), place_of_); }
-
-  HWY_INLINE uint64_t operator()(ShortMask mask) const {
-    uint64_t lanes = 0, places = 0;
-    hn::StoreMaskBits(ShortLanes(), mask, reinterpret_cast<uint8_t*>(&lanes));
-    for (; lanes != 0; lanes &= lanes - 1) places |= uint64_t{1} << place_of_[std::countr_zero(lanes)];
-    return places;
-  }
-
- private:
-  static_assert(kSiftLanes <= 64);
-  int16_t place_of_[kSiftLanes];
-};
-
-// Calls f(half of the one, half of the other) for both halves, in lanes of 32 bits.
-template <class F>
-HWY_INLINE void ForEachHalf(Shorts a, Shorts b, const F& f) {
-  const hn::Half<ShortLanes> half;
-  const auto wide = [&](hn::Vec<hn::Half<ShortLanes> > of) HWY_ATTR { return hn::PromoteTo(Lanes(), of); };
-  f(wide(hn::LowerHalf(half, a)), wide(hn::LowerHalf(half, b)));
-  f(wide(hn::UpperHalf(half, a)), wide(hn::UpperHalf(half, b)));
-}
-
 // Appends those of the places whose sign is set in `which` to a list.
-HWY_INLINE void AppendPlaces(Shorts places, Shorts which, uint32_t*& end) {
-  const hn::RebindToUnsigned<Lanes> du;
-  ForEachHalf(places, which, [&](Ints place, Ints sign) HWY_ATTR {
-    const auto selected = hn::RebindMask(du, hn::Lt(sign, hn::Zero(Lanes())));
-    end += AppendLanes(du, hn::BitCast(du, place), selected, end);
-  });
+HWY_INLINE void AppendPlaces(Shorts places, Shorts which, uint16_t*& end) {
+  const ShortLanes d;
+  const SelectedShorts<ShortLanes> some(d, hn::Lt(which, hn::Zero(d)));
+  some.Store(places, end);
+  end += some.count();
 }
 
 // Appends those of a vector of directions that are not 0, with their entries.
@@ -240,13 +189,12 @@ void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLine
                  uint8_t* is_tiny) {
   const ShortLanes d;
   lines.size = 0;
-  uint32_t again[CornerList::kMost + CornerList::kSlack];
-  uint32_t* again_end = again;
-  const Ints order = StoredOrder();
-  const Shorts place_of = Both(order, hn::Add(order, Fill(kTriangleLanes)));  // from the first one's
-  const BitOrder in_order(place_of);
+  uint16_t again[CornerList::kMost + CornerList::kSlack];
+  uint16_t* again_end = again;
+  const Shorts place_of = StoredOrder(d);  // from the first one's
+  const LaneOrder in_order(d, place_of);
   for (size_t n = 0; n < triangles.size; n += kSiftLanes) {
-    const Values values(forms, Near(LoadStored(triangles, n), LoadStored(triangles, n + kTriangleLanes)));
+    const Values values(forms, LoadStored(d, triangles, n));
     const ShortMask given = hn::Lt(place_of, FillShort(static_cast<int>(std::min(triangles.size - n, kSiftLanes))));
     const Shorts directions = hn::IfThenElseZero(given, DirectionsOf(forms, values));
     const Shorts several = hn::IfThenElseZero(hn::And(given, values.tiny), values.several);
@@ -267,12 +215,11 @@ void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLine
 
   const auto count = static_cast<size_t>(again_end - again);
   std::fill_n(again_end, kSiftLanes, 0);
-  const Shorts lane = Both(hn::Iota(Lanes(), 0), hn::Iota(Lanes(), static_cast<int>(kTriangleLanes)));
+  const Shorts lane = hn::Iota(d, 0);
   for (size_t n = 0; n < count; n += kSiftLanes) {
-    const uint32_t *low = again + n, *high = low + kTriangleLanes;
-    const Values values(forms, Near(LoadCornersAt(triangles, low), LoadCornersAt(triangles, high)));
-    const hn::RebindToUnsigned<Lanes> du;
-    const Shorts places = Both(hn::BitCast(Lanes(), hn::LoadU(du, low)), hn::BitCast(Lanes(), hn::LoadU(du, high)));
+    Shorts3 voxel;
+    const Values values(forms, LoadCornersAt(d, triangles, again + n, voxel));
+    const Shorts places = hn::LoadU(d, reinterpret_cast<const int16_t*>(again + n));
     const ShortMask given = hn::Lt(lane, FillShort(static_cast<int>(std::min(count - n, kSiftLanes))));
     const Shorts3 directions = MoreDirectionsOf(forms, values);
     for (int which = 1; which <= 3; ++which) {

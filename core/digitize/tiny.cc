@@ -74,11 +74,9 @@ static_assert(2 * kMaxPairs <= kPackedDirections);
 struct Scene {
   LineForms all;
   std::vector<Direction> directions;
-  Vec3i first;      // voxel of the first tile, local
-  IndexBox wanted;  // relative to it
+  IndexBox wanted;  // from the first tile's voxel
 
-  Scene(const std::vector<ScanFrame>& frames, const IndexBox& box, const Vec3i& first_tile)
-      : all(frames), first(first_tile * kTileSide) {
+  Scene(const std::vector<ScanFrame>& frames, const IndexBox& box, const Vec3i& first) : all(frames) {
     for (size_t n = 0; n < frames.size(); ++n) directions.push_back(DirectionOf(frames[n].frame, all, n));
     for (size_t m = 0; m < 3; ++m) {
       wanted.min[m] = std::max(box.min[m] - first[m], 0);
@@ -102,21 +100,41 @@ void CrossAll(const Scene&, const CornerList&, const SiftedLines&, uint16_t*, Pa
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Lanes of 16 bits, eight at least: where triangles are fewer, those behind them mean nothing.
+using ShortLanes = hn::FixedTag<int16_t, std::max<size_t>(kTriangleLanes, 8)>;
+using Shorts = hn::Vec<ShortLanes>;
+using Shorts3 = std::array<Shorts, 3>;
+
+HWY_INLINE Shorts FillShort(int n) { return hn::Set(ShortLanes(), static_cast<int16_t>(n)); }
+
+HWY_INLINE Ints Widened(Shorts v) {
+#if HWY_MAX_BYTES > 16
+  return hn::PromoteTo(Lanes(), v);
+#else
+  return hn::PromoteTo(Lanes(), hn::LowerHalf(hn::Half<ShortLanes>(), v));
+#endif
+}
+HWY_INLINE Ints3 Widened(const Shorts3& v) { return {Widened(v[0]), Widened(v[1]), Widened(v[2])}; }
+
 // A form's values at the corners of a tiny triangle, relative to the integer `from`.
 struct FormValues {
-  Ints3 relative;
-  Ints first, from;  // floors of the least and the largest, or less
+  Shorts3 relative;
+  Shorts first, from;  // floors of the least and the largest, or less
 
-  HWY_INLINE FormValues(const Vec3i& form, const std::array<Ints3, 3>& v, Ints less)
-      : relative(ValuesOf(Lanes(), form, v)) {
-    first = hn::ShiftRight<kSubvoxelBits>(Least(relative[0], relative[1], relative[2]));
-    from = hn::Sub(hn::ShiftRight<kSubvoxelBits>(Most(relative[0], relative[1], relative[2])), less);
-    for (Ints& value : relative) value = hn::Sub(value, hn::ShiftLeft<kSubvoxelBits>(from));
+  HWY_INLINE FormValues(const Vec3i& form, const ShortCorners<ShortLanes>& v, Shorts less)
+      : relative(ValuesOf(ShortLanes(), form, v)) {
+    first = hn::ShiftRight<kSubvoxelBits>(hn::Min(relative[0], hn::Min(relative[1], relative[2])));
+    from = hn::Sub(hn::ShiftRight<kSubvoxelBits>(hn::Max(relative[0], hn::Max(relative[1], relative[2]))), less);
+    for (Shorts& value : relative) value = hn::Sub(value, hn::ShiftLeft<kSubvoxelBits>(from));
   }
 };
 
-HWY_INLINE Ints Times(int32_t c, Ints v) {
-  return c == 0 ? hn::Zero(Lanes()) : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(Fill(c), v);
+template <class D, class V = hn::Vec<D> >
+HWY_INLINE V Times(D d, int32_t c, V v) {
+  return c == 0    ? hn::Zero(d)
+         : c == 1  ? v
+         : c == -1 ? hn::Neg(v)
+                   : hn::Mul(hn::Set(d, static_cast<hn::TFromD<D> >(c)), v);
 }
 
 // Up to kTriangleLanes lines along the direction, each with a tiny triangle between whose corners it lies.
@@ -126,15 +144,16 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
   const Ints zero = hn::Zero(d), one = Fill(1);
-  const std::array<Ints3, 3> v = LoadCornersAt(triangles, entries);
-  const hn::Rebind<uint16_t, Lanes> d16;
-  const Ints entry = hn::PromoteTo(d, hn::LoadU(d16, entries));
-  const Ints less_a = hn::And(hn::ShiftRight<SiftedLines::kPlaceBits>(entry), one);
-  const Ints less_b = hn::ShiftRight<SiftedLines::kPlaceBits + 1>(entry);
+  const ShortLanes ds;
+  Shorts3 voxel;
+  const ShortCorners<ShortLanes> v = LoadCornersAt(ds, triangles, entries, voxel);
+  const Shorts entry = hn::LoadU(ds, reinterpret_cast<const int16_t*>(entries));
+  const Shorts less_a = hn::And(hn::ShiftRight<SiftedLines::kPlaceBits>(entry), FillShort(1));
+  const Shorts less_b = hn::ShiftRight<SiftedLines::kPlaceBits + 1>(entry);
   const FormValues first(scene.all.forms[direction.form[0]], v, less_a);
   const FormValues second(scene.all.forms[direction.form[1]], v, less_b);
-  const FormValues third(scene.all.forms[direction.form[2]], v, zero);
-  const Ints3 &x = first.relative, &y = second.relative;
+  const FormValues third(scene.all.forms[direction.form[2]], v, hn::Zero(ds));
+  const Ints3 x = Widened(first.relative), y = Widened(second.relative);
   const Ints3 e{Minor(x[0], x[1], y[0], y[1]), Minor(x[1], x[2], y[1], y[2]), Minor(x[2], x[0], y[2], y[0])};
   const Ints3 weight{hn::Abs(e[1]), hn::Abs(e[2]), hn::Abs(e[0])};
   Ints3 side = e;
@@ -153,19 +172,19 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   // From here on in units of the voxel, `whole`, along the direction: depth * D, D = area.
   const Ints area = hn::Add(hn::Add(weight[0], weight[1]), weight[2]);
   const Ints whole = hn::ShiftLeft<kSubvoxelBits>(area), half = hn::ShiftRight<1>(whole);
-  Ints3 z = third.relative;
-  Ints depth;
+  Shorts3 z = third.relative;
+  Shorts from;
   if (direction.z_is_negated) {
-    depth = hn::Not(third.from);  // -from - 1
-    for (Ints& at : z) at = hn::Sub(Fill(kLatticeUnit), at);
+    from = hn::Not(third.from);  // -from - 1
+    for (Shorts& at : z) at = hn::Sub(FillShort(kLatticeUnit), at);
   } else {
-    depth = third.first;
-    const Ints above = hn::ShiftLeft<kSubvoxelBits>(hn::Sub(third.from, third.first));
-    for (Ints& at : z) at = hn::Add(at, above);
+    from = third.first;
+    const Shorts above = hn::ShiftLeft<kSubvoxelBits>(hn::Sub(third.from, third.first));
+    for (Shorts& at : z) at = hn::Add(at, above);
   }
-  Ints rest = hn::Add(DotOf(weight, z), half);
+  Ints rest = hn::Add(DotOf(weight, Widened(z)), half);
   constexpr int kMostWhole = kMostIntegers + 1;  // z <= kMostWhole * U
-  depth = hn::Add(depth, Fill(kMostWhole));
+  Ints depth = Widened(hn::Add(from, FillShort(kMostWhole)));
   for (int n = 0; n < kMostWhole; ++n) {
     const Ints less = hn::Sub(rest, whole);  // if negative, unsigned it is not the lesser one
     rest = hn::BitCast(d, hn::Min(hn::BitCast(du, rest), hn::BitCast(du, less)));
@@ -175,7 +194,8 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   if (!hn::AllFalse(d, midway)) {
     // The shift moves the plane down along the direction iff its normal, upward along the direction, has a first
     // nonzero entry below 0.
-    const auto upward = hn::Gt(FirstNonzero(CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]))), zero);
+    const Ints3 a = Widened(v[0]), b = Widened(v[1]), c = Widened(v[2]);
+    const auto upward = hn::Gt(FirstNonzero(CrossOf(Minus(b, a), Minus(c, a))), zero);
     const auto backward = direction.turned ? hn::Not(negative) : negative;
     const auto down = hn::AndNot(hn::Xor(upward, backward), midway);
     const auto beneath = hn::And(down, hn::Eq(rest, zero));
@@ -186,9 +206,9 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
 
   Ints tile = zero, edge = zero;
   for (size_t m = 0; m < 3; ++m) {
-    const Ints local = hn::Add(Times(direction.q[m], depth),
-                               hn::Add(Times(direction.u[0][m], first.from), Times(direction.u[1][m], second.from)));
-    const Ints at = hn::Sub(local, Fill(scene.first[m]));
+    const Shorts line = hn::Add(Times(ds, direction.u[0][m], first.from), Times(ds, direction.u[1][m], second.from));
+    const Ints from_voxel = hn::Add(Widened(line), Times(d, direction.q[m], depth));
+    const Ints at = hn::Add(from_voxel, hn::Sub(Widened(voxel[m]), Fill(CornerList::kFirstVoxel)));
     crossed =
         hn::And(crossed, hn::And(hn::Gt(at, Fill(scene.wanted.min[m] - 1)), hn::Lt(at, Fill(scene.wanted.max[m]))));
     tile = hn::Or(hn::ShiftLeft<kPackedTileBits>(tile), hn::ShiftRight<kTileBits>(at));
@@ -214,7 +234,7 @@ void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines
       wanted.Store(hn::LoadU(d, lines.entries + n), list + count);
       count += wanted.count();
     }
-    std::fill_n(list + count, kTriangleLanes, 0);
+    std::fill_n(list + count, hn::MaxLanes(ShortLanes()), 0);
     out.Reserve(count);
     for (size_t n = 0; n < count; n += kTriangleLanes) {
       Cross(scene, scene.directions[direction], triangles, list + n, std::min(kTriangleLanes, count - n), out);
@@ -248,7 +268,7 @@ struct TinyCrossings::State {
 };
 
 TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges)
-    : state_(new State{Scene(frames, box, edges.first_tile()), edges, edges.Take()}) {}
+    : state_(new State{Scene(frames, box, Origin(edges)), edges, edges.Take()}) {}
 
 TinyCrossings::~TinyCrossings() { state_->edges.Give(std::move(state_->part)); }
 

@@ -23,6 +23,9 @@ class TinyCrossings {
   TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges);
   ~TinyCrossings();
 
+  // What voxels of the lists of triangles must be counted from.
+  static Vec3i Origin(const TileEdges& edges) { return edges.first_tile() * kTileSide; }
+
   // Finds all edges, in all directions, that the tiny ones of the triangles cross. Others go to `kept`, as Sift says.
   void Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny);
 

@@ -17,10 +17,11 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_TOUCHING_CC_ONCE
 namespace {
 
-bool Touches(const LineForms& forms, const std::array<Vec3i, 3>& v) {
+bool Touches(const LineForms& forms, const CornerList& list, size_t place) {
+  if (!list.IsNear(place)) return true;
   std::array<bool, kMaxForms> between{};
   for (size_t n = 0; n < forms.between; ++n) {
-    const auto floor = [&](size_t corner) { return Dot(forms.forms[n], v[corner]) >> kSubvoxelBits; };
+    const auto floor = [&](size_t corner) { return Dot(forms.forms[n], list.Corner(corner, place)) >> kSubvoxelBits; };
     between[n] = floor(0) != floor(1) || floor(0) != floor(2);
   }
   return std::any_of(forms.of_frame.begin(), forms.of_frame.end(),
@@ -30,7 +31,7 @@ bool Touches(const LineForms& forms, const std::array<Vec3i, 3>& v) {
 void KeepPlain(const LineForms& forms, CornerList& list) {
   const size_t count = std::exchange(list.size, 0);
   for (size_t n = 0; n < count; ++n) {
-    if (Touches(forms, {list.Corner(0, n), list.Corner(1, n), list.Corner(2, n)})) list.Keep(n);
+    if (Touches(forms, list, n)) list.Keep(n);
   }
 }
 
@@ -50,26 +51,27 @@ void KeepInLanes(const LineForms& forms, CornerList& list) { KeepPlain(forms, li
 namespace hn = hwy::HWY_NAMESPACE;
 
 void KeepInLanes(const LineForms& forms, CornerList& list) {
-  const Lanes d;
+  const hn::ScalableTag<int16_t> d;
+  using ShortMask = hn::Mask<decltype(d)>;
   const size_t count = std::exchange(list.size, 0);
-  for (size_t first = 0; first < count; first += kTriangleLanes) {
-    const std::array<Ints3, 3> v = LoadCorners(list, first);
-    // A bit for each form between whose floors at the corners there is a difference.
-    Ints between = hn::Zero(d);
+  const auto place_of = StoredOrder(d);
+  const LaneOrder in_order(d, place_of);
+  for (size_t first = 0; first < count; first += hn::Lanes(d)) {
+    const auto v = LoadStored(d, list, first);
+    ShortMask between[kMaxForms];  // of each form, whether there is a difference between its floors at the corners
     for (size_t n = 0; n < forms.between; ++n) {
-      const Ints3 value = ValuesOf(d, forms.forms[n], v);
-      const Ints differs = hn::Or(hn::Xor(value[0], value[1]), hn::Xor(value[0], value[2]));
-      const auto same_floor = hn::Eq(hn::ShiftRight<kSubvoxelBits>(differs), hn::Zero(d));
-      between = hn::Or(between, hn::IfThenZeroElse(same_floor, Fill(1 << n)));
+      const auto value = ValuesOf(d, forms.forms[n], v);
+      const auto differs = hn::Or(hn::Xor(value[0], value[1]), hn::Xor(value[0], value[2]));
+      between[n] = hn::Ne(hn::ShiftRight<kSubvoxelBits>(differs), hn::Zero(d));
     }
-    auto touches = hn::FirstN(d, 0);
+    auto touches = hn::Not(AreNear(d, v));
     for (const auto& frame : forms.of_frame) {
-      const Ints both = Fill(1 << frame.form[0] | 1 << frame.form[1]);
-      touches = hn::Or(touches, hn::Eq(hn::And(between, both), both));
+      touches = hn::Or(touches, hn::And(between[frame.form[0]], between[frame.form[1]]));
     }
-    uint64_t bits = 0;
-    hn::StoreMaskBits(d, hn::And(touches, hn::FirstN(d, count - first)), reinterpret_cast<uint8_t*>(&bits));
-    for (; bits != 0; bits &= bits - 1) list.Keep(first + static_cast<size_t>(std::countr_zero(bits)));
+    const auto given = hn::Lt(place_of, hn::Set(d, static_cast<int16_t>(count - first)));
+    for (uint64_t bits = in_order(hn::And(touches, given)); bits != 0; bits &= bits - 1) {
+      list.Keep(first + static_cast<size_t>(std::countr_zero(bits)));
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-// Reading corners out of a list into lanes.
+// Reading corners out of a list into lanes, and writing them there.
 #if defined(LATVOX_CORE_SNAP_CORNER_LIST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SNAP_CORNER_LIST_INL_H_
 #undef LATVOX_CORE_SNAP_CORNER_LIST_INL_H_
@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include <array>
+#include <bit>
 
 #include "core/snap/corner_list.h"
 #include "core/snap/triangle_lanes-inl.h"
@@ -22,47 +23,120 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The corners, by axis, of kTriangleLanes triangles from place `first` on, a multiple of that, in the order in which
-// loading them takes least: lane n holds the one at first + StoredOrder()[n].
-HWY_INLINE std::array<Ints3, 3> LoadStored(const CornerList& list, size_t first) {
-  const Lanes d;
-  std::array<Ints3, 3> v;
-  for (size_t n = 0; n < 3; ++n) {
-    const int32_t* rows = list.corners[n][first].data();
-    v[n] = ColumnsOf({hn::Load(d, rows), hn::Load(d, rows + kTriangleLanes), hn::Load(d, rows + 2 * kTriangleLanes),
-                      hn::Load(d, rows + 3 * kTriangleLanes)});
-  }
-  return v;
-}
-inline constexpr size_t kStoredRows = kTriangleLanes / 4;  // of a vector: so far apart are neighbours in four lanes
-HWY_INLINE Ints StoredOrder() {
-  int32_t order[kTriangleLanes];
-  for (size_t n = 0; n < kTriangleLanes; ++n) order[n] = static_cast<int32_t>(n % 4 * kStoredRows + n / 4);
-  return hn::LoadU(Lanes(), order);
+// Of a vector of D, which has lanes of 16 bits, eight or more: as many triangles.
+template <class D>
+using ShortCorners = std::array<std::array<hn::Vec<D>, 3>, 3>;  // by axis
+
+// In each eight lanes, rows become columns: the first three, and those from the fifth to the seventh on.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void ColumnsOf(D d, const std::array<V, 8>& rows, std::array<V, 3>& first, std::array<V, 3>& second) {
+  const hn::RepartitionToWide<D> d32;
+  const hn::RepartitionToWide<decltype(d32)> d64;
+  // What four rows have in lanes 0, 1; 2, 3; 4, 5; 6, 7.
+  const auto four = [&](size_t n) HWY_ATTR {
+    const auto low_01 = hn::BitCast(d32, hn::InterleaveLower(d, rows[n], rows[n + 1]));
+    const auto low_23 = hn::BitCast(d32, hn::InterleaveLower(d, rows[n + 2], rows[n + 3]));
+    const auto high_01 = hn::BitCast(d32, hn::InterleaveUpper(d, rows[n], rows[n + 1]));
+    const auto high_23 = hn::BitCast(d32, hn::InterleaveUpper(d, rows[n + 2], rows[n + 3]));
+    return std::array{hn::BitCast(d64, hn::InterleaveLower(d32, low_01, low_23)),
+                      hn::BitCast(d64, hn::InterleaveUpper(d32, low_01, low_23)),
+                      hn::BitCast(d64, hn::InterleaveLower(d32, high_01, high_23)),
+                      hn::BitCast(d64, hn::InterleaveUpper(d32, high_01, high_23))};
+  };
+  const auto upper = four(0), lower = four(4);
+  const auto three = [&](size_t n) HWY_ATTR {
+    return std::array<V, 3>{hn::BitCast(d, hn::InterleaveLower(d64, upper[n], lower[n])),
+                            hn::BitCast(d, hn::InterleaveUpper(d64, upper[n], lower[n])),
+                            hn::BitCast(d, hn::InterleaveLower(d64, upper[n + 1], lower[n + 1]))};
+  };
+  first = three(0);
+  second = three(2);
 }
 
-// The same in their order.
-HWY_INLINE std::array<Ints3, 3> LoadCorners(const CornerList& list, size_t first) {
-  const Lanes d;
-  int32_t lane_of[kTriangleLanes];
-  for (size_t n = 0; n < kTriangleLanes; ++n) {
-    lane_of[n] = static_cast<int32_t>(n % kStoredRows * 4 + n / kStoredRows);
+// The corners of the triangles from place `first` on, in the order in which loading them takes least: StoredOrder.
+template <class D>
+HWY_INLINE ShortCorners<D> LoadStored(D d, const CornerList& list, size_t first) {
+  const auto rows = [&](const CornerList::Row* of) HWY_ATTR {
+    std::array<hn::Vec<D>, 8> loaded;
+    for (size_t n = 0; n < 8; ++n) loaded[n] = hn::LoadU(d, of[first + n * (hn::MaxLanes(D()) / 8)].data());
+    return loaded;
+  };
+  ShortCorners<D> v;
+  std::array<hn::Vec<D>, 3> voxel;
+  ColumnsOf(d, rows(list.first_two), v[0], v[1]);
+  ColumnsOf(d, rows(list.third_and_voxel), v[2], voxel);
+  return v;
+}
+
+// Lane n holds the one at first + StoredOrder()[n].
+template <class D>
+HWY_INLINE hn::Vec<D> StoredOrder(D d) {
+  constexpr size_t kLanes = hn::MaxLanes(D());
+  int16_t order[kLanes];
+  for (size_t n = 0; n < kLanes; ++n) order[n] = static_cast<int16_t>(n % 8 * (kLanes / 8) + n / 8);
+  return hn::LoadU(d, order);
+}
+
+// Of a mask of vectors in that order, bits in the order of places.
+template <class D>
+class LaneOrder {
+ public:
+  HWY_INLINE LaneOrder(D d, hn::Vec<D> place_of) { hn::StoreU(place_of, d, place_of_); }
+
+  HWY_INLINE uint64_t operator()(hn::Mask<D> mask) const {
+    uint64_t lanes = 0, places = 0;
+    hn::StoreMaskBits(D(), mask, reinterpret_cast<uint8_t*>(&lanes));
+    for (; lanes != 0; lanes &= lanes - 1) places |= uint64_t{1} << place_of_[std::countr_zero(lanes)];
+    return places;
   }
-  const auto lanes = hn::SetTableIndices(d, lane_of);
-  std::array<Ints3, 3> v = LoadStored(list, first);
-  if constexpr (kStoredRows > 1) {
-    for (Ints3& corner : v) {
-      for (Ints& column : corner) column = hn::TableLookupLanes(column, lanes);
+
+ private:
+  static_assert(hn::MaxLanes(D()) <= 64);
+  int16_t place_of_[hn::MaxLanes(D())];
+};
+
+// The same of those at some places: the low bits, below kMost, of as many numbers. And the voxels of their first
+// corners, as the list has them.
+template <class D>
+HWY_INLINE ShortCorners<D> LoadCornersAt(D d, const CornerList& list, const uint16_t* places,
+                                         std::array<hn::Vec<D>, 3>& voxel) {
+  const auto rows = [&](const CornerList::Row* of) HWY_ATTR {
+    std::array<hn::Vec<D>, 8> loaded;
+    for (size_t n = 0; n < 8; ++n) {
+      loaded[n] =
+          LoadRows(d, [&](size_t m) HWY_ATTR { return of[places[8 * m + n] & (CornerList::kMost - 1)].data(); });
     }
-  }
+    return loaded;
+  };
+  ShortCorners<D> v;
+  ColumnsOf(d, rows(list.first_two), v[0], v[1]);
+  ColumnsOf(d, rows(list.third_and_voxel), v[2], voxel);
   return v;
 }
 
-// The same of those at some places: the low bits, below kMost, of each of kTriangleLanes numbers.
-template <class Place>
-HWY_INLINE std::array<Ints3, 3> LoadCornersAt(const CornerList& list, const Place* places) {
-  return LoadCorners([&](size_t corner, size_t n)
-                         HWY_ATTR { return list.corners[corner][places[n] & (CornerList::kMost - 1)].data(); });
+// Which triangles are near: see CornerList.
+template <class D>
+HWY_INLINE hn::Mask<D> AreNear(D d, const ShortCorners<D>& v) {
+  auto off = hn::Zero(d);
+  for (size_t n = 1; n < 3; ++n) {  // the first corner is near
+    for (const auto& x : v[n]) off = hn::Or(off, hn::Add(x, hn::Set(d, CornerList::kNear)));
+  }
+  return hn::Eq(hn::And(off, hn::Set(d, static_cast<int16_t>(-2 * CornerList::kNear))), hn::Zero(d));
+}
+
+// Writes the corners of as many triangles as there are blocks of 128 bits, each block x, y, z and anything: those at
+// `place` and behind.
+//   origin   of the list, as such blocks
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void StoreCorners(D d, V a, V b, V c, V origin, CornerList& list, size_t place) {
+  const hn::RepartitionToNarrow<D> narrow;
+  const V fraction = hn::Set(d, kLatticeUnit - 1), low = hn::AndNot(fraction, a);
+  const V voxel = hn::Add(hn::Sub(hn::ShiftRight<kSubvoxelBits>(a), origin), hn::Set(d, CornerList::kFirstVoxel));
+  // Saturates, and interleaves block by block.
+  const auto two = hn::ReorderDemote2To(narrow, hn::And(fraction, a), hn::Sub(b, low));
+  const auto others = hn::ReorderDemote2To(narrow, hn::Sub(c, low), voxel);
+  hn::StoreU(two, narrow, list.first_two[place].data());
+  hn::StoreU(others, narrow, list.third_and_voxel[place].data());
 }
 
 #endif

@@ -1,8 +1,8 @@
-// The corners of a list of triangles, side by side: kernels that come back to them need not look at the mesh again.
+// The corners of a list of triangles, side by side, in 16 bits a number: kernels that come back to them need not look
+// at the mesh again.
 #ifndef LATVOX_CORE_SNAP_CORNER_LIST_H_
 #define LATVOX_CORE_SNAP_CORNER_LIST_H_
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -12,40 +12,42 @@
 
 namespace latvox {
 
+// Corners are in lattice units from the low corner of the first one's voxel. A triangle is near if all of them are less
+// than kNear away from there on each axis; of others, numbers are those next to the true ones that fit.
 // Whole vectors can be read; what lies behind the list means nothing.
 struct CornerList {
   static constexpr size_t kMost = 1024, kSlack = 64;  // small beside a core's second-level cache
+  static constexpr int16_t kNear = 16 * kLatticeUnit;
+  static constexpr int32_t kFirstVoxel = INT16_MIN;  // what stands for the origin, below which no voxel is
+
+  using Row = std::array<int16_t, 8>;  // twice three numbers, each with one behind that means nothing
 
   size_t size = 0;
-  uint32_t triangles[kMost + kSlack];                             // their numbers
-  alignas(64) std::array<int32_t, 4> corners[3][kMost + kSlack];  // of vertices_lat; the fourth number means nothing
+  uint32_t triangles[kMost + kSlack];               // their numbers
+  alignas(64) Row first_two[kMost + kSlack];        // corners
+  alignas(64) Row third_and_voxel[kMost + kSlack];  // third corner; voxel of the first one, from the origin
 
-  // Of the mesh's triangles from `first` on, up to kMost of them.
-  void Fill(const SnappedMesh& mesh, size_t first, size_t count);
+  // Sets the corners at a place.
+  //   origin   local voxel, less than 2^16 below the first corner's on each axis; else the voxel means nothing
+  void SetCorners(size_t place, const std::array<Vec3i, 3>& v, const Vec3i& origin);
+
+  bool IsNear(size_t place) const;
+  Vec3i Corner(size_t n, size_t place) const {
+    const int16_t* const of = n < 2 ? &first_two[place][4 * n] : third_and_voxel[place].data();
+    return {of[0], of[1], of[2]};
+  }
 
   // Appends the triangle at a place >= size, which was in the list before `size` was set back: so some are left out.
   void Keep(size_t place) {
     triangles[size] = triangles[place];
-    for (auto& corner : corners) corner[size] = corner[place];
+    first_two[size] = first_two[place];
+    third_and_voxel[size] = third_and_voxel[place];
     ++size;
-  }
-
-  Vec3i Corner(size_t n, size_t place) const {
-    const auto& corner = corners[n][place];
-    return {corner[0], corner[1], corner[2]};
   }
 };
 static_assert(std::has_single_bit(CornerList::kMost) && CornerList::kMost < 1 << 15,
               "places are masked, and fit 16 bits");
-
-// Calls f() with `list` filled with the mesh's triangles from `begin` to `end`, one part after the other.
-template <class F>
-void ForEachList(const SnappedMesh& mesh, size_t begin, size_t end, CornerList& list, F&& f) {
-  for (size_t first = begin; first < end; first += CornerList::kMost) {
-    list.Fill(mesh, first, std::min(CornerList::kMost, end - first));
-    f();
-  }
-}
+static_assert(std::has_single_bit(static_cast<uint16_t>(CornerList::kNear)));
 
 }  // namespace latvox
 

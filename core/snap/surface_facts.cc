@@ -21,8 +21,10 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 
-#include "core/snap/corner_list.h"
+#include "core/snap/corner_list-inl.h"
+#include "core/snap/padded_vertices.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -59,18 +61,25 @@ Hash HashOf(const Vec3i& position) {
   return {hash.low64, hash.high64};
 }
 
-// Counts a triangle of the list if it has no area. Whether its edges count: no two of its corners are equal.
-bool HasEdges(const CornerList& list, size_t place, SurfaceSums& sums) {
-  const Vec3i a = list.Corner(0, place), b = list.Corner(1, place), c = list.Corner(2, place);
+using Corners = std::array<Vec3i, 3>;
+
+// Counts a triangle if it has no area. Whether its edges count: no two of its corners are equal.
+bool HasEdges(const Corners& v, SurfaceSums& sums) {
+  const auto& [a, b, c] = v;
   if (HasArea(a, b, c)) return true;
   ++sums.degenerate;
   return a != b && b != c && c != a;
 }
 
-void AddPlain(const CornerList& list, SurfaceSums& sums) {
-  for (size_t t = 0; t < list.size; ++t) {
-    if (!HasEdges(list, t, sums)) continue;
-    const Hash a = HashOf(list.Corner(0, t)), b = HashOf(list.Corner(1, t)), c = HashOf(list.Corner(2, t));
+//   list   null: none is to be filled
+void AddPlain(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
+              SurfaceSums& sums) {
+  for (size_t t = 0; t < count; ++t) {
+    const auto& [i, j, k] = mesh.triangles[first + t];
+    const Corners v{mesh.vertices_lat[i], mesh.vertices_lat[j], mesh.vertices_lat[k]};
+    if (list != nullptr) list->SetCorners(t, v, origin);
+    if (!HasEdges(v, sums)) continue;
+    const Hash a = HashOf(v[0]), b = HashOf(v[1]), c = HashOf(v[2]);
     for (size_t n = 0; n < 2; ++n) {
       const Hash product = Multiply(a[n] ^ b[n], a[n] ^ c[n]);
       for (size_t m = 0; m < 2; ++m) sums.products[n][m] ^= product[m];
@@ -91,7 +100,10 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which has no vectors of two
 
-void AddInLanes(const CornerList& list, SurfaceSums& sums) { AddPlain(list, sums); }
+void AddInLanes(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
+                SurfaceSums& sums) {
+  AddPlain(mesh, first, count, origin, list, sums);
+}
 
 #else
 
@@ -127,53 +139,99 @@ HWY_INLINE uint64_t ZeroBlocks(hn::Vec<Positions> v) {
   return lanes & lanes >> 2 & kFirstLanes;
 }
 
-void AddInLanes(const CornerList& list, SurfaceSums& sums) {
-  const Positions d;
-  const Hashes dh;
-  alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0};
-  alignas(16) static constexpr uint8_t kRotation[] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
-  const auto axes = hn::LoadDup128(d, kAxes), rotation = hn::BitCast(d, hn::LoadDup128(Bytes(), kRotation));
-  const auto rotated = [&](auto v) HWY_ATTR { return hn::TableLookupBytes(v, rotation); };
-  auto first = hn::Zero(dh), second = first, corners = first;
-  for (size_t t = 0; t < list.size; t += kBlocks) {
-    const auto load = [&](size_t n) HWY_ATTR { return hn::And(hn::LoadU(d, list.corners[n][t].data()), axes); };
-    const auto a = load(0), b = load(1), c = load(2);
+// The sums of some triangles.
+class Sums {
+ public:
+  HWY_INLINE Sums() : first_(hn::Zero(Hashes())), second_(first_), corners_(first_) {}
+
+  // Adds the first `count` of kBlocks triangles, which have these corners.
+  HWY_INLINE void Add(hn::Vec<Positions> a, hn::Vec<Positions> b, hn::Vec<Positions> c, size_t count,
+                      SurfaceSums& sums) {
+    const Positions d;
+    alignas(16) static constexpr int32_t kAxes[] = {-1, -1, -1, 0};
+    alignas(16) static constexpr uint8_t kRotation[] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
+    const auto axes = hn::LoadDup128(d, kAxes), rotation = hn::BitCast(d, hn::LoadDup128(Bytes(), kRotation));
+    const auto rotated = [&](auto v) HWY_ATTR { return hn::TableLookupBytes(v, rotation); };
+    a = hn::And(a, axes);
+    b = hn::And(b, axes);
+    c = hn::And(c, axes);
     auto h = HashesOf(a), x = hn::Xor(h, HashesOf(b));
     const auto y = hn::Xor(h, HashesOf(c));
     // The axes of (b - a) x (c - a) modulo 2^32, rotated.
     const auto u = hn::Sub(b, a), v = hn::Sub(c, a);
     const auto normal = hn::Sub(hn::Mul(u, rotated(v)), hn::Mul(rotated(u), v));
     const uint64_t flat = ZeroBlocks(normal);
-    const size_t here = std::min(kBlocks, list.size - t);
-    if (flat != 0 || here < kBlocks) {
+    if (flat != 0 || count < kBlocks) {
       uint64_t counts = 0;  // triangles whose edges count
       // If so, products are below 2^30, and the normal is exact.
       const auto fits = hn::Lt(hn::Max(hn::Abs(u), hn::Abs(v)), hn::Set(d, 1 << 15));
-      if (here == kBlocks && hn::AllTrue(d, fits)) {
+      if (count == kBlocks && hn::AllTrue(d, fits)) {
         sums.degenerate += static_cast<uint64_t>(std::popcount(flat));
         counts = ~(ZeroBlocks(u) | ZeroBlocks(v) | ZeroBlocks(hn::Sub(u, v)));
       } else {
-        for (size_t n = 0; n < here; ++n) counts |= uint64_t{HasEdges(list, t + n, sums)} << 4 * n;
+        std::array<int32_t, 4> corners[3][kBlocks];
+        hn::StoreU(a, d, corners[0]->data());
+        hn::StoreU(b, d, corners[1]->data());
+        hn::StoreU(c, d, corners[2]->data());
+        for (size_t n = 0; n < count; ++n) {
+          Corners of;
+          for (size_t m = 0; m < 3; ++m) of[m] = {corners[m][n][0], corners[m][n][1], corners[m][n][2]};
+          counts |= uint64_t{HasEdges(of, sums)} << 4 * n;
+        }
       }
       const uint64_t lanes = (counts & kFirstLanes) * 0xF;
       const auto kept = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lanes));
-      const auto keep = [&](auto& hashes)
-                            HWY_ATTR { hashes = hn::BitCast(dh, hn::IfThenElseZero(kept, hn::BitCast(d, hashes))); };
+      const auto keep = [&](auto& hashes) HWY_ATTR {
+        hashes = hn::BitCast(Hashes(), hn::IfThenElseZero(kept, hn::BitCast(d, hashes)));
+      };
       keep(h);
       keep(x);
     }
-    first = hn::Xor(first, hn::CLMulLower(x, y));
-    second = hn::Xor(second, hn::CLMulUpper(x, y));
-    corners = hn::Xor(corners, h);
+    first_ = hn::Xor(first_, hn::CLMulLower(x, y));
+    second_ = hn::Xor(second_, hn::CLMulUpper(x, y));
+    corners_ = hn::Xor(corners_, h);
   }
-  const auto add = [&](auto blocks, Hash& sum) HWY_ATTR {
-    Hash hashes[kBlocks];
-    hn::StoreU(blocks, dh, hashes->data());
-    for (const Hash& hash : hashes) sum = {sum[0] ^ hash[0], sum[1] ^ hash[1]};
-  };
-  add(first, sums.products[0]);
-  add(second, sums.products[1]);
-  add(corners, sums.corners);
+
+  HWY_INLINE void AddTo(SurfaceSums& sums) const {
+    const auto add = [&](auto blocks, Hash& sum) HWY_ATTR {
+      Hash hashes[kBlocks];
+      hn::StoreU(blocks, Hashes(), hashes->data());
+      for (const Hash& hash : hashes) sum = {sum[0] ^ hash[0], sum[1] ^ hash[1]};
+    };
+    add(first_, sums.products[0]);
+    add(second_, sums.products[1]);
+    add(corners_, sums.corners);
+  }
+
+ private:
+  hn::Vec<Hashes> first_, second_, corners_;
+};
+
+// Memory is asked for what is wanted some triangles from here; and for the numbers of their vertices before, since
+// processors that look ahead by themselves stop at the end of each page.
+void AddInLanes(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
+                SurfaceSums& sums) {
+  constexpr size_t kVerticesAhead = 256, kNumbersAhead = 512;  // triangles
+  const Positions d;
+  const PaddedVertices vertices(mesh);
+  const std::array<uint32_t, 3>* const numbers = &mesh.triangles[first];
+  const size_t last = mesh.triangles.size() - 1 - first;
+  alignas(16) const int32_t low[] = {origin[0], origin[1], origin[2], 0};
+  const auto origins = hn::LoadDup128(d, low);
+  Sums some;
+  for (size_t t = 0; t < count; t += kBlocks) {
+    const auto corner = [&](size_t c) HWY_ATTR {
+      return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[numbers[std::min(t + m, count - 1)][c]]; });
+    };
+    const auto a = corner(0), b = corner(1), c = corner(2);
+    hwy::Prefetch(&numbers[std::min(t + kNumbersAhead, last)]);
+    for (size_t m = 0; m < kBlocks; ++m) {
+      for (const uint32_t vertex : numbers[std::min(t + m + kVerticesAhead, last)]) hwy::Prefetch(vertices[vertex]);
+    }
+    if (list != nullptr) StoreCorners(d, a, b, c, origins, *list, t);
+    some.Add(a, b, c, std::min(kBlocks, count - t), sums);
+  }
+  some.AddTo(sums);
 }
 
 #endif
@@ -194,8 +252,17 @@ namespace latvox {
 
 HWY_EXPORT(AddInLanes);
 
-void SurfaceSums::Add(const CornerList& triangles) {
-  SimdIsScalar() ? AddPlain(triangles, *this) : HWY_DYNAMIC_DISPATCH(AddInLanes)(triangles, *this);
+void SurfaceSums::Add(const SnappedMesh& mesh, size_t first, size_t count) {
+  if (SimdIsScalar()) return AddPlain(mesh, first, count, {}, nullptr, *this);
+  HWY_DYNAMIC_DISPATCH(AddInLanes)(mesh, first, count, {}, nullptr, *this);
+}
+
+void SurfaceSums::AddAndList(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin,
+                             CornerList& list) {
+  list.size = count;
+  std::iota(list.triangles, list.triangles + count, static_cast<uint32_t>(first));
+  if (SimdIsScalar()) return AddPlain(mesh, first, count, origin, &list, *this);
+  HWY_DYNAMIC_DISPATCH(AddInLanes)(mesh, first, count, origin, &list, *this);
 }
 
 void SurfaceSums::Add(const SurfaceSums& other) {
@@ -218,8 +285,7 @@ SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled
   const SurfaceSums sums = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), SurfaceSums{},
       [&](const Part& part, SurfaceSums s) {
-        CornerList list;
-        if (!cancelled) ForEachList(mesh, part.begin(), part.end(), list, [&] { s.Add(list); });
+        if (!cancelled) s.Add(mesh, part.begin(), part.size());
         return s;
       },
       [](SurfaceSums a, const SurfaceSums& b) {

@@ -18,7 +18,10 @@ struct SurfaceFacts {
 // The same in the making: triangles may be added in any order, and sums of parts added up, all on the same kernels, of
 // which each kind has its own hash.
 struct SurfaceSums {
-  void Add(const CornerList& triangles);
+  //   count   triangles from the `first` one on
+  void Add(const SnappedMesh& mesh, size_t first, size_t count);
+  // Fills the list with these, too, since their corners are at hand: CornerList::kMost at most.
+  void AddAndList(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList& list);
   void Add(const SurfaceSums& other);
   SurfaceFacts Facts() const;
 

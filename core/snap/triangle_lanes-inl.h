@@ -107,11 +107,11 @@ class LaneNumbers {
 
 #if HWY_TARGET != HWY_SCALAR  // which has no vectors of four
 
-// Vectors of four side by side, at row(0), row(1), ... By way of memory they would have to be written before they could
-// be read: a load waits for several stores that it spans.
+// Vectors of 128 bits side by side, at row(0), row(1), ... By way of memory they would have to be written before they
+// could be read: a load waits for several stores that it spans.
 template <size_t kFirst = 0, class D, class Row>
 HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
-  constexpr size_t kRows = hn::MaxLanes(D()) / 4;
+  constexpr size_t kRows = hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) / 16;
   if constexpr (kRows == 1) {
     return hn::LoadU(d, row(kFirst));
   } else {

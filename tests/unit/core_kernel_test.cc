@@ -37,7 +37,7 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
         for (const Simd simd : SimdHere()) {
           const ForcedSimd forced(simd);
           std::vector<uint32_t> touching;
-          ForEachList(mesh, [&](CornerList& list) {
+          ForEachList(mesh, {}, [&](CornerList& list) {
             KeepTouching(LineForms(frames), list);
             touching.insert(touching.end(), list.triangles, list.triangles + list.size);
           });

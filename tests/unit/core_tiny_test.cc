@@ -47,7 +47,7 @@ Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, co
 void FindAll(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges,
              std::vector<uint32_t>& kept, uint8_t* is_tiny) {
   TinyCrossings crossings(frames, box, edges);
-  ForEachList(mesh, [&](const CornerList& list) { crossings.Find(list, kept, is_tiny); });
+  ForEachList(mesh, TinyCrossings::Origin(edges), [&](const CornerList& list) { crossings.Find(list, kept, is_tiny); });
 }
 
 TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {

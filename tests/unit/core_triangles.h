@@ -14,6 +14,7 @@
 #include "core/digitize/principal_scan.h"
 #include "core/snap/corner_list.h"
 #include "core/snap/snap.h"
+#include "core/snap/surface_facts.h"
 #include "tests/unit/dose.h"
 
 namespace latvox {
@@ -40,9 +41,13 @@ inline std::vector<uint32_t> Iota(size_t size) {
 
 // Calls f(CornerList&) for all triangles, list after list.
 template <class F>
-void ForEachList(const SnappedMesh& mesh, F&& f) {
+void ForEachList(const SnappedMesh& mesh, const Vec3i& origin, F&& f) {
   const auto list = std::make_unique<CornerList>();
-  ForEachList(mesh, 0, mesh.triangles.size(), *list, [&] { f(*list); });
+  const size_t count = mesh.triangles.size();
+  for (size_t first = 0; first < count; first += CornerList::kMost) {
+    SurfaceSums().AddAndList(mesh, first, std::min(CornerList::kMost, count - first), origin, *list);
+    f(*list);
+  }
 }
 
 inline Vec3i ReachOf(const std::vector<ScanFrame>& frames) {
