@@ -212,24 +212,34 @@ class Sums {
 void AddInLanes(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
                 SurfaceSums& sums) {
   constexpr size_t kVerticesAhead = 256, kNumbersAhead = 512;  // triangles
+  using Numbers = std::array<uint32_t, 3>;
   const Positions d;
   const PaddedVertices vertices(mesh);
-  const std::array<uint32_t, 3>* const numbers = &mesh.triangles[first];
-  const size_t last = mesh.triangles.size() - 1 - first;
+  const Numbers* const numbers = &mesh.triangles[first];
+  const size_t left = mesh.triangles.size() - first;
   alignas(16) const int32_t low[] = {origin[0], origin[1], origin[2], 0};
   const auto origins = hn::LoadDup128(d, low);
   Sums some;
-  for (size_t t = 0; t < count; t += kBlocks) {
-    const auto corner = [&](size_t c) HWY_ATTR {
-      return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[numbers[std::min(t + m, count - 1)][c]]; });
-    };
+  const auto add = [&](const Numbers* of, size_t t, size_t given) HWY_ATTR {
+    const auto corner = [&](size_t c)
+                            HWY_ATTR { return LoadRows(d, [&](size_t m) HWY_ATTR { return vertices[of[m][c]]; }); };
     const auto a = corner(0), b = corner(1), c = corner(2);
-    hwy::Prefetch(&numbers[std::min(t + kNumbersAhead, last)]);
-    for (size_t m = 0; m < kBlocks; ++m) {
-      for (const uint32_t vertex : numbers[std::min(t + m + kVerticesAhead, last)]) hwy::Prefetch(vertices[vertex]);
-    }
     if (list != nullptr) StoreCorners(d, a, b, c, origins, *list, t);
-    some.Add(a, b, c, std::min(kBlocks, count - t), sums);
+    some.Add(a, b, c, given, sums);
+  };
+  size_t t = 0;
+  for (; t + kBlocks <= count; t += kBlocks) {
+    hwy::Prefetch(numbers + std::min(t + kNumbersAhead, left - kBlocks));
+    const Numbers* const ahead = numbers + std::min(t + kVerticesAhead, left - kBlocks);
+    for (size_t m = 0; m < kBlocks; ++m) {
+      for (const uint32_t vertex : ahead[m]) hwy::Prefetch(vertices[vertex]);
+    }
+    add(numbers + t, t, kBlocks);
+  }
+  if (t < count) {
+    Numbers padded[kBlocks];
+    for (size_t m = 0; m < kBlocks; ++m) padded[m] = numbers[std::min(t + m, count - 1)];
+    add(padded, t, count - t);
   }
   some.AddTo(sums);
 }
