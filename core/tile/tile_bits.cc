@@ -57,6 +57,30 @@ void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set,
   }
 }
 
+void Separate(const uint32_t* words, std::span<const uint32_t> numbers, std::span<const uint32_t> others,
+              NumberList& in_numbers, NumberList& in_others, NumberList& out) {
+  const Numbers d;
+  size_t n = 0;
+  for (; n + kLanes <= numbers.size(); n += kLanes) {
+    const auto members = Members(words, numbers.data() + n);
+    const auto number = hn::LoadU(d, numbers.data() + n), other = hn::LoadU(d, others.data() + n);
+    const SelectedLanes<Numbers> in(d, members);
+    in.Store(number, in_numbers.end());
+    in.Store(other, in_others.end());
+    in_numbers.Grow(in.count());
+    in_others.Grow(in.count());
+    out.Grow(AppendLanes(d, other, hn::Not(members), out.end()));
+  }
+  for (; n < numbers.size(); ++n) {
+    if (IsMember(words, numbers[n])) {
+      in_numbers.Add(numbers[n]);
+      in_others.Add(others[n]);
+    } else {
+      out.Add(others[n]);
+    }
+  }
+}
+
 NumberRange Range(std::span<const uint32_t> numbers) {
   const Numbers d;
   NumberRange range;
@@ -136,6 +160,7 @@ namespace {
 
 HWY_EXPORT(Range);
 HWY_EXPORT(Find);
+HWY_EXPORT(Separate);
 HWY_EXPORT(FindFew);
 
 }  // namespace
@@ -172,6 +197,22 @@ void TileBits::Find(std::span<const uint32_t> numbers, bool in_set, NumberList& 
   if (!SimdIsScalar()) return HWY_DYNAMIC_DISPATCH(Find)(words_.data(), numbers, in_set, positions);
   for (size_t n = 0; n < numbers.size(); ++n) {
     if (Test(numbers[n] & kNumberMask) == in_set) positions.Add(static_cast<uint32_t>(n));
+  }
+}
+
+void TileBits::Separate(std::span<const uint32_t> numbers, std::span<const uint32_t> others, NumberList& in_numbers,
+                        NumberList& in_others, NumberList& out) const {
+  for (NumberList* list : {&in_numbers, &in_others, &out}) list->Reserve(numbers.size());
+  if (!SimdIsScalar()) {
+    return HWY_DYNAMIC_DISPATCH(Separate)(words_.data(), numbers, others, in_numbers, in_others, out);
+  }
+  for (size_t n = 0; n < numbers.size(); ++n) {
+    if (Test(numbers[n] & kNumberMask)) {
+      in_numbers.Add(numbers[n]);
+      in_others.Add(others[n]);
+    } else {
+      out.Add(others[n]);
+    }
   }
 }
 

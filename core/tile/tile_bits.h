@@ -115,6 +115,10 @@ class TileBits {
   // The positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.
   void Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const;
 
+  // Appends others[n] to `out` where numbers[n] is not in the set; where it is, both to `in_numbers` and `in_others`.
+  void Separate(std::span<const uint32_t> numbers, std::span<const uint32_t> others, NumberList& in_numbers,
+                NumberList& in_others, NumberList& out) const;
+
   // The same as Find(numbers, true, positions), faster where the set has few members. `members` are all of them;
   // others and duplicates do no harm.
   void FindFew(std::span<const uint32_t> numbers, std::span<const uint32_t> members, NumberList& positions) const;

@@ -219,9 +219,11 @@ void TileScan::FindRest(const TileContext& context) {
   if (any_tiny) essential_.Resize(layout_.Words());  // empty
   inner_.Clear();
   ForEachTinyBatch(context, [this](const Crossings& some) {
-    surface_.Find(some.farther.view(), false, positions_);
-    ForEachApart(positions_.size(), [&](size_t n) { essential_.Set(some.nearer[positions_[n]]); });
-    AddInner(some, essential_, false);
+    inside_.Clear();
+    outward_.Clear();
+    surface_.Separate(some.farther.view(), some.nearer.view(), inside_.farther, inside_.nearer, outward_);
+    ForEachApart(outward_.size(), [&](size_t n) { essential_.Set(outward_[n]); });
+    AddInner(inside_, essential_, false);
   });
   if (any_tiny) {
     essential_.Find(inner_.nearer.view(), false, positions_);

@@ -98,7 +98,9 @@ class TileScan {
   Candidates candidates_;                // of triangles_, or of the part of them at hand
   bool in_parts_ = false;
   NumberList positions_;
-  Crossings inner_;  // of tiny triangles, from members of rest_, or from what may become some
+  Crossings inside_;    // edges of tiny triangles with both ends in surface_
+  NumberList outward_;  // the nearer ends of others
+  Crossings inner_;     // of tiny triangles, from members of rest_, or from what may become some
   struct RimVoxel {
     uint32_t voxel;
     StarEdges star;

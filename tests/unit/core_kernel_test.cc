@@ -55,6 +55,55 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
   }
 }
 
+// Corners up to where the list cannot tell them, and lists that end within a vector.
+TEST(CornerList, HoldsCornersFromTheFirstOnesVoxelOnEachKernel) {
+  constexpr int32_t kFar = (kMaxExtent + kTileSide) * kLatticeUnit - 1;
+  std::mt19937 random(kSeed);
+  std::uniform_int_distribution<int32_t> anywhere(0, kFar), near(-CornerList::kNear - 2, CornerList::kNear + 2);
+  std::vector<Triangle> triangles;
+  size_t near_ones = 0;
+  for (size_t n = 0; n < 1001; ++n) {
+    Triangle triangle;
+    for (Vec3i& v : triangle) v = {anywhere(random), anywhere(random), anywhere(random)};
+    const Vec3i low = Shifted(triangle[0], kSubvoxelBits) * kLatticeUnit;
+    if (n % 3 != 0) triangle[2] = low + Vec3i{near(random), 5, -7};
+    if (n % 3 != 0) triangle[1] = low + Vec3i{8, n % 2 == 0 ? CornerList::kNear - 1 : -CornerList::kNear, 0};
+    triangles.push_back(triangle);
+  }
+  const SnappedMesh mesh = MeshOf(triangles);
+  const Vec3i origin{64, 0, 128};
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    for (const size_t count : {size_t{1}, size_t{6}, size_t{1001}}) {
+      const auto list = std::make_unique<CornerList>();
+      SurfaceSums().AddAndList(mesh, triangles.size() - count, count, origin, *list);
+      ASSERT_EQ(list->size, count);
+      for (size_t place = 0; place < count; ++place) {
+        const size_t t = triangles.size() - count + place;
+        ASSERT_EQ(list->triangles[place], t);
+        const Vec3i voxel = Shifted(triangles[t][0], kSubvoxelBits);
+        bool is_near = true;
+        for (size_t c = 0; c < 3; ++c) {
+          const Vec3i at = triangles[t][c] - voxel * kLatticeUnit, listed = list->Corner(c, place);
+          for (size_t m = 0; m < 3; ++m) {
+            ASSERT_EQ(listed[m], std::clamp(at[m], int32_t{INT16_MIN}, int32_t{INT16_MAX})) << SimdInUse();
+            is_near &= -CornerList::kNear <= at[m] && at[m] < CornerList::kNear;
+          }
+        }
+        for (size_t m = 0; m < 3; ++m) {
+          const int32_t from = voxel[m] - origin[m];
+          if (from >= 0 && from < 1 << 16) {
+            ASSERT_EQ(list->third_and_voxel[place][4 + m], from + CornerList::kFirstVoxel) << SimdInUse();
+          }
+        }
+        ASSERT_EQ(list->IsNear(place), is_near);
+        near_ones += is_near ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(near_ones, triangles.size() / 2);
+}
+
 TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
   const Vec3i tile_min{0, 64, 0};
   const BitsLayout layout(tile_min, {8, 8, 8});
@@ -114,7 +163,7 @@ TEST(StarEdges, AreNoneWherePlanesAreFarOnEachKernel) {
   }
 }
 
-TEST(TileBits, FindIsWhatTestSaysOnEachKernel) {
+TEST(TileBits, FindAndSeparateAreWhatTestSaysOnEachKernel) {
   std::mt19937 random(kSeed);
   const BitsLayout layout({0, 0, 0}, {3, 3, 3});
   const auto last = static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1);
@@ -138,6 +187,17 @@ TEST(TileBits, FindIsWhatTestSaysOnEachKernel) {
       EXPECT_EQ(list(first), in) << SimdInUse();
       bits.Find(numbers, false, first);
       EXPECT_EQ(list(first), out) << SimdInUse();
+      NumberList in_numbers, in_places, out_places;  // of places as the others; what is there stays
+      out_places.Reserve(1);
+      out_places.Add(7);
+      bits.Separate(numbers, Iota(size), in_numbers, in_places, out_places);
+      EXPECT_EQ(list(in_places), in) << SimdInUse();
+      ASSERT_EQ(in_numbers.size(), in.size()) << SimdInUse();
+      for (size_t n = 0; n < in.size(); ++n) EXPECT_EQ(in_numbers[n], numbers[in[n]]) << SimdInUse();
+      std::vector<uint32_t> after_7 = list(out_places);
+      ASSERT_EQ(after_7.front(), 7U);
+      after_7.erase(after_7.begin());
+      EXPECT_EQ(after_7, out) << SimdInUse();
     }
   }
 }
