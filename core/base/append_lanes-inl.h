@@ -88,8 +88,16 @@ class SelectedLanes {
 #endif
 };
 
+// The same for one vector; returns how many.
+template <class D>
+HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESPACE::Mask<D> mask, uint32_t* to) {
+  const SelectedLanes<D> selected(d, mask);
+  selected.Store(v, to);
+  return selected.count();
+}
+
 #if HWY_TARGET != HWY_SCALAR  // which has no halves
-// The same of lanes of 16 bits.
+// SelectedLanes of 16 bits.
 template <class D>
 class SelectedShorts {
  public:
@@ -105,7 +113,7 @@ class SelectedShorts {
     namespace hn = hwy::HWY_NAMESPACE;
     const hn::RebindToUnsigned<D> du;
     const auto numbers = hn::BitCast(du, v);
-#if HWY_TARGET == HWY_AVX3_DL  // others compress lanes of 32 bits
+#if HWY_TARGET <= HWY_AVX3_DL  // others compress lanes of 32 bits
     hn::StoreU(hn::Compress(numbers, hn::RebindMask(du, mask_)), du, to);
 #else
     const hn::Half<decltype(du)> half;
@@ -114,7 +122,7 @@ class SelectedShorts {
     const auto append = [&](auto of, auto which) HWY_ATTR {
       const auto mask = hn::Ne(hn::PromoteTo(wide, which), hn::Zero(wide));
       const SelectedLanes<decltype(wide)> some(wide, mask);
-      uint32_t lanes[HWY_LANES(uint32_t)];
+      uint32_t lanes[HWY_LANES(uint32_t)] = {};
       some.Store(hn::PromoteTo(wide, of), lanes);
       hn::StoreU(hn::TruncateTo(half, hn::LoadU(wide, lanes)), half, to);
       to += some.count();
@@ -129,14 +137,6 @@ class SelectedShorts {
   size_t count_;
 };
 #endif
-
-// The same for one vector; returns how many.
-template <class D>
-HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESPACE::Mask<D> mask, uint32_t* to) {
-  const SelectedLanes<D> selected(d, mask);
-  selected.Store(v, to);
-  return selected.count();
-}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

@@ -28,7 +28,7 @@ struct Chunk {
 // Goes through chunks, one after the other, in one thread.
 class ChunkPass {
  public:
-  //   origin  of tiny ones' lists
+  //   origin  of lists of corners
   //   tiny    null: none is to be taken for tiny
   //   marks   of is_tiny, or null
   ChunkPass(const SnappedMesh& mesh, const LineForms& forms, bool few_touch, const Vec3i& origin, TinyCrossings* tiny,
@@ -69,7 +69,10 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
                           const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
                           UninitializedVector<uint8_t>* is_tiny) {
   const size_t count = mesh.triangles.size();
-  const bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
+  const Vec3i origin = TinyCrossings::Origin(edges);
+  bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
+  // The box, of voxels that a half-edge leads from to the mesh, may begin one voxel above it.
+  for (size_t m = 0; m < 3; ++m) find_tiny &= mesh.box.max[m] - origin[m] < CornerList::kVoxels;
   uint8_t* marks = nullptr;
   if (find_tiny && is_tiny != nullptr) {
     is_tiny->resize(count);
@@ -80,7 +83,7 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
     std::optional<TinyCrossings> tiny;
     if (find_tiny) tiny.emplace(frames, box, edges);
-    ChunkPass pass(mesh, forms, fineness.few_touch, TinyCrossings::Origin(edges), tiny ? &*tiny : nullptr, marks);
+    ChunkPass pass(mesh, forms, fineness.few_touch, origin, tiny ? &*tiny : nullptr, marks);
     for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
       chunks[n] = pass.Do(n * kChunk, std::min((n + 1) * kChunk, count));
     }

@@ -26,9 +26,7 @@ struct LineForms {
   explicit LineForms(const std::vector<ScanFrame>& frames);
 };
 
-// Rows 0 and 1 of all frames have a bit each in a mask of 32; with rows 2 there are some more.
 inline constexpr size_t kMaxForms = 3 * kMaxPairs;
-static_assert(2 * kMaxPairs < 32);
 
 }  // namespace latvox
 

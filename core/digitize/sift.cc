@@ -60,9 +60,6 @@ using ShortMask = hn::Mask<ShortLanes>;
 constexpr size_t kSiftLanes = 2 * kTriangleLanes;
 static_assert(kSiftLanes <= SiftedLines::kSlack && kSiftLanes <= CornerList::kSlack);
 
-// Of a triangle that is near: values of forms are sums of kMaxFrameRow coordinates at most. Others are not tiny.
-static_assert(kMaxFrameRow * CornerList::kNear < 1 << 15);
-
 // |x|, |y| < (kMostIntegers + 1) * kLatticeUnit are given kScaleBits more, and their products lose 16: they are then in
 // units of 2^kLostBits, and their differences fit. Of a triangle that is not tiny, these mean nothing.
 constexpr int kScaleBits = 5, kLostBits = 16 - 2 * kScaleBits;

@@ -11,8 +11,9 @@
 
 namespace latvox {
 
-// A triangle is tiny if no more than two integers lie between the values of each form at its corners: then it meets
-// four lattice lines of each direction at most. The scalar kernel takes none for tiny.
+// A triangle is tiny if it is near (core/snap/corner_list.h), and no more than two integers lie between the values of
+// each form at its corners: then it meets four lattice lines of each direction at most. The scalar kernel takes none
+// for tiny.
 inline constexpr int kMostIntegers = 2;
 
 // Lines that may meet tiny triangles of a list. Entry n stands for one line along each direction whose
@@ -27,7 +28,7 @@ struct SiftedLines {
   uint16_t entries[kMost + kSlack];
   uint16_t directions[kMost + kSlack];  // behind the last, those of a vector's lanes are 0
 };
-static_assert(SiftedLines::kPlaceBits + 2 <= 16);
+static_assert(SiftedLines::kPlaceBits + 2 <= 15, "entries are not negative");
 static_assert(kMaxPairs < 16, "directions have a bit each in 16, of which one is a sign");
 
 // Finds all lines that meet tiny ones of the triangles, and few others. The numbers of triangles that are not tiny are

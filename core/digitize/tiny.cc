@@ -206,6 +206,7 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
 
   Ints tile = zero, edge = zero;
   for (size_t m = 0; m < 3; ++m) {
+    // |from| <= kMaxFrameRow * kNear / U + 1 = 65, and columns of U are minors of rows: within 2^12.
     const Shorts line = hn::Add(Times(ds, direction.u[0][m], first.from), Times(ds, direction.u[1][m], second.from));
     const Ints from_voxel = hn::Add(Widened(line), Times(d, direction.q[m], depth));
     const Ints at = hn::Add(from_voxel, hn::Sub(Widened(voxel[m]), Fill(CornerList::kFirstVoxel)));

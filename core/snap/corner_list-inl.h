@@ -43,11 +43,11 @@ HWY_INLINE void ColumnsOf(D d, const std::array<V, 8>& rows, std::array<V, 3>& f
                       hn::BitCast(d64, hn::InterleaveLower(d32, high_01, high_23)),
                       hn::BitCast(d64, hn::InterleaveUpper(d32, high_01, high_23))};
   };
-  const auto upper = four(0), lower = four(4);
+  const auto first_rows = four(0), last_rows = four(4);
   const auto three = [&](size_t n) HWY_ATTR {
-    return std::array<V, 3>{hn::BitCast(d, hn::InterleaveLower(d64, upper[n], lower[n])),
-                            hn::BitCast(d, hn::InterleaveUpper(d64, upper[n], lower[n])),
-                            hn::BitCast(d, hn::InterleaveLower(d64, upper[n + 1], lower[n + 1]))};
+    return std::array<V, 3>{hn::BitCast(d, hn::InterleaveLower(d64, first_rows[n], last_rows[n])),
+                            hn::BitCast(d, hn::InterleaveUpper(d64, first_rows[n], last_rows[n])),
+                            hn::BitCast(d, hn::InterleaveLower(d64, first_rows[n + 1], last_rows[n + 1]))};
   };
   first = three(0);
   second = three(2);

@@ -1,7 +1,6 @@
 #include "core/snap/corner_list.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace latvox {
 namespace {

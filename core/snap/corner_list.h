@@ -8,17 +8,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 
 namespace latvox {
 
-// Corners are in lattice units from the low corner of the first one's voxel. A triangle is near if all of them are less
-// than kNear away from there on each axis; of others, numbers are those next to the true ones that fit.
-// Whole vectors can be read; what lies behind the list means nothing.
+// Corners are in lattice units from the low corner of the first one's voxel. A triangle is near if all of them are
+// within -kNear .. kNear - 1 on each axis; of others, numbers are those next to the true ones that fit. Whole vectors
+// can be read; what lies behind the list means nothing.
 struct CornerList {
   static constexpr size_t kMost = 1024, kSlack = 64;  // small beside a core's second-level cache
   static constexpr int16_t kNear = 16 * kLatticeUnit;
-  static constexpr int32_t kFirstVoxel = INT16_MIN;  // what stands for the origin, below which no voxel is
+  // What stands for the origin's voxel, and how many there are from the one before it on, per axis.
+  static constexpr int32_t kFirstVoxel = INT16_MIN + 1, kVoxels = 1 << 16;
 
   using Row = std::array<int16_t, 8>;  // twice three numbers, each with one behind that means nothing
 
@@ -28,7 +30,8 @@ struct CornerList {
   alignas(64) Row third_and_voxel[kMost + kSlack];  // third corner; voxel of the first one, from the origin
 
   // Sets the corners at a place.
-  //   origin   local voxel, less than 2^16 below the first corner's on each axis; else the voxel means nothing
+  //   origin   local voxel: the first corner's is one of kVoxels from that before it on, per axis, else the voxel
+  //            means nothing
   void SetCorners(size_t place, const std::array<Vec3i, 3>& v, const Vec3i& origin);
 
   bool IsNear(size_t place) const;
@@ -48,6 +51,7 @@ struct CornerList {
 static_assert(std::has_single_bit(CornerList::kMost) && CornerList::kMost < 1 << 15,
               "places are masked, and fit 16 bits");
 static_assert(std::has_single_bit(static_cast<uint16_t>(CornerList::kNear)));
+static_assert(kMaxFrameRow * CornerList::kNear < 1 << 15, "rows of frames have values of 16 bits at near corners");
 
 }  // namespace latvox
 

@@ -112,6 +112,30 @@ TEST(FineMeshes, AreThoseWithManyTrianglesInEachTile) {
   }
 }
 
+// The lowest corner is just below a tile, which no voxel is that a line leads from to the mesh: tiles begin above it.
+TEST(FineMeshes, MayBeginBelowTheirFirstTileOnEachKernel) {
+  TriangleMesh mesh = FineSphere();
+  Vec3f low = mesh.vertices.front();
+  for (const Vec3f& v : mesh.vertices) {
+    for (size_t m = 0; m < 3; ++m) low[m] = std::min(low[m], v[m]);
+  }
+  Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  for (size_t m = 0; m < 3; ++m) grid.origin[m] = double{low[m]} - kTileSide + 0.25;
+  const auto frames = grid.lattice.frames(0);
+  const SnappedMesh snapped = *Snap(mesh, grid.lattice, grid.origin, ReachOf(frames));
+  ASSERT_TRUE(FinenessOf(snapped, MakeScanFrames(frames)).most_tiny);
+  for (const int32_t x : snapped.box.min) ASSERT_EQ(x % kTileSide, 0);
+  for (const int k : {0, 2}) {
+    std::string expected;
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      const std::string digest = Voxelize(mesh, grid, {.separability = k}, 2).totals.digest.ToHex();
+      if (expected.empty()) expected = digest;  // of plain C++, which comes first
+      EXPECT_EQ(digest, expected) << SimdInUse();
+    }
+  }
+}
+
 TEST(FineMeshes, HaveTheFactsOfAnyMesh) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   TriangleMesh open = FineSphere(), flat = FineSphere(), heaps = FineMesh(500);

@@ -50,8 +50,7 @@ void FindAll(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, cons
   ForEachList(mesh, TinyCrossings::Origin(edges), [&](const CornerList& list) { crossings.Find(list, kept, is_tiny); });
 }
 
-TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
-  const Vec3i tile_min{128, 64, 192};
+void ExpectAllEdges(const Vec3i& first_tile, const Vec3i& tile_min) {
   const IndexBox all{tile_min - Vec3i{64, 64, 64}, tile_min + Vec3i{128, 128, 128}};
   for (const ExactLattice& l : ExactLattices()) {
     for (int k : {0, 2}) {
@@ -60,7 +59,11 @@ TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
       const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
       const BitsLayout layout(tile_min, tile_min - box.min + reach);
       for (const int32_t size : {8, 40, 90, 200}) {
-        const auto triangles = TrianglesAround(tile_min, size, 3001);
+        auto triangles = TrianglesAround(tile_min, size, 3001);
+        for (size_t n = 0; n < triangles.size(); n += 50) {  // slivers with a corner that 16 bits do not hold
+          triangles[n][1] = triangles[n][0] + Vec3i{1 << 16, 1 << 16, 3};
+          triangles[n][2] = triangles[n][0] + Vec3i{40, 60, 5};
+        }
         const SnappedMesh mesh = MeshOf(triangles);
         Edges expected;
         for (const Triangle& triangle : triangles) AddEdges(triangle, frames, box, layout, expected);
@@ -69,7 +72,7 @@ TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
           SCOPED_TRACE(absl::StrCat(l.name, " k ", k, " size ", size, " ", std::string(SimdInUse())));
           // With the box within the margin of the tile, and beyond.
           for (const Vec3i& margin : {reach * 2, Vec3i{}}) {
-            TileEdges found(Shifted(all.min, kTileBits), margin);
+            TileEdges found(first_tile, margin);
             std::vector<uint32_t> others{7};  // what is there stays
             FindAll(mesh, frames, all, found, others, nullptr);
             found.Finish();
@@ -78,7 +81,7 @@ TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
             ASSERT_TRUE(std::is_sorted(others.begin(), others.end()));
             Edges edges = Collected(found, frames, tile_min, box, layout);
             if (size <= 40 && simd != Simd::kScalar) {
-              EXPECT_GE(edges.size(), expected.size() / 10 * 9);
+              EXPECT_LE(others.size(), triangles.size() / 10);
             }
             for (const uint32_t t : others) AddEdges(triangles[t], frames, box, layout, edges);
             ASSERT_EQ(edges, expected);
@@ -88,6 +91,11 @@ TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) {
     }
   }
 }
+
+TEST(TinyCrossings, AreAllEdgesOfTrianglesThatAreNotLeftOverOnEachKernel) { ExpectAllEdges({1, 0, 2}, {128, 64, 192}); }
+
+// Where voxels, counted from the first tile, take 16 bits.
+TEST(TinyCrossings, AreAllEdgesFarFromTheFirstTileOnEachKernel) { ExpectAllEdges({0, 0, 0}, {65280, 32704, 65280}); }
 
 TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyOnEachKernel) {
   const Vec3i tile_min{64, 0, 0};
@@ -99,7 +107,7 @@ TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyO
   for (const Simd simd : SimdHere()) {
     const ForcedSimd forced(simd);
     SCOPED_TRACE(std::string(SimdInUse()));
-    TileEdges found(Shifted(box.min, kTileBits), {});
+    TileEdges found(Shifted(tile_min, kTileBits) - Vec3i{1, 1, 1}, {});
     std::vector<uint32_t> kept;
     std::vector<uint8_t> is_tiny(triangles.size(), 7);
     FindAll(mesh, frames, box, found, kept, is_tiny.data());
