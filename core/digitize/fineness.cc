@@ -31,7 +31,7 @@ bool AreDense(const SnappedMesh& mesh, std::vector<Vec3i> tiles_of_sample) {
 Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames) {
   constexpr size_t kSample = 256, kManyTriangles = 16384;
   // Tiny triangles take their time for each line between their corners, the others mostly once.
-  constexpr size_t kFewLines = 8;
+  constexpr size_t kFewLines = 11;
   const size_t count = mesh.triangles.size();
   if (count < kManyTriangles) return {};
   const LineForms all(frames);
@@ -64,7 +64,7 @@ Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frame
   }
   const bool few_touch = touching < kSample / 4 * 3;
   const bool most_tiny =
-      tiny >= kSample / 8 * 5 && lines_of_tiny <= kFewLines * tiny && AreDense(mesh, std::move(tiles));
+      tiny >= kSample / 16 * 9 && lines_of_tiny <= kFewLines * tiny && AreDense(mesh, std::move(tiles));
   return {few_touch, most_tiny};
 }
 
