@@ -23,7 +23,7 @@ class TinyCrossings {
   TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges);
   ~TinyCrossings();
 
-  // What voxels of the lists of triangles must be counted from.
+  // The origin (core/snap/corner_list.h) that lists of triangles must have.
   static Vec3i Origin(const TileEdges& edges) { return edges.first_tile() * kTileSide; }
 
   // Finds all edges, in all directions, that the tiny ones of the triangles cross. Others go to `kept`, as Sift says.

@@ -14,6 +14,7 @@
 #define HWY_WANT_AVX3_DL  // for AES of whole vectors
 #include "core/snap/surface_facts.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 

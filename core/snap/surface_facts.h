@@ -21,6 +21,7 @@ struct SurfaceSums {
   //   count   triangles from the `first` one on
   void Add(const SnappedMesh& mesh, size_t first, size_t count);
   // Fills the list with these, too, since their corners are at hand: CornerList::kMost at most.
+  //   origin   as for CornerList::SetCorners
   void AddAndList(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList& list);
   void Add(const SurfaceSums& other);
   SurfaceFacts Facts() const;
