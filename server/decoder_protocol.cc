@@ -28,8 +28,8 @@ std::optional<T> As(absl::string_view frame) {
 }
 
 // Appends the elements to `out` unless they are no whole number, or more than are missing to `total`.
-template <class T>
-bool Append(absl::string_view frame, size_t total, std::vector<T>& out) {
+template <class T, class Allocator>
+bool Append(absl::string_view frame, size_t total, std::vector<T, Allocator>& out) {
   const size_t count = frame.size() / sizeof(T);
   if (frame.size() % sizeof(T) != 0 || count > total - out.size()) return false;
   const auto* first = reinterpret_cast<const T*>(frame.data());
@@ -113,7 +113,7 @@ MeshReceiver::Progress MeshReceiver::TakeHead(absl::string_view frame) {
 }
 
 MeshReceiver::Progress MeshReceiver::TakeVertices(absl::string_view frame) {
-  std::vector<Vec3f>& vertices = mesh_.mesh.vertices;
+  PaddedVector<Vec3f>& vertices = mesh_.mesh.vertices;
   const size_t before = vertices.size();
   if (!head_ || !Append(frame, head_->vertices, vertices)) return Progress::kBroken;
   bool finite = true;

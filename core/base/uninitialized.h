@@ -24,14 +24,11 @@ struct UninitializedAllocator : std::allocator<T> {
   };
   T* allocate(size_t count) {
     if (!IsLarge(count)) return std::allocator<T>::allocate(count);
-    const size_t bytes = (count * sizeof(T) + kHugePage - 1) & ~(kHugePage - 1);
-    void* const at = ::operator new (bytes, std::align_val_t{kHugePage});
-    AdviseHugePages(at, bytes);
-    return static_cast<T*>(at);
+    return static_cast<T*>(AllocatePages(count * sizeof(T)));
   }
   void deallocate(T* at, size_t count) {
     if (!IsLarge(count)) return std::allocator<T>::deallocate(at, count);
-    ::operator delete (at, std::align_val_t{kHugePage});
+    FreePages(at, count * sizeof(T));
   }
   void construct(T* at) { ::new (static_cast<void*>(at)) T; }
   template <class... Args>

@@ -9,12 +9,13 @@
 
 #include "absl/status/status.h"
 #include "core/base/cancelled.h"
+#include "core/base/uninitialized.h"
 #include "core/base/vec.h"
 
 namespace latvox {
 
 struct TriangleMesh {
-  std::vector<Vec3f> vertices;                     // world units
+  PaddedVector<Vec3f> vertices;                    // world units
   std::vector<std::array<uint32_t, 3>> triangles;  // indices into `vertices`
   // What voxels are to carry: of each vertex as many numbers as VoxelizeOptions.attributes, one vertex after the other.
   std::vector<uint32_t> attributes = {};

@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "core/snap/snap.h"
 
@@ -42,12 +43,16 @@ LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, size_t c
 void PlainRoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
                         size_t count, Vec3i* out) {
   for (size_t n = 0; n < count; ++n) {
-    const Vec3d v = ToLattice(map, vertices[n]);
+    Vec3f p;  // copied by bytes, as what replaces it: the compiler may take different types for different memory
+    std::memcpy(&p, vertices + n, sizeof(p));
+    const Vec3d v = ToLattice(map, p);
+    Vec3i rounded;
     for (size_t m = 0; m < 3; ++m) {
       const double clamped = std::min(std::max(range.min[m], v[m]), range.max[m]);
       const double units = (clamped * kLatticeUnit + kRounder) - kRounder;
-      out[n][m] = static_cast<int32_t>(units - static_cast<double>(base_ijk[m]) * kLatticeUnit);
+      rounded[m] = static_cast<int32_t>(units - static_cast<double>(base_ijk[m]) * kLatticeUnit);
     }
+    std::memcpy(out + n, &rounded, sizeof(rounded));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_format.h"
@@ -45,52 +46,66 @@ absl::Status CheckRange(const LatticeRange& range, double voxel_size) {
   return absl::OkStatus();
 }
 
-// Without triangles.
-absl::StatusOr<SnappedMesh> SnapVertices(const TriangleMesh& mesh, const Lattice& lattice, const Vec3d& origin,
-                                         const Vec3i& reach, const std::atomic<bool>& cancelled) {
+// How vertices are rounded, and what follows of their range.
+struct Rounding {
+  LatticeMap map;
+  LatticeRange range;
+  Vec3i base_ijk;
+  IndexBox box;
+};
+
+absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lattice, const Vec3d& origin,
+                                    const Vec3i& reach, const std::atomic<bool>& cancelled) {
   const LatticeMap map{lattice.inverse(), origin};
   const LatticeRange range = RangeOf(mesh, map, cancelled);
   if (cancelled) return absl::CancelledError("voxelization cancelled");
   if (auto status = CheckRange(range, lattice.voxel_size()); !status.ok()) return status;
-  SnappedMesh snapped;
+  Rounding rounding{map, range, {}, {}};
   for (size_t m = 0; m < 3; ++m) {
     // One unit below, since rounding may move the lowest vertex that far; a tile's multiple, for bricks and parity.
     const auto low = static_cast<int32_t>(std::floor(range.min[m] - 1.0 / kLatticeUnit));
-    snapped.base_ijk[m] = low & ~(kTileSide - 1);
-  }
-
-  // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
-  snapped.vertices_lat.resize(mesh.vertices.size());
-  oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
-    if (cancelled) return;
-    RoundVertices(map, range, snapped.base_ijk, &mesh.vertices[part.begin()], part.size(),
-                  &snapped.vertices_lat[part.begin()]);
-  });
-
-  for (size_t m = 0; m < 3; ++m) {
+    rounding.base_ijk[m] = low & ~(kTileSide - 1);
     // The nearer end of a crossed edge lies within reach/2 of the surface.
     const double half = reach[m] / 2.0;
     const auto unit = [](double x) { return std::nearbyint(x * kLatticeUnit) / kLatticeUnit; };
-    snapped.box.min[m] = static_cast<int32_t>(std::ceil(unit(range.min[m]) - half)) - snapped.base_ijk[m];
-    snapped.box.max[m] = static_cast<int32_t>(std::floor(unit(range.max[m]) + half)) - snapped.base_ijk[m] + 1;
+    rounding.box.min[m] = static_cast<int32_t>(std::ceil(unit(range.min[m]) - half)) - rounding.base_ijk[m];
+    rounding.box.max[m] = static_cast<int32_t>(std::floor(unit(range.max[m]) + half)) - rounding.base_ijk[m] + 1;
   }
-  return snapped;
+  return rounding;
+}
+
+// Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
+//   out   may be where the vertices are
+void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out, const std::atomic<bool>& cancelled) {
+  oneapi::tbb::parallel_for(Part(0, vertices.size(), kGrain), [&](const Part& part) {
+    if (cancelled) return;
+    RoundVertices(rounding.map, rounding.range, rounding.base_ijk, &vertices[part.begin()], part.size(),
+                  out + part.begin());
+  });
 }
 
 }  // namespace
 
+// To fill other memory would take longer for its pages than for the vertices.
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  const std::atomic<bool>& cancelled) {
-  auto snapped = SnapVertices(mesh, lattice, origin, reach, cancelled);
-  if (snapped.ok()) snapped->triangles = std::move(mesh.triangles);
-  return snapped;
+  static_assert(sizeof(Vec3i) == sizeof(Vec3f) && alignof(Vec3i) == alignof(Vec3f));
+  auto rounding = RoundingOf(mesh, lattice, origin, reach, cancelled);
+  if (!rounding.ok()) return rounding.status();
+  auto taken = std::make_shared<TriangleMesh>(std::move(mesh));
+  auto* const out = reinterpret_cast<Vec3i*>(taken->vertices.data());
+  Round(*rounding, taken->vertices, out, cancelled);
+  return SnappedMesh{
+      rounding->base_ijk, {taken, {out, taken->vertices.size()}}, {taken, taken->triangles}, rounding->box};
 }
 
 absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const Lattice& lattice, const Vec3d& origin,
                                  const Vec3i& reach, const std::atomic<bool>& cancelled) {
-  auto snapped = SnapVertices(*mesh, lattice, origin, reach, cancelled);
-  if (snapped.ok()) snapped->triangles = SharedTriangles(std::move(mesh));
-  return snapped;
+  auto rounding = RoundingOf(*mesh, lattice, origin, reach, cancelled);
+  if (!rounding.ok()) return rounding.status();
+  PaddedVector<Vec3i> vertices_lat(mesh->vertices.size());
+  Round(*rounding, mesh->vertices, vertices_lat.data(), cancelled);
+  return SnappedMesh{rounding->base_ijk, std::move(vertices_lat), {mesh, mesh->triangles}, rounding->box};
 }
 
 }  // namespace latvox

@@ -7,17 +7,17 @@
 #ifndef LATVOX_CORE_SNAP_SNAP_H_
 #define LATVOX_CORE_SNAP_SNAP_H_
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 
 #include "absl/status/statusor.h"
 #include "core/base/cancelled.h"
-#include "core/base/uninitialized.h"
+#include "core/base/shared_array.h"
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
-#include "core/mesh/shared_triangles.h"
 #include "core/tile/brick.h"
 
 namespace latvox {
@@ -50,10 +50,11 @@ static_assert(kDepthDenominatorBits <= 62, "twice a remainder of depths must fit
 
 // A mesh in fixed-point lattice coordinates.
 struct SnappedMesh {
-  Vec3i base_ijk;                    // a multiple of kTileSide on every axis
-  PaddedVector<Vec3i> vertices_lat;  // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
-  SharedTriangles triangles;         // indices into vertices_lat
-  IndexBox box;                      // local voxels: no k-neighbour half-edge that starts outside meets the mesh
+  Vec3i base_ijk;  // a multiple of kTileSide on every axis
+  // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit. Behind them is memory for one more, as in a PaddedVector.
+  SharedArray<Vec3i> vertices_lat;
+  SharedArray<std::array<uint32_t, 3>> triangles;  // indices into vertices_lat
+  IndexBox box;  // local voxels: no k-neighbour half-edge that starts outside meets the mesh
 };
 
 // Largest move of a vertex by snapping, in each lattice coordinate, in voxels: half a unit. (The affine map itself is
@@ -61,7 +62,7 @@ struct SnappedMesh {
 inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes the mesh over, for its
-// memory; or shares its triangles.
+// memory: vertices are rounded where they are; or shares its triangles.
 //   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).

@@ -120,7 +120,7 @@ class Midpoints {
   }
 
  private:
-  std::vector<Vec3f>& vertices_;
+  PaddedVector<Vec3f>& vertices_;
   absl::flat_hash_map<uint64_t, uint32_t> of_edge_;
 };
 
@@ -139,7 +139,7 @@ absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (absl::EndsWith(name, ".3ds")) return ReadSceneFile(name);
   auto mesh = client::ReadMeshFile(name);
   if (!mesh.ok()) return mesh.status();
-  return TriangleMesh{std::move(mesh->positions), std::move(mesh->triangles)};
+  return TriangleMesh{{mesh->positions.begin(), mesh->positions.end()}, std::move(mesh->triangles)};
 }
 
 TriangleMesh Subdivided(TriangleMesh mesh, int times) {

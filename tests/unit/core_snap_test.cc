@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -139,7 +140,7 @@ TEST(Snap, FarOriginGivesTheSameMeshAtShiftedCoordinates) {
   const auto near = Snap(mesh, Cartesian(), {0, 0, 0}, {1, 1, 1});
   const auto far = Snap(mesh, Cartesian(), {-64e6, 64e6, 0}, {1, 1, 1});
   ASSERT_TRUE(near.ok() && far.ok());
-  EXPECT_EQ(near->vertices_lat, far->vertices_lat);
+  EXPECT_TRUE(std::ranges::equal(near->vertices_lat, far->vertices_lat));
   EXPECT_EQ(far->base_ijk, near->base_ijk + (Vec3i{64000000, -64000000, 0}));
 }
 
@@ -168,6 +169,12 @@ TEST(Snap, EveryKernelRoundsAsTheOneExpressionDoes) {
           ASSERT_EQ(GlobalUnits(*snapped, n)[m], static_cast<int32_t>(std::nearbyint(v * kLatticeUnit))) << kSeed;
         }
       }
+      // A mesh that others keep is rounded to other memory.
+      const auto kept = std::make_shared<const TriangleMesh>(mesh);
+      const auto shared = Snap(kept, lattice, origin, {1, 1, 1});
+      ASSERT_TRUE(shared.ok()) << shared.status();
+      EXPECT_TRUE(std::ranges::equal(shared->vertices_lat, snapped->vertices_lat));
+      EXPECT_EQ(kept->vertices, mesh.vertices);
     });
   }
 }

@@ -63,8 +63,9 @@ inline constexpr char kBunny[] = "/usr/share/glmark2/models/bunny.obj";
 
 // The surface that the incremental algorithms voxelize: the vertices moved to the nearest lattice points.
 inline SnappedMesh Rounded(SnappedMesh mesh, const Lattice& lattice) {
-  const std::vector<Vec3i> rounded = RoundedVertices(mesh, lattice);
-  for (size_t n = 0; n < rounded.size(); ++n) mesh.vertices_lat[n] = rounded[n] * kLatticeUnit;
+  PaddedVector<Vec3i> vertices_lat;
+  for (const Vec3i& v : RoundedVertices(mesh, lattice)) vertices_lat.push_back(v * kLatticeUnit);
+  mesh.vertices_lat = std::move(vertices_lat);
   return mesh;
 }
 

@@ -32,19 +32,21 @@ constexpr std::array<Margins, 4> kMargins{
 // A mesh without shared vertices, and its box.
 SnappedMesh MeshOf(const std::vector<Corners>& triangles) {
   SnappedMesh mesh;
+  PaddedVector<Vec3i> vertices_lat;
   std::vector<std::array<uint32_t, 3>> indices;
   Vec3i low = triangles.front().front(), high = low;
   for (const Corners& corners : triangles) {
-    const auto n = static_cast<uint32_t>(mesh.vertices_lat.size());
+    const auto n = static_cast<uint32_t>(vertices_lat.size());
     indices.push_back({n, n + 1, n + 2});
     for (const Vec3i& v : corners) {
-      mesh.vertices_lat.push_back(v);
+      vertices_lat.push_back(v);
       for (size_t m = 0; m < 3; ++m) {
         low[m] = std::min(low[m], v[m]);
         high[m] = std::max(high[m], v[m]);
       }
     }
   }
+  mesh.vertices_lat = std::move(vertices_lat);
   mesh.triangles = std::move(indices);
   for (size_t m = 0; m < 3; ++m) mesh.box.min[m] = (low[m] >> kSubvoxelBits) - 1;
   for (size_t m = 0; m < 3; ++m) mesh.box.max[m] = (high[m] >> kSubvoxelBits) + 2;

@@ -22,15 +22,14 @@ namespace latvox {
 inline constexpr unsigned kSeed = 7;
 
 inline SnappedMesh MeshOf(const std::vector<Triangle>& triangles) {
-  SnappedMesh mesh{};
+  PaddedVector<Vec3i> vertices_lat;
   std::vector<std::array<uint32_t, 3>> indices;
   for (const Triangle& triangle : triangles) {
-    const auto n = static_cast<uint32_t>(mesh.vertices_lat.size());
-    mesh.vertices_lat.insert(mesh.vertices_lat.end(), triangle.begin(), triangle.end());
+    const auto n = static_cast<uint32_t>(vertices_lat.size());
+    vertices_lat.insert(vertices_lat.end(), triangle.begin(), triangle.end());
     indices.push_back({n, n + 1, n + 2});
   }
-  mesh.triangles = std::move(indices);
-  return mesh;
+  return {{}, std::move(vertices_lat), std::move(indices), {}};
 }
 
 inline std::vector<uint32_t> Iota(size_t size) {

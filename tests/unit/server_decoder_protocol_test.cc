@@ -19,8 +19,8 @@ namespace {
 using Progress = MeshReceiver::Progress;
 using Triangle = std::array<uint32_t, 3>;
 
-template <class T>
-absl::string_view Bytes(const std::vector<T>& elements) {
+template <class T, class Allocator>
+absl::string_view Bytes(const std::vector<T, Allocator>& elements) {
   return {reinterpret_cast<const char*>(elements.data()), elements.size() * sizeof(T)};
 }
 

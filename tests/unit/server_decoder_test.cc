@@ -30,12 +30,12 @@ absl::StatusOr<DecodedMesh> Decode(absl::string_view bytes, const Limits& limits
 }
 
 // Positions as Draco gives them out by itself, without any option.
-std::vector<Vec3f> PositionsByDraco(const std::string& bytes) {
+PaddedVector<Vec3f> PositionsByDraco(const std::string& bytes) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   const auto mesh = draco::Decoder().DecodeMeshFromBuffer(&buffer).value();
   const auto* attribute = mesh->GetNamedAttribute(draco::GeometryAttribute::POSITION);
-  std::vector<Vec3f> positions(mesh->num_points());
+  PaddedVector<Vec3f> positions(mesh->num_points());
   for (uint32_t p = 0; p < mesh->num_points(); ++p) {
     attribute->GetMappedValue(draco::PointIndex(p), positions[p].data());
   }
