@@ -4,17 +4,23 @@
 
 #include <malloc.h>
 
+#include <cstddef>
+
+#include "core/base/huge_pages.h"
+
 namespace latvox {
 
 // What a job gives back serves the next: without, a small job has 700 page faults, up to a quarter of its time. No more
 // than the C library by itself would keep after a job with arrays of 16 MiB.
 inline constexpr int kMemoryKeptByJobs = 32 << 20;
 
-// Lets the C library keep so many bytes of this process's freed memory, more where several threads free it; by itself
-// it returns it to the system, from which it would have to be fetched, and cleared, page by page. For main functions.
+// Lets the C library keep so many bytes of this process's freed memory, more where several threads free it, and arrays
+// of large pages half as much; by itself it returns it to the system, from which it would have to be fetched, and
+// cleared, page by page. For main functions.
 inline void KeepFreedMemory(int bytes) {
   mallopt(M_MMAP_THRESHOLD, bytes / 2);
   mallopt(M_TRIM_THRESHOLD, bytes);
+  KeepPages(static_cast<size_t>(bytes) / 2);
 }
 
 }  // namespace latvox

@@ -6,22 +6,23 @@
 #include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace latvox {
 
-// Copies are of the same elements. What was moved from may only be assigned to, or destroyed.
-template <class T>
+// Of what such a vector holds. Copies are of the same elements. What was moved from may only be assigned to, or
+// destroyed.
+template <class Vector>
 class SharedArray {
  public:
+  using T = typename Vector::value_type;
+
   SharedArray() = default;
-  template <class Allocator>
-  SharedArray(std::vector<T, Allocator> elements) {
-    const auto kept = std::make_shared<const std::vector<T, Allocator>>(std::move(elements));
+  SharedArray(Vector elements) {
+    const auto kept = std::make_shared<const Vector>(std::move(elements));
     memory_ = kept;
     elements_ = *kept;
   }
-  // What lies in memory that `memory` keeps.
+  // What lies in memory that `memory` keeps, and that such a vector might have allocated.
   SharedArray(std::shared_ptr<const void> memory, std::span<const T> elements)
       : memory_(std::move(memory)), elements_(elements) {}
 

@@ -36,6 +36,9 @@ struct UninitializedAllocator : std::allocator<T> {
     std::construct_at(at, std::forward<Args>(args)...);
   }
 
+  // The memory that an array of so many takes.
+  static size_t BytesOf(size_t count) { return IsLarge(count) ? WholePages(count * sizeof(T)) : count * sizeof(T); }
+
  private:
   static bool IsLarge(size_t count) { return count > kHugePage / sizeof(T); }
 };
@@ -53,6 +56,7 @@ struct PaddedAllocator : UninitializedAllocator<T> {
   };
   T* allocate(size_t count) { return UninitializedAllocator<T>::allocate(count + 1); }
   void deallocate(T* at, size_t count) { UninitializedAllocator<T>::deallocate(at, count + 1); }
+  static size_t BytesOf(size_t count) { return UninitializedAllocator<T>::BytesOf(count + 1); }
 };
 
 template <class T>

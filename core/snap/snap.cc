@@ -86,7 +86,7 @@ void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out
 
 }  // namespace
 
-// To fill other memory would take longer for its pages than for the vertices.
+// Vertices are rounded where they are: to get other memory for them takes longer than to round them.
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  const std::atomic<bool>& cancelled) {
   static_assert(sizeof(Vec3i) == sizeof(Vec3f) && alignof(Vec3i) == alignof(Vec3f));

@@ -11,10 +11,12 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/base/cancelled.h"
 #include "core/base/shared_array.h"
+#include "core/base/uninitialized.h"
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
@@ -50,10 +52,9 @@ static_assert(kDepthDenominatorBits <= 62, "twice a remainder of depths must fit
 
 // A mesh in fixed-point lattice coordinates.
 struct SnappedMesh {
-  Vec3i base_ijk;  // a multiple of kTileSide on every axis
-  // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit. Behind them is memory for one more, as in a PaddedVector.
-  SharedArray<Vec3i> vertices_lat;
-  SharedArray<std::array<uint32_t, 3>> triangles;  // indices into vertices_lat
+  Vec3i base_ijk;                                               // a multiple of kTileSide on every axis
+  SharedArray<PaddedVector<Vec3i>> vertices_lat;                // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
+  SharedArray<std::vector<std::array<uint32_t, 3>>> triangles;  // indices into vertices_lat
   IndexBox box;  // local voxels: no k-neighbour half-edge that starts outside meets the mesh
 };
 

@@ -83,7 +83,7 @@ class RoundedMesh {
   }
 
   std::vector<Vec3i> rounded_, points_;
-  const SharedArray<std::array<uint32_t, 3>> triangles_;
+  const SharedArray<std::vector<std::array<uint32_t, 3>>> triangles_;
 };
 
 VoxelSet BruteForce(const SnappedMesh& mesh, const Neighborhood& neighborhood, const std::atomic<bool>& cancelled) {

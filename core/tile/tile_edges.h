@@ -68,7 +68,7 @@ class EdgeBlocks {
   uint32_t* Next(size_t size);
 
  private:
-  struct alignas(kHugePage) Piece {
+  struct alignas(kHugePage) Piece {  // of one size, so that the heap uses again what was freed
     std::array<uint32_t, kHugePage / sizeof(uint32_t)> edges;
   };
 

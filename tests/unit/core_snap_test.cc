@@ -8,6 +8,7 @@
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -148,7 +149,7 @@ TEST(Snap, EveryKernelRoundsAsTheOneExpressionDoes) {
   constexpr unsigned kSeed = 13;
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<float> coordinate(-90, 90);
-  for (uint32_t count : {3U, 4U, 5U, 7U, 8U, 9U, 1001U, 20000U}) {
+  for (uint32_t count : {3U, 4U, 5U, 7U, 8U, 9U, 1001U, 20000U, 180001U}) {  // the last in large pages
     TriangleMesh mesh;
     for (uint32_t n = 0; n < count; ++n) {
       mesh.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
@@ -177,6 +178,20 @@ TEST(Snap, EveryKernelRoundsAsTheOneExpressionDoes) {
       EXPECT_EQ(kept->vertices, mesh.vertices);
     });
   }
+}
+
+TEST(Snap, TakesTheMemoryOfAMeshThatIsHandedOver) {
+  TriangleMesh mesh = OneTriangle({0, 0, 0}, {5, 0, 0}, {0, 7, 1});
+  const void* const vertices = mesh.vertices.data();
+  const void* const triangles = mesh.triangles.data();
+  auto snapped = Snap(std::move(mesh), Cartesian(), {0, 0, 0}, {1, 1, 1});
+  ASSERT_TRUE(snapped.ok());
+  EXPECT_EQ(snapped->vertices_lat.data(), vertices);
+  EXPECT_EQ(snapped->triangles.data(), triangles);
+  // Either keeps it.
+  const auto vertices_lat = snapped->vertices_lat;
+  *snapped = {};
+  EXPECT_EQ(vertices_lat[1], (Vec3i{69, 64, 64}) * kLatticeUnit);
 }
 
 TEST(Snap, VerticesThatNoTriangleUsesChangeNothingWhereverTheyAre) {
@@ -321,6 +336,52 @@ TEST(HugePages, AreAskedForWithinLargeArraysAlone) {
   EXPECT_EQ(MappingFlags(begin).find(" hg "), std::string::npos);
   EXPECT_EQ(MappingFlags(begin + kSize - 1).find(" hg "), std::string::npos);
   munmap(memory, kSize);
+}
+
+TEST(HugePages, AreGivenBackWhole) {
+  for (const size_t bytes : {size_t{1}, kHugePage, kHugePage + 1}) {
+    std::vector<void*> arrays;  // some of which happen to follow each other
+    for (int n = 0; n < 8; ++n) arrays.push_back(AllocatePages(bytes));
+    for (void* const array : arrays) std::memset(array, 1, bytes);
+    for (void* const array : arrays) {
+      const auto begin = reinterpret_cast<uintptr_t>(array);
+      EXPECT_EQ(begin % kHugePage, 0U);
+      FreePages(array, bytes);
+      EXPECT_EQ(MappingFlags(begin), "");
+      EXPECT_EQ(MappingFlags(begin + bytes - 1), "");
+    }
+  }
+  EXPECT_THROW(AllocatePages(size_t{1} << 62), std::bad_alloc);
+}
+
+TEST(HugePages, AreKeptForArraysOfTheSameSizeUpToALimit) {
+  const auto address = [](void* array) { return reinterpret_cast<uintptr_t>(array); };
+  KeepPages(3 * kHugePage);
+  void* const one = AllocatePages(1);
+  void* const two = AllocatePages(kHugePage + 1);
+  FreePages(one, 1);
+  FreePages(two, kHugePage + 1);
+  EXPECT_EQ(AllocatePages(2 * kHugePage), two);
+  EXPECT_EQ(AllocatePages(kHugePage), one);
+  FreePages(one, kHugePage);
+  FreePages(two, 2 * kHugePage);
+  void* const large = AllocatePages(4 * kHugePage);
+  FreePages(large, 4 * kHugePage);  // more than the limit
+  EXPECT_EQ(MappingFlags(address(large)), "");
+  void* const other = AllocatePages(3 * kHugePage);
+  FreePages(other, 3 * kHugePage);  // and the first to go is the oldest
+  EXPECT_EQ(MappingFlags(address(one)), "");
+  EXPECT_EQ(MappingFlags(address(two)), "");
+  EXPECT_NE(MappingFlags(address(other)), "");
+  std::vector<void*> many;  // more than it has places for
+  KeepPages(64 * kHugePage);
+  for (int n = 0; n < 40; ++n) many.push_back(AllocatePages(1));
+  for (void* const array : many) FreePages(array, 1);
+  EXPECT_EQ(MappingFlags(address(many.front())), "");
+  EXPECT_NE(MappingFlags(address(many.back())), "");
+  KeepPages(0);
+  EXPECT_EQ(MappingFlags(address(many.back())), "");
+  EXPECT_EQ(MappingFlags(address(other)), "");
 }
 
 TEST(HugePages, AreWhatLargeUninitializedArraysConsistOf) {
