@@ -220,6 +220,7 @@ void TileBits::FindFew(std::span<const uint32_t> numbers, std::span<const uint32
                        NumberList& positions) const {
   if (SimdIsScalar()) return Find(numbers, true, positions);
   positions.Clear();
+  if (members.empty()) return;
   positions.Reserve(numbers.size());
   HWY_DYNAMIC_DISPATCH(FindFew)(words_.data(), numbers, members, positions);
 }

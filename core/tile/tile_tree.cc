@@ -19,9 +19,10 @@
 namespace latvox {
 namespace {
 
-// Nodes with fewer triangles are sorted as one chunk, others as no more than kMaxChunks.
-constexpr size_t kMinParallel = 32768;
-constexpr size_t kMinChunk = 8192;
+// Nodes with fewer triangles are sorted as one chunk, which takes less than to wake a thread; others as no more than
+// kMaxChunks.
+constexpr size_t kMinParallel = 8192;
+constexpr size_t kMinChunk = 4096;
 constexpr size_t kMaxChunks = 64;
 
 // As many levels as leave this many triangles a cell, since each cell costs, but no fewer than kFewLevels.
