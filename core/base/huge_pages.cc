@@ -7,57 +7,67 @@
 #include <cstdint>
 #include <mutex>
 #include <new>
-#include <utility>
 
 namespace latvox {
 namespace {
 
-// What was freed last.
+struct Array {
+  void* at = nullptr;
+  size_t size = 0;
+};
+
+// What was freed last, of so many arrays at most.
 class KeptPages {
  public:
   void Limit(size_t bytes) {
+    Dropped dropped;
     const std::lock_guard lock(mutex_);
     limit_ = bytes;
-    DropWhatExceeds(limit_);
+    while (bytes_ > limit_) DropOldest(dropped);
   }
   // Null if there is none of that size.
   void* Take(size_t size) {
     const std::lock_guard lock(mutex_);
-    const auto found = std::find_if(arrays_.begin(), arrays_.end(), [&](const Array& a) { return a.size == size; });
-    if (found == arrays_.end()) return nullptr;
-    bytes_ -= size;
-    return std::exchange(*found, {}).at;
-  }
-  void Give(void* at, size_t size) {
-    const std::lock_guard lock(mutex_);
-    if (size > limit_) {
-      munmap(at, size);
-      return;
+    for (size_t n = 0; n < count_; ++n) {
+      if (arrays_[n].size == size) return Remove(n).at;
     }
-    DropWhatExceeds(limit_ - size);
-    Drop(arrays_.back());
-    std::move_backward(arrays_.begin(), arrays_.end() - 1, arrays_.end());
-    arrays_.front() = {at, size};
-    bytes_ += size;
+    return nullptr;
+  }
+  void Give(const Array& array) {
+    Dropped dropped;
+    const std::lock_guard lock(mutex_);
+    if (array.size > limit_) return dropped.Add(array);
+    while (bytes_ + array.size > limit_ || count_ == kKeptArrays) DropOldest(dropped);
+    arrays_[count_++] = array;
+    bytes_ += array.size;
   }
 
  private:
-  struct Array {
-    void* at = nullptr;
-    size_t size = 0;
+  // Given back to the system at its end, after the lock's: that takes long enough for others to wait.
+  class Dropped {
+   public:
+    ~Dropped() {
+      for (size_t n = 0; n < count_; ++n) munmap(arrays_[n].at, arrays_[n].size);
+    }
+    void Add(const Array& array) { arrays_[count_++] = array; }
+
+   private:
+    std::array<Array, kKeptArrays> arrays_;
+    size_t count_ = 0;
   };
-  void Drop(Array& array) {
-    if (array.at != nullptr) munmap(array.at, array.size);
-    bytes_ -= std::exchange(array, {}).size;
+
+  Array Remove(size_t n) {
+    const Array array = arrays_[n];
+    std::move(arrays_.begin() + n + 1, arrays_.begin() + count_, arrays_.begin() + n);
+    --count_;
+    bytes_ -= array.size;
+    return array;
   }
-  // The oldest first.
-  void DropWhatExceeds(size_t bytes) {
-    for (auto array = arrays_.rbegin(); array != arrays_.rend() && bytes_ > bytes; ++array) Drop(*array);
-  }
+  void DropOldest(Dropped& dropped) { dropped.Add(Remove(0)); }
 
   std::mutex mutex_;
-  std::array<Array, 16> arrays_;  // the newest first
-  size_t bytes_ = 0, limit_ = 0;
+  std::array<Array, kKeptArrays> arrays_;  // the first count_, the oldest first
+  size_t count_ = 0, bytes_ = 0, limit_ = 0;
 };
 
 KeptPages& Kept() {
@@ -81,7 +91,7 @@ void* AllocatePages(size_t bytes) {
   return at;
 }
 
-void FreePages(void* at, size_t bytes) { Kept().Give(at, WholePages(bytes)); }
+void FreePages(void* at, size_t bytes) { Kept().Give({at, WholePages(bytes)}); }
 
 void KeepPages(size_t bytes) { Kept().Limit(bytes); }
 

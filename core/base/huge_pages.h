@@ -12,12 +12,15 @@ inline constexpr size_t WholePages(size_t bytes) { return (bytes + kHugePage - 1
 // Whole large pages for an array, or such pages as the system has, which makes no difference but in time; aligned to
 // kHugePage, indeterminate. The C library's heap is left out: asked for memory aligned so, it seldom uses again what
 // was freed, and grows. Throws std::bad_alloc. Threads: any, here and below.
+//   bytes   more than 0, less than 2^63
 void* AllocatePages(size_t bytes);
 
 // What AllocatePages(bytes) returned.
 void FreePages(void* at, size_t bytes);
 
-// Lets FreePages keep so many bytes in all, for arrays of the same sizes; at first it keeps none.
+// Lets FreePages keep so many bytes in all, of kKeptArrays arrays at most, for others of the same sizes; at first it
+// keeps none.
+inline constexpr size_t kKeptArrays = 16;
 void KeepPages(size_t bytes);
 
 // Asks the system for large pages within an array that is still to be written to.

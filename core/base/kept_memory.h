@@ -10,8 +10,8 @@
 
 namespace latvox {
 
-// What a job gives back serves the next: without, a small job has 700 page faults, up to a quarter of its time. No more
-// than the C library by itself would keep after a job with arrays of 16 MiB.
+// What a job gives back serves the next: without, a small job has 700 page faults, up to a quarter of its time. The
+// heap's part is no more than the C library by itself would keep after a job with arrays of 16 MiB.
 inline constexpr int kMemoryKeptByJobs = 32 << 20;
 
 // Lets the C library keep so many bytes of this process's freed memory, more where several threads free it, and arrays

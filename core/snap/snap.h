@@ -63,7 +63,7 @@ struct SnappedMesh {
 inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes the mesh over, for its
-// memory: vertices are rounded where they are; or shares its triangles.
+// memory: vertices are rounded where they are; or shares its triangles. Once cancelled, what it returns means nothing.
 //   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).

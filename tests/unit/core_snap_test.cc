@@ -379,6 +379,12 @@ TEST(HugePages, AreKeptForArraysOfTheSameSizeUpToALimit) {
   for (void* const array : many) FreePages(array, 1);
   EXPECT_EQ(MappingFlags(address(many.front())), "");
   EXPECT_NE(MappingFlags(address(many.back())), "");
+  FreePages(AllocatePages(2 * kHugePage), 2 * kHugePage);  // in the place of the oldest
+  void* const again = AllocatePages(2 * kHugePage);
+  for (int n = 0; n < 40; ++n) FreePages(AllocatePages(1), 1);  // the same one, which takes one place
+  FreePages(again, 2 * kHugePage);
+  EXPECT_EQ(MappingFlags(address(many[39 - 15])), "");
+  EXPECT_NE(MappingFlags(address(many[39 - 14])), "");
   KeepPages(0);
   EXPECT_EQ(MappingFlags(address(many.back())), "");
   EXPECT_EQ(MappingFlags(address(other)), "");
