@@ -96,9 +96,10 @@ void FreePages(void* at, size_t bytes) { Kept().Give({at, WholePages(bytes)}); }
 void KeepPages(size_t bytes) { Kept().Limit(bytes); }
 
 void AdviseHugePages(const void* data, size_t bytes) {
-  const uintptr_t begin = WholePages(reinterpret_cast<uintptr_t>(data));
-  const auto end = (reinterpret_cast<uintptr_t>(data) + bytes) & ~(kHugePage - 1);
-  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  const auto first = reinterpret_cast<uintptr_t>(data);
+  const uintptr_t begin = WholePages(first), end = (first + bytes) & ~(kHugePage - 1);
+  auto* const at = static_cast<char*>(const_cast<void*>(data)) + (begin - first);
+  if (begin < end) madvise(at, end - begin, MADV_HUGEPAGE);
 }
 
 }  // namespace latvox

@@ -89,7 +89,8 @@ void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out
 // Vertices are rounded where they are: to get other memory for them takes longer than to round them.
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  const std::atomic<bool>& cancelled) {
-  static_assert(sizeof(Vec3i) == sizeof(Vec3f) && alignof(Vec3i) == alignof(Vec3f));
+  static_assert(sizeof(Vec3i) == sizeof(Vec3f));
+  static_assert(alignof(Vec3i) == alignof(Vec3f));
   auto rounding = RoundingOf(mesh, lattice, origin, reach, cancelled);
   if (!rounding.ok()) return rounding.status();
   auto taken = std::make_shared<TriangleMesh>(std::move(mesh));
