@@ -25,10 +25,10 @@ class KeptPages {
     limit_ = bytes;
     while (bytes_ > limit_) DropOldest(dropped);
   }
-  // Null if there is none of that size.
+  // The newest of that size, which caches may still hold; null if there is none.
   void* Take(size_t size) {
     const std::lock_guard lock(mutex_);
-    for (size_t n = 0; n < count_; ++n) {
+    for (size_t n = count_; n-- > 0;) {
       if (arrays_[n].size == size) return Remove(n).at;
     }
     return nullptr;

@@ -19,8 +19,7 @@
 namespace latvox {
 namespace {
 
-// Nodes with fewer triangles are sorted as one chunk, which takes less than to wake a thread; others as no more than
-// kMaxChunks.
+// Nodes with fewer triangles are sorted as one chunk, others as no more than kMaxChunks.
 constexpr size_t kMinParallel = 8192;
 constexpr size_t kMinChunk = 4096;
 constexpr size_t kMaxChunks = 64;

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cinttypes>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,8 @@
 
 namespace latvox {
 namespace {
+
+bool KernelHasThem() { return std::filesystem::exists("/sys/kernel/mm/transparent_hugepage"); }
 
 // The flags of the mapping that holds an address.
 std::string MappingFlags(uintptr_t address) {
@@ -31,14 +36,14 @@ std::string MappingFlags(uintptr_t address) {
 }
 
 TEST(HugePages, AreAskedForWithinLargeArraysAlone) {
-  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP() << "the kernel has none";
-  constexpr size_t kPage = 1 << 21, kSize = 8 * kPage;
+  if (!KernelHasThem()) GTEST_SKIP() << "the kernel has none, and marks none";
+  constexpr size_t kSize = 8 * kHugePage;
   void* const memory = mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
   const auto begin = reinterpret_cast<uintptr_t>(memory);
-  AdviseHugePages(memory, kPage / 2);
+  AdviseHugePages(memory, kHugePage / 2);
   EXPECT_EQ(MappingFlags(begin).find(" hg "), std::string::npos);
-  AdviseHugePages(static_cast<char*>(memory) + kPage, kSize - 2 * kPage);
+  AdviseHugePages(static_cast<char*>(memory) + kHugePage, kSize - 2 * kHugePage);
   EXPECT_NE(MappingFlags(begin + kSize / 2).find(" hg "), std::string::npos);
   EXPECT_EQ(MappingFlags(begin).find(" hg "), std::string::npos);
   EXPECT_EQ(MappingFlags(begin + kSize - 1).find(" hg "), std::string::npos);
@@ -86,19 +91,20 @@ TEST(HugePages, AreKeptForArraysOfTheSameSizeUpToALimit) {
   for (void* const array : many) FreePages(array, 1);
   EXPECT_EQ(MappingFlags(address(many.front())), "");
   EXPECT_NE(MappingFlags(address(many.back())), "");
+  EXPECT_EQ(AllocatePages(1), many.back());  // the newest
+  FreePages(many.back(), 1);
   FreePages(AllocatePages(2 * kHugePage), 2 * kHugePage);  // in the place of the oldest
   void* const again = AllocatePages(2 * kHugePage);
   for (int n = 0; n < 40; ++n) FreePages(AllocatePages(1), 1);  // the same one, which takes one place
   FreePages(again, 2 * kHugePage);
-  EXPECT_EQ(MappingFlags(address(many[39 - 15])), "");
-  EXPECT_NE(MappingFlags(address(many[39 - 14])), "");
+  EXPECT_EQ(MappingFlags(address(many[40 - kKeptArrays])), "");
+  EXPECT_NE(MappingFlags(address(many[41 - kKeptArrays])), "");
   KeepPages(0);
   EXPECT_EQ(MappingFlags(address(many.back())), "");
   EXPECT_EQ(MappingFlags(address(other)), "");
 }
 
 TEST(HugePages, AreWhatLargeUninitializedArraysConsistOf) {
-  const bool kernel_has_them = std::filesystem::exists("/sys/kernel/mm/transparent_hugepage");
   for (const size_t bytes : {kHugePage, kHugePage + 1, 5 * kHugePage / 2}) {
     UninitializedVector<uint8_t> array(bytes);
     PaddedVector<uint8_t> padded(bytes - 1);  // and one more
@@ -108,7 +114,7 @@ TEST(HugePages, AreWhatLargeUninitializedArraysConsistOf) {
     for (const uint8_t* data : {array.data(), padded.data()}) {
       const auto begin = reinterpret_cast<uintptr_t>(data);
       EXPECT_EQ(begin % kHugePage, 0U) << bytes;
-      if (!kernel_has_them) continue;
+      if (!KernelHasThem()) continue;
       EXPECT_NE(MappingFlags(begin).find(" hg "), std::string::npos) << bytes;
       EXPECT_NE(MappingFlags(begin + bytes - 1).find(" hg "), std::string::npos) << bytes;
     }
