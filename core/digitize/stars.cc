@@ -8,6 +8,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -72,16 +73,6 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <class T>
-inline constexpr size_t kLanesOf = HWY_LANES(T);
-
-// Corners relative to the voxel, in lattice units: by corner and lane, each a vector of three and an unused number.
-template <class T>
-struct Corners {
-  alignas(64) T of[3][kLanesOf<T>][4];
-  alignas(64) T distance[kLanesOf<T>];  // of doubles
-};
-
 // ceil(distance / 128) for a distance = n . w, where the unit of n . q is 256: then -along < result <= along says that
 // the voxel is the nearer end. w = 128 * whole + part, and likewise n, keep the terms within bounds, and their sum fits
 // but for +2^31, which turns negative and is outside, too: for |n . w| is six times the volume of a tetrahedron with
@@ -98,8 +89,36 @@ HWY_INLINE V Distance(D d, const std::array<V, 3>& n, const std::array<V, 3>& w)
   return hn::Add(whole, hn::ShiftRight<7>(part));
 }
 
+// The same where the sum may take 54 bits or more, as doubles. Terms may take more than 64 bits; their sum does not
+// where the voxel is as close to the plane as candidates are. Where it is not, doubles say so: infinity.
+template <class D>
+HWY_INLINE hn::Vec<D> WideDistance(D d, const std::array<hn::Vec<D>, 3>& n, const std::array<hn::Vec<D>, 3>& w) {
+  constexpr size_t kCount = hn::MaxLanes(D());
+  alignas(64) double normal[3][kCount], offset[3][kCount], distance[kCount];
+  for (size_t m = 0; m < 3; ++m) {
+    hn::Store(n[m], d, normal[m]);
+    hn::Store(w[m], d, offset[m]);
+  }
+  for (size_t lane = 0; lane < kCount; ++lane) {
+    uint64_t sum = 0;  // modulo 2^64
+    double estimate = 0;
+    for (size_t m = 0; m < 3; ++m) {
+      sum += static_cast<uint64_t>(static_cast<int64_t>(normal[m][lane])) *
+             static_cast<uint64_t>(static_cast<int64_t>(offset[m][lane]));
+      estimate += normal[m][lane] * offset[m][lane];
+    }
+    const bool far = std::abs(estimate) > 0x1p62;
+    distance[lane] =
+        far ? std::numeric_limits<double>::infinity() : static_cast<double>((static_cast<int64_t>(sum) + 127) >> 7);
+  }
+  return hn::Load(d, distance);
+}
+
+// Of each lane's triangle, its corners in lattice units from the voxel, by axis. Precondition: T holds the products of
+// the lanes that count.
 template <class T>
-HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach, const Corners<T>& corners, StarEdges* out) {
+HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach,
+                      const std::array<std::array<hn::Vec<hn::ScalableTag<T> >, 3>, 3>& v, StarEdges* out) {
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   using V3 = std::array<V, 3>;
@@ -115,11 +134,6 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach, const
     return c == 0 ? zero : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(hn::Set(d, static_cast<T>(c)), v);
   };
 
-  std::array<V3, 3> v, moment;
-  for (size_t n = 0; n < 3; ++n) {
-    V unused;
-    hn::LoadInterleaved4(d, corners.of[n][0], v[n][0], v[n][1], v[n][2], unused);
-  }
   V3 normal = cross(minus(v[1], v[0]), minus(v[2], v[0]));
   // Turned so that the normal's first nonzero entry is positive: that reverses all products.
   const auto first_nonzero = [&](const V3& a) HWY_ATTR {
@@ -130,16 +144,18 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach, const
     for (V& x : a) x = hn::IfThenElse(reversed, hn::Neg(x), x);
   };
   // (B - A) x (z - A) = A x B for z at the origin.
+  std::array<V3, 3> moment;
   for (size_t n = 0; n < 3; ++n) {
     moment[n] = cross(v[n], v[(n + 1) % 3]);
     turn(moment[n]);
   }
   turn(normal);
+  const V3 offset{hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])};
   V distance;
   if constexpr (sizeof(T) == 4) {
-    distance = Distance(d, normal, {hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])});
+    distance = Distance(d, normal, offset);
   } else {
-    distance = hn::Load(d, corners.distance);
+    distance = WideDistance(d, normal, offset);
   }
   const auto below = hn::Not(hn::Gt(distance, zero));
 
@@ -179,146 +195,110 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach, const
     nearer = hn::Add(nearer, hn::IfThenElseZero(meets, bit));
     forward = hn::Add(forward, hn::IfThenElseZero(hn::And(meets, hn::Not(hn::Xor(up, below))), bit));
   }
-  alignas(64) T bits[2][kLanesOf<T>];
-  hn::Store(nearer, d, bits[0]);
-  hn::Store(forward, d, bits[1]);
-  for (size_t n = 0; n < kLanesOf<T>; ++n)
+  const hn::Rebind<int32_t, decltype(d)> ints;
+  int32_t bits[2][hn::MaxLanes(d)];
+  if constexpr (sizeof(T) == 4) {
+    hn::StoreU(nearer, ints, bits[0]);
+    hn::StoreU(forward, ints, bits[1]);
+  } else {
+    hn::StoreU(hn::DemoteTo(ints, nearer), ints, bits[0]);
+    hn::StoreU(hn::DemoteTo(ints, forward), ints, bits[1]);
+  }
+  for (size_t n = 0; n < hn::MaxLanes(d); ++n) {
     out[n] = {static_cast<uint32_t>(bits[0][n]), static_cast<uint32_t>(bits[1][n])};
-}
-
-using FourInts = hn::CappedTag<int32_t, 4>;
-using Four = hn::Vec<FourInts>;
-
-// How far the corners are away: of each axis the farthest, and 0.
-HWY_INLINE Four FarthestOf(const std::array<Four, 3>& corners) {
-  const FourInts d;
-  const Four size = hn::Max(hn::Max(hn::Abs(corners[0]), hn::Abs(corners[1])), hn::Abs(corners[2]));
-  return hn::IfThenElseZero(hn::FirstN(d, 3), size);
-}
-
-HWY_INLINE bool Within(Four farthest, int bits) {
-  const FourInts d;
-  return hn::AllFalse(d, hn::Gt(farthest, hn::Set(d, 1 << bits)));
-}
-
-HWY_INLINE void StoreDoubles(Four v, double* to) {
-#if HWY_MAX_BYTES >= 32
-  const hn::Rebind<double, FourInts> d;
-  hn::Store(hn::PromoteTo(d, v), d, to);
-#else  // targets without vectors of four doubles
-  alignas(16) int32_t ints[4];
-  hn::Store(v, FourInts(), ints);
-  std::copy_n(ints, 4, to);
-#endif
-}
-
-// Of triangles that int32 does not hold; mostly, several pairs of one follow each other.
-class Normals {
- public:
-  explicit Normals(const SnappedMesh& mesh) : mesh_(mesh) {}
-
-  // ceil(n . (z - A) / 128), the triangle turned as Stars turns it, whose corner A is within 2^24 of z on each axis.
-  // Terms may take more than 64 bits; their sum does not where z is as close to the plane as candidates are. Where it
-  // is not, doubles say so: infinity.
-  HWY_INLINE double Distance(uint32_t triangle, const int32_t (&corner)[4]) {
-    if (triangle != triangle_) {
-      triangle_ = triangle;
-      normal_ = OrientedTriangle(TriangleOf(mesh_, triangle)).normal;
-    }
-    uint64_t distance = 0;  // modulo 2^64
-    double estimate = 0;
-    for (size_t m = 0; m < 3; ++m) {
-      distance -= static_cast<uint64_t>(normal_[m]) * static_cast<uint64_t>(int64_t{corner[m]});
-      estimate -= static_cast<double>(normal_[m]) * corner[m];
-    }
-    if (std::abs(estimate) > 0x1p62) return std::numeric_limits<double>::infinity();
-    return static_cast<double>((static_cast<int64_t>(distance) + 127) >> 7);
   }
+}
 
- private:
-  const SnappedMesh& mesh_;
-  uint32_t triangle_ = UINT32_MAX;
-  Vec<int64_t, 3> normal_{};
+// Pairs in the lanes: the triangles' corners in lattice units from the voxels.
+struct PairLanes {
+  std::array<Ints3, 3> v;
+  uint64_t near, middle, far;  // bit n: int32 holds the products of lane n; doubles do; neither does
+
+  HWY_INLINE PairLanes(const std::array<Ints3, 3>& corners, const Ints3& voxel, size_t count) : v(corners) {
+    const Lanes d;
+    Ints farthest = hn::Zero(d);
+    for (Ints3& corner : v) {
+      corner = Minus(corner, voxel);
+      for (const Ints x : corner) farthest = hn::Max(farthest, hn::Abs(x));
+    }
+    const auto within = [&](int bits) HWY_ATTR { return BitsOf(hn::Not(hn::Gt(farthest, Fill(1 << bits)))); };
+    const uint64_t given = BitsOf(hn::FirstN(d, count)), narrow = within(kOffsetBits<int32_t>);
+    const uint64_t wide = within(kOffsetBits<double>);
+    near = given & narrow;
+    middle = given & wide & ~narrow;
+    far = given & ~wide;
+  }
 };
 
-// Pairs that wait for the lanes to fill up.
-template <class T>
-class Batch {
- public:
-  explicit Batch(const std::vector<ScanFrame>& frames) : frames_(frames) {
-    for (const ScanFrame& scan : frames) {
-      for (const int32_t q : scan.frame.q) reach_ = std::max(reach_, std::abs(q));
+// Finds those of the lanes in `which`, of which doubles hold the products; out[n] gets lane n's.
+HWY_INLINE void WideStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& v,
+                          uint64_t which, StarEdges* out) {
+  const hn::ScalableTag<double> d;
+  constexpr size_t kCount = HWY_LANES(double), kParts = kTriangleLanes / kCount;
+  const auto wanted = hn::LoadMaskBits(Lanes(), reinterpret_cast<const uint8_t*>(&which));
+  alignas(64) int32_t ints[3][3][kTriangleLanes];
+  for (size_t c = 0; c < 3; ++c) {
+    for (size_t m = 0; m < 3; ++m) hn::Store(hn::IfThenElseZero(wanted, v[c][m]), Lanes(), ints[c][m]);
+  }
+  for (size_t part = 0; part < kParts; ++part) {
+    uint64_t some = which >> part * kCount & ((uint64_t{1} << kCount) - 1);
+    if (some == 0) continue;
+    std::array<std::array<hn::Vec<decltype(d)>, 3>, 3> wide;
+    for (size_t c = 0; c < 3; ++c) {
+      for (size_t m = 0; m < 3; ++m) {
+        wide[c][m] = hn::PromoteTo(d, hn::LoadU(hn::Rebind<int32_t, decltype(d)>(), ints[c][m] + part * kCount));
+      }
+    }
+    StarEdges edges[kCount];
+    Stars<double>(frames, reach, wide, edges);
+    for (; some != 0; some &= some - 1) {
+      const auto n = static_cast<size_t>(std::countr_zero(some));
+      out[part * kCount + n] = edges[n];
     }
   }
-
-  // `out` gets the edges when the lanes are full, or flushed. Precondition: T holds the products.
-  HWY_INLINE void Add(StarEdges* out, const std::array<Four, 3>& corners, [[maybe_unused]] uint32_t triangle,
-                      [[maybe_unused]] Normals& normals) {
-    const FourInts d4;
-    if constexpr (sizeof(T) == 4) {
-      for (size_t n = 0; n < 3; ++n) hn::Store(corners[n], d4, corners_.of[n][size_]);
-    } else {
-      alignas(16) int32_t first[4];
-      hn::Store(corners[0], d4, first);
-      corners_.distance[size_] = normals.Distance(triangle, first);
-      for (size_t n = 0; n < 3; ++n) StoreDoubles(corners[n], corners_.of[n][size_]);
-    }
-    out_[size_++] = out;
-    if (size_ == kLanesOf<T>) Flush();
-  }
-  void Flush() {
-    if (size_ == 0) return;
-    StarEdges edges[kLanesOf<T>];
-    Stars(frames_, reach_, corners_, edges);
-    for (size_t n = 0; n < size_; ++n) *out_[n] = edges[n];
-    size_ = 0;
-  }
-
- private:
-  const std::vector<ScanFrame>& frames_;
-  int32_t reach_ = 0;  // the largest |entry| of their directions
-  Corners<T> corners_;
-  StarEdges* out_[kLanesOf<T>];
-  size_t size_ = 0;
-};
+}
 
 void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
                  std::span<const VoxelTriangle> pairs, StarEdges* out) {
-  Batch<int32_t> ints(frames);
-  Batch<double> doubles(frames);
-  Normals normals(mesh);
   const PaddedVertices vertices(mesh);
-  const FourInts d;
+  int32_t reach = 0;
+  for (const ScanFrame& scan : frames) {
+    for (const int32_t q : scan.frame.q) reach = std::max(reach, std::abs(q));
+  }
   constexpr size_t kAtOnce = 64;
-  while (!pairs.empty()) {
+  for (; !pairs.empty(); pairs = pairs.subspan(std::min(kAtOnce, pairs.size()))) {
     const size_t count = std::min(kAtOnce, pairs.size());
     // All voxels first: what was just written number by number cannot be read as a vector at once.
-    alignas(16) int32_t voxels[kAtOnce][4];
+    int32_t voxels[3][kAtOnce];
     for (size_t n = 0; n < count; ++n) {
       hwy::Prefetch(&mesh.triangles[pairs[n].triangle]);
       const Vec3i z = layout.VoxelAt(pairs[n].voxel) * kLatticeUnit;
-      for (size_t m = 0; m < 3; ++m) voxels[n][m] = z[m];
-      voxels[n][3] = 0;
+      for (size_t m = 0; m < 3; ++m) voxels[m][n] = z[m];
     }
+    std::array<uint32_t, 3> corners[kAtOnce];
     for (size_t n = 0; n < count; ++n) {
-      const uint32_t triangle = pairs[n].triangle;
-      const Four z = hn::Load(d, voxels[n]);
-      std::array<Four, 3> corners;
-      for (size_t m = 0; m < 3; ++m) corners[m] = hn::Sub(hn::LoadU(d, vertices[mesh.triangles[triangle][m]]), z);
-      const Four farthest = FarthestOf(corners);
-      if (Within(farthest, kOffsetBits<int32_t>)) {
-        ints.Add(out + n, corners, triangle, normals);
-      } else if (Within(farthest, kOffsetBits<double>)) {
-        doubles.Add(out + n, corners, triangle, normals);
-      } else {
-        out[n] = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(pairs[n].voxel));
-      }
+      corners[n] = mesh.triangles[pairs[n].triangle];
+      for (const uint32_t vertex : corners[n]) hwy::Prefetch(vertices[vertex]);
     }
-    pairs = pairs.subspan(count);
-    out += count;
+    std::fill(corners + count, std::end(corners), corners[0]);
+    for (auto& of_axis : voxels) std::fill(of_axis + count, std::end(of_axis), of_axis[0]);
+    for (size_t first = 0; first < count; first += kTriangleLanes, out += kTriangleLanes) {
+      const auto some = pairs.subspan(first, std::min(kTriangleLanes, count - first));
+      const Lanes d;
+      const PairLanes lanes(
+          LoadCorners([&](size_t c, size_t n) HWY_ATTR { return vertices[corners[first + n][c]]; }),
+          {hn::LoadU(d, voxels[0] + first), hn::LoadU(d, voxels[1] + first), hn::LoadU(d, voxels[2] + first)},
+          some.size());
+      StarEdges edges[kTriangleLanes];
+      if (lanes.near != 0) Stars<int32_t>(frames, reach, lanes.v, edges);
+      if (lanes.middle != 0) WideStars(frames, reach, lanes.v, lanes.middle, edges);
+      for (uint64_t far = lanes.far; far != 0; far &= far - 1) {
+        const auto& [voxel, triangle] = some[static_cast<size_t>(std::countr_zero(far))];
+        edges[std::countr_zero(far)] = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(voxel));
+      }
+      std::copy_n(edges, some.size(), out);
+    }
   }
-  ints.Flush();
-  doubles.Flush();
 }
 
 #endif

@@ -37,6 +37,12 @@ HWY_INLINE Ints3 Minus(const Ints3& a, const Ints3& b) {
 HWY_INLINE Ints DotOf(const Ints3& a, const Ints3& b) {
   return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
 }
+// Bit n: lane n's.
+HWY_INLINE uint64_t BitsOf(hn::Mask<Lanes> mask) {
+  uint64_t bits = 0;
+  hn::StoreMaskBits(Lanes(), mask, reinterpret_cast<uint8_t*>(&bits));
+  return bits;
+}
 HWY_INLINE Ints3 Fill3(const Vec3i& v) { return {Fill(v[0]), Fill(v[1]), Fill(v[2])}; }
 HWY_INLINE Ints Minor(Ints a, Ints b, Ints c, Ints d) { return hn::Sub(hn::Mul(a, d), hn::Mul(b, c)); }
 HWY_INLINE Ints3 CrossOf(const Ints3& a, const Ints3& b) {
