@@ -178,12 +178,26 @@ class LinesOrder {
   uint32_t order_[kMost];
 };
 
+static_assert(kTriangleLanes <= TriangleBoxes::kSlack);
+HWY_INLINE void AddBoxes(const SomeTriangles& some, size_t count, TriangleBoxes& boxes) {
+  const hn::Rebind<uint8_t, Lanes> bytes;
+  boxes.Reserve(count);
+  for (size_t m = 0; m < 3; ++m) {
+    const Ints lowest = hn::IfThenElse(some.near, some.lowest[m], Fill(UINT8_MAX));  // else none
+    const Ints highest = hn::IfThenElseZero(some.near, some.highest[m]);
+    hn::StoreU(hn::DemoteTo(bytes, lowest), bytes, boxes.Lowest(m));
+    hn::StoreU(hn::DemoteTo(bytes, highest), bytes, boxes.Highest(m));
+  }
+  boxes.Grow(count);
+}
+
 static_assert(kTriangleLanes <= Candidates::kMaxRun);
-void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, Candidates& out) {
+void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_too, Candidates& out) {
   const Lanes d;
   const Target& target = scan.target;
   const SomeTriangles these(scan, triangles);
   LineScanLanes lines;
+  if (boxes_too) AddBoxes(these, triangles.size(), out.boxes);
   const LineBoxes boxes = these.Boxes(scan);
   MakeLineScans(scan.table, boxes, lines);
 
@@ -224,6 +238,8 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                   target};
   LinesOrder order;
   constexpr size_t kTryAgain = 8;  // windows: whether sorting pays is seen by doing it
+  constexpr size_t kForBoxes = 8;  // candidates of a triangle, for which boxes may pay
+  bool boxes_too = *std::max_element(target.size.begin(), target.size.end()) <= TriangleBoxes::kMostSide;
   size_t done = 0;
   for (size_t window = 0; done < triangles.size() && out.size() < enough && !cancelled; ++window) {
     // Each has up to some 50,000 candidates, or hardly any.
@@ -236,10 +252,11 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
     for (size_t n = 0; n < some.size() && !cancelled; n += kTriangleLanes) {
       if (!sort) PrefetchCorners(mesh, left.subspan(n));
       const auto lanes = some.subspan(n, std::min(kTriangleLanes, some.size() - n));
-      ScanSome(scan, lanes, out);
+      ScanSome(scan, lanes, boxes_too, out);
       out.EndRun(lanes);
     }
     done += some.size();
+    boxes_too &= out.size() >= kForBoxes * out.triangles.size();
   }
   return done;
 }

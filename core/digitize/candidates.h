@@ -9,6 +9,7 @@
 //   lines_together-inl.h,        all put together in candidates.cc
 //   line_blocks-inl.h
 //   stars.h                      many stars in lanes
+//   triangle_boxes.h             which triangles may have a voxel
 //   touching.h, sift.h, tiny.h   triangles smaller than voxels: those that no line meets, and the others' crossings
 // The supercover (supercover.h) is another rule.
 #ifndef LATVOX_CORE_DIGITIZE_CANDIDATES_H_
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "core/digitize/principal_scan.h"
+#include "core/digitize/triangle_boxes.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_bits.h"
 
@@ -40,6 +42,8 @@ struct Candidates {
   NumberList rim;
   std::vector<Run> runs;
   std::vector<uint32_t> triangles;  // their numbers, in the order of the runs
+  // Of all triangles, in that order, if they are large enough for that to pay; else of fewer.
+  TriangleBoxes boxes;
 
   void Reserve(size_t more) {
     for (NumberList* list : {&nearer, &farther, &rim}) list->Reserve(more);
@@ -56,6 +60,7 @@ struct Candidates {
     for (NumberList* list : {&nearer, &farther, &rim}) list->Clear();
     runs.clear();
     triangles.clear();
+    boxes.Clear();
   }
 };
 

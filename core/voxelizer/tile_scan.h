@@ -81,6 +81,9 @@ class TileScan {
   bool IsOutside(uint32_t voxel) const;
   void AskRest(const TileContext& context);
   void AskRestOfPart(const TileContext& context);
+  bool FindPairsByBoxes();
+  void AskPairs(const TileContext& context);
+  void UpdateMaybe();
   void FindInRest(const NumberList& voxels);
   void AskAtPositions(const TileContext& context, const NumberList& voxels, uint32_t Candidates::Run::*run_end);
   void AddBorder(const TileContext& context, std::span<const uint32_t> members);

@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 
+#include "core/base/simd.h"
 #include "core/digitize/candidates.h"
 #include "core/digitize/crossing.h"
 #include "core/digitize/line_scan.h"
@@ -138,6 +139,49 @@ TEST(Candidates, OfTrianglesOfAllSizesAreFoundInPartsOnEachKernel) {
         ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min, enough), expected)
             << l.name << " " << SimdInUse() << " enough " << enough << " seed " << kSeed;
       }
+    }
+  }
+}
+
+// A voxel is at most half a step from where its edge meets the triangle.
+TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) {
+  const Vec3i tile_min{128, 64, 192};
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    const Vec3i reach = ReachOf(frames);
+    const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
+    const BitsLayout layout(tile_min, reach * 3);
+    std::vector<Triangle> triangles = TrianglesAround(tile_min, 9000, 150);
+    for (const Triangle& t : TrianglesAround(tile_min, 1 << 22, 5)) triangles.push_back(t);
+    std::set<uint32_t> voxels;
+    for (const auto& [t, voxel] : Expected(triangles, frames, box)) voxels.insert(layout.NumberOf(voxel));
+    Found expected;
+    for (const uint32_t voxel : voxels) {
+      const Vec3i z = layout.VoxelAt(voxel);
+      for (uint32_t t = 0; t < triangles.size(); ++t) {
+        bool inside = true;
+        for (size_t m = 0; m < 3; ++m) {
+          const auto [low, high] = std::minmax({triangles[t][0][m], triangles[t][1][m], triangles[t][2][m]});
+          const int32_t half = reach[m] * (kLatticeUnit / 2), at = z[m] * kLatticeUnit;
+          inside &= low - half <= at && at <= high + half;
+        }
+        if (inside) expected.insert({t, z});
+      }
+    }
+    EXPECT_GT(expected.size(), voxels.size());
+    const SnappedMesh mesh = MeshOf(triangles);
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      if (SimdIsScalar()) continue;  // it has no boxes
+      Candidates candidates;
+      FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, SIZE_MAX, candidates);
+      ASSERT_EQ(candidates.boxes.size(), triangles.size());
+      std::vector<VoxelTriangle> pairs;
+      candidates.boxes.FindPairs(layout, box.min, candidates.triangles, std::vector(voxels.begin(), voxels.end()),
+                                 pairs);
+      Found found;
+      for (const auto& [voxel, t] : pairs) EXPECT_TRUE(found.insert({t, layout.VoxelAt(voxel)}).second);
+      ASSERT_EQ(found, expected) << l.name << " " << SimdInUse() << " seed " << kSeed;
     }
   }
 }

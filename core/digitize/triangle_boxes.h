@@ -1,0 +1,49 @@
+// Boxes around the voxels that each of many triangles may contribute, to look the triangles of few voxels up by.
+#ifndef LATVOX_CORE_DIGITIZE_TRIANGLE_BOXES_H_
+#define LATVOX_CORE_DIGITIZE_TRIANGLE_BOXES_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/uninitialized.h"
+#include "core/digitize/stars.h"
+#include "core/tile/tile_bits.h"
+
+namespace latvox {
+
+// In a byte a bound, so that a vector compares many triangles with a voxel.
+class TriangleBoxes {
+ public:
+  static constexpr int32_t kMostSide = 256;  // voxels, of the box that all of them lie in
+  static constexpr size_t kSlack = 64;       // more than a vector's worth
+
+  size_t size() const { return size_; }
+  void Clear() { size_ = 0; }
+  void Reserve(size_t more) {
+    for (auto& bounds : bounds_) bounds.resize(std::max(bounds.size(), size_ + more + kSlack));
+  }
+  // Kernels write whole vectors there, and then say how many count: the lowest of an axis, from the low corner of the
+  // box that all lie in, and the highest.
+  uint8_t* Lowest(size_t axis) { return bounds_[axis].data() + size_; }
+  uint8_t* Highest(size_t axis) { return bounds_[3 + axis].data() + size_; }
+  void Grow(size_t by) { size_ += by; }
+
+  // Replaces `pairs` by each of the voxels with all triangles whose boxes it lies in.
+  //   low         corner of the box that all lie in
+  //   triangles   their numbers
+  //   voxels      within that box
+  void FindPairs(const BitsLayout& layout, const Vec3i& low, std::span<const uint32_t> triangles,
+                 std::span<const uint32_t> voxels, std::vector<VoxelTriangle>& pairs) const;
+
+ private:
+  size_t size_ = 0;
+  std::array<UninitializedVector<uint8_t>, 6> bounds_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_DIGITIZE_TRIANGLE_BOXES_H_
