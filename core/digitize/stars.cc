@@ -1,4 +1,5 @@
-// Voxel-triangle pairs in the lanes; direction after direction. The products are those of core/digitize/star.h.
+// Voxel-triangle pairs in the lanes; direction after direction. The products are those of core/digitize/star.h: in
+// floats, whose errors are bounded, and exactly where these leave a sign open (a floating-point filter).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/digitize/stars.cc"
 #include "core/digitize/stars.h"
@@ -21,13 +22,11 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_STARS_CC_ONCE
 namespace {
 
-// How far a triangle's corners may be from the voxel, per axis in lattice units, so that T holds all products. With
-// offsets of b bits, sides have b + 1 bits, normals 2 * b + 2 (twice an area within a square of sides), moments
-// 2 * b + 1, and these with q 3 more.
-template <class T>
-inline constexpr int kOffsetBits = sizeof(T) == 4 ? 12 : 24;
-static_assert(kMaxDirection <= 8 && 2 * kOffsetBits<int32_t> + 2 + 3 <= 30 && 2 * kOffsetBits<double> + 2 + 3 <= 53);
-static_assert(3 * kOffsetBits<int32_t> + 2 - 7 <= 31);
+// How far a triangle's corners may be from the voxel, per axis in lattice units: floats hold their coordinates then,
+// and doubles all products. With offsets of b bits, sides have b + 1 bits, normals 2 * b + 2 (twice an area within a
+// square of sides), moments 2 * b + 1, and these with q 3 more.
+constexpr int kOffsetBits = 24;
+static_assert(kMaxDirection <= 8 && 2 * kOffsetBits + 2 + 3 <= 53);
 
 StarEdges ScalarStarEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, const Vec3i& z) {
   StarEdges edges{};
@@ -73,33 +72,97 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// ceil(distance / 128) for a distance = n . w, where the unit of n . q is 256: then -along < result <= along says that
-// the voxel is the nearer end. w = 128 * whole + part, and likewise n, keep the terms within bounds, and their sum fits
-// but for +2^31, which turns negative and is outside, too: for |n . w| is six times the volume of a tetrahedron with
-// sides up to 2^12, at most 4 * (2^12)^3.
-template <class D, class V>
-HWY_INLINE V Distance(D d, const std::array<V, 3>& n, const std::array<V, 3>& w) {
-  const V low_bits = hn::Set(d, 127);
-  V whole = hn::Zero(d), part = low_bits;
-  for (size_t m = 0; m < 3; ++m) {
-    const V low = hn::And(w[m], low_bits);
-    whole = hn::Add(whole, hn::Add(hn::Mul(n[m], hn::ShiftRight<7>(w[m])), hn::Mul(hn::ShiftRight<7>(n[m]), low)));
-    part = hn::Add(part, hn::Mul(hn::And(n[m], low_bits), low));
+using Float = hn::ScalableTag<float>;
+using Floats = hn::Vec<Float>;
+using Floats3 = std::array<Floats, 3>;
+
+// Of pairs in the lanes, the edges that are sure. Returns of which lanes the rounding of floats leaves some open; bit n
+// for lane n.
+//   v          the triangles' corners from the voxels, by axis in lattice units
+//   farthest   of each lane the largest |coordinate|, up to 2^kOffsetBits
+//   reach      the largest |entry| of directions
+//
+// Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a moment's entry a * d - b * c is off by at
+// most 4uw^2, and below 2w^2; the normal is their sum, off by 22uw^2, and below 6w^2. A product of the normal with a
+// direction is then off by (3 * 22 + 18 + 30)urw^2, one of a moment by (3 * 4 + 6 + 10)urw^2, and one of the normal
+// with the first corner by (3 * 22 + 18 + 30)uw^3, of which the second and the third terms are the roundings of three
+// products and of their sum. What terms of u^2 add, and the roundings of these bounds, is less than the gap to 128
+// and 32. Contraction to fused products leaves roundings out.
+HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
+                              Ints farthest, StarEdges* out) {
+  const Float d;
+  const Lanes ints;
+  std::array<Floats3, 3> v, moment;
+  for (size_t n = 0; n < 3; ++n) {
+    for (size_t m = 0; m < 3; ++m) v[n][m] = hn::ConvertTo(d, corners[n][m]);
   }
-  return hn::Add(whole, hn::ShiftRight<7>(part));
+  // (B - A) x (z - A) = A x B for z at the origin; and the normal (B - A) x (C - A) is the sum of these.
+  for (size_t n = 0; n < 3; ++n) moment[n] = CrossOf(v[n], v[(n + 1) % 3]);
+  Floats3 normal;
+  for (size_t m = 0; m < 3; ++m) normal[m] = hn::Add(hn::Add(moment[0][m], moment[1][m]), moment[2][m]);
+  const Floats minus_distance = DotOf(normal, v[0]);
+  const Floats away = hn::Abs(minus_distance);
+  const auto below = hn::Gt(minus_distance, hn::Zero(d));
+
+  constexpr float kUnit = 0x1p-24F, kHalfStep = kLatticeUnit / 2;
+  const Floats w = hn::ConvertTo(d, farthest), square = hn::Mul(w, w);
+  const auto scaled = [&](float by, Floats x) HWY_ATTR { return hn::Mul(hn::Set(d, by), x); };
+  const auto r = static_cast<float>(reach);
+  const Floats distance_error = scaled(128 * kUnit, hn::Mul(square, w)), side_error = scaled(32 * kUnit * r, square);
+  const Floats plane_error = hn::Add(distance_error, scaled(kHalfStep * 128 * kUnit * r, square));
+  const Floats minus_side_error = hn::Neg(side_error), minus_plane_error = hn::Neg(plane_error);
+
+  using Dots = Multiples<Float>;
+  const Dots by_normal(d, normal, reach);
+  const Dots by_moment[3] = {{d, moment[0], reach}, {d, moment[1], reach}, {d, moment[2], reach}};
+  Ints nearer = hn::Zero(ints), forward = nearer;
+  auto open = hn::FirstN(d, 0);
+  for (size_t n = 0; n < frames.size(); ++n) {
+    const Vec3i& q = frames[n].frame.q;
+    const Floats along = by_normal.Dot(q);
+    // By how much the plane is nearer than half a step.
+    const Floats nearer_by = hn::Sub(scaled(kHalfStep, hn::Abs(along)), away);
+    const auto may_be_near = hn::Not(hn::Lt(nearer_by, minus_plane_error));
+    if (hn::AllFalse(d, may_be_near)) continue;
+    const Floats s0 = by_moment[0].Dot(q), s1 = by_moment[1].Dot(q), s2 = by_moment[2].Dot(q);
+    const Floats least = hn::Min(s0, hn::Min(s1, s2)), most = hn::Max(s0, hn::Max(s1, s2));
+    // Sides add up to `along`: with one sign, they have its sign, too.
+    const auto up = hn::Gt(least, side_error), inside = hn::Or(up, hn::Lt(most, minus_side_error));
+    const auto outside = hn::And(hn::Lt(least, minus_side_error), hn::Gt(most, side_error));
+    const auto meets = hn::And(hn::Gt(nearer_by, plane_error), inside);
+    open = hn::Or(open, hn::AndNot(hn::Or(meets, outside), may_be_near));
+    const Ints bit = Fill(1 << n);
+    const auto leads_forward = hn::AndNot(hn::Xor(up, below), meets);
+    nearer = hn::Or(nearer, hn::IfThenElseZero(hn::RebindMask(ints, meets), bit));
+    forward = hn::Or(forward, hn::IfThenElseZero(hn::RebindMask(ints, leads_forward), bit));
+  }
+  // On which side of the plane the voxel is tells the direction to the farther end.
+  const auto sided = hn::RebindMask(ints, hn::Gt(away, distance_error));
+  int32_t bits[2][kTriangleLanes];
+  hn::StoreU(nearer, ints, bits[0]);
+  hn::StoreU(forward, ints, bits[1]);
+  for (size_t n = 0; n < kTriangleLanes; ++n) {
+    out[n] = {static_cast<uint32_t>(bits[0][n]), static_cast<uint32_t>(bits[1][n])};
+  }
+  return BitsOf(hn::Or(hn::RebindMask(ints, open), hn::AndNot(sided, hn::Ne(nearer, hn::Zero(ints)))));
 }
 
-// The same where the sum may take 54 bits or more, as doubles. Terms may take more than 64 bits; their sum does not
-// where the voxel is as close to the plane as candidates are. Where it is not, doubles say so: infinity.
-template <class D>
-HWY_INLINE hn::Vec<D> WideDistance(D d, const std::array<hn::Vec<D>, 3>& n, const std::array<hn::Vec<D>, 3>& w) {
-  constexpr size_t kCount = hn::MaxLanes(D());
-  alignas(64) double normal[3][kCount], offset[3][kCount], distance[kCount];
+using Double = hn::ScalableTag<double>;
+using Doubles = hn::Vec<Double>;
+using Doubles3 = std::array<Doubles, 3>;
+constexpr size_t kDoubles = HWY_LANES(double);
+
+// ceil(n . w / 128), where the unit of n . q is 256: then -along < result <= along says that the voxel is the nearer
+// end. Terms may take more than 64 bits; their sum does not where the voxel is as close to the plane as candidates are.
+// Where it is not, doubles say so: infinity.
+HWY_INLINE Doubles Distance(const Doubles3& n, const Doubles3& w) {
+  const Double d;
+  alignas(64) double normal[3][kDoubles], offset[3][kDoubles], distance[kDoubles];
   for (size_t m = 0; m < 3; ++m) {
     hn::Store(n[m], d, normal[m]);
     hn::Store(w[m], d, offset[m]);
   }
-  for (size_t lane = 0; lane < kCount; ++lane) {
+  for (size_t lane = 0; lane < kDoubles; ++lane) {
     uint64_t sum = 0;  // modulo 2^64
     double estimate = 0;
     for (size_t m = 0; m < 3; ++m) {
@@ -114,60 +177,42 @@ HWY_INLINE hn::Vec<D> WideDistance(D d, const std::array<hn::Vec<D>, 3>& n, cons
   return hn::Load(d, distance);
 }
 
-// Of each lane's triangle, its corners in lattice units from the voxel, by axis. Precondition: T holds the products of
-// the lanes that count.
-template <class T>
-HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach,
-                      const std::array<std::array<hn::Vec<hn::ScalableTag<T> >, 3>, 3>& v, StarEdges* out) {
-  const hn::ScalableTag<T> d;
-  using V = hn::Vec<decltype(d)>;
-  using V3 = std::array<V, 3>;
+// The edges of pairs in the lanes, exactly; v as in SureStars.
+HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Doubles3, 3>& v,
+                           StarEdges* out) {
+  const Double d;
+  using V = Doubles;
+  using V3 = Doubles3;
   const V zero = hn::Zero(d);
-  const auto minus = [](const V3& a, const V3& b) {
-    return V3{hn::Sub(a[0], b[0]), hn::Sub(a[1], b[1]), hn::Sub(a[2], b[2])};
-  };
-  const auto minor = [](V a, V b, V c, V e) { return hn::Sub(hn::Mul(a, e), hn::Mul(b, c)); };
-  const auto cross = [&](const V3& a, const V3& b) {
-    return V3{minor(a[1], a[2], b[1], b[2]), minor(a[2], a[0], b[2], b[0]), minor(a[0], a[1], b[0], b[1])};
-  };
   const auto times = [&](int32_t c, V v) {
-    return c == 0 ? zero : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(hn::Set(d, static_cast<T>(c)), v);
+    return c == 0 ? zero : c == 1 ? v : c == -1 ? hn::Neg(v) : hn::Mul(hn::Set(d, static_cast<double>(c)), v);
   };
 
-  V3 normal = cross(minus(v[1], v[0]), minus(v[2], v[0]));
+  V3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
   // Turned so that the normal's first nonzero entry is positive: that reverses all products.
-  const auto first_nonzero = [&](const V3& a) HWY_ATTR {
-    return hn::IfThenElse(hn::Eq(a[0], zero), hn::IfThenElse(hn::Eq(a[1], zero), a[2], a[1]), a[0]);
-  };
-  const auto reversed = hn::Lt(first_nonzero(normal), zero);
+  const auto reversed = hn::Lt(FirstNonzero(normal), zero);
   const auto turn = [&](V3& a) {
     for (V& x : a) x = hn::IfThenElse(reversed, hn::Neg(x), x);
   };
   // (B - A) x (z - A) = A x B for z at the origin.
   std::array<V3, 3> moment;
   for (size_t n = 0; n < 3; ++n) {
-    moment[n] = cross(v[n], v[(n + 1) % 3]);
+    moment[n] = CrossOf(v[n], v[(n + 1) % 3]);
     turn(moment[n]);
   }
   turn(normal);
-  const V3 offset{hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])};
-  V distance;
-  if constexpr (sizeof(T) == 4) {
-    distance = Distance(d, normal, offset);
-  } else {
-    distance = WideDistance(d, normal, offset);
-  }
+  const V distance = Distance(normal, {hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])});
   const auto below = hn::Not(hn::Gt(distance, zero));
 
   // Whether the shift moves the line through the voxel along u, which is q, or -q unless `up`, to the inner side of the
   // triangle's edge n: s . (edge x u) > 0.
   const auto tie_is_inside = [&](size_t n, const Vec3i& q, hn::Mask<decltype(d)> up) HWY_ATTR {
-    V3 edge = minus(v[(n + 1) % 3], v[n]);
+    V3 edge = Minus(v[(n + 1) % 3], v[n]);
     turn(edge);
     const V3 by{hn::Sub(times(q[2], edge[1]), times(q[1], edge[2])),
                 hn::Sub(times(q[0], edge[2]), times(q[2], edge[0])),
                 hn::Sub(times(q[1], edge[0]), times(q[0], edge[1]))};
-    const V first_by = first_nonzero(by);
+    const V first_by = FirstNonzero(by);
     return hn::Gt(hn::IfThenElse(up, first_by, hn::Neg(first_by)), zero);
   };
   using Dots = Multiples<decltype(d)>;
@@ -191,70 +236,40 @@ HWY_INLINE void Stars(const std::vector<ScanFrame>& frames, int32_t reach,
         meets = hn::And(meets, hn::Or(hn::Ne(sides[m], zero), tie_is_inside(m, q, up)));
       }
     }
-    const V bit = hn::Set(d, static_cast<T>(1 << n));
+    const V bit = hn::Set(d, static_cast<double>(1 << n));
     nearer = hn::Add(nearer, hn::IfThenElseZero(meets, bit));
     forward = hn::Add(forward, hn::IfThenElseZero(hn::And(meets, hn::Not(hn::Xor(up, below))), bit));
   }
-  const hn::Rebind<int32_t, decltype(d)> ints;
-  int32_t bits[2][hn::MaxLanes(d)];
-  if constexpr (sizeof(T) == 4) {
-    hn::StoreU(nearer, ints, bits[0]);
-    hn::StoreU(forward, ints, bits[1]);
-  } else {
-    hn::StoreU(hn::DemoteTo(ints, nearer), ints, bits[0]);
-    hn::StoreU(hn::DemoteTo(ints, forward), ints, bits[1]);
-  }
-  for (size_t n = 0; n < hn::MaxLanes(d); ++n) {
-    out[n] = {static_cast<uint32_t>(bits[0][n]), static_cast<uint32_t>(bits[1][n])};
-  }
+  alignas(64) double bits[2][kDoubles];
+  hn::Store(nearer, d, bits[0]);
+  hn::Store(forward, d, bits[1]);
+  for (size_t n = 0; n < kDoubles; ++n) out[n] = {static_cast<uint32_t>(bits[0][n]), static_cast<uint32_t>(bits[1][n])};
 }
 
-// Pairs in the lanes: the triangles' corners in lattice units from the voxels.
-struct PairLanes {
-  std::array<Ints3, 3> v;
-  uint64_t near, middle, far;  // bit n: int32 holds the products of lane n; doubles do; neither does
-
-  HWY_INLINE PairLanes(const std::array<Ints3, 3>& corners, const Ints3& voxel, size_t count) : v(corners) {
-    const Lanes d;
-    Ints farthest = hn::Zero(d);
-    for (Ints3& corner : v) {
-      corner = Minus(corner, voxel);
-      for (const Ints x : corner) farthest = hn::Max(farthest, hn::Abs(x));
-    }
-    const auto within = [&](int bits) HWY_ATTR { return BitsOf(hn::Not(hn::Gt(farthest, Fill(1 << bits)))); };
-    const uint64_t given = BitsOf(hn::FirstN(d, count)), narrow = within(kOffsetBits<int32_t>);
-    const uint64_t wide = within(kOffsetBits<double>);
-    near = given & narrow;
-    middle = given & wide & ~narrow;
-    far = given & ~wide;
-  }
+// Pairs that are done together.
+constexpr size_t kAtOnce = 64;
+struct Pairs {
+  alignas(64) int32_t corners[3][3][kAtOnce];  // from the voxels, by axis
+  StarEdges edges[kAtOnce];
 };
 
-// Finds those of the lanes in `which`, of which doubles hold the products; out[n] gets lane n's.
-HWY_INLINE void WideStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& v,
-                          uint64_t which, StarEdges* out) {
-  const hn::ScalableTag<double> d;
-  constexpr size_t kCount = HWY_LANES(double), kParts = kTriangleLanes / kCount;
-  const auto wanted = hn::LoadMaskBits(Lanes(), reinterpret_cast<const uint8_t*>(&which));
-  alignas(64) int32_t ints[3][3][kTriangleLanes];
-  for (size_t c = 0; c < 3; ++c) {
-    for (size_t m = 0; m < 3; ++m) hn::Store(hn::IfThenElseZero(wanted, v[c][m]), Lanes(), ints[c][m]);
-  }
-  for (size_t part = 0; part < kParts; ++part) {
-    uint64_t some = which >> part * kCount & ((uint64_t{1} << kCount) - 1);
-    if (some == 0) continue;
-    std::array<std::array<hn::Vec<decltype(d)>, 3>, 3> wide;
+// Finds the edges of those whose bits are set.
+void FindExactly(const std::vector<ScanFrame>& frames, int32_t reach, uint64_t which, Pairs& pairs) {
+  const hn::Rebind<int32_t, Double> ints;
+  while (which != 0) {
+    alignas(64) int32_t places[kDoubles];
+    size_t count = 0;
+    for (; which != 0 && count < kDoubles; which &= which - 1) places[count++] = std::countr_zero(which);
+    std::fill(places + count, std::end(places), places[0]);
+    std::array<Doubles3, 3> v;
     for (size_t c = 0; c < 3; ++c) {
       for (size_t m = 0; m < 3; ++m) {
-        wide[c][m] = hn::PromoteTo(d, hn::LoadU(hn::Rebind<int32_t, decltype(d)>(), ints[c][m] + part * kCount));
+        v[c][m] = hn::PromoteTo(Double(), hn::GatherIndex(ints, pairs.corners[c][m], hn::Load(ints, places)));
       }
     }
-    StarEdges edges[kCount];
-    Stars<double>(frames, reach, wide, edges);
-    for (; some != 0; some &= some - 1) {
-      const auto n = static_cast<size_t>(std::countr_zero(some));
-      out[part * kCount + n] = edges[n];
-    }
+    StarEdges edges[kDoubles];
+    ExactStars(frames, reach, v, edges);
+    for (size_t n = 0; n < count; ++n) pairs.edges[places[n]] = edges[n];
   }
 }
 
@@ -265,7 +280,6 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   for (const ScanFrame& scan : frames) {
     for (const int32_t q : scan.frame.q) reach = std::max(reach, std::abs(q));
   }
-  constexpr size_t kAtOnce = 64;
   for (; !pairs.empty(); pairs = pairs.subspan(std::min(kAtOnce, pairs.size()))) {
     const size_t count = std::min(kAtOnce, pairs.size());
     // All voxels first: what was just written number by number cannot be read as a vector at once.
@@ -282,22 +296,30 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
     }
     std::fill(corners + count, std::end(corners), corners[0]);
     for (auto& of_axis : voxels) std::fill(of_axis + count, std::end(of_axis), of_axis[0]);
-    for (size_t first = 0; first < count; first += kTriangleLanes, out += kTriangleLanes) {
-      const auto some = pairs.subspan(first, std::min(kTriangleLanes, count - first));
+    Pairs these;
+    uint64_t open = 0, far = 0;
+    for (size_t first = 0; first < count; first += kTriangleLanes) {
       const Lanes d;
-      const PairLanes lanes(
-          LoadCorners([&](size_t c, size_t n) HWY_ATTR { return vertices[corners[first + n][c]]; }),
-          {hn::LoadU(d, voxels[0] + first), hn::LoadU(d, voxels[1] + first), hn::LoadU(d, voxels[2] + first)},
-          some.size());
-      StarEdges edges[kTriangleLanes];
-      if (lanes.near != 0) Stars<int32_t>(frames, reach, lanes.v, edges);
-      if (lanes.middle != 0) WideStars(frames, reach, lanes.v, lanes.middle, edges);
-      for (uint64_t far = lanes.far; far != 0; far &= far - 1) {
-        const auto& [voxel, triangle] = some[static_cast<size_t>(std::countr_zero(far))];
-        edges[std::countr_zero(far)] = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(voxel));
+      std::array<Ints3, 3> v =
+          LoadCorners([&](size_t c, size_t n) HWY_ATTR { return vertices[corners[first + n][c]]; });
+      Ints farthest = hn::Zero(d);
+      for (size_t c = 0; c < 3; ++c) {
+        for (size_t m = 0; m < 3; ++m) {
+          v[c][m] = hn::Sub(v[c][m], hn::LoadU(d, voxels[m] + first));
+          hn::Store(v[c][m], d, these.corners[c][m] + first);
+          farthest = hn::Max(farthest, hn::Abs(v[c][m]));
+        }
       }
-      std::copy_n(edges, some.size(), out);
+      open |= SureStars(frames, reach, v, farthest, these.edges + first) << first;
+      far |= BitsOf(hn::Gt(farthest, Fill(1 << kOffsetBits))) << first;
     }
+    const uint64_t given = ~uint64_t{0} >> (kAtOnce - count);
+    FindExactly(frames, reach, open & ~far & given, these);
+    for (far &= given; far != 0; far &= far - 1) {
+      const auto n = static_cast<size_t>(std::countr_zero(far));
+      these.edges[n] = ScalarStarEdges(TriangleOf(mesh, pairs[n].triangle), frames, layout.VoxelAt(pairs[n].voxel));
+    }
+    out = std::copy_n(these.edges, count, out);
   }
 }
 

@@ -31,10 +31,12 @@ inline constexpr size_t kTriangleLanes = HWY_LANES(int32_t);
 using Ints3 = std::array<Ints, 3>;
 
 HWY_INLINE Ints Fill(int64_t x) { return hn::Set(Lanes(), static_cast<int32_t>(x)); }
-HWY_INLINE Ints3 Minus(const Ints3& a, const Ints3& b) {
+template <class V>
+HWY_INLINE std::array<V, 3> Minus(const std::array<V, 3>& a, const std::array<V, 3>& b) {
   return {hn::Sub(a[0], b[0]), hn::Sub(a[1], b[1]), hn::Sub(a[2], b[2])};
 }
-HWY_INLINE Ints DotOf(const Ints3& a, const Ints3& b) {
+template <class V>
+HWY_INLINE V DotOf(const std::array<V, 3>& a, const std::array<V, 3>& b) {
   return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
 }
 // Bit n: lane n's.
@@ -44,12 +46,17 @@ HWY_INLINE uint64_t BitsOf(hn::Mask<Lanes> mask) {
   return bits;
 }
 HWY_INLINE Ints3 Fill3(const Vec3i& v) { return {Fill(v[0]), Fill(v[1]), Fill(v[2])}; }
-HWY_INLINE Ints Minor(Ints a, Ints b, Ints c, Ints d) { return hn::Sub(hn::Mul(a, d), hn::Mul(b, c)); }
-HWY_INLINE Ints3 CrossOf(const Ints3& a, const Ints3& b) {
+template <class V>
+HWY_INLINE V Minor(V a, V b, V c, V d) {
+  return hn::Sub(hn::Mul(a, d), hn::Mul(b, c));
+}
+template <class V>
+HWY_INLINE std::array<V, 3> CrossOf(const std::array<V, 3>& a, const std::array<V, 3>& b) {
   return {Minor(a[1], a[2], b[1], b[2]), Minor(a[2], a[0], b[2], b[0]), Minor(a[0], a[1], b[0], b[1])};
 }
-HWY_INLINE Ints FirstNonzero(const Ints3& v) {
-  const Ints zero = hn::Zero(Lanes());
+template <class V>
+HWY_INLINE V FirstNonzero(const std::array<V, 3>& v) {
+  const V zero = hn::Zero(hn::DFromV<V>());
   return hn::IfThenElse(hn::Eq(v[0], zero), hn::IfThenElse(hn::Eq(v[1], zero), v[2], v[1]), v[0]);
 }
 HWY_INLINE Ints Least(Ints a, Ints b, Ints c) { return hn::Min(a, hn::Min(b, c)); }
