@@ -4,6 +4,7 @@
 
 #include <malloc.h>
 
+#include <atomic>
 #include <cstddef>
 
 #include "core/base/huge_pages.h"
@@ -14,13 +15,17 @@ namespace latvox {
 // heap's part is no more than the C library by itself would keep after a job with arrays of 16 MiB.
 inline constexpr int kMemoryKeptByJobs = 32 << 20;
 
-// Lets the C library keep so many bytes of this process's freed memory, more where several threads free it, and arrays
-// of large pages half as much; by itself it returns it to the system, from which it would have to be fetched, and
-// cleared, page by page. For main functions.
+// Up to how many bytes of scans ended jobs leave to later ones: core/voxelizer/scan_pool.h.
+inline std::atomic<size_t> kept_scan_bytes = 0;
+
+// Lets the C library keep so many bytes of this process's freed memory, more where several threads free it, jobs keep
+// as many of scans, and arrays of large pages half as much; by itself it returns it to the system, from which it would
+// have to be fetched, and cleared, page by page. For main functions.
 inline void KeepFreedMemory(int bytes) {
   mallopt(M_MMAP_THRESHOLD, bytes / 2);
   mallopt(M_TRIM_THRESHOLD, bytes);
   KeepPages(static_cast<size_t>(bytes) / 2);
+  kept_scan_bytes = static_cast<size_t>(bytes);
 }
 
 }  // namespace latvox

@@ -20,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/digitize/principal_scan.h"
 #include "core/digitize/triangle_boxes.h"
 #include "core/snap/snap.h"
@@ -49,6 +50,9 @@ struct Candidates {
     for (NumberList* list : {&nearer, &farther, &rim}) list->Reserve(more);
   }
   size_t size() const { return nearer.size() + rim.size(); }
+  size_t Bytes() const {
+    return nearer.Bytes() + farther.Bytes() + rim.Bytes() + BytesOf(runs) + BytesOf(triangles) + boxes.Bytes();
+  }
   // The triangle at a place of the run.
   uint32_t TriangleAt(const Run& run, size_t place) const { return triangles[run.first + place]; }
   void EndRun(std::span<const uint32_t> of) {

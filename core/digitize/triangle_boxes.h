@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/base/uninitialized.h"
 #include "core/digitize/stars.h"
 #include "core/tile/tile_bits.h"
@@ -22,6 +23,7 @@ class TriangleBoxes {
   static constexpr size_t kSlack = 64;       // more than a vector's worth
 
   size_t size() const { return size_; }
+  size_t Bytes() const { return bounds_.size() * BytesOf(bounds_[0]); }
   void Clear() { size_ = 0; }
   void Reserve(size_t more) {
     for (auto& bounds : bounds_) bounds.resize(std::max(bounds.size(), size_ + more + kSlack));

@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/base/cancelled.h"
 #include "core/snap/snap.h"
 #include "core/solid/solid.h"
@@ -29,6 +30,7 @@ class InteriorRows {
   InteriorRows() : rows_(kRows), starts_(kRows) {}
 
   std::span<const uint64_t> view() const { return rows_; }
+  size_t Bytes() const { return BytesOf(rows_) + BytesOf(starts_) + BytesOf(turns_); }
 
  private:
   friend class ClosedInterior;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/base/vec.h"
 #include "core/lattice/frame.h"
 #include "core/tile/tile_bits.h"
@@ -51,6 +52,8 @@ class CrossedEdges {
     while (voxel + static_cast<uint32_t>(steps_[bit].number) != other) ++bit;
     Add(voxel, bit / 2, bit % 2 != 0);
   }
+
+  size_t Bytes() const { return BytesOf(rows_) + BytesOf(words_) + BytesOf(touched_); }
 
   // Of a voxel.
   uint32_t Get(uint32_t voxel) const { return words_[rows_[voxel / kRow] * kRow + voxel % kRow]; }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/tile/brick.h"
 
 namespace latvox {
@@ -78,6 +79,7 @@ class NumberList {
   }
 
   size_t size() const { return size_; }
+  size_t Bytes() const { return capacity_ * sizeof(uint32_t); }
   uint32_t operator[](size_t n) const { return data_[n]; }
   std::span<const uint32_t> view() const { return {data_.get(), size_}; }
 
@@ -127,6 +129,7 @@ class TileBits {
     if (!range.empty()) std::fill(words_.begin() + (range.first >> 5), words_.begin() + (range.last >> 5) + 1, 0);
   }
 
+  size_t Bytes() const { return BytesOf(words_); }
   // What is added is 0.
   void Resize(size_t words) { words_.resize(words); }
 

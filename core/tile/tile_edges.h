@@ -28,6 +28,7 @@ struct Crossings {
     nearer.Clear();
     farther.Clear();
   }
+  size_t Bytes() const { return nearer.Bytes() + farther.Bytes(); }
 };
 
 // An edge in a tile: (nearer end within the tile, as i << 12 | j << 6 | k) << kPackedEndShift | 2 * direction + 1 if it

@@ -67,6 +67,12 @@ class ExactJob final : public VoxelizeJob {
     if (band) facts_.band_width = band->width;
   }
 
+  ~ExactJob() override {
+    if (!cancelled_) scans_.Leave();
+  }
+  ExactJob(const ExactJob&) = delete;
+  ExactJob& operator=(const ExactJob&) = delete;
+
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
   void Cancel() override { cancelled_ = true; }

@@ -1,4 +1,4 @@
-// What was allocated for one block of tiles serves the next.
+// What was allocated for one block of tiles serves the next, of the same job or of a later one.
 #ifndef LATVOX_CORE_VOXELIZER_SCAN_POOL_H_
 #define LATVOX_CORE_VOXELIZER_SCAN_POOL_H_
 
@@ -10,7 +10,41 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/kept_memory.h"
+
 namespace latvox {
+
+// Scans that jobs have left, of kept_scan_bytes in all. Threads: any.
+template <class Scan>
+class LeftScans {
+ public:
+  static LeftScans& Get() {
+    static LeftScans left;
+    return left;
+  }
+
+  // Null if there is none.
+  std::unique_ptr<Scan> Take() {
+    const std::lock_guard lock(mutex_);
+    if (scans_.empty()) return nullptr;
+    std::unique_ptr<Scan> scan = std::move(scans_.back());
+    scans_.pop_back();
+    bytes_ -= scan->Bytes();
+    return scan;
+  }
+  void Add(std::unique_ptr<Scan> scan) {
+    const size_t bytes = scan->Bytes();
+    const std::lock_guard lock(mutex_);
+    if (bytes_ + bytes > kept_scan_bytes) return;
+    bytes_ += bytes;
+    scans_.push_back(std::move(scan));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Scan>> scans_;
+  size_t bytes_ = 0;
+};
 
 // Up to as many scans as the arena has threads, or as are at work at a time. A thread gets the scan that it had before,
 // which its core's cache may still hold. Threads: any.
@@ -23,9 +57,11 @@ class ScanPool {
     auto mine = std::find_if(idle_.begin(), idle_.end(), [&](const Idle& idle) { return idle.thread == thread; });
     if (mine == idle_.end()) {
       if (idle_.empty() || made_ < oneapi::tbb::this_task_arena::max_concurrency()) {
-        auto scan = std::make_unique<Scan>();
         ++made_;
-        return scan;
+        if constexpr (kMayLeave) {
+          if (auto scan = LeftScans<Scan>::Get().Take()) return scan;
+        }
+        return std::make_unique<Scan>();
       }
       mine = idle_.begin();
     }
@@ -38,8 +74,14 @@ class ScanPool {
     const std::lock_guard lock(mutex_);
     idle_.push_back({thread, std::move(scan)});
   }
+  // Leaves them to later jobs. Precondition: all are given back, and each has done its blocks to the end.
+  void Leave() {
+    for (Idle& idle : idle_) LeftScans<Scan>::Get().Add(std::move(idle.scan));
+    idle_.clear();
+  }
 
  private:
+  static constexpr bool kMayLeave = requires(const Scan& scan) { scan.Bytes(); };
   struct Idle {
     int thread;  // that had it
     std::unique_ptr<Scan> scan;

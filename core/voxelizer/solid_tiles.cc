@@ -79,4 +79,10 @@ TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interi
   return latvox::CutOut(LayoutOf(tile_ijk), bits_, tile_ijk * kTileSide, context.region, context.mesh.base_ijk);
 }
 
+size_t SolidTiles::Bytes() const {
+  size_t bytes = BytesOf(triangles_) + rows_.Bytes() + bits_.Bytes();
+  for (const std::vector<uint32_t>& list : triangles_) bytes += BytesOf(list);
+  return bytes;
+}
+
 }  // namespace latvox

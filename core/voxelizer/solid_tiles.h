@@ -44,6 +44,9 @@ class SolidTiles {
   TileBricks CutOut(const TileContext& context, const Interior& interior, size_t number, const Vec3i& tile_ijk,
                     TileScan* surface);
 
+  // Of memory.
+  size_t Bytes() const;
+
  private:
   std::vector<std::vector<uint32_t>> triangles_;  // of each tile
   InteriorRows rows_;

@@ -19,6 +19,8 @@ Vec3i ReachOf(const std::vector<Frame>& frames);
 struct BlockScan {
   TileScan surface;
   SolidTiles solid;
+
+  size_t Bytes() const { return surface.Bytes() + solid.Bytes(); }
 };
 
 // Appends the node's tiles that have voxels, in global coordinates and in the canonical order; once the job is

@@ -397,4 +397,10 @@ TileBricks TileScan::CutOut(const TileContext& context, const Vec3i& tile_ijk) c
                         context.mesh.base_ijk);
 }
 
+size_t TileScan::Bytes() const {
+  size_t bytes = surface_.Bytes() + essential_.Bytes() + rest_.Bytes() + BytesOf(others_) + candidates_.Bytes();
+  bytes += positions_.Bytes() + inside_.Bytes() + outward_.Bytes() + inner_.Bytes() + BytesOf(added_);
+  return bytes + BytesOf(rim_only_) + BytesOf(maybe_) + BytesOf(pairs_) + edges_.Bytes();
+}
+
 }  // namespace latvox

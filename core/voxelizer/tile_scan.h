@@ -62,6 +62,9 @@ class TileScan {
   // context.region.
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
+  // Of memory.
+  size_t Bytes() const;
+
  private:
   template <class F>
   void ForEachTinyBatch(const TileContext& context, F&& f) const;
