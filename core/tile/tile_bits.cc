@@ -40,6 +40,30 @@ HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numb
   return TestBits(hn::GatherIndex(d, words, index), number);
 }
 
+// Neighbours in a list often share a word of bits, for which one change would wait for the other; hence they do not
+// follow each other.
+void SetAll(uint32_t* words, std::span<const uint32_t> numbers) {
+  constexpr size_t kWays = 4, kBatch = 64;
+  const Numbers d;
+  const size_t part = numbers.size() / kWays / kBatch * kBatch;
+  alignas(64) uint32_t index[kWays][kBatch], bit[kWays][kBatch];
+  for (size_t first = 0; first < part; first += kBatch) {
+    for (size_t way = 0; way < kWays; ++way) {
+      for (size_t n = 0; n < kBatch; n += kLanes) {
+        const auto number = hn::LoadU(d, numbers.data() + way * part + first + n);
+        hn::Store(hn::ShiftRight<5>(hn::And(number, hn::Set(d, kNumberMask))), d, index[way] + n);
+        hn::Store(hn::Shl(hn::Set(d, 1), hn::And(number, hn::Set(d, 31))), d, bit[way] + n);
+      }
+    }
+    for (size_t n = 0; n < kBatch; ++n) {
+      for (size_t way = 0; way < kWays; ++way) words[index[way][n]] |= bit[way][n];
+    }
+  }
+  for (const uint32_t number : numbers.subspan(kWays * part)) {
+    words[(number & kNumberMask) >> 5] |= 1U << (number & 31);
+  }
+}
+
 // A branch for vectors without any that is wanted would be hard to predict.
 void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
   const Numbers d;
@@ -159,6 +183,7 @@ namespace latvox {
 namespace {
 
 HWY_EXPORT(Range);
+HWY_EXPORT(SetAll);
 HWY_EXPORT(Find);
 HWY_EXPORT(Separate);
 HWY_EXPORT(FindFew);
@@ -177,6 +202,11 @@ NumberRange RangeOf(std::span<const uint32_t> numbers) {
   NumberRange range;
   for (const uint32_t n : numbers) range.Add({n & kNumberMask, n & kNumberMask});
   return range;
+}
+
+void TileBits::SetAll(std::span<const uint32_t> numbers) {
+  if (!SimdIsScalar()) return HWY_DYNAMIC_DISPATCH(SetAll)(words_.data(), numbers);
+  for (const uint32_t number : numbers) Set(number & kNumberMask);
 }
 
 void TileBits::SetRun(uint32_t first, uint32_t count) {

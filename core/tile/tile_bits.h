@@ -111,7 +111,8 @@ class TileBits {
 
   bool Test(uint32_t number) const { return words_[number >> 5] >> (number & 31) & 1; }
   void Set(uint32_t number) { words_[number >> 5] |= 1U << (number & 31); }
-  void SetRun(uint32_t first, uint32_t count);  // count > 0
+  void SetAll(std::span<const uint32_t> numbers);  // of their low kNumberBits
+  void SetRun(uint32_t first, uint32_t count);     // count > 0
   void Clear(uint32_t number) { words_[number >> 5] &= ~(1U << (number & 31)); }
 
   // The positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.

@@ -12,18 +12,6 @@
 namespace latvox {
 namespace {
 
-// Calls f(n) for all n < size. Neighbours in a list often share a word of bits, for which one change would wait for the
-// other; hence they do not follow each other.
-template <class F>
-void ForEachApart(size_t size, F&& f) {
-  constexpr size_t kWays = 4;
-  const size_t part = size / kWays;
-  for (size_t n = 0; n < part; ++n) {
-    for (size_t way = 0; way < kWays; ++way) f(way * part + n);
-  }
-  for (size_t n = kWays * part; n < size; ++n) f(n);
-}
-
 IndexBox Shrunk(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max - by}; }
 
 IndexBox Union(IndexBox a, const IndexBox& b) {
@@ -63,7 +51,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
   if (context.supercover != nullptr) return CoverAll(context);
   ForEachTinyBatch(context, [this](const Crossings& some) {
     Use(some.nearer.view());
-    ForEachApart(some.nearer.size(), [&](size_t n) { surface_.Set(some.nearer[n]); });
+    surface_.SetAll(some.nearer.view());
   });
   if (!context.is_tiny.empty()) {
     others_.clear();
@@ -78,7 +66,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     in_parts_ = end > 0;
     end = Gather(context, end);
     Use(candidates_.nearer.view());
-    ForEachApart(candidates_.nearer.size(), [this](size_t n) { surface_.Set(candidates_.nearer[n] & kNumberMask); });
+    surface_.SetAll(candidates_.nearer.view());
     AddRim(context);
   } while (end < triangles_.size() && !context.cancelled);
 }
@@ -222,7 +210,7 @@ void TileScan::FindRest(const TileContext& context) {
     inside_.Clear();
     outward_.Clear();
     surface_.Separate(some.farther.view(), some.nearer.view(), inside_.farther, inside_.nearer, outward_);
-    ForEachApart(outward_.size(), [&](size_t n) { essential_.Set(outward_[n]); });
+    essential_.SetAll(outward_.view());
     AddInner(inside_, essential_, false);
   });
   if (any_tiny) {

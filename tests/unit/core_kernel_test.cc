@@ -253,6 +253,30 @@ TEST(TileBits, FindAndSeparateAreWhatTestSaysOnEachKernel) {
   }
 }
 
+TEST(TileBits, SetAllSetsEachNumberOnEachKernel) {
+  std::mt19937 random(kSeed);
+  const BitsLayout layout({0, 0, 0}, {3, 3, 3});
+  const auto last = static_cast<uint32_t>(layout.side[0] * layout.stride[0] - 1);
+  std::uniform_int_distribution<uint32_t> number(0, last), step(0, 2);
+  for (const size_t size : {size_t{0}, size_t{255}, size_t{256}, size_t{1003}}) {
+    TileBits expected(layout.Words());
+    std::vector<uint32_t> numbers(size);
+    uint32_t at = number(random) / 2;  // many in one word
+    for (uint32_t& n : numbers) {
+      at += step(random);
+      n = size % 2 == 0 ? at : number(random);
+      expected.Set(n);
+      n |= number(random) << kNumberBits;
+    }
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      TileBits bits(layout.Words());
+      bits.SetAll(numbers);
+      EXPECT_EQ(bits.words(), expected.words()) << SimdInUse();
+    }
+  }
+}
+
 TEST(TileBits, FindFewIsFindForSetsOfAnySizeOnEachKernel) {
   std::mt19937 random(kSeed);
   const BitsLayout layout({0, 0, 0}, {3, 3, 3});
