@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <vector>
 
 namespace latvox {
 #ifndef LATVOX_CORE_TILE_CUT_OUT_CC_ONCE
@@ -48,20 +49,37 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET == HWY_SCALAR
-constexpr auto CutColumn = ScalarColumn;
-#else
-uint32_t CutColumn(const uint8_t* rows, size_t step_x, size_t step_y, Column& column) {
-  // Whether anything is there is hard to predict of each x, less so of all.
-  uint64_t any = 0;
-  for (size_t x = 0; x < kBrickSide; ++x) {
-    for (size_t y = 0; y < kBrickSide; ++y) {
-      uint64_t row;
-      std::memcpy(&row, rows + x * step_x + y * step_y, sizeof(row));
-      any |= row;
-    }
+// What any of eight planes has, byte by byte.
+//   bytes   of a plane: at least a vector's
+void OrPlanes(const uint8_t* plane, size_t step_x, size_t bytes, uint8_t* any) {
+  const hn::ScalableTag<uint8_t> d;
+  constexpr size_t kLanes = HWY_LANES(uint8_t);
+  for (size_t n = 0; n < bytes; n += kLanes) {
+    const size_t at = std::min(n, bytes - kLanes);
+    auto some = hn::LoadU(d, plane + at);
+    for (size_t x = 1; x < kBrickSide; ++x) some = hn::Or(some, hn::LoadU(d, plane + x * step_x + at));
+    hn::StoreU(some, d, any + at);
   }
-  if (any == 0) return 0;
+}
+
+// What any of eight rows has.
+uint64_t OrRows(const uint8_t* row, size_t step_y) {
+  uint64_t any = 0;
+  for (size_t y = 0; y < kBrickSide; ++y) {
+    uint64_t bytes;
+    std::memcpy(&bytes, row + y * step_y, sizeof(bytes));
+    any |= bytes;
+  }
+  return any;
+}
+
+#if HWY_TARGET == HWY_SCALAR
+uint32_t CutColumn(const uint8_t* rows, size_t step_x, size_t step_y, uint64_t, Column& column) {
+  return ScalarColumn(rows, step_x, step_y, column);
+}
+#else
+//   any   OrRows of all its rows
+uint32_t CutColumn(const uint8_t* rows, size_t step_x, size_t step_y, uint64_t any, Column& column) {
   const hn::FixedTag<uint8_t, 16> d;
   const hn::Repartition<uint16_t, decltype(d)> d16;
   const hn::Repartition<uint32_t, decltype(d)> d32;
@@ -106,12 +124,22 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
     end[m] = std::min(((region.max[m] - tile_min[m] - 1) >> kBrickBits) + 1, kBricks);
     if (first[m] >= end[m]) return out;
   }
+  const auto step_x = static_cast<size_t>(layout.stride[0] / 8), step_y = static_cast<size_t>(layout.stride[1] / 8);
+  std::vector<uint8_t> any(static_cast<size_t>((end[1] - first[1]) * kBrickSide) * step_y);
   for (int32_t bi = first[0]; bi < end[0]; ++bi) {
-    for (int32_t bj = first[1]; bj < end[1]; ++bj) {
+    const uint8_t* rows = bytes + layout.NumberOf(tile_min + Vec3i{bi, first[1], 0} * kBrickSide) / 8;
+    // Columns without voxels are many; to find them takes less together, plane by plane.
+    if (!plain) OrPlanes(rows, step_x, any.size() - (step_y - kBricks), any.data());
+    for (int32_t bj = first[1]; bj < end[1]; ++bj, rows += kBrickSide * step_y) {
       const Vec3i corner = tile_min + Vec3i{bi, bj, 0} * kBrickSide;
-      const uint32_t bricks = (plain ? ScalarColumn : CutColumn)(bytes + layout.NumberOf(corner) / 8,
-                                                                 static_cast<size_t>(layout.stride[0] / 8),
-                                                                 static_cast<size_t>(layout.stride[1] / 8), column);
+      uint32_t bricks = 0;
+      if (plain) {
+        bricks = ScalarColumn(rows, step_x, step_y, column);
+      } else {
+        const uint64_t in_column = OrRows(&any[static_cast<size_t>((bj - first[1]) * kBrickSide) * step_y], step_y);
+        if (in_column == 0) continue;
+        bricks = CutColumn(rows, step_x, step_y, in_column, column);
+      }
       for (uint32_t some = bricks; some != 0; some &= some - 1) {
         const auto n = static_cast<size_t>(std::countr_zero(some));
         Brick& brick = found[size];
