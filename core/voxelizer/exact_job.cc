@@ -297,7 +297,9 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
   using oneapi::tbb::filter_mode;
   using oneapi::tbb::flow_control;
   if (absl::Status status = Prepare(); !status.ok()) return status;
-  const auto tokens = 2 * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
+  // Units of some tens of triangles wait for a large one before them: with two a thread, others waited for a token.
+  const size_t per_thread = band_ || attributes_.wanted() ? 2 : 4;  // which have megabytes each
+  const size_t tokens = per_thread * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
   std::atomic<bool> stop = false;
   oneapi::tbb::parallel_pipeline(
       tokens, oneapi::tbb::make_filter<void, TileNode>(filter_mode::serial_in_order, [&](flow_control& flow) {
