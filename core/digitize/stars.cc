@@ -23,8 +23,8 @@ namespace latvox {
 namespace {
 
 // How far a triangle's corners may be from the voxel, per axis in lattice units: floats hold their coordinates then,
-// and doubles all products. With offsets of b bits, sides have b + 1 bits, normals 2 * b + 2 (twice an area within a
-// square of sides), moments 2 * b + 1, and these with q 3 more.
+// and doubles all products but that of normal and offset (see Distance). With offsets of b bits, sides have b + 1 bits,
+// normals 2 * b + 2 (twice an area within a square of sides), moments 2 * b + 1, and these with q 3 more.
 constexpr int kOffsetBits = 24;
 static_assert(kMaxDirection <= 8 && 2 * kOffsetBits + 2 + 3 <= 53);
 
@@ -78,16 +78,17 @@ using Floats3 = std::array<Floats, 3>;
 
 // Of pairs in the lanes, the edges that are sure. Returns of which lanes the rounding of floats leaves some open; bit n
 // for lane n.
-//   v          the triangles' corners from the voxels, by axis in lattice units
-//   farthest   of each lane the largest |coordinate|, up to 2^kOffsetBits
+//   corners    of the triangles, from the voxels, by axis in lattice units
+//   farthest   of each lane the largest |coordinate|; beyond 2^kOffsetBits, what is said of a lane means nothing
 //   reach      the largest |entry| of directions
 //
-// Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a moment's entry a * d - b * c is off by at
-// most 4uw^2, and below 2w^2; the normal is their sum, off by 22uw^2, and below 6w^2. A product of the normal with a
-// direction is then off by (3 * 22 + 18 + 30)urw^2, one of a moment by (3 * 4 + 6 + 10)urw^2, and one of the normal
-// with the first corner by (3 * 22 + 18 + 30)uw^3, of which the second and the third terms are the roundings of three
-// products and of their sum. What terms of u^2 add, and the roundings of these bounds, is less than the gap to 128
-// and 32. Contraction to fused products leaves roundings out.
+// Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a moment's entry a * d - b * c is at most 2w^2,
+// and off by 4uw^2; the normal is their sum, at most 6w^2, and off by 22uw^2. A product of the normal with a direction
+// is then off by (3 * 22 + 18 + 30)urw^2, one of a moment by (3 * 4 + 6 + 10)urw^2, and one of the normal with the
+// first corner by (3 * 22 + 18 + 30)uw^3, of which the second and the third terms are the roundings of three products
+// and of their sum. What terms of u^2 add, and the roundings of these bounds, is less than the gap to 128 and 32. A
+// rounded difference that is compared with a float needs nothing more, as rounding is monotone; and contraction to
+// fused products leaves roundings out.
 HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
                               Ints farthest, StarEdges* out) {
   const Float d;
@@ -177,7 +178,7 @@ HWY_INLINE Doubles Distance(const Doubles3& n, const Doubles3& w) {
   return hn::Load(d, distance);
 }
 
-// The edges of pairs in the lanes, exactly; v as in SureStars.
+// The edges of pairs in the lanes, exactly; v: the corners, as in SureStars.
 HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Doubles3, 3>& v,
                            StarEdges* out) {
   const Double d;

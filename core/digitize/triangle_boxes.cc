@@ -30,14 +30,15 @@ HWY_INLINE uint64_t BoxesAround(D d, const std::array<const uint8_t*, 6>& bounds
   return inside;
 }
 
-void FindPairs(const std::array<const uint8_t*, 6>& bounds, const BitsLayout& layout, const Vec3i& low,
-               std::span<const uint32_t> triangles, std::span<const uint32_t> voxels,
+bool FindPairs(const std::array<const uint8_t*, 6>& bounds, const BitsLayout& layout, const Vec3i& low,
+               std::span<const uint32_t> triangles, std::span<const uint32_t> voxels, size_t most,
                std::vector<VoxelTriangle>& pairs) {
   const hn::ScalableTag<uint8_t> d;
   constexpr size_t kLanes = HWY_LANES(uint8_t);
+  static_assert(kLanes <= TriangleBoxes::kSlack && kLanes <= 64);
+  pairs.resize(most + kLanes + 1);
   size_t count = 0;
   for (const uint32_t voxel : voxels) {
-    if (pairs.size() <= count + triangles.size()) pairs.resize(2 * (count + triangles.size()));
     const Vec3i ijk = layout.VoxelAt(voxel) - low;
     const std::array at{hn::Set(d, static_cast<uint8_t>(ijk[0])), hn::Set(d, static_cast<uint8_t>(ijk[1])),
                         hn::Set(d, static_cast<uint8_t>(ijk[2]))};
@@ -53,9 +54,11 @@ void FindPairs(const std::array<const uint8_t*, 6>& bounds, const BitsLayout& la
       };
       add();
       while (inside != 0) add();
+      if (count > most) return false;
     }
   }
   pairs.resize(count);
+  return true;
 }
 
 }  // namespace
@@ -72,12 +75,11 @@ HWY_EXPORT(FindPairs);
 
 }  // namespace
 
-void TriangleBoxes::FindPairs(const BitsLayout& layout, const Vec3i& low, std::span<const uint32_t> triangles,
-                              std::span<const uint32_t> voxels, std::vector<VoxelTriangle>& pairs) const {
+bool TriangleBoxes::FindPairs(const BitsLayout& layout, const Vec3i& low, std::span<const uint32_t> triangles,
+                              std::span<const uint32_t> voxels, size_t most, std::vector<VoxelTriangle>& pairs) const {
   std::array<const uint8_t*, 6> bounds;
   for (size_t n = 0; n < 6; ++n) bounds[n] = bounds_[n].data();
-  pairs.clear();
-  HWY_DYNAMIC_DISPATCH(FindPairs)(bounds, layout, low, triangles, voxels, pairs);
+  return HWY_DYNAMIC_DISPATCH(FindPairs)(bounds, layout, low, triangles, voxels, most, pairs);
 }
 
 }  // namespace latvox

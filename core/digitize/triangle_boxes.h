@@ -20,7 +20,7 @@ namespace latvox {
 class TriangleBoxes {
  public:
   static constexpr int32_t kMostSide = 256;  // voxels, of the box that all of them lie in
-  static constexpr size_t kSlack = 64;       // more than a vector's worth
+  static constexpr size_t kSlack = 64;       // a vector's worth, at most
 
   size_t size() const { return size_; }
   size_t Bytes() const { return bounds_.size() * BytesOf(bounds_[0]); }
@@ -34,12 +34,13 @@ class TriangleBoxes {
   uint8_t* Highest(size_t axis) { return bounds_[3 + axis].data() + size_; }
   void Grow(size_t by) { size_ += by; }
 
-  // Replaces `pairs` by each of the voxels with all triangles whose boxes it lies in.
+  // Replaces `pairs` by each of the voxels with all triangles whose boxes it lies in, and returns true, if these are no
+  // more than `most`; else returns false soon, and they mean nothing.
   //   low         corner of the box that all lie in
   //   triangles   their numbers
   //   voxels      within that box
-  void FindPairs(const BitsLayout& layout, const Vec3i& low, std::span<const uint32_t> triangles,
-                 std::span<const uint32_t> voxels, std::vector<VoxelTriangle>& pairs) const;
+  bool FindPairs(const BitsLayout& layout, const Vec3i& low, std::span<const uint32_t> triangles,
+                 std::span<const uint32_t> voxels, size_t most, std::vector<VoxelTriangle>& pairs) const;
 
  private:
   size_t size_ = 0;

@@ -54,6 +54,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 void OrPlanes(const uint8_t* plane, size_t step_x, size_t bytes, uint8_t* any) {
   const hn::ScalableTag<uint8_t> d;
   constexpr size_t kLanes = HWY_LANES(uint8_t);
+  static_assert(kLanes <= kBrickSide * kBricks, "no more than a column's rows have");
   for (size_t n = 0; n < bytes; n += kLanes) {
     const size_t at = std::min(n, bytes - kLanes);
     auto some = hn::LoadU(d, plane + at);

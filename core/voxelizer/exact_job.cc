@@ -297,8 +297,9 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
   using oneapi::tbb::filter_mode;
   using oneapi::tbb::flow_control;
   if (absl::Status status = Prepare(); !status.ok()) return status;
-  // Units of some tens of triangles wait for a large one before them: with two a thread, others waited for a token.
-  const size_t per_thread = band_ || attributes_.wanted() ? 2 : 4;  // which have megabytes each
+  // Small units wait for a large one before them: with two in flight a thread, other threads waited, too. But units of
+  // a band or with attributes have megabytes each, and so may those that are not thinned.
+  const size_t per_thread = band_ || attributes_.wanted() || !context_.minimal ? 2 : 4;
   const size_t tokens = per_thread * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
   std::atomic<bool> stop = false;
   oneapi::tbb::parallel_pipeline(

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -14,36 +15,37 @@
 
 namespace latvox {
 
-// Scans that jobs have left, of kept_scan_bytes in all. Threads: any.
+// Scans that jobs have left, of kept_scan_bytes in all, and kMost at most. Threads: any.
 template <class Scan>
 class LeftScans {
  public:
   static LeftScans& Get() {
-    static LeftScans left;
-    return left;
+    static auto* const left = new LeftScans;  // for good: jobs may end after other static objects
+    return *left;
   }
 
   // Null if there is none.
   std::unique_ptr<Scan> Take() {
     const std::lock_guard lock(mutex_);
-    if (scans_.empty()) return nullptr;
-    std::unique_ptr<Scan> scan = std::move(scans_.back());
-    scans_.pop_back();
+    if (size_ == 0) return nullptr;
+    std::unique_ptr<Scan> scan = std::move(scans_[--size_]);
     bytes_ -= scan->Bytes();
     return scan;
   }
-  void Add(std::unique_ptr<Scan> scan) {
+  void Add(std::unique_ptr<Scan> scan) {  // throws nothing
     const size_t bytes = scan->Bytes();
     const std::lock_guard lock(mutex_);
-    if (bytes_ + bytes > kept_scan_bytes) return;
+    if (size_ == kMost || bytes_ + bytes > kept_scan_bytes) return;
     bytes_ += bytes;
-    scans_.push_back(std::move(scan));
+    scans_[size_++] = std::move(scan);
   }
 
  private:
+  static constexpr size_t kMost = 64;
+
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Scan>> scans_;
-  size_t bytes_ = 0;
+  std::array<std::unique_ptr<Scan>, kMost> scans_;
+  size_t size_ = 0, bytes_ = 0;
 };
 
 // Up to as many scans as the arena has threads, or as are at work at a time. A thread gets the scan that it had before,

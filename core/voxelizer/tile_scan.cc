@@ -266,7 +266,7 @@ void TileScan::AskRestOfPart(const TileContext& context) {
 }
 
 // Finds pairs_ of members of rest_ by the triangles' boxes, if that seems to take less than to find the members among
-// all candidates: returns whether it did. It finds some pairs more, whose stars have no edges.
+// all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no edges.
 bool TileScan::FindPairsByBoxes() {
   const size_t triangles = candidates_.triangles.size();
   if (candidates_.boxes.size() != triangles) return false;
@@ -277,10 +277,10 @@ bool TileScan::FindPairsByBoxes() {
       static_cast<double>(candidates_.size())) {
     return false;
   }
-  candidates_.boxes.FindPairs(layout_, box_.min, candidates_.triangles, maybe_, pairs_);
   // Boxes say little of large triangles askew.
   constexpr size_t kUsual = 3, kPerPair = 100;
-  return pairs_.size() < kUsual * maybe_.size() + candidates_.size() / kPerPair;
+  const size_t most = kUsual * maybe_.size() + candidates_.size() / kPerPair;
+  return candidates_.boxes.FindPairs(layout_, box_.min, candidates_.triangles, maybe_, most, pairs_);
 }
 
 // Takes what has left rest_ out of maybe_.

@@ -143,18 +143,22 @@ TEST(Candidates, OfTrianglesOfAllSizesAreFoundInPartsOnEachKernel) {
   }
 }
 
-// A voxel is at most half a step from where its edge meets the triangle.
+// A voxel is at most half a step from where its edge meets the triangle. And the largest box that bytes hold.
 TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) {
   const Vec3i tile_min{128, 64, 192};
   for (const ExactLattice& l : ExactLattices()) {
     const auto frames = MakeScanFrames(l.lattice.frames(0));
     const Vec3i reach = ReachOf(frames);
-    const IndexBox box{tile_min - reach * 2, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach * 2};
-    const BitsLayout layout(tile_min, reach * 3);
+    const IndexBox box{tile_min, tile_min + Vec3i{1, 1, 1} * TriangleBoxes::kMostSide};
+    const BitsLayout layout(tile_min, reach, TriangleBoxes::kMostSide);
     std::vector<Triangle> triangles = TrianglesAround(tile_min, 9000, 150);
-    for (const Triangle& t : TrianglesAround(tile_min, 1 << 22, 5)) triangles.push_back(t);
+    for (const Triangle& t : TrianglesAround(tile_min + Vec3i{190, 190, 190}, 9000, 30)) triangles.push_back(t);
+    for (const Triangle& t : TrianglesAround(tile_min, 1 << 18, 5)) triangles.push_back(t);
+    const Found contributed = Expected(triangles, frames, box);
     std::set<uint32_t> voxels;
-    for (const auto& [t, voxel] : Expected(triangles, frames, box)) voxels.insert(layout.NumberOf(voxel));
+    for (const auto& [t, voxel] : contributed) {
+      if ((voxel[0] + voxel[1] + voxel[2]) % 5 == 0) voxels.insert(layout.NumberOf(voxel));
+    }
     Found expected;
     for (const uint32_t voxel : voxels) {
       const Vec3i z = layout.VoxelAt(voxel);
@@ -168,21 +172,48 @@ TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) 
         if (inside) expected.insert({t, z});
       }
     }
-    EXPECT_GT(expected.size(), voxels.size());
+    for (const auto& [t, voxel] : contributed) {
+      if (voxels.contains(layout.NumberOf(voxel))) {
+        EXPECT_TRUE(expected.contains({t, voxel}));
+      }
+    }
     const SnappedMesh mesh = MeshOf(triangles);
+    const std::vector<uint32_t> asked(voxels.begin(), voxels.end());
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);
       if (SimdIsScalar()) continue;  // it has no boxes
       Candidates candidates;
       FindCandidates(mesh, Iota(triangles.size()), frames, box, layout, kNotCancelled, SIZE_MAX, candidates);
       ASSERT_EQ(candidates.boxes.size(), triangles.size());
+      const auto find = [&](size_t most, std::vector<VoxelTriangle>& pairs) {
+        return candidates.boxes.FindPairs(layout, box.min, candidates.triangles, asked, most, pairs);
+      };
       std::vector<VoxelTriangle> pairs;
-      candidates.boxes.FindPairs(layout, box.min, candidates.triangles, std::vector(voxels.begin(), voxels.end()),
-                                 pairs);
+      EXPECT_FALSE(find(expected.size() - 1, pairs));
+      EXPECT_TRUE(find(expected.size(), pairs));
       Found found;
       for (const auto& [voxel, t] : pairs) EXPECT_TRUE(found.insert({t, layout.VoxelAt(voxel)}).second);
       ASSERT_EQ(found, expected) << l.name << " " << SimdInUse() << " seed " << kSeed;
     }
+  }
+}
+
+// Not where there are but few candidates of a triangle, nor where bytes do not hold them.
+TEST(Candidates, HaveNoBoxesWhereThesePayNotOrDoNotFitOnEachKernel) {
+  const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kCartesian).frames(0));
+  const auto boxes = [&](const std::vector<Triangle>& triangles, int32_t side) {
+    Candidates candidates;
+    FindCandidates(MeshOf(triangles), Iota(triangles.size()), frames, {{0, 0, 0}, {side, side, side}},
+                   BitsLayout({0, 0, 0}, {1, 1, 1}, side), kNotCancelled, SIZE_MAX, candidates);
+    return candidates.boxes.size();
+  };
+  const auto large = TrianglesAround({0, 0, 0}, 9000, 100), small = TrianglesAround({0, 0, 0}, 100, 100);
+  for (const Simd simd : SimdHere()) {
+    const ForcedSimd forced(simd);
+    if (SimdIsScalar()) continue;
+    EXPECT_EQ(boxes(large, TriangleBoxes::kMostSide), large.size()) << SimdInUse();
+    EXPECT_EQ(boxes(large, TriangleBoxes::kMostSide + 8), 0U) << SimdInUse();
+    EXPECT_LT(boxes(small, kTileSide), small.size()) << SimdInUse();
   }
 }
 

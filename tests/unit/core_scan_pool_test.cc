@@ -21,10 +21,6 @@ struct Sized {
   size_t Bytes() const { return 10; }
 };
 
-struct Unsized {
-  bool used = false;
-};
-
 // Has a job use so many scans at a time, and leave them; returns how many had been used before.
 template <class Scan>
 int UsedBefore(int count) {
@@ -37,7 +33,7 @@ int UsedBefore(int count) {
     scans.back()->used = true;
   }
   for (auto& scan : scans) pool.Give(std::move(scan));
-  if constexpr (requires(const Scan& scan) { scan.Bytes(); }) pool.Leave();
+  pool.Leave();
   return used;
 }
 
@@ -54,12 +50,6 @@ TEST_F(ScanPoolTest, LeavesScansUpToALimit) {
   kept_scan_bytes = 0;
   EXPECT_EQ(UsedBefore<Sized<1>>(4), 2);
   EXPECT_EQ(UsedBefore<Sized<1>>(4), 0);
-}
-
-TEST_F(ScanPoolTest, LeavesNoneWhoseSizeIsNotKnown) {
-  kept_scan_bytes = 1000;
-  EXPECT_EQ(UsedBefore<Unsized>(2), 0);
-  EXPECT_EQ(UsedBefore<Unsized>(2), 0);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 
 #include "core/base/kept_memory.h"
 #include "core/voxelizer/estimate.h"
+#include "core/voxelizer/scan_pool.h"
+#include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"
@@ -251,6 +253,11 @@ TEST(Pipeline, GivesTheSameTilesWithWhatEarlierJobsHaveLeft) {
       for (const InteriorRule rule : {InteriorRule::kParity, InteriorRule::kWinding}) {
         cases.push_back({mesh, grid, {.solid = Solid{.rule = rule}}});
       }
+      TriangleMesh open = mesh;
+      open.triangles.pop_back();
+      cases.push_back({open, grid, {.solid = Solid{.force_open = true}}});
+      cases.push_back({mesh, grid, {.minimal = false}});
+      cases.push_back({mesh, grid, {.cover = Cover::kSupercover}});
     }
   }
   const auto digest = [](const Case& c) { return Voxelize(c.mesh, c.grid, c.options, 2).totals.digest; };
@@ -272,6 +279,9 @@ TEST(Pipeline, GivesTheSameTilesWithWhatEarlierJobsHaveLeft) {
     cancelled.reset();
     EXPECT_EQ(digest(cases[n]), expected[n]) << "case " << n << " seed " << kSeed;
   }
+  int left = 0;
+  while (LeftScans<BlockScan>::Get().Take() != nullptr) ++left;
+  EXPECT_GT(left, 0);
   kept_scan_bytes = 0;
 }
 
