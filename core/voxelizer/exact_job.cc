@@ -32,6 +32,12 @@ constexpr int kMaxSolidUnitLevel = 1;  // tiles may be full, of 512 bricks each
 
 using Unit = std::vector<TileBricks>;
 
+// What the pipeline's last stage delivers, one unit after the other: it does no more than it must.
+struct FinishedUnit {
+  Unit tiles;
+  std::vector<JobTotals> totals;  // of each tile
+};
+
 class ExactJob final : public VoxelizeJob {
  public:
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
@@ -96,7 +102,7 @@ class ExactJob final : public VoxelizeJob {
   void SplitNext();
   void Process(const TileNode& node, Unit& out) const;
   void ScanLeaf(const TileNode& node, Unit& out) const;
-  void Deliver(TileBricks tile, const Sink& sink, bool& paused);
+  void Deliver(TileBricks tile, const JobTotals& totals, const Sink& sink, bool& paused);
 
   const SnappedMesh mesh_;
   const std::vector<Frame> frames_;
@@ -285,9 +291,9 @@ void ExactJob::ScanLeaf(const TileNode& node, Unit& out) const {
 }
 
 // Progress is counted over the whole: of a shard it is estimated to begin and to end where equal parts do.
-void ExactJob::Deliver(TileBricks tile, const Sink& sink, bool& paused) {
+void ExactJob::Deliver(TileBricks tile, const JobTotals& totals, const Sink& sink, bool& paused) {
   tile.progress = std::clamp(tile.progress * shard_.count - shard_.index, 0.0, 1.0);
-  totals_.Add(tile);
+  totals_.Add(totals);
   if (!sink(std::move(tile))) paused = true;
 }
 
@@ -308,14 +314,16 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
                 if (unit) return *std::move(unit);
                 flow.stop();
                 return TileNode{};
-              }) & oneapi::tbb::make_filter<TileNode, Unit>(filter_mode::parallel, [&](const TileNode& node) {
-                Unit unit;
-                Process(node, unit);
+              }) & oneapi::tbb::make_filter<TileNode, FinishedUnit>(filter_mode::parallel, [&](const TileNode& node) {
+                FinishedUnit unit;
+                Process(node, unit.tiles);
+                unit.totals.resize(unit.tiles.size());
+                for (size_t n = 0; n < unit.tiles.size(); ++n) unit.totals[n].Add(unit.tiles[n]);
                 return unit;
-              }) & oneapi::tbb::make_filter<Unit, void>(filter_mode::serial_in_order, [&](Unit unit) {
+              }) & oneapi::tbb::make_filter<FinishedUnit, void>(filter_mode::serial_in_order, [&](FinishedUnit unit) {
                 bool paused = false;
-                for (TileBricks& tile : unit) {
-                  if (!cancelled_) Deliver(std::move(tile), sink, paused);
+                for (size_t n = 0; n < unit.tiles.size(); ++n) {
+                  if (!cancelled_) Deliver(std::move(unit.tiles[n]), unit.totals[n], sink, paused);
                 }
                 if (paused) stop = true;
               }));

@@ -193,6 +193,15 @@ void JobTotals::Add(const TileBricks& tile) {
     AddValues<uint32_t>(tile, tile.attributes, tile.attributes.size() / tile.voxels, attributes);
 }
 
+void JobTotals::Add(const JobTotals& other) {
+  voxels += other.voxels;
+  bricks += other.bricks;
+  tiles += other.tiles;
+  digest.Add(other.digest);
+  values.Add(other.values);
+  attributes.Add(other.attributes);
+}
+
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
                                  const Bounds& bounds) {
   std::optional<double> voxel_size = density.voxel_size;

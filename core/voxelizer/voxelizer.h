@@ -78,6 +78,7 @@ struct JobTotals {
   Digest values;      // of a band: of voxels and values
   Digest attributes;  // of voxels and attributes, if they carry any
   void Add(const TileBricks& tile);
+  void Add(const JobTotals& other);
 };
 
 // One mesh being voxelized. Tiles come out in canonical order (see BrickBatch in the protocol), and are the same for
