@@ -303,9 +303,12 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
   using oneapi::tbb::filter_mode;
   using oneapi::tbb::flow_control;
   if (absl::Status status = Prepare(); !status.ok()) return status;
-  // Small units wait for a large one before them: with two in flight a thread, other threads waited, too. But units of
-  // a band or with attributes have megabytes each, and so may those that are not thinned.
-  const size_t per_thread = band_ || attributes_.wanted() || !context_.minimal ? 2 : 4;
+  // In small jobs, small units wait for a large one before them: with two in flight a thread, other threads waited,
+  // too. In large ones more of them would keep others waiting when the sink pauses. Units of a band or with attributes
+  // have megabytes each, and so may those that are not thinned.
+  constexpr int kSmallJobLevel = 5;  // 32 tiles a side
+  const bool may_be_large = band_ || attributes_.wanted() || !context_.minimal || tree_.level() > kSmallJobLevel;
+  const size_t per_thread = may_be_large ? 2 : 4;
   const size_t tokens = per_thread * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
   std::atomic<bool> stop = false;
   oneapi::tbb::parallel_pipeline(
