@@ -17,7 +17,7 @@ endfunction()
 
 latvox_add_core_test(core_lattice_test)
 latvox_add_core_test(core_huge_pages_test)
-latvox_add_core_test(core_scan_pool_test)
+latvox_add_core_test(core_scan_pool_test THREADED)
 latvox_add_core_test(core_snap_test THREADED)
 latvox_add_core_test(core_surface_facts_test THREADED)
 latvox_add_core_test(core_tile_tree_test THREADED)

@@ -11,10 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/kept_memory.h"
 #include "core/voxelizer/estimate.h"
-#include "core/voxelizer/scan_pool.h"
-#include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"
@@ -236,53 +233,6 @@ TEST(Pipeline, CancelEndsAdvanceFromAnotherThreadAndFromTheSink) {
                 .code(),
             absl::StatusCode::kCancelled);
   EXPECT_EQ(after, 1);
-}
-
-// Of other lattices, neighbours, finenesses and kinds; and of jobs that are cancelled midway.
-TEST(Pipeline, GivesTheSameTilesWithWhatEarlierJobsHaveLeft) {
-  struct Case {
-    TriangleMesh mesh;
-    Grid grid;
-    VoxelizeOptions options;
-  };
-  std::vector<Case> cases;
-  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kFcc}) {
-    const Grid grid = Unscaled(Lattice::Named(lattice));
-    for (const TriangleMesh& mesh : {Sphere(160, 14), Sphere(30, 150), Sphere(5, 90)}) {
-      for (const int k : {0, 2}) cases.push_back({mesh, grid, {.separability = k}});
-      for (const InteriorRule rule : {InteriorRule::kParity, InteriorRule::kWinding}) {
-        cases.push_back({mesh, grid, {.solid = Solid{.rule = rule}}});
-      }
-      TriangleMesh open = mesh;
-      open.triangles.pop_back();
-      cases.push_back({open, grid, {.solid = Solid{.force_open = true}}});
-      cases.push_back({mesh, grid, {.minimal = false}});
-      cases.push_back({mesh, grid, {.cover = Cover::kSupercover}});
-    }
-  }
-  const auto digest = [](const Case& c) { return Voxelize(c.mesh, c.grid, c.options, 2).totals.digest; };
-  std::vector<Digest> expected;
-  for (const Case& c : cases) expected.push_back(digest(c));
-  kept_scan_bytes = size_t{64} << 20;
-  constexpr unsigned kSeed = 7;
-  std::mt19937 random(kSeed);
-  std::uniform_int_distribution<size_t> any(0, cases.size() - 1);
-  for (int times = 0; times < Dose(120, 40); ++times) {
-    const size_t n = any(random);
-    auto cancelled = *VoxelizeJob::Create(cases[n].mesh, cases[n].grid, cases[n].options);
-    std::thread other([&, wait = std::chrono::microseconds(random() % 2000)] {
-      std::this_thread::sleep_for(wait);
-      cancelled->Cancel();
-    });
-    (void)cancelled->Advance([](TileBricks&&) { return true; });
-    other.join();
-    cancelled.reset();
-    EXPECT_EQ(digest(cases[n]), expected[n]) << "case " << n << " seed " << kSeed;
-  }
-  int left = 0;
-  while (LeftScans<BlockScan>::Get().Take() != nullptr) ++left;
-  EXPECT_GT(left, 0);
-  kept_scan_bytes = 0;
 }
 
 TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
