@@ -203,10 +203,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
 
   const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lines.valid));
   const auto few = hn::And(valid, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)));
-  uint64_t together = 0;
-  if (PaysTogether(boxes.width, boxes.height, few)) {
-    hn::StoreMaskBits(d, few, reinterpret_cast<uint8_t*>(&together));
-  }
+  uint64_t together = PaysTogether(boxes.width, boxes.height, few) ? BitsOf(few) : 0;
   if (together != 0) together = ScanTogether(lines, together, these.lowest, these.highest, scan.table, target, out);
   const uint64_t by_themselves = lines.valid & ~together;
   if (by_themselves != 0) PrepareBlocks(scan.table, target.size, lines);
@@ -216,9 +213,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
     for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;
     ScanLines(lines.At(t), clip, nullptr, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
-  uint64_t large = 0;
-  hn::StoreMaskBits(d, hn::AndNot(these.small, these.near), reinterpret_cast<uint8_t*>(&large));
-  for (; large != 0; large &= large - 1) {
+  for (uint64_t large = BitsOf(hn::AndNot(these.small, these.near)); large != 0; large &= large - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(large));
     Triangle triangle;
     for (size_t n = 0; n < 3; ++n) {

@@ -230,8 +230,7 @@ struct LineBoxes {
     a = first(0), b = first(1);
     width = count(0, a), height = count(1, b);
     wanted = hn::And(wanted, hn::And(hn::Gt(along, zero), hn::Gt(hn::Min(width, height), zero)));
-    valid = 0;
-    hn::StoreMaskBits(d, wanted, reinterpret_cast<uint8_t*>(&valid));
+    valid = BitsOf(wanted);
   }
 };
 
@@ -347,8 +346,7 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
     const auto lower = hn::Sub(hn::Add(base, hn::Add(hn::Min(over_a, nothing), hn::Min(over_b, nothing))), slack);
     const auto upper = hn::Add(hn::Add(base, hn::Add(hn::Max(over_a, nothing), hn::Max(over_b, nothing))), slack);
     const auto inside = hn::And(hn::Ge(lower, nothing), hn::Le(upper, hn::Set(df, static_cast<float>(size[m] - 1))));
-    s.astride[m] = 0;
-    hn::StoreMaskBits(d, hn::Not(hn::RebindMask(d, inside)), reinterpret_cast<uint8_t*>(&s.astride[m]));
+    s.astride[m] = BitsOf(hn::Not(hn::RebindMask(d, inside)));
   }
 }
 

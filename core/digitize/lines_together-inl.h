@@ -113,8 +113,7 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
                                                                     hn::Mul(largest(down.ijk[m]), Fill(last_b))));
     some = hn::And(some, hn::Lt(hn::Max(farthest, room[m]), Fill(Packed::kMost + 1)));
   }
-  uint64_t done = 0;
-  hn::StoreMaskBits(d, some, reinterpret_cast<uint8_t*>(&done));
+  uint64_t done = BitsOf(some);
   if (done == 0) return 0;
 
   struct State {
