@@ -256,18 +256,25 @@ class Interruptions(Case):
         runtime.mkdir()
         environment = {**os.environ, "LATVOX_LATVOXD": str(server), "XDG_RUNTIME_DIR": str(runtime)}
         command = [BIN / "latvox", "voxelize", BUNNY, "--resolution", "9", "-o", self.dir / "out.vdb"]
-        client = subprocess.Popen(command, stderr=subprocess.DEVNULL, env=environment, cwd=self.dir)
+        with (self.dir / "stderr").open("w") as stderr:  # not a pipe, which the server would hold open
+            client = subprocess.Popen(command, stderr=stderr, env=environment, cwd=self.dir)
         self.addCleanup(client.kill)
-        self.await_files(3)
+        self.await_files(5)
         while not (self.dir / "pid").exists():
             time.sleep(0.01)
         self.addCleanup(os.kill, int((self.dir / "pid").read_text()), signal.SIGKILL)
         self.assertEqual(len(list(runtime.iterdir())), 1)
+        self.assertEqual(len(list(self.dir.glob(".out.vdb.*.part"))), 1)
         client.send_signal(signal.SIGINT)
-        time.sleep(0.5)  # what comes at once does not count
-        client.send_signal(signal.SIGINT)
+        time.sleep(0.05)
+        client.send_signal(signal.SIGINT)  # comes at once, and does not count
+        time.sleep(0.5)
+        self.assertIsNone(client.poll())
+        client.send_signal(signal.SIGTERM)
         self.assertEqual(client.wait(timeout=15), STOPPED)
         self.assertEqual(list(runtime.iterdir()), [])
+        self.assertEqual(list(self.dir.glob(".out.vdb.*.part")), [])
+        self.assertEqual((self.dir / "stderr").read_text(), "latvox: cancelled\n")
 
     def test_commands_without_a_server_end_with_6_on_sigint(self):
         voxels = self.dir / "voxels.vdb"

@@ -1,11 +1,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <cstring>
 
-#include "client/cli/interrupt.h"
 #include "client/grid/voxel_grid.h"
 #include "client/output/atomic_file.h"
 #include "client/output/output.h"
@@ -51,23 +48,6 @@ class OutputFile : public FilesTest {
     return *std::move(output);
   }
 };
-
-TEST_F(OutputFile, ASecondSignalEndsTheProcessAndLeavesNoFile) {
-  const auto interrupted_twice = [this] {
-    const Cancellation cancellation;
-    const Interrupt interrupt(cancellation);
-    const auto file = AtomicFile::Create(Path("o.csv"));
-    kill(getpid(), SIGINT);
-    while (!cancellation.cancelled()) usleep(1000);
-    kill(getpid(), SIGINT);  // comes at once, and does not count
-    usleep(400'000);
-    std::fputs("alive\n", stderr);
-    kill(getpid(), SIGTERM);
-    sleep(10);
-  };
-  EXPECT_EXIT(interrupted_twice(), testing::ExitedWithCode(6), "^alive\nlatvox: cancelled\n$");
-  EXPECT_THAT(Names(), testing::IsEmpty());
-}
 
 TEST_F(OutputFile, CsvHoldsCoordinatesAndPositionsWithSeventeenDigits) {
   ASSERT_TRUE(Fill("o.csv")->Commit().ok());
