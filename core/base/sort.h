@@ -6,19 +6,51 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace latvox {
 
+// A piece of an array, of which any step takes some milliseconds at most.
+inline constexpr size_t kSortedPiece = size_t{1} << 16;
+
+// Merges two sorted ranges, one after the other, as std::inplace_merge does.
+//   left   memory
+template <class T, class Less>
+void MergeAdjacent(std::span<T> first, std::span<T> second, std::vector<T>& left, const std::atomic<bool>& cancelled,
+                   const Less& less) {
+  if (!less(second.front(), first.back())) return;
+  left.clear();
+  left.reserve(first.size());
+  for (size_t n = 0; n < first.size(); n += kSortedPiece) {
+    if (cancelled) return;
+    const std::span<T> piece = first.subspan(n, std::min(kSortedPiece, first.size() - n));
+    left.insert(left.end(), piece.begin(), piece.end());
+  }
+  T* out = first.data();
+  const T *a = left.data(), *const a_end = a + left.size();
+  const T *b = second.data(), *const b_end = b + second.size();
+  while (a != a_end && b != b_end && !cancelled) {
+    const size_t steps = std::min({kSortedPiece, static_cast<size_t>(a_end - a), static_cast<size_t>(b_end - b)});
+    for (size_t n = 0; n < steps; ++n) *out++ = less(*b, *a) ? *b++ : *a++;
+  }
+  std::copy(a, a_end, out);  // for which there is room up to b
+}
+
 // Sorts, by std::sort unless there are many. Returns soon once cancelled, with the elements in any order.
 template <class T, class Less = std::less<T>>
 void Sort(std::vector<T>& elements, const std::atomic<bool>& cancelled, const Less& less = {}) {
-  constexpr size_t kPiece = size_t{1} << 16;  // takes some milliseconds
-  const auto at = [&](size_t n) { return elements.begin() + static_cast<ptrdiff_t>(std::min(n, elements.size())); };
-  for (size_t n = 0; n < elements.size() && !cancelled; n += kPiece) std::sort(at(n), at(n + kPiece), less);
-  for (size_t width = kPiece; width < elements.size(); width *= 2) {
+  const auto part = [&](size_t begin, size_t end) {
+    return std::span(elements).subspan(begin, std::min(end, elements.size()) - begin);
+  };
+  for (size_t n = 0; n < elements.size() && !cancelled; n += kSortedPiece) {
+    const std::span<T> piece = part(n, n + kSortedPiece);
+    std::sort(piece.begin(), piece.end(), less);
+  }
+  std::vector<T> left;
+  for (size_t width = kSortedPiece; width < elements.size(); width *= 2) {
     for (size_t n = 0; n + width < elements.size() && !cancelled; n += 2 * width) {
-      std::inplace_merge(at(n), at(n + width), at(n + 2 * width), less);
+      MergeAdjacent(part(n, n + width), part(n + width, n + 2 * width), left, cancelled, less);
     }
   }
 }

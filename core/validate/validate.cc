@@ -32,12 +32,13 @@ class EdgeList {
 
   void Add(EdgeList&& more) { std::move(more.pieces_.begin(), more.pieces_.end(), std::back_inserter(pieces_)); }
 
-  // How many there are, each counted once.
-  size_t Count(const std::atomic<bool>& cancelled) const {
+  // How many there are, each counted once. Empties the list.
+  size_t Count(const std::atomic<bool>& cancelled) {
     std::vector<uint64_t> edges;
     edges.reserve(pieces_.size() * kPiece);
-    for (const auto& piece : pieces_) {
+    for (auto& piece : pieces_) {
       if (!cancelled) edges.insert(edges.end(), piece.begin(), piece.end());
+      piece = {};
     }
     SortUnique(edges, cancelled);
     return edges.size();

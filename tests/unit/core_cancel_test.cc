@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <ctime>
 #include <memory>
@@ -150,6 +151,38 @@ TEST(Cancelling, SortingIsThatOfTheLibraryAndStops) {
     const std::vector<uint32_t> before = unsorted;
     Sort(unsorted, std::atomic<bool>(true));
     EXPECT_EQ(unsorted, before);
+  }
+}
+
+// At every stage of it: sorting of pieces, four fifths of all comparisons here, and merging, which ends with one of
+// all.
+TEST(Cancelling, SortingStopsWithinAPieceAndLosesNothing) {
+  constexpr uint64_t kToSortAPiece = 2 * kSortedPiece * std::bit_width(kSortedPiece);  // comparisons
+  std::mt19937 random(4);
+  std::vector<uint32_t> unsorted(1000000);
+  for (uint32_t& number : unsorted) number = static_cast<uint32_t>(random() % 100000);
+  std::vector<uint32_t> expected = unsorted;
+  std::sort(expected.begin(), expected.end());
+  std::atomic<bool> cancelled = false;
+  uint64_t compared = 0, last = ~uint64_t{0};
+  const auto less = [&](uint32_t a, uint32_t b) {
+    if (++compared == last) cancelled = true;
+    return a < b;
+  };
+  std::vector<uint32_t> numbers = unsorted;
+  Sort(numbers, cancelled, less);
+  EXPECT_EQ(numbers, expected);
+  const uint64_t whole = compared;
+  for (const double part : {0.1, 0.5, 0.8, 0.9, 0.95, 0.98}) {
+    numbers = unsorted;
+    cancelled = false;
+    compared = 0;
+    last = static_cast<uint64_t>(part * static_cast<double>(whole));
+    Sort(numbers, cancelled, less);
+    EXPECT_LT(compared - last, part < 0.85 ? kToSortAPiece : kSortedPiece + 1) << part;
+    EXPECT_NE(numbers, expected);
+    std::sort(numbers.begin(), numbers.end());
+    EXPECT_EQ(numbers, expected);
   }
 }
 
