@@ -14,7 +14,8 @@ namespace latvox {
 // A piece of an array, of which any step takes some milliseconds at most.
 inline constexpr size_t kSortedPiece = size_t{1} << 16;
 
-// Merges two sorted ranges, one after the other, as std::inplace_merge does.
+// Merges two sorted ranges, one after the other, as std::inplace_merge does, which cannot be cut short. Once cancelled,
+// leaves all their elements in any order.
 //   left   memory
 template <class T, class Less>
 void MergeAdjacent(std::span<T> first, std::span<T> second, std::vector<T>& left, const std::atomic<bool>& cancelled,

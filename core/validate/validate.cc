@@ -38,7 +38,7 @@ class EdgeList {
     edges.reserve(pieces_.size() * kPiece);
     for (auto& piece : pieces_) {
       if (!cancelled) edges.insert(edges.end(), piece.begin(), piece.end());
-      piece = {};
+      piece = std::vector<uint64_t>();  // {} would keep its memory
     }
     SortUnique(edges, cancelled);
     return edges.size();

@@ -154,8 +154,7 @@ TEST(Cancelling, SortingIsThatOfTheLibraryAndStops) {
   }
 }
 
-// At every stage of it: sorting of pieces, four fifths of all comparisons here, and merging, which ends with one of
-// all.
+// At every stage: sorting pieces, four fifths of all comparisons here, and merging them, in the end all at once.
 TEST(Cancelling, SortingStopsWithinAPieceAndLosesNothing) {
   constexpr uint64_t kToSortAPiece = 2 * kSortedPiece * std::bit_width(kSortedPiece);  // comparisons
   std::mt19937 random(4);
