@@ -61,7 +61,7 @@ inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_
   for (auto& part : parts) {
     if (cancelled) return all;
     for (const uint64_t crossing : part) all[next[LineCrossing::Slab(crossing)]++] = crossing;
-    part = {};
+    part = std::vector<uint64_t>();  // {} would keep its memory
   }
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, LineCrossing::kSlabs), [&](const auto& slabs) {
     for (size_t n = slabs.begin(); n < slabs.end() && !cancelled; ++n) {
