@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kCallsPerConnection = 20;
 constexpr absl::Duration kReconnectDelay = absl::Milliseconds(200);
+constexpr absl::Duration kSlowBatch = absl::Milliseconds(100);
 
 double MillisecondsSince(absl::Time start) { return absl::ToDoubleMilliseconds(absl::Now() - start); }
 
@@ -138,8 +139,7 @@ absl::StatusOr<client::Summary> Participant::CallOnce(const Job& job, const clie
     return absl::OkStatus();
   };
   handlers.on_bricks = [this](const client::BrickBatch&) {
-    if (role_ == "slow") absl::SleepFor(absl::Milliseconds(100));
-    if (role_ == "stopped") absl::SleepFor(swarm_.end - absl::Now());
+    absl::SleepFor(role_ == "slow" ? kSlowBatch : role_ == "stopped" ? swarm_.end - absl::Now() : swarm_.batch);
     return absl::OkStatus();
   };
   return client_->Voxelize(RequestOf(job), job.drc, handlers, options);

@@ -23,8 +23,9 @@ struct Swarm {
   std::vector<Job> jobs;
   std::vector<std::string> roles;  // of client n: roles[n % size]
   uint64_t seed = 1;
-  absl::Time end;           // no call begins after it
-  absl::Duration patience;  // that a good call may take, tries and waits included
+  absl::Time end;             // no call begins after it
+  absl::Duration patience;    // that a good call may take, tries and waits included
+  absl::Duration batch = {};  // that good clients take over each batch of bricks
   client::ConnectionOptions connection = {};
   client::RetryPolicy retry = {};
 };

@@ -30,8 +30,8 @@ TABLE = {
     "medium bunny-512-cartesian": ("bunny", "cartesian", 512, 2, 10),
     "large bunny-x4-512-cartesian": ("bunny-x4", "cartesian", 512, 0, 3),
     "large bunny-1024-bcc": ("bunny", "bcc", 1024, 0, 2),
-    "huge bunny-4096-cartesian": ("bunny", "cartesian", 4096, 2, 0),
     "huge bunny-8192-cartesian": ("bunny", "cartesian", 8192, 2, 0),
+    "huge bunny-32768-cartesian": ("bunny", "cartesian", 32768, 2, None),
     "huge bunny-x16-512-cartesian": ("bunny-x16", "cartesian", 512, 0, 0),
     "huge tangle-64-bcc": ("tangle", "bcc", 64, 0, None),
 }
