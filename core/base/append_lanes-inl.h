@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -96,7 +97,8 @@ HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESP
   return selected.count();
 }
 
-#if HWY_TARGET != HWY_SCALAR  // which has no halves
+#if HWY_TARGET != HWY_SCALAR  // which has no vectors of eight
+#if HWY_TARGET <= HWY_AVX3_DL
 // SelectedLanes of 16 bits.
 template <class D>
 class SelectedShorts {
@@ -112,30 +114,66 @@ class SelectedShorts {
   HWY_INLINE void Store(V v, uint16_t* to) const {
     namespace hn = hwy::HWY_NAMESPACE;
     const hn::RebindToUnsigned<D> du;
-    const auto numbers = hn::BitCast(du, v);
-#if HWY_TARGET <= HWY_AVX3_DL  // others compress lanes of 32 bits
-    hn::StoreU(hn::Compress(numbers, hn::RebindMask(du, mask_)), du, to);
-#else
-    const hn::Half<decltype(du)> half;
-    const hn::RepartitionToWide<decltype(du)> wide;
-    const auto selected = hn::VecFromMask(du, hn::RebindMask(du, mask_));
-    const auto append = [&](auto of, auto which) HWY_ATTR {
-      const auto mask = hn::Ne(hn::PromoteTo(wide, which), hn::Zero(wide));
-      const SelectedLanes<decltype(wide)> some(wide, mask);
-      uint32_t lanes[HWY_LANES(uint32_t)] = {};
-      some.Store(hn::PromoteTo(wide, of), lanes);
-      hn::StoreU(hn::TruncateTo(half, hn::LoadU(wide, lanes)), half, to);
-      to += some.count();
-    };
-    append(hn::LowerHalf(half, numbers), hn::LowerHalf(half, selected));
-    append(hn::UpperHalf(half, numbers), hn::UpperHalf(half, selected));
-#endif
+    hn::StoreU(hn::Compress(hn::BitCast(du, v), hn::RebindMask(du, mask_)), du, to);
   }
 
  private:
   Mask mask_;
   size_t count_;
 };
+#else
+// Entry m holds the bytes of those of eight lanes of 16 bits whose bits are set in m.
+constexpr std::array<std::array<uint8_t, 16>, 256> MakeShortsTable() {
+  std::array<std::array<uint8_t, 16>, 256> table{};
+  for (uint32_t m = 0; m < 256; ++m) {
+    uint32_t at = 0;
+    for (uint32_t byte = 0; byte < 16; ++byte) {
+      if ((m >> byte / 2 & 1) != 0) table[m][at++] = static_cast<uint8_t>(byte);
+    }
+  }
+  return table;
+}
+alignas(64) inline constexpr std::array<std::array<uint8_t, 16>, 256> kShortsTable = MakeShortsTable();
+
+// The same where no instruction compresses them: eight lanes at a time, by a shuffle of their bytes.
+template <class D>
+class SelectedShorts {
+ public:
+  using Mask = hwy::HWY_NAMESPACE::Mask<D>;
+  using V = hwy::HWY_NAMESPACE::Vec<D>;
+
+  HWY_INLINE SelectedShorts(D d, Mask mask) { hwy::HWY_NAMESPACE::StoreMaskBits(d, mask, bits_); }
+
+  size_t count() const {
+    uint64_t bits = 0;
+    std::memcpy(&bits, bits_, sizeof(bits_));
+    return static_cast<size_t>(std::popcount(bits));
+  }
+
+  HWY_INLINE void Store(V v, uint16_t* to) const { StoreEights<0>(D(), v, to); }
+
+ private:
+  static constexpr size_t kEights = hwy::HWY_NAMESPACE::MaxLanes(D()) / 8;
+
+  template <size_t kFirst, class DV>
+  HWY_INLINE uint16_t* StoreEights(DV d, hwy::HWY_NAMESPACE::Vec<DV> v, uint16_t* to) const {
+    namespace hn = hwy::HWY_NAMESPACE;
+    if constexpr (hn::MaxLanes(DV()) == 8) {
+      const hn::RebindToUnsigned<DV> du;
+      const uint8_t set = bits_[kFirst];
+      const auto bytes = hn::BitCast(du, hn::Load(hn::Repartition<uint8_t, DV>(), kShortsTable[set].data()));
+      hn::StoreU(hn::TableLookupBytes(hn::BitCast(du, v), bytes), du, to);
+      return to + std::popcount(set);
+    } else {
+      const hn::Half<DV> half;
+      to = StoreEights<kFirst>(half, hn::LowerHalf(half, v), to);
+      return StoreEights<kFirst + hn::MaxLanes(half) / 8>(half, hn::UpperHalf(half, v), to);
+    }
+  }
+
+  uint8_t bits_[kEights];
+};
+#endif
 #endif
 
 }  // namespace

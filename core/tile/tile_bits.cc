@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <type_traits>
 
 #include "core/base/append_lanes-inl.h"
 #include "core/base/table_lanes-inl.h"
@@ -32,12 +33,33 @@ HWY_INLINE hn::Mask<Numbers> TestBits(hn::Vec<Numbers> word, hn::Vec<Numbers> n)
   return hn::TestBit(hn::Shr(word, hn::And(n, hn::Set(d, 31))), hn::Set(d, 1));
 }
 
+// words[index], lane by lane.
+HWY_INLINE hn::Vec<Numbers> WordsAt(const uint32_t* words, hn::Vec<Numbers> index) {
+  const Numbers d;
+#if HWY_TARGET == HWY_AVX2
+  // Eight loads: on AMD's Zen 3 a gather, which is microcode, takes twice as long; nor is it fast on Intel's processors
+  // since they are guarded against Gather Data Sampling.
+  const auto four = [words](__m128i at) HWY_ATTR {
+    const auto low = static_cast<uint64_t>(_mm_cvtsi128_si64(at)),
+               high = static_cast<uint64_t>(_mm_extract_epi64(at, 1));
+    const auto word = [words](uint64_t n) { return static_cast<int32_t>(words[n]); };
+    __m128i found = _mm_cvtsi32_si128(word(low & UINT32_MAX));
+    found = _mm_insert_epi32(found, word(low >> 32), 1);
+    found = _mm_insert_epi32(found, word(high & UINT32_MAX), 2);
+    return hn::Vec<hn::Half<Numbers>>{_mm_insert_epi32(found, word(high >> 32), 3)};
+  };
+  const hn::Half<Numbers> half;
+  return hn::Combine(d, four(hn::UpperHalf(half, index).raw), four(hn::LowerHalf(half, index).raw));
+#else
+  return hn::GatherIndex(d, words, hn::BitCast(hn::RebindToSigned<Numbers>(), index));
+#endif
+}
+
 // Which of the next kLanes numbers are in the set.
 HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numbers) {
   const Numbers d;
   const auto number = hn::And(hn::LoadU(d, numbers), hn::Set(d, kNumberMask));
-  const auto index = hn::BitCast(hn::RebindToSigned<Numbers>(), hn::ShiftRight<5>(number));
-  return TestBits(hn::GatherIndex(d, words, index), number);
+  return TestBits(WordsAt(words, hn::ShiftRight<5>(number)), number);
 }
 
 // Neighbours in a list often share a word of bits, for which one change would wait for the other; hence they do not
@@ -120,14 +142,23 @@ NumberRange Range(std::span<const uint32_t> numbers) {
   return range;
 }
 
-// A table of a bit for each hash.
-constexpr size_t kTableWords = 4 * kLanes;
+// A table of a bit for each hash. Where registers hold only a small one, it lies in the first-level cache.
+constexpr bool kTableInRegisters = kLanes >= 16;
+constexpr size_t kTableWords = kTableInRegisters ? 4 * kLanes : 1024;
 // Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
 constexpr uint32_t kHashFactor = 0x9E3779B1;
 constexpr int kBitShift = kNumberBits - 5, kWordShift = kBitShift - std::countr_zero(kTableWords);
 constexpr size_t kFewMembers = kTableWords * 32 / 2;  // with more, too many other numbers have their hashes
 
-// All numbers are looked up in the table, which is in registers; those found there, in the set.
+struct TableInCache {
+  const uint32_t* words;
+  HWY_INLINE hn::Vec<Numbers> At(hn::Vec<Numbers> places) const {
+    return WordsAt(words, hn::And(places, hn::Set(Numbers(), kTableWords - 1)));
+  }
+};
+using HashTable = std::conditional_t<kTableInRegisters, LaneTable<kTableWords>, TableInCache>;
+
+// All numbers are looked up in the table; those found there, in the set.
 void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span<const uint32_t> members,
              NumberList& positions) {
   if (members.size() > kFewMembers) return Find(words, numbers, true, positions);
@@ -137,7 +168,7 @@ void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span
     const uint32_t hash = member * kHashFactor;
     hashed[hash >> kWordShift & (kTableWords - 1)] |= 1U << (hash >> kBitShift & 31);
   }
-  const LaneTable<kTableWords> table(hashed);
+  const HashTable table{hashed};
   const auto likely = [&](hn::Vec<Numbers> number) HWY_ATTR {
     const auto hash = hn::Mul(number, hn::Set(d, kHashFactor));
     const auto word = table.At(hn::ShiftRight<kWordShift>(hash));
