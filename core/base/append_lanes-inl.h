@@ -46,11 +46,11 @@ class SelectedLanes {
 #if HWY_TARGET == HWY_AVX2
     if constexpr (kTabled) {
       const hn::RebindToUnsigned<D> du;
-      uint8_t set[8];
-      hn::StoreMaskBits(d, mask, set);
+      const auto lanes = hn::BitCast(hn::RebindToFloat<D>(), hn::VecFromMask(d, mask));
+      const auto set = static_cast<uint32_t>(_mm256_movemask_ps(lanes.raw));
       alignas(32) static constexpr uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
       // A lookup takes the low three bits alone.
-      positions_ = hn::Shr(hn::Set(du, kCompressTable[set[0]]), hn::Load(du, kShifts));
+      positions_ = hn::Shr(hn::Set(du, kCompressTable[set]), hn::Load(du, kShifts));
     }
 #endif
   }

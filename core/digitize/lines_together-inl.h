@@ -51,6 +51,15 @@ struct Packed {
   }
 };
 
+// v + by where the mask says so: masks of bits make one instruction of a choice, and masks of whole lanes two.
+HWY_INLINE Ints AddIf(hn::Mask<Lanes> mask, Ints v, Ints by) {
+#if HWY_TARGET <= HWY_AVX3
+  return hn::IfThenElse(mask, hn::Add(v, by), v);
+#else
+  return hn::Add(v, hn::IfThenElseZero(mask, by));
+#endif
+}
+
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
 // Returns the lanes that are done: those that may have lines with voxels far away are left out.
@@ -125,7 +134,7 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
         {by.edge[0], by.edge[1], by.edge[2]}, by.remainder, number_of(by.ijk), hn::IfThenElseZero(some, packed)};
   };
   const State to_right = state_of(right, -1), to_down = state_of(down, 0);
-  const Ints packed_q = hn::IfThenElseZero(some, Packed::Of(q)),
+  const Ints minus_along = hn::Neg(along), packed_q = hn::IfThenElseZero(some, Packed::Of(q)),
              most_lines = Fill((kFewLines - 1) << Packed::kLinesShift);
   const Ints packed_room = hn::Add(Packed::Of(room), most_lines);
   const auto advance = [&](State& state, const State& by) HWY_ATTR {
@@ -133,9 +142,9 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
     const Ints remainder = hn::Add(state.remainder, by.remainder);
     const auto carry = hn::Gt(remainder, below_along);
     const Ints number = hn::Add(state.number, by.number), packed = hn::Add(state.packed, by.packed);
-    state.remainder = hn::IfThenElse(carry, hn::Sub(remainder, along), remainder);
-    state.number = hn::IfThenElse(carry, hn::Add(number, step), number);
-    state.packed = hn::IfThenElse(carry, hn::Add(packed, packed_q), packed);
+    state.remainder = AddIf(carry, remainder, minus_along);
+    state.number = AddIf(carry, number, step);
+    state.packed = AddIf(carry, packed, packed_q);
   };
 
   State row;
@@ -147,7 +156,8 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
   row.remainder = load(s.remainder);
   row.number = hn::Add(hn::Add(number_of(first), Fill(target.number)), hn::ShiftLeft<kNumberBits>(hn::Iota(d, 0)));
   row.packed = hn::Add(Packed::Of(above_lowest), hn::ShiftLeft<Packed::kLinesShift>(hn::Sub(width, Fill(1))));
-  const Ints none = Fill(-1), negative = Fill(INT32_MIN), any_negative = Fill(static_cast<int32_t>(Packed::kNegative));
+  const Ints zero = hn::Zero(d), none = Fill(-1), negative = Fill(INT32_MIN),
+             any_negative = Fill(static_cast<int32_t>(Packed::kNegative));
   Appender appender(out, static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
   for (int32_t b = 0; b < last_b; ++b, advance(row, to_down)) {
     State line = row;
@@ -157,10 +167,9 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
       const Ints beyond_rim = hn::Or3(hn::Add(e[0], rim[0]), hn::Add(e[1], rim[1]), hn::Add(e[2], rim[2]));
       const Ints outside = hn::Or(line.packed, hn::Sub(packed_room, line.packed));
       const Ints out_of = hn::And(hn::OrAnd(outside, beyond_rim, negative), any_negative);
-      const auto candidate = hn::Eq(out_of, hn::Zero(d));
-      const auto inside = hn::Gt(hn::Or3(e[0], e[1], e[2]), none);
+      const auto candidate = hn::Eq(out_of, zero), beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), zero);
       const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
-      appender.Append(d, line.number, to_farther, hn::And(candidate, inside), hn::AndNot(inside, candidate));
+      appender.Append(d, line.number, to_farther, hn::AndNot(beyond, candidate), hn::And(candidate, beyond));
     }
   }
   return done;

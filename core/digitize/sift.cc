@@ -116,19 +116,19 @@ HWY_INLINE Shorts MayMeet(const Edges& e) {
   return hn::Not(hn::And(left, right));
 }
 
-// Sets bit n of `directions` where the signs say so.
-HWY_INLINE void SetBit(size_t n, Shorts between_a, Shorts between_b, Shorts meets, Shorts& directions) {
+// Sets a direction's bit where the signs say so.
+HWY_INLINE void SetBit(Shorts bit, Shorts between_a, Shorts between_b, Shorts meets, Shorts& directions) {
   const Shorts all = hn::And(hn::And(between_a, between_b), meets);
-  const auto bit = hn::BitCast(ShortLanes(), Fill(0x10001 << n));  // twice: of 32 bits
   directions = hn::OrAnd(directions, hn::ShiftRight<15>(all), bit);
 }
 
 // Bit n says that the line (a, b) along direction n, as SiftedLines has it, may meet the triangle.
 HWY_INLINE Shorts DirectionsOf(const LineForms& forms, const Values& values) {
-  Shorts directions = hn::Zero(ShortLanes());
-  for (size_t n = 0; n < forms.of_frame.size(); ++n) {
-    const size_t a = forms.of_frame[n].form[0], b = forms.of_frame[n].form[1];
-    SetBit(n, values.less[a], values.less[b], MayMeet(EdgesOf(values.relative[a], values.relative[b])), directions);
+  Shorts directions = hn::Zero(ShortLanes()), bit = FillShort(1);
+  for (const LineForms::OfFrame& frame : forms.of_frame) {
+    const size_t a = frame.form[0], b = frame.form[1];
+    SetBit(bit, values.less[a], values.less[b], MayMeet(EdgesOf(values.relative[a], values.relative[b])), directions);
+    bit = hn::Add(bit, bit);
   }
   return hn::IfThenElseZero(values.tiny, directions);
 }
@@ -156,9 +156,10 @@ HWY_INLINE Shorts3 MoreDirectionsOf(const LineForms& forms, const Values& values
     const Edges e = EdgesOf(x, y);
     const Shorts3 by_a{step(y, 0, 1), step(y, 1, 2), step(y, 2, 0)}, by_b{step(x, 1, 0), step(x, 2, 1), step(x, 0, 2)};
     const Edges less_a = more(e, by_a);
-    SetBit(n, two_a, any_b, MayMeet(less_a), directions[0]);
-    SetBit(n, any_a, two_b, MayMeet(more(e, by_b)), directions[1]);
-    SetBit(n, two_a, two_b, MayMeet(more(less_a, by_b)), directions[2]);
+    const Shorts bit = FillShort(1 << n);
+    SetBit(bit, two_a, any_b, MayMeet(less_a), directions[0]);
+    SetBit(bit, any_a, two_b, MayMeet(more(e, by_b)), directions[1]);
+    SetBit(bit, two_a, two_b, MayMeet(more(less_a, by_b)), directions[2]);
   }
   for (Shorts& lines : directions) lines = hn::IfThenElseZero(values.tiny, lines);
   return directions;

@@ -1,5 +1,6 @@
 #include "core/thin/thin.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -11,8 +12,11 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
           const IndexBox& known, const IndexBox& wanted, TileBits& set, const std::atomic<bool>& cancelled) {
   constexpr uint32_t kListed = CrossedEdges::kListed, kUnsure = CrossedEdges::kUnsure;
   std::array<std::vector<uint32_t>, kParityClasses> passes;
-  for (const uint32_t voxel : doubtful) {
+  constexpr size_t kAhead = 16;
+  for (size_t n = 0; n < doubtful.size(); ++n) {
     if (cancelled) return true;
+    const uint32_t voxel = doubtful[n];
+    edges.Prefetch(doubtful[std::min(n + kAhead, doubtful.size() - 1)]);
     uint32_t& word = edges.At(voxel);
     word = (word & CrossedEdges::kEdges) | kListed | (known.Contains(layout.VoxelAt(voxel)) ? 0 : kUnsure);
     passes[layout.ParityClass(voxel)].push_back(voxel);

@@ -228,7 +228,12 @@ void TileScan::FindRest(const TileContext& context) {
   for (const uint32_t voxel : inner_.nearer.view()) add(voxel);
   ForEachPart(context, [&] {
     surface_.Find(candidates_.farther.view(), true, positions_);
-    for (const uint32_t n : positions_.view()) add(candidates_.nearer[n] & kNumberMask);
+    constexpr size_t kAhead = 16;
+    const auto nearer = [&](size_t n) { return candidates_.nearer[positions_[n]] & kNumberMask; };
+    for (size_t n = 0; n < positions_.size(); ++n) {
+      rest_.Prefetch(nearer(std::min(n + kAhead, positions_.size() - 1)));
+      add(nearer(n));
+    }
   });
   const auto in_surface = [&](uint32_t end, size_t, bool) { return surface_.Test(end); };
   for (const auto& [voxel, star] : rim_only_) {
@@ -306,8 +311,9 @@ void TileScan::AskAtPositions(const TileContext& context, const NumberList& voxe
 void TileScan::AskPairs(const TileContext& context) {
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
     const bool may_leave = ForEachEnd(z, star, [&](uint32_t end, size_t direction, bool forward) {
+      if (!surface_.Test(end)) return !IsOutside(end);
       if (rest_.Test(end)) edges_.Add(z, direction, forward);
-      return !IsOutside(end);
+      return true;
     });
     if (!may_leave) rest_.Clear(z);
   });
