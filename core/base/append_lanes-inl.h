@@ -142,7 +142,19 @@ class SelectedShorts {
   using Mask = hwy::HWY_NAMESPACE::Mask<D>;
   using V = hwy::HWY_NAMESPACE::Vec<D>;
 
-  HWY_INLINE SelectedShorts(D d, Mask mask) { hwy::HWY_NAMESPACE::StoreMaskBits(d, mask, bits_); }
+  HWY_INLINE SelectedShorts(D d, Mask mask) {
+    namespace hn = hwy::HWY_NAMESPACE;
+#if HWY_TARGET == HWY_AVX2
+    if constexpr (kEights == 2) {  // StoreMaskBits would take PEXT, which is slow before Zen 3
+      const __m256i lanes = hn::VecFromMask(d, mask).raw;
+      const auto twice = static_cast<uint32_t>(_mm256_movemask_epi8(_mm256_packs_epi16(lanes, lanes)));
+      bits_[0] = static_cast<uint8_t>(twice);
+      bits_[1] = static_cast<uint8_t>(twice >> 16);
+      return;
+    }
+#endif
+    hn::StoreMaskBits(d, mask, bits_);
+  }
 
   size_t count() const {
     uint64_t bits = 0;
