@@ -106,6 +106,16 @@ void ChooseShape(LineScan<T>& s) {
   divide(Wide{s.level_b} << s.shape, s.down_depth, s.down_remainder);
 }
 
+// v + by where the mask says so: masks of bits make one instruction of a choice, and masks of whole lanes two.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V AddIf([[maybe_unused]] D d, hn::Mask<D> mask, V v, V by) {
+#if HWY_TARGET <= HWY_AVX3
+  return hn::IfThenElse(mask, hn::Add(v, by), v);
+#else
+  return hn::Add(v, hn::IfThenElseZero(mask, by));
+#endif
+}
+
 // Block after block of the triangle's lines.
 //   clip    bit m: candidates may lie outside of the target on axis m
 //   in_box  of large triangles, whose rows may have blocks without candidates before and behind; null: of others, whose
@@ -124,7 +134,8 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
   Appender appender(out, static_cast<size_t>(s.width + wide) * static_cast<size_t>(s.height + high));
 
   // What a line adds to the values of (s.a, s.b).
-  const V along = all(s.along), below_along = all(s.along - 1), below_half = all(s.half - 1);
+  const V along = all(s.along), minus_along = all(-s.along), below_along = all(s.along - 1),
+          below_half = all(s.half - 1);
   using Float = hn::TFromD<decltype(df)>;
   const auto slope_a = hn::Set(df, static_cast<Float>(s.level_a) / static_cast<Float>(s.along));
   const auto slope_b = hn::Set(df, static_cast<Float>(s.level_b) / static_cast<Float>(s.along));
@@ -153,11 +164,10 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
     for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
     const V remainder = hn::Add(lines.remainder, by.remainder);
     const auto carry = hn::Gt(remainder, below_along);
-    const auto add_if_carry = [&](V v, V more) HWY_ATTR { return hn::IfThenElse(carry, hn::Add(v, more), v); };
-    lines.remainder = hn::IfThenElse(carry, hn::Sub(remainder, along), remainder);
-    lines.number = add_if_carry(hn::Add(lines.number, by.number), step);
+    lines.remainder = AddIf(d, carry, remainder, minus_along);
+    lines.number = AddIf(d, carry, hn::Add(lines.number, by.number), step);
     for (size_t m = 0; m < 3; ++m) {
-      if (clip >> m & 1) lines.ijk[m] = add_if_carry(hn::Add(lines.ijk[m], by.ijk[m]), all(frame.q[m]));
+      if (clip >> m & 1) lines.ijk[m] = AddIf(d, carry, hn::Add(lines.ijk[m], by.ijk[m]), all(frame.q[m]));
     }
   };
 
@@ -214,7 +224,7 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
       const auto& e = block.edge;
       const V beyond_rim = hn::Or3(hn::Add(e[0], rim[0]), hn::Add(e[1], rim[1]), hn::Add(e[2], rim[2]));
       const auto in_width = hn::Lt(a, all(s.width - from_a));
-      auto candidate = hn::And(hn::And(in_height, in_width), hn::Gt(beyond_rim, all(-1)));
+      auto candidate = hn::AndNot(hn::Lt(beyond_rim, hn::Zero(d)), hn::And(in_height, in_width));
       if (kLarge && s.doubt != 0) {
         // From `doubt` below a multiple of `half`, which is half of `along`, a power of two, then.
         const V distance = hn::And(hn::Add(block.remainder, all(s.doubt)), all(s.half - 1));
@@ -229,8 +239,8 @@ HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, siz
               hn::And(candidate, hn::And(hn::Gt(block.ijk[m], all(-1)), hn::Lt(block.ijk[m], all(target.size[m]))));
         }
       }
-      const auto inside = hn::Gt(hn::Or3(e[0], e[1], e[2]), all(-1));
-      const auto crossed = hn::And(candidate, inside), rim_only = hn::AndNot(inside, candidate);
+      const auto beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), hn::Zero(d));
+      const auto crossed = hn::AndNot(beyond, candidate), rim_only = hn::And(candidate, beyond);
       const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
       appender.Append(d, block.number, to_farther, crossed, rim_only);
     }

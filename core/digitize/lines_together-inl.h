@@ -51,15 +51,6 @@ struct Packed {
   }
 };
 
-// v + by where the mask says so: masks of bits make one instruction of a choice, and masks of whole lanes two.
-HWY_INLINE Ints AddIf(hn::Mask<Lanes> mask, Ints v, Ints by) {
-#if HWY_TARGET <= HWY_AVX3
-  return hn::IfThenElse(mask, hn::Add(v, by), v);
-#else
-  return hn::Add(v, hn::IfThenElseZero(mask, by));
-#endif
-}
-
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
 // Returns the lanes that are done: those that may have lines with voxels far away are left out.
@@ -142,9 +133,9 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
     const Ints remainder = hn::Add(state.remainder, by.remainder);
     const auto carry = hn::Gt(remainder, below_along);
     const Ints number = hn::Add(state.number, by.number), packed = hn::Add(state.packed, by.packed);
-    state.remainder = AddIf(carry, remainder, minus_along);
-    state.number = AddIf(carry, number, step);
-    state.packed = AddIf(carry, packed, packed_q);
+    state.remainder = AddIf(d, carry, remainder, minus_along);
+    state.number = AddIf(d, carry, number, step);
+    state.packed = AddIf(d, carry, packed, packed_q);
   };
 
   State row;
