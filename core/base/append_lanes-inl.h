@@ -11,7 +11,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -98,6 +97,22 @@ HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESP
 }
 
 #if HWY_TARGET != HWY_SCALAR  // which has no vectors of eight
+// Bit n: lane n, of 16 bits, is set.
+template <class D>
+HWY_INLINE uint64_t BitsOfShorts(D d, hwy::HWY_NAMESPACE::Mask<D> mask) {
+  namespace hn = hwy::HWY_NAMESPACE;
+#if HWY_TARGET == HWY_AVX2  // StoreMaskBits would take PEXT, which is slow before Zen 3
+  if constexpr (hn::MaxLanes(D()) == 16) {
+    const __m256i lanes = hn::VecFromMask(d, mask).raw;
+    const auto each_twice = static_cast<uint32_t>(_mm256_movemask_epi8(_mm256_packs_epi16(lanes, lanes)));
+    return (each_twice & 0xFF) | (each_twice >> 8 & 0xFF00);
+  }
+#endif
+  uint64_t bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  return bits;
+}
+
 #if HWY_TARGET <= HWY_AVX3_DL
 // SelectedLanes of 16 bits.
 template <class D>
@@ -135,55 +150,39 @@ constexpr std::array<std::array<uint8_t, 16>, 256> MakeShortsTable() {
 }
 alignas(64) inline constexpr std::array<std::array<uint8_t, 16>, 256> kShortsTable = MakeShortsTable();
 
-// The same where no instruction compresses them: eight lanes at a time, by a shuffle of their bytes.
+// SelectedLanes of 16 bits where no instruction compresses them: eight at a time, by a shuffle of their bytes.
 template <class D>
 class SelectedShorts {
  public:
   using Mask = hwy::HWY_NAMESPACE::Mask<D>;
   using V = hwy::HWY_NAMESPACE::Vec<D>;
 
-  HWY_INLINE SelectedShorts(D d, Mask mask) {
-    namespace hn = hwy::HWY_NAMESPACE;
-#if HWY_TARGET == HWY_AVX2
-    if constexpr (kEights == 2) {  // StoreMaskBits would take PEXT, which is slow before Zen 3
-      const __m256i lanes = hn::VecFromMask(d, mask).raw;
-      const auto twice = static_cast<uint32_t>(_mm256_movemask_epi8(_mm256_packs_epi16(lanes, lanes)));
-      bits_[0] = static_cast<uint8_t>(twice);
-      bits_[1] = static_cast<uint8_t>(twice >> 16);
-      return;
-    }
-#endif
-    hn::StoreMaskBits(d, mask, bits_);
-  }
+  HWY_INLINE SelectedShorts(D d, Mask mask) : bits_(BitsOfShorts(d, mask)) {}
 
-  size_t count() const {
-    uint64_t bits = 0;
-    std::memcpy(&bits, bits_, sizeof(bits_));
-    return static_cast<size_t>(std::popcount(bits));
-  }
+  size_t count() const { return static_cast<size_t>(std::popcount(bits_)); }
 
-  HWY_INLINE void Store(V v, uint16_t* to) const { StoreEights<0>(D(), v, to); }
+  // Writes whole lanes, of which count() mean something.
+  HWY_INLINE void Store(V v, uint16_t* to) const { StoreEights<0, D>(v, to); }
 
  private:
-  static constexpr size_t kEights = hwy::HWY_NAMESPACE::MaxLanes(D()) / 8;
-
+  // Lanes from 8 * kFirst on; returns where the next ones go.
   template <size_t kFirst, class DV>
-  HWY_INLINE uint16_t* StoreEights(DV d, hwy::HWY_NAMESPACE::Vec<DV> v, uint16_t* to) const {
+  HWY_INLINE uint16_t* StoreEights(hwy::HWY_NAMESPACE::Vec<DV> v, uint16_t* to) const {
     namespace hn = hwy::HWY_NAMESPACE;
     if constexpr (hn::MaxLanes(DV()) == 8) {
       const hn::RebindToUnsigned<DV> du;
-      const uint8_t set = bits_[kFirst];
+      const uint64_t set = bits_ >> 8 * kFirst & 0xFF;
       const auto bytes = hn::BitCast(du, hn::Load(hn::Repartition<uint8_t, DV>(), kShortsTable[set].data()));
       hn::StoreU(hn::TableLookupBytes(hn::BitCast(du, v), bytes), du, to);
       return to + std::popcount(set);
     } else {
-      const hn::Half<DV> half;
-      to = StoreEights<kFirst>(half, hn::LowerHalf(half, v), to);
-      return StoreEights<kFirst + hn::MaxLanes(half) / 8>(half, hn::UpperHalf(half, v), to);
+      using Half = hn::Half<DV>;
+      to = StoreEights<kFirst, Half>(hn::LowerHalf(Half(), v), to);
+      return StoreEights<kFirst + hn::MaxLanes(Half()) / 8, Half>(hn::UpperHalf(Half(), v), to);
     }
   }
 
-  uint8_t bits_[kEights];
+  uint64_t bits_;
 };
 #endif
 #endif

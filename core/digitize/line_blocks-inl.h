@@ -108,7 +108,7 @@ void ChooseShape(LineScan<T>& s) {
 
 // v + by where the mask says so: masks of bits make one instruction of a choice, and masks of whole lanes two.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V AddIf([[maybe_unused]] D d, hn::Mask<D> mask, V v, V by) {
+HWY_INLINE V AddIf(D, hn::Mask<D> mask, V v, V by) {
 #if HWY_TARGET <= HWY_AVX3
   return hn::IfThenElse(mask, hn::Add(v, by), v);
 #else

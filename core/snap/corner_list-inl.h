@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 
+#include "core/base/append_lanes-inl.h"
 #include "core/snap/corner_list.h"
 #include "core/snap/triangle_lanes-inl.h"
 
@@ -84,8 +85,7 @@ class LaneOrder {
   HWY_INLINE LaneOrder(D d, hn::Vec<D> place_of) { hn::StoreU(place_of, d, place_of_); }
 
   HWY_INLINE uint64_t operator()(hn::Mask<D> mask) const {
-    uint64_t lanes = 0, places = 0;
-    hn::StoreMaskBits(D(), mask, reinterpret_cast<uint8_t*>(&lanes));
+    uint64_t lanes = BitsOfShorts(D(), mask), places = 0;
     for (; lanes != 0; lanes &= lanes - 1) places |= uint64_t{1} << place_of_[std::countr_zero(lanes)];
     return places;
   }

@@ -12,7 +12,7 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
           const IndexBox& known, const IndexBox& wanted, TileBits& set, const std::atomic<bool>& cancelled) {
   constexpr uint32_t kListed = CrossedEdges::kListed, kUnsure = CrossedEdges::kUnsure;
   std::array<std::vector<uint32_t>, kParityClasses> passes;
-  constexpr size_t kAhead = 16;
+  constexpr size_t kAhead = 16;  // about what memory brings at a time
   for (size_t n = 0; n < doubtful.size(); ++n) {
     if (cancelled) return true;
     const uint32_t voxel = doubtful[n];

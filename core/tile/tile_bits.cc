@@ -37,8 +37,7 @@ HWY_INLINE hn::Mask<Numbers> TestBits(hn::Vec<Numbers> word, hn::Vec<Numbers> n)
 HWY_INLINE hn::Vec<Numbers> WordsAt(const uint32_t* words, hn::Vec<Numbers> index) {
   const Numbers d;
 #if HWY_TARGET == HWY_AVX2
-  // Eight loads: on AMD's Zen 3 a gather, which is microcode, takes twice as long; nor is it fast on Intel's processors
-  // since they are guarded against Gather Data Sampling.
+  // Eight loads: on AMD's Zen 3 a gather, which is microcode there, takes twice as long.
   const auto four = [words](__m128i at) HWY_ATTR {
     const auto low = static_cast<uint64_t>(_mm_cvtsi128_si64(at)),
                high = static_cast<uint64_t>(_mm_extract_epi64(at, 1));
@@ -142,13 +141,14 @@ NumberRange Range(std::span<const uint32_t> numbers) {
   return range;
 }
 
-// A table of a bit for each hash. Where registers hold only a small one, it lies in the first-level cache.
-constexpr bool kTableInRegisters = kLanes >= 16;
+// A table of a bit for each hash: in registers, but on AVX2, which has too few, in the first-level cache.
+constexpr bool kTableInRegisters = HWY_TARGET != HWY_AVX2;
 constexpr size_t kTableWords = kTableInRegisters ? 4 * kLanes : 1024;
 // Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
 constexpr uint32_t kHashFactor = 0x9E3779B1;
 constexpr int kBitShift = kNumberBits - 5, kWordShift = kBitShift - std::countr_zero(kTableWords);
-constexpr size_t kFewMembers = kTableWords * 32 / 2;  // with more, too many other numbers have their hashes
+// With more members, too many other numbers have their hashes; in the cache, a table spares less than in registers.
+constexpr size_t kFewMembers = kTableWords * 32 / (kTableInRegisters ? 2 : 16);
 
 struct TableInCache {
   const uint32_t* words;

@@ -228,7 +228,7 @@ void TileScan::FindRest(const TileContext& context) {
   for (const uint32_t voxel : inner_.nearer.view()) add(voxel);
   ForEachPart(context, [&] {
     surface_.Find(candidates_.farther.view(), true, positions_);
-    constexpr size_t kAhead = 16;
+    constexpr size_t kAhead = 16;  // about what memory brings at a time
     const auto nearer = [&](size_t n) { return candidates_.nearer[positions_[n]] & kNumberMask; };
     for (size_t n = 0; n < positions_.size(); ++n) {
       rest_.Prefetch(nearer(std::min(n + kAhead, positions_.size() - 1)));
@@ -311,7 +311,7 @@ void TileScan::AskAtPositions(const TileContext& context, const NumberList& voxe
 void TileScan::AskPairs(const TileContext& context) {
   ForEachStar(context, rest_, true, [&](uint32_t z, const StarEdges& star) {
     const bool may_leave = ForEachEnd(z, star, [&](uint32_t end, size_t direction, bool forward) {
-      if (!surface_.Test(end)) return !IsOutside(end);
+      if (!surface_.Test(end)) return !box_.Contains(layout_.VoxelAt(end));  // beyond, nothing is known
       if (rest_.Test(end)) edges_.Add(z, direction, forward);
       return true;
     });

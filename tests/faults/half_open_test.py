@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import unittest
+import urllib.request
 
 import stage
 from stage import Faults, Server, Swarm, harness, select
@@ -18,8 +19,9 @@ KEEPALIVE = ["--keepalive-time", "1", "--keepalive-timeout", "1"]
 SERVER_SECONDS = 6  # for the server to notice: 1 s + 1 s, and what the machine is late
 CLIENT_SECONDS = 30  # for the SDK to notice, and to go on elsewhere
 JOB = "huge bunny-8192-cartesian"
-# Calls must not be over when their packets are dropped, however fast the machine is: hence a pause at each batch.
-BATCH = ["--batch-ms", 20]
+# A call must not be over when its packets are dropped, however fast the machine is: of a hundred batches and more, each
+# makes it pause.
+PAUSE = ["--pause-ms", 50]
 
 
 def own_network():
@@ -49,10 +51,26 @@ class HalfOpen(Faults):
             self.addCleanup(iptables, "-D", *rule)
 
     def server(self, name="latvoxd"):
-        running = Server(self.dir, *KEEPALIVE, name=name)
+        metrics = f"127.0.0.1:{stage.free_port()}"
+        running = Server(self.dir, *KEEPALIVE, "--metrics-listen", metrics, name=name)
+        running.metrics = f"http://{metrics}/metrics"
         self.addCleanup(running.kill)
         harness.wait_until_healthy(running.process)
         return running
+
+    def jobs(self, server):
+        """How many it is at work on, or has results of for clients that pause."""
+        with urllib.request.urlopen(server.metrics) as answer:
+            lines = answer.read().decode().splitlines()
+        wanted = ("latvox_jobs_running ", "latvox_jobs_paused ")
+        return sum(int(float(line.split()[1])) for line in lines if line.startswith(wanted))
+
+    def wait_for_jobs(self, servers, count):
+        """Until all are there, and the first server has one of them."""
+        end = time.monotonic() + harness.PATIENCE
+        while (jobs := [self.jobs(server) for server in servers])[0] == 0 or sum(jobs) < count:
+            self.assertLess(time.monotonic(), end, jobs)
+            time.sleep(0.02)
 
     def test_the_server_ends_calls_of_the_lost(self):
         cut = {way: self.server(f"latvoxd-{'-'.join(way)}") for way in (("to",), ("from",), ("to", "from"))}
@@ -94,13 +112,13 @@ class HalfOpen(Faults):
             0.5,
             "--keepalive",
             2,
-            *BATCH,
+            *PAUSE,
             clients=4,
             roles=["good"],
             jobs=[JOB],
             name="elsewhere",
         ) as swarm:
-            time.sleep(1)
+            self.wait_for_jobs(servers, 4)
             self.drop(servers[0], "to", "from")
             start = time.monotonic()
             records = swarm.wait(150)
@@ -115,11 +133,11 @@ class HalfOpen(Faults):
 
     def test_the_client_says_so_if_there_is_no_other(self):
         server = self.server()
-        options = ["--keepalive", 2, "--retries", 1, *BATCH]
+        options = ["--keepalive", 2, "--retries", 1, *PAUSE]
         with Swarm(
             self.dir, server.address, 0.5, *options, clients=2, roles=["good"], jobs=[JOB], name="alone"
         ) as swarm:
-            time.sleep(1)
+            self.wait_for_jobs([server], 2)
             self.drop(server, "to", "from")
             start = time.monotonic()
             records = swarm.wait(150)

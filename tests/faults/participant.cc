@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kCallsPerConnection = 20;
 constexpr absl::Duration kReconnectDelay = absl::Milliseconds(200);
-constexpr absl::Duration kSlowBatch = absl::Milliseconds(100);
+constexpr absl::Duration kSlowPause = absl::Milliseconds(100);
 
 double MillisecondsSince(absl::Time start) { return absl::ToDoubleMilliseconds(absl::Now() - start); }
 
@@ -139,7 +139,7 @@ absl::StatusOr<client::Summary> Participant::CallOnce(const Job& job, const clie
     return absl::OkStatus();
   };
   handlers.on_bricks = [this](const client::BrickBatch&) {
-    absl::SleepFor(role_ == "slow" ? kSlowBatch : role_ == "stopped" ? swarm_.end - absl::Now() : swarm_.batch);
+    absl::SleepFor(role_ == "slow" ? kSlowPause : role_ == "stopped" ? swarm_.end - absl::Now() : swarm_.pause);
     return absl::OkStatus();
   };
   return client_->Voxelize(RequestOf(job), job.drc, handlers, options);

@@ -25,7 +25,7 @@ struct Swarm {
   uint64_t seed = 1;
   absl::Time end;             // no call begins after it
   absl::Duration patience;    // that a good call may take, tries and waits included
-  absl::Duration batch = {};  // that good clients take over each batch of bricks
+  absl::Duration pause = {};  // of clients of the SDK at each batch of bricks; some roles have their own
   client::ConnectionOptions connection = {};
   client::RetryPolicy retry = {};
 };

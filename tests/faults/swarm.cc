@@ -28,7 +28,7 @@ struct Options {
   int clients = 1;
   double seconds = 10;
   double patience = 120;
-  double batch_ms = 0;
+  double pause_ms = 0;
   uint64_t seed = 1;
   std::optional<double> keepalive;
   std::optional<int> retries;
@@ -119,7 +119,7 @@ int RunSwarm(const Options& options) {
               .seed = options.seed,
               .end = absl::Now() + absl::Seconds(options.seconds),
               .patience = absl::Seconds(options.patience),
-              .batch = absl::Milliseconds(options.batch_ms)};
+              .pause = absl::Milliseconds(options.pause_ms)};
   if (options.keepalive) {
     swarm.connection.keepalive_time = swarm.connection.keepalive_timeout = absl::Seconds(*options.keepalive);
   }
@@ -144,7 +144,7 @@ void AddSwarm(CLI::App& program, Command& run) {
   command.add_option("--clients", options->clients, "Clients at once");
   command.add_option("--seconds", options->seconds, "Time in which calls begin");
   command.add_option("--patience", options->patience, "Seconds that a good call may take");
-  command.add_option("--batch-ms", options->batch_ms, "Milliseconds that a good client takes over each batch");
+  command.add_option("--pause-ms", options->pause_ms, "Milliseconds that clients of the SDK pause at each batch");
   command.add_option("--keepalive", options->keepalive, "Seconds until a silent server gets a ping, and to answer it");
   command.add_option("--retries", options->retries, "Rounds of further tries of a call");
   command.add_option("--seed", options->seed, "Of all random choices");
