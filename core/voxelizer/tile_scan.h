@@ -98,7 +98,7 @@ class TileScan {
   NumberRange used_;                     // of surface_: all members that it has had for this node lie there,
   IndexBox used_box_{};                  // and here
   TileBits essential_{0};                // what edges of tiny triangles have shown to be; empty from node to node
-  TileBits rest_{0};                     // its members that nothing has shown essential yet; likewise
+  TileBits rest_{0};                     // members of surface_ that nothing has shown essential yet; likewise
   std::span<const uint32_t> triangles_;  // what Scan was given, or others_
   std::vector<uint32_t> others_;         // those of its triangles that are not tiny
   Candidates candidates_;                // of triangles_, or of the part of them at hand
