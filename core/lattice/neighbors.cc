@@ -98,6 +98,7 @@ std::pair<size_t, size_t> MostAcutePair(const std::array<Vec<double, D>, D + 1>&
   return pair;
 }
 
+// Of vectors with small entries, not all 0.
 size_t Rank(const std::vector<Vec<int32_t, 2>>& vectors) {
   for (const auto& v : vectors) {
     if (Determinant(Mat<int32_t, 2>{vectors[0], v}) != 0) return 2;
@@ -189,6 +190,7 @@ absl::StatusOr<std::vector<Neighbor<D>>> FindNeighbors(const Mat<double, D>& bas
 
   struct Candidate {
     Vec<int32_t, D> w;
+    Vec<int32_t, D> m;  // the same in the reduced basis: small, where w may have 24 bits an entry
     double length2;
   };
   std::array<std::vector<Candidate>, size_t{1} << D> cosets;
@@ -197,7 +199,7 @@ absl::StatusOr<std::vector<Neighbor<D>>> FindNeighbors(const Mat<double, D>& bas
     size_t parity = 0;
     for (int32_t x : w) parity = parity << 1 | static_cast<size_t>(x & 1);
     const auto v = Combine(basis, w);
-    if (parity != 0) cosets[parity].push_back({w, Dot(v, v)});
+    if (parity != 0) cosets[parity].push_back({w, m, Dot(v, v)});
   });
 
   double least = std::numeric_limits<double>::infinity();  // length of a vector but 0, which is in no coset of 2L
@@ -213,12 +215,12 @@ absl::StatusOr<std::vector<Neighbor<D>>> FindNeighbors(const Mat<double, D>& bas
       // Twice the tolerance, since these are squares.
       if (c.length2 <= shortest * (1 + 2 * kSymmetryTolerance)) minimal.push_back(c);
     }
-    for (const auto& [w, length2] : minimal) {
+    for (const auto& [w, m, length2] : minimal) {
       std::vector<Vec<int32_t, D>> tied;
       for (const auto& u : minimal) {
         const auto difference = Combine(basis, w - u.w), sum = Combine(basis, w + u.w);
         const double p = std::sqrt(std::min(Dot(difference, difference), Dot(sum, sum))) / 2;
-        if (u.length2 - length2 <= 4 * kSymmetryTolerance * p * least || u.w == w || u.w == -w) tied.push_back(u.w);
+        if (u.length2 - length2 <= 4 * kSymmetryTolerance * p * least || u.w == w || u.w == -w) tied.push_back(u.m);
       }
       neighbors.push_back({w, static_cast<int>(D - Rank(tied))});
     }

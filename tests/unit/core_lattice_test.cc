@@ -105,6 +105,21 @@ TEST(Neighbors, EqualExactVoronoiCellsOfRandomBases) {
   }
 }
 
+// Products of their neighbours' entries do not fit 32 bits, nor those of three 64.
+TEST(Neighbors, OfSkewBasesAreThoseOfTheLattice) {
+  const Mat3d skew{{{1, 0, 0}, {0x1p9, 1, 0}, {0, 0x1p11, 1}}};  // of the integers
+  const auto neighbors = FindNeighbors<3>(skew);
+  ASSERT_TRUE(neighbors.ok()) << neighbors.status();
+  EXPECT_EQ(Counts(*neighbors), (std::array<size_t, 3>{26, 18, 6}));
+  for (const auto& [w, face_dimension] : *neighbors) {
+    const Vec3d v = Apply(skew, w);
+    EXPECT_EQ(Dot(v, v), 3 - face_dimension);
+  }
+  const auto plane = FindNeighbors<2>({{{1, 0}, {0x1p20, 1}}});
+  ASSERT_TRUE(plane.ok()) << plane.status();
+  EXPECT_EQ(Counts(*plane), (std::array<size_t, 3>{8, 4, 0}));
+}
+
 TEST(Neighbors, AreClosedUnderNegationSortedAndNeverOddlyEqualModuloTwo) {
   constexpr unsigned kSeed = 7;
   std::mt19937 random(kSeed);
