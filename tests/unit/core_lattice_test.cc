@@ -105,7 +105,7 @@ TEST(Neighbors, EqualExactVoronoiCellsOfRandomBases) {
   }
 }
 
-// Products of their neighbours' entries do not fit 32 bits, nor those of three 64.
+// Products of two entries of their neighbours do not fit 32 bits.
 TEST(Neighbors, OfSkewBasesAreThoseOfTheLattice) {
   const Mat3d skew{{{1, 0, 0}, {0x1p9, 1, 0}, {0, 0x1p11, 1}}};  // of the integers
   const auto neighbors = FindNeighbors<3>(skew);
