@@ -204,7 +204,12 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
   const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&lines.valid));
   const auto few = hn::And(valid, hn::Lt(hn::Max(boxes.width, boxes.height), Fill(kFewLines + 1)));
   uint64_t together = PaysTogether(boxes.width, boxes.height, few) ? BitsOf(few) : 0;
-  if (together != 0) together = ScanTogether(lines, together, these.lowest, these.highest, scan.table, target, out);
+  if (together != 0) {
+    const Ints longer = hn::IfThenElseZero(few, hn::Max(boxes.width, boxes.height));
+    const bool by_spans = hn::GetLane(hn::MaxOfLanes(d, longer)) >= kLongRow;
+    const auto scan_together = by_spans ? ScanTogether<true> : ScanTogether<false>;
+    together = scan_together(lines, together, these.lowest, these.highest, scan.table, target, out);
+  }
   const uint64_t by_themselves = lines.valid & ~together;
   if (by_themselves != 0) PrepareBlocks(scan.table, target.size, lines);
   for (uint64_t some = by_themselves; some != 0; some &= some - 1) {

@@ -1,4 +1,4 @@
-// Triangles with few lattice lines each, one a lane: line after line of all.
+// Triangles with few lattice lines each, one a lane: line after line of all, or of each those that are candidates.
 #if defined(LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
 #undef LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
@@ -8,9 +8,12 @@
 
 #include <hwy/highway.h>
 
+#include <span>
+
 #include "core/digitize/candidates.h"
 #include "core/digitize/line_blocks-inl.h"
 #include "core/digitize/line_scan_lanes-inl.h"
+#include "core/digitize/row_spans-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -23,16 +26,20 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Triangles of more lines, along a or b, are scanned one by one (core/digitize/line_blocks-inl.h).
 inline constexpr int32_t kFewLines = 56;
+static_assert(kFewLines <= RowSpans::kMostLines);
+
+// Of rows of so many lines, it pays to know those that are candidates.
+inline constexpr int32_t kLongRow = 12;
 
 // Whether triangles of so many lines are scanned faster together than one by one.
 HWY_INLINE bool PaysTogether(Ints width, Ints height, hn::Mask<Lanes> triangles) {
   const Lanes d;
-  constexpr int32_t kStepsToBegin = 16;  // what it takes to begin with one, in lines of all lanes
+  constexpr int32_t kStepsToBegin = 23;  // what it takes to begin with one, in lines of all lanes
   const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(triangles, v))); };
   const int32_t together = most(hn::Max(width, height)) * most(hn::Min(width, height));
   const int32_t lines = hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(triangles, hn::Mul(width, height))));
-  // Blocks of lines are not quite full.
-  const int32_t blocks = lines * 8 / (7 * static_cast<int32_t>(kTriangleLanes));
+  // Blocks of lines are not quite full, and take longer.
+  const int32_t blocks = lines * 5 / (3 * static_cast<int32_t>(kTriangleLanes));
   const auto count = static_cast<int32_t>(hn::CountTrue(d, triangles));
   return together < kStepsToBegin * count + blocks;
 }
@@ -51,10 +58,13 @@ struct Packed {
   }
 };
 
+//   kBySpans        whether to go through candidates alone (RowSpans), or through all lines, asking each for its edges
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
-// Returns the lanes that are done: those that may have lines with voxels far away are left out.
-HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, const Ints3& highest,
+// Returns the lanes that are done: those that may have lines with voxels far away, or spans that are not exact, are
+// left out.
+template <bool kBySpans>
+HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, const Ints3& highest,
                                  const FrameTable& table, const Target& target, Candidates& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
@@ -113,7 +123,11 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
                                                                     hn::Mul(largest(down.ijk[m]), Fill(last_b))));
     some = hn::And(some, hn::Lt(hn::Max(farthest, room[m]), Fill(Packed::kMost + 1)));
   }
-  uint64_t done = BitsOf(some);
+  Ints rim[3];
+  for (size_t n = 0; n < 3; ++n) rim[n] = load(s.rim[n]);
+  const RowSpans row_spans(right.edge, rim, width);
+  if constexpr (kBySpans) some = hn::And(some, row_spans.exact());
+  const uint64_t done = BitsOf(some);
   if (done == 0) return 0;
 
   struct State {
@@ -138,29 +152,74 @@ HWY_INLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const I
     state.packed = AddIf(d, carry, packed, packed_q);
   };
 
-  State row;
-  Ints rim[3];
-  for (size_t n = 0; n < 3; ++n) {
-    row.edge[n] = load(s.edge[n]);
-    rim[n] = load(s.rim[n]);
-  }
-  row.remainder = load(s.remainder);
-  row.number = hn::Add(hn::Add(number_of(first), Fill(target.number)), hn::ShiftLeft<kNumberBits>(hn::Iota(d, 0)));
-  row.packed = hn::Add(Packed::Of(above_lowest), hn::ShiftLeft<Packed::kLinesShift>(hn::Sub(width, Fill(1))));
   const Ints zero = hn::Zero(d), none = Fill(-1), negative = Fill(INT32_MIN),
              any_negative = Fill(static_cast<int32_t>(Packed::kNegative));
+  State row;
+  for (size_t n = 0; n < 3; ++n) row.edge[n] = load(s.edge[n]);
+  row.remainder = load(s.remainder);
+  row.number = hn::Add(hn::Add(number_of(first), Fill(target.number)), hn::ShiftLeft<kNumberBits>(hn::Iota(d, 0)));
+  row.packed = Packed::Of(above_lowest);
+  const auto to_come = [&](Ints lines) HWY_ATTR { return hn::ShiftLeft<Packed::kLinesShift>(lines); };
+  const auto outside = [&](const State& line)
+                           HWY_ATTR { return hn::Or(line.packed, hn::Sub(packed_room, line.packed)); };
   Appender appender(out, static_cast<size_t>(last_a) * static_cast<size_t>(last_b) * kTriangleLanes);
+  const auto append = [&](const State& line, hn::Mask<Lanes> crossed, hn::Mask<Lanes> rim_only) HWY_ATTR {
+    const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
+    appender.Append(d, line.number, to_farther, crossed, rim_only);
+  };
+  if constexpr (!kBySpans) {
+    row.packed = hn::Add(row.packed, to_come(hn::Sub(width, Fill(1))));
+    for (int32_t b = 0; b < last_b; ++b, advance(row, to_down)) {
+      State line = row;
+      line.packed = hn::IfThenElse(hn::And(some, hn::Gt(height, Fill(b))), row.packed, none);
+      for (int32_t a = 0; a < last_a; ++a, advance(line, to_right)) {
+        const auto& e = line.edge;
+        const Ints beyond_rim = hn::Or3(hn::Add(e[0], rim[0]), hn::Add(e[1], rim[1]), hn::Add(e[2], rim[2]));
+        const Ints out_of = hn::And(hn::OrAnd(outside(line), beyond_rim, negative), any_negative);
+        const auto candidate = hn::Eq(out_of, zero), beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), zero);
+        append(line, hn::AndNot(beyond, candidate), hn::And(candidate, beyond));
+      }
+    }
+    return done;
+  }
+
+  // Where rows begin. When a row ends nothing predicts, and what such a branch costs would be more if it were to wait
+  // for that: hence first all rows' beginnings.
+  struct Row {
+    LaneInts remainder, number, packed;
+    LaneInts before_inner, behind_inner;  // what `packed` is between, in lines that are still to come there
+    int32_t lines;
+  };
+  Row rows[kFewLines];
+  const auto to_float = [&](Ints v) HWY_ATTR { return hn::ConvertTo(df, v); };
+  const auto per_along = hn::Div(hn::Set(df, 1.0F), to_float(along)),
+             depth_per_line = hn::Mul(to_float(right.remainder), per_along);
+  const Ints packed_right = hn::IfThenElseZero(some, Packed::Of(right.ijk));
   for (int32_t b = 0; b < last_b; ++b, advance(row, to_down)) {
-    State line = row;
-    line.packed = hn::IfThenElse(hn::And(some, hn::Gt(height, Fill(b))), row.packed, none);
-    for (int32_t a = 0; a < last_a; ++a, advance(line, to_right)) {
-      const auto& e = line.edge;
-      const Ints beyond_rim = hn::Or3(hn::Add(e[0], rim[0]), hn::Add(e[1], rim[1]), hn::Add(e[2], rim[2]));
-      const Ints outside = hn::Or(line.packed, hn::Sub(packed_room, line.packed));
-      const Ints out_of = hn::And(hn::OrAnd(outside, beyond_rim, negative), any_negative);
-      const auto candidate = hn::Eq(out_of, zero), beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), zero);
-      const Ints to_farther = hn::IfThenElse(hn::Gt(line.remainder, below_half), step, hn::Neg(step));
-      appender.Append(d, line.number, to_farther, hn::AndNot(beyond, candidate), hn::And(candidate, beyond));
+    const auto [begin, end, inner_begin, inner_end] = row_spans.Of(row.edge);
+    const auto in_height = hn::And(some, hn::Gt(height, Fill(b)));
+    const Ints lines = hn::IfThenElseZero(in_height, hn::Max(hn::Sub(end, begin), zero)),
+               behind = hn::Add(begin, lines);
+    Ints depth, remainder;
+    Divide(d, hn::Add(row.remainder, hn::Mul(begin, right.remainder)),
+           hn::MulAdd(to_float(begin), depth_per_line, hn::Mul(to_float(row.remainder), per_along)), along, depth,
+           remainder);
+    const Ints packed = hn::Add(row.packed, hn::Add(hn::Mul(begin, packed_right), hn::Mul(depth, packed_q)));
+    Row& to = rows[b];
+    to.remainder = remainder;
+    to.number = hn::Add(row.number, hn::Add(hn::Mul(begin, to_right.number), hn::Mul(depth, step)));
+    to.packed = hn::IfThenElse(hn::Gt(lines, zero), hn::Add(packed, to_come(hn::Sub(lines, Fill(1)))), none);
+    to.before_inner = to_come(hn::Sub(behind, inner_begin));
+    to.behind_inner = hn::Sub(to_come(hn::Sub(behind, inner_end)), Fill(1));
+    to.lines = most(lines);
+  }
+  for (const Row& begin : std::span(rows).first(static_cast<size_t>(last_b))) {
+    State line{{zero, zero, zero}, load(begin.remainder), load(begin.number), load(begin.packed)};
+    const Ints before_inner = load(begin.before_inner), behind_inner = load(begin.behind_inner);
+    for (int32_t a = 0; a < begin.lines; ++a, advance(line, to_right)) {
+      const auto candidate = hn::Eq(hn::And(outside(line), any_negative), zero);
+      const auto inner = hn::And(hn::Gt(before_inner, line.packed), hn::Gt(line.packed, behind_inner));
+      append(line, hn::And(candidate, inner), hn::AndNot(inner, candidate));
     }
   }
   return done;

@@ -1,0 +1,101 @@
+// Which lines of a row of lattice lines are candidates, for many triangles, one a lane.
+#if defined(LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
+#undef LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
+#else
+#define LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "core/snap/triangle_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace latvox {
+namespace HWY_NAMESPACE {
+namespace {
+
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Of a row of n lines, those within all rims (core/digitize/line_scan.h), and those within all edges.
+//
+// Let e be an edge function, or e + rim, of the row's first line, and s what it changes by from line to line; both are
+// integers. Lines a with e + s*a >= 0 are those with e + 1/2 + s*a > 0: for s > 0 from (-e - 1/2) / s on, for s < 0 up
+// to there. That place is at least 1/(2|s|) away from any line. What is computed as
+// e * (-1/s) + ((rim + 1/2) * (-1/s) + 1/2) is wrong by less than 2^-24 * (3n + 5 rim/|s| + 9) where it is among the
+// lines, which is less than 1/(2|s|) for |s| < kMostStep and rim < kMostRim; so it can be rounded to the right line.
+class RowSpans {
+ public:
+  static constexpr int32_t kMostLines = 64;
+
+  //   step, rim  of the three edges
+  //   lines      of a row, up to kMostLines
+  HWY_INLINE RowSpans(const Ints (&step)[3], const Ints (&rim)[3], Ints lines) : lines_(ToFloats(lines)) {
+    const Lanes d;
+    const Floating df;
+    exact_ = hn::FirstN(d, kTriangleLanes);
+    const Floats half = hn::Set(df, 0.5F);
+    for (size_t n = 0; n < 3; ++n) {
+      // An edge function that is constant leaves all lines on one side, as one that hardly changes does.
+      const auto constant = hn::RebindMask(df, hn::Eq(step[n], hn::Zero(d)));
+      per_step_[n] = hn::IfThenElse(constant, hn::Set(df, -1024.0F), hn::Div(hn::Set(df, -1.0F), ToFloats(step[n])));
+      rises_[n] = hn::RebindMask(df, hn::Gt(step[n], Fill(-1)));
+      from_edge_[n] = hn::MulAdd(half, per_step_[n], half);
+      from_rim_[n] = hn::MulAdd(hn::Add(ToFloats(rim[n]), half), per_step_[n], half);
+      exact_ = hn::And(exact_, hn::And(hn::Lt(hn::Abs(step[n]), Fill(kMostStep)), hn::Lt(rim[n], Fill(kMostRim))));
+    }
+  }
+
+  // The lanes for which that is exact.
+  HWY_INLINE hn::Mask<Lanes> exact() const { return exact_; }
+
+  // Lines from begin to end, end not included; all are 0 to n, but ends may lie before beginnings.
+  struct Spans {
+    Ints begin, end, inner_begin, inner_end;
+  };
+  // Of the row whose first line has these edge functions.
+  HWY_INLINE Spans Of(const Ints (&edge)[3]) const {
+    const Floating df;
+    Floats begin = hn::Zero(df), inner_begin = begin, end = lines_, inner_end = lines_;
+    for (size_t n = 0; n < 3; ++n) {
+      const Floats e = ToFloats(edge[n]);
+      const auto cut = [&](Floats at, Floats& from, Floats& to) HWY_ATTR {
+        from = hn::IfThenElse(rises_[n], hn::Max(from, at), from);
+        to = hn::IfThenElse(rises_[n], to, hn::Min(to, at));
+      };
+      cut(hn::MulAdd(e, per_step_[n], from_rim_[n]), begin, end);
+      cut(hn::MulAdd(e, per_step_[n], from_edge_[n]), inner_begin, inner_end);
+    }
+    return {Rounded(begin), Rounded(end), Rounded(inner_begin), Rounded(inner_end)};
+  }
+
+ private:
+  static constexpr int32_t kMostStep = 1 << 15, kMostRim = 1 << 18;
+  using Floating = hn::RebindToFloat<Lanes>;
+  using Floats = hn::Vec<Floating>;
+  static HWY_INLINE Floats ToFloats(Ints v) { return hn::ConvertTo(Floating(), v); }
+
+  // In fewer instructions than a conversion takes, which heeds what does not fit: added to 1.5 * 2^23, the integer is
+  // in the low bits.
+  HWY_INLINE Ints Rounded(Floats at) const {
+    const Floating df;
+    const Floats base = hn::Set(df, 0x1.8p23F);
+    const Floats within = hn::Max(hn::Min(at, lines_), hn::Zero(df));
+    return hn::Sub(hn::BitCast(Lanes(), hn::Add(within, base)), hn::BitCast(Lanes(), base));
+  }
+
+  Floats lines_, per_step_[3], from_rim_[3], from_edge_[3];
+  hn::Mask<Floating> rises_[3];
+  hn::Mask<Lanes> exact_;
+};
+
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace latvox
+HWY_AFTER_NAMESPACE();
+
+#endif
