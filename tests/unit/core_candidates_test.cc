@@ -312,6 +312,31 @@ TEST(Candidates, OfEdgesAboutAsLongAs32BitsHoldAreThoseOfThePlainScanOnEachKerne
   }
 }
 
+// There an edge function is as close to 0 as it can be, and where that is in its row as close to a line.
+TEST(Candidates, OfEdgesThroughLatticePointsOnEachKernel) {
+  const Vec3i tile_min{0, 0, 0};
+  for (const ExactLattice& l : ExactLattices()) {
+    const auto frames = MakeScanFrames(l.lattice.frames(0));
+    const Vec3i reach = ReachOf(frames);
+    const IndexBox box{tile_min - reach, tile_min + Vec3i{kTileSide, kTileSide, kTileSide} + reach};
+    std::mt19937 random(kSeed);
+    std::vector<Triangle> triangles;
+    for (const int32_t size : {1200, 3000, 6500}) {
+      std::uniform_int_distribution<int32_t> offset(-size, size), voxel(28, 36);
+      const auto any = [&](auto& of) { return Vec3i{of(random), of(random), of(random)}; };
+      for (int n = 0; n < Dose(200, 60); ++n) {
+        const Vec3i point = any(voxel) * kLatticeUnit, to = any(offset);
+        triangles.push_back({point + to, point - to, point + any(offset)});
+      }
+    }
+    const Found expected = Expected(triangles, frames, box);
+    for (const Simd simd : SimdHere()) {
+      const ForcedSimd forced(simd);
+      ASSERT_EQ(FromCandidates(triangles, frames, box, tile_min), expected) << l.name << " " << SimdInUse();
+    }
+  }
+}
+
 // Triangles between the corners of a cube have the largest normals.
 TEST(Candidates, OfTheLargestTrianglesThatFit32BitsAreThoseOfThePlainScanOnEachKernel) {
   for (const ExactLattice& l : ExactLattices()) {
