@@ -124,6 +124,24 @@ struct SomeTriangles {
     }
   }
 
+  // About how many lines there are along both sides of their box, in less time than LineBoxes takes: the extents along
+  // the axes other than the one that the normal is closest to.
+  struct BoxSides {
+    Ints longer, shorter;
+  };
+  HWY_INLINE BoxSides Sides() const {
+    const Ints3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
+    Ints3 extent, slope;
+    for (size_t m = 0; m < 3; ++m) {
+      extent[m] = hn::Sub(hn::Add(highest[m], Fill(1)), lowest[m]);
+      slope[m] = hn::Abs(normal[m]);
+    }
+    const auto along_1 = hn::Gt(slope[1], slope[0]), along_2 = hn::Gt(slope[2], hn::Max(slope[0], slope[1]));
+    const Ints a = hn::IfThenElse(along_2, extent[1], extent[2]);
+    const Ints b = hn::IfThenElse(hn::Or(along_1, along_2), extent[0], extent[1]);
+    return {hn::Max(a, b), hn::Min(a, b)};
+  }
+
   HWY_INLINE LineBoxes Boxes(const Scan& scan) const { return {scan.table, v, hn::And(near, small)}; }
 };
 
@@ -144,10 +162,8 @@ class LinesOrder {
     for (size_t n = 0; n < count; n += kTriangleLanes) {
       PrefetchCorners(scan.mesh, triangles.subspan(n));
       const SomeTriangles some(scan, triangles.subspan(n, std::min(kTriangleLanes, count - n)));
-      const LineBoxes boxes = some.Boxes(scan);
-      const Ints longer = hn::Max(boxes.width, boxes.height), shorter = hn::Min(boxes.width, boxes.height);
-      const auto valid = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&boxes.valid));
-      const auto few = hn::And(valid, hn::Lt(longer, Fill(kFewLines + 1)));
+      const auto [longer, shorter] = some.Sides();
+      const auto few = hn::And(hn::And(some.near, some.small), hn::Lt(longer, Fill(kFewLines + 1)));
       const auto most = [&](Ints v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(few, v))); };
       steps += most(longer) * most(shorter);
       lines = hn::Add(lines, hn::IfThenElseZero(few, hn::Mul(longer, shorter)));
