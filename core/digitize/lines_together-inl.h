@@ -65,7 +65,7 @@ struct Packed {
 // left out.
 template <bool kBySpans>
 HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const Ints3& lowest, const Ints3& highest,
-                                 const FrameTable& table, const Target& target, Candidates& out) {
+                                   const FrameTable& table, const Target& target, Candidates& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   const auto load = [&](const LaneInts& ints) HWY_ATTR { return hn::Load(d, ints.of); };
@@ -183,8 +183,8 @@ HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const
     return done;
   }
 
-  // Where rows begin. When a row ends nothing predicts, and what such a branch costs would be more if it were to wait
-  // for that: hence first all rows' beginnings.
+  // Where rows begin: first of all rows, since nothing predicts where one ends, and a branch taken wrongly costs more
+  // the longer it waits for that.
   struct Row {
     LaneInts remainder, number, packed;
     LaneInts before_inner, behind_inner;  // what `packed` is between, in lines that are still to come there
