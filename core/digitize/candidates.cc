@@ -186,7 +186,8 @@ class LinesOrder {
   }
 
  private:
-  // 0 for those that are not scanned together; of the others the longer side tells first, and half the shorter one.
+  // 0 for those that are not expected to be scanned together; of the others the longer side tells first, and half the
+  // shorter one.
   static constexpr size_t kShorter = kFewLines / 2 + 1, kKeys = 1 + (kFewLines + 1) * kShorter;
   static constexpr int32_t kStepsToSort = 9;  // of a vector of triangles, which take as long as to sort it
   bool pays_ = true;

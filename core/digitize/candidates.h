@@ -6,9 +6,9 @@
 //                                and which of them it contributes; plain C++ stops here
 //   line_scan.h                  that scan in integers that are linear over the lines, and fit lanes of 32 bits
 //   line_scan_lanes-inl.h        many triangles' scans in lanes
-//   lines_together-inl.h,        their lines: of many small triangles together, and where rows are long of these only
-//   row_spans-inl.h,             the lines that are candidates; or of one triangle alone. candidates.cc puts all
-//   line_blocks-inl.h            together
+//   row_spans-inl.h              of long rows of lines, those within rims and edges
+//   lines_together-inl.h         the lines of many small triangles together
+//   line_blocks-inl.h            the lines of one triangle, in blocks; candidates.cc puts all together
 //   stars.h                      many stars in lanes
 //   triangle_boxes.h             which triangles may have a voxel
 //   touching.h, sift.h, tiny.h   triangles smaller than voxels: those that no line meets, and the others' crossings

@@ -1,4 +1,4 @@
-// Triangles with few lattice lines each, one a lane: line after line of all, or of each those that are candidates.
+// Triangles with few lattice lines each, one a lane: line after line of all, or of each those within its rims.
 #if defined(LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
 #undef LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
@@ -28,7 +28,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 inline constexpr int32_t kFewLines = 56;
 static_assert(kFewLines <= RowSpans::kMostLines);
 
-// Of rows of so many lines, it pays to know those that are candidates.
+// Of rows of so many lines, it pays to know those within all rims. (This and PaysTogether: on AVX2.)
 inline constexpr int32_t kLongRow = 12;
 
 // Whether triangles of so many lines are scanned faster together than one by one.
@@ -46,19 +46,22 @@ HWY_INLINE bool PaysTogether(Ints width, Ints height, hn::Mask<Lanes> triangles)
 
 // A line's voxel, relative to the lowest one wanted, and how many lines of the row are still to come: in fields of one
 // integer, each a sum modulo what it has room for, below a bit that says that it is negative. What is negative takes 1
-// from the field above; but then it says so itself.
+// from the field above; but then it says so itself. Lanes that have come to the end of their row go on, for less than
+// as many lines again: coordinates may not fit then, but all together stay below 1 << kLinesShift, and so the lines
+// below 0.
 struct Packed {
   static constexpr int kBits = 8, kLinesShift = 3 * kBits;
   static constexpr int32_t kMost = (1 << (kBits - 1)) - 1;  // of a coordinate's size
   static constexpr uint32_t kNegative = 1U << 31 | 1U << (3 * kBits - 1) | 1U << (2 * kBits - 1) | 1U << (kBits - 1);
   static_assert(kFewLines <= 1 << (31 - kLinesShift));
+  static_assert(2 * kMost * (1 + (1 << kBits) + (1 << 2 * kBits)) < 1 << kLinesShift);
 
   static HWY_INLINE Ints Of(const Ints3& ijk) {
     return hn::Add(hn::Add(ijk[0], hn::ShiftLeft<kBits>(ijk[1])), hn::ShiftLeft<2 * kBits>(ijk[2]));
   }
 };
 
-//   kBySpans        whether to go through candidates alone (RowSpans), or through all lines, asking each for its edges
+//   kBySpans        whether to go through lines within all rims alone (RowSpans), or through all, asking each
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-edge that meets the triangle, or are not wanted
 // Returns the lanes that are done: those that may have lines with voxels far away, or spans that are not exact, are
@@ -187,7 +190,7 @@ HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const
   // the longer it waits for that.
   struct Row {
     LaneInts remainder, number, packed;
-    LaneInts before_inner, behind_inner;  // what `packed` is between, in lines that are still to come there
+    LaneInts before_inner, behind_inner;  // `packed` is below the first and above the second within all edges
     int32_t lines;
   };
   Row rows[kFewLines];

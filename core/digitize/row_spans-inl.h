@@ -1,4 +1,4 @@
-// Which lines of a row of lattice lines are candidates, for many triangles, one a lane.
+// Which lines of a row of lattice lines are within a triangle's edges, or its rims, for many triangles, one a lane.
 #if defined(LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
 #undef LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
@@ -21,11 +21,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Of a row of n lines, those within all rims (core/digitize/line_scan.h), and those within all edges.
 //
-// Let e be an edge function, or e + rim, of the row's first line, and s what it changes by from line to line; both are
-// integers. Lines a with e + s*a >= 0 are those with e + 1/2 + s*a > 0: for s > 0 from (-e - 1/2) / s on, for s < 0 up
-// to there. That place is at least 1/(2|s|) away from any line. What is computed as
-// e * (-1/s) + ((rim + 1/2) * (-1/s) + 1/2) is wrong by less than 2^-24 * (3n + 5 rim/|s| + 9) where it is among the
-// lines, which is less than 1/(2|s|) for |s| < kMostStep and rim < kMostRim; so it can be rounded to the right line.
+// Let e be an edge function of the row's first line, s what it changes by from line to line, and r the rim, or 0: all
+// integers. Lines a with e + r + s*a >= 0 are those with e + r + 1/2 + s*a > 0: for s > 0 those behind the place
+// p = -(e + r + 1/2) / s, for s < 0 those before it. No line is closer to p than 1/(2|s|), so p + 1/2, rounded, is the
+// first line behind p. Computed as e * (-1/s) + ((r + 1/2) * (-1/s) + 1/2), in floats whose operations round to
+// nearest, it is wrong by less than 2^-24 * (3n + 5r/|s| + 9) for a p among the lines, where e fits a float. That is
+// less than 1/(2|s|) for n, |s| and r as below. What is computed never decreases as e grows, or never increases; so a p
+// that is not among the lines comes out before or behind all of them.
 class RowSpans {
  public:
   static constexpr int32_t kMostLines = 64;
@@ -38,7 +40,8 @@ class RowSpans {
     exact_ = hn::FirstN(d, kTriangleLanes);
     const Floats half = hn::Set(df, 0.5F);
     for (size_t n = 0; n < 3; ++n) {
-      // An edge function that is constant leaves all lines on one side, as one that hardly changes does.
+      // Where an edge function is constant, all lines are on one side: with this, p is 512 lines before them if
+      // e + r >= 0, and as far behind if not.
       const auto constant = hn::RebindMask(df, hn::Eq(step[n], hn::Zero(d)));
       per_step_[n] = hn::IfThenElse(constant, hn::Set(df, -1024.0F), hn::Div(hn::Set(df, -1.0F), ToFloats(step[n])));
       rises_[n] = hn::RebindMask(df, hn::Gt(step[n], Fill(-1)));
@@ -48,7 +51,7 @@ class RowSpans {
     }
   }
 
-  // The lanes for which that is exact.
+  // The lanes whose spans are exact: |s| and r are small enough.
   HWY_INLINE hn::Mask<Lanes> exact() const { return exact_; }
 
   // Lines from begin to end, end not included; all are 0 to n, but ends may lie before beginnings.
@@ -73,12 +76,13 @@ class RowSpans {
 
  private:
   static constexpr int32_t kMostStep = 1 << 15, kMostRim = 1 << 18;
+  static_assert(2 * ((3 * kMostLines + 9) * kMostStep + 5 * kMostRim) < 1 << 24);
   using Floating = hn::RebindToFloat<Lanes>;
   using Floats = hn::Vec<Floating>;
   static HWY_INLINE Floats ToFloats(Ints v) { return hn::ConvertTo(Floating(), v); }
 
-  // In fewer instructions than a conversion takes, which heeds what does not fit: added to 1.5 * 2^23, the integer is
-  // in the low bits.
+  // In fewer instructions than a conversion, which sees to what does not fit: added to 1.5 * 2^23, the integer is in
+  // the low bits.
   HWY_INLINE Ints Rounded(Floats at) const {
     const Floating df;
     const Floats base = hn::Set(df, 0x1.8p23F);

@@ -46,6 +46,8 @@ latvox_add_core_test(core_principal_test)
 latvox_add_core_test(core_supercover_test)
 latvox_add_core_test(core_candidates_test)
 latvox_add_core_test(core_line_scan_test)
+latvox_add_core_test(core_row_spans_test)
+target_compile_definitions(core_row_spans_test PRIVATE $<TARGET_PROPERTY:latvox_core,COMPILE_DEFINITIONS>) # instruction sets
 latvox_add_core_test(core_kernel_test)
 latvox_add_core_test(core_tiny_test THREADED)
 latvox_add_core_test(core_threads_test THREADED)

@@ -312,7 +312,7 @@ TEST(Candidates, OfEdgesAboutAsLongAs32BitsHoldAreThoseOfThePlainScanOnEachKerne
   }
 }
 
-// There an edge function is as close to 0 as it can be, and where that is in its row as close to a line.
+// Edges through lattice points: there the edge function is as close to 0 as it can be without being it.
 TEST(Candidates, OfEdgesThroughLatticePointsOnEachKernel) {
   const Vec3i tile_min{0, 0, 0};
   for (const ExactLattice& l : ExactLattices()) {
