@@ -47,7 +47,9 @@ latvox_add_core_test(core_supercover_test)
 latvox_add_core_test(core_candidates_test)
 latvox_add_core_test(core_line_scan_test)
 latvox_add_core_test(core_row_spans_test)
-target_compile_definitions(core_row_spans_test PRIVATE $<TARGET_PROPERTY:latvox_core,COMPILE_DEFINITIONS>) # instruction sets
+if(TARGET core_row_spans_test) # compiled for the core's instruction sets
+  target_compile_definitions(core_row_spans_test PRIVATE $<TARGET_PROPERTY:latvox_core,COMPILE_DEFINITIONS>)
+endif()
 latvox_add_core_test(core_kernel_test)
 latvox_add_core_test(core_tiny_test THREADED)
 latvox_add_core_test(core_threads_test THREADED)
