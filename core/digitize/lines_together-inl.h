@@ -196,21 +196,35 @@ HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const
   Row rows[kFewLines];
   const auto to_float = [&](Ints v) HWY_ATTR { return hn::ConvertTo(df, v); };
   const auto per_along = hn::Div(hn::Set(df, 1.0F), to_float(along)),
-             depth_per_line = hn::Mul(to_float(right.remainder), per_along);
+             depth_right = hn::Mul(to_float(right.remainder), per_along),
+             depth_down = hn::Mul(to_float(down.remainder), per_along);
   const Ints packed_right = hn::IfThenElseZero(some, Packed::Of(right.ijk));
-  for (int32_t b = 0; b < last_b; ++b, advance(row, to_down)) {
-    const auto [begin, end, inner_begin, inner_end] = row_spans.Of(row.edge);
+  // Rows grow up to one of the corners. Lanes where that is in the second half begin with their last row: then all are
+  // long at about the same time. Corners' places along a column, upwards if turned, downwards if not:
+  const Ints second = right.edge[0], third = hn::Neg(right.edge[2]);
+  const Ints sum = hn::Add(second, third);  // of the three, from the first one
+  const Ints ends = hn::Add(hn::Min(hn::Min(second, third), zero), hn::Max(hn::Max(second, third), zero));
+  const auto last_first = hn::Xor(turned, hn::Lt(hn::Add(sum, sum), hn::Add(ends, hn::Add(ends, ends))));
+  for (int32_t b = 0; b < last_b; ++b) {
+    const Ints down_by = hn::IfThenElse(last_first, hn::Sub(height, Fill(b + 1)), Fill(b));
+    Ints edge[3];
+    for (size_t n = 0; n < 3; ++n) edge[n] = hn::Add(row.edge[n], hn::Mul(down_by, down.edge[n]));
+    const auto [begin, end, inner_begin, inner_end] = row_spans.Of(edge);
     const auto in_height = hn::And(some, hn::Gt(height, Fill(b)));
     const Ints lines = hn::IfThenElseZero(in_height, hn::Max(hn::Sub(end, begin), zero)),
                behind = hn::Add(begin, lines);
+    const auto moved = [&](Ints from, Ints by_down, Ints by_right) HWY_ATTR {
+      return hn::Add(from, hn::Add(hn::Mul(down_by, by_down), hn::Mul(begin, by_right)));
+    };
     Ints depth, remainder;
-    Divide(d, hn::Add(row.remainder, hn::Mul(begin, right.remainder)),
-           hn::MulAdd(to_float(begin), depth_per_line, hn::Mul(to_float(row.remainder), per_along)), along, depth,
-           remainder);
-    const Ints packed = hn::Add(row.packed, hn::Add(hn::Mul(begin, packed_right), hn::Mul(depth, packed_q)));
+    Divide(d, moved(row.remainder, down.remainder, right.remainder),
+           hn::MulAdd(to_float(down_by), depth_down,
+                      hn::MulAdd(to_float(begin), depth_right, hn::Mul(to_float(row.remainder), per_along))),
+           along, depth, remainder);
+    const Ints packed = hn::Add(moved(row.packed, to_down.packed, packed_right), hn::Mul(depth, packed_q));
     Row& to = rows[b];
     to.remainder = remainder;
-    to.number = hn::Add(row.number, hn::Add(hn::Mul(begin, to_right.number), hn::Mul(depth, step)));
+    to.number = hn::Add(moved(row.number, to_down.number, to_right.number), hn::Mul(depth, step));
     to.packed = hn::IfThenElse(hn::Gt(lines, zero), hn::Add(packed, to_come(hn::Sub(lines, Fill(1)))), none);
     to.before_inner = to_come(hn::Sub(behind, inner_begin));
     to.behind_inner = hn::Sub(to_come(hn::Sub(behind, inner_end)), Fill(1));
