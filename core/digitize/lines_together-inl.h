@@ -199,8 +199,9 @@ HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const
              depth_right = hn::Mul(to_float(right.remainder), per_along),
              depth_down = hn::Mul(to_float(down.remainder), per_along);
   const Ints packed_right = hn::IfThenElseZero(some, Packed::Of(right.ijk));
-  // Rows grow up to one of the corners. Lanes where that is in the second half begin with their last row: then all are
-  // long at about the same time. Corners' places along a column, upwards if turned, downwards if not:
+  // Rows are longest beside the corner that is in the middle along a column. Lanes where that is in the second half
+  // begin with their last row: then all are long at about the same time. Corners' places, from the first one's, along
+  // `down` if turned, against it if not; the middle one is sum - ends:
   const Ints second = right.edge[0], third = hn::Neg(right.edge[2]);
   const Ints sum = hn::Add(second, third);  // of the three, from the first one
   const Ints ends = hn::Add(hn::Min(hn::Min(second, third), zero), hn::Max(hn::Max(second, third), zero));

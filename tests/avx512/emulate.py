@@ -2,26 +2,33 @@
 
 Usage: emulate.py FOLDER_OF_PROGRAMS [TEST...]
     FOLDER_OF_PROGRAMS  where latvox_bench and the tests are, such as build/release/bin
-    TEST                programs to run, too; without any, those of TESTS
+    TEST                tests to run, with arguments if need be, such as 'core_tiny_test --gtest_filter=*Kernel'; without
+                        any, those of TESTS
 
-Jobs of latvox_bench must give there, voxel by voxel, what plain C++ gives here. All of it takes some ten minutes: an
-emulated core is a hundred times slower. The status is 1 where something differs or fails.
+Jobs of latvox_bench must give there, voxel by voxel, what plain C++ gives here. All of it takes a quarter of an hour: an
+emulated core is a hundred times slower. The status is 1 where something differs or fails, 2 where it cannot be tried.
 
 A Skylake-X has no VBMI2. Bochs has processors that do, but version 2.7 takes VPCOMPRESSW of 32 lanes, all selected, for
 one of none, and with it the lists of tiny triangles are wrong.
 """
 
+import itertools
 import json
 import os
 import pathlib
 import pty
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 import threading
 
-TESTS = ("core_row_spans_test", "core_kernel_test")
+TESTS = (
+    "core_row_spans_test",
+    "core_kernel_test",
+    "core_candidates_test --gtest_filter=*LatticePoints*:*AllSizes*",
+)
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 HORSE = "/usr/share/glmark2/models/horse.3ds"
 LATTICES = (
@@ -32,12 +39,14 @@ LATTICES = (
 )
 MESHES = ((BUNNY, (40, 128, 256, 512, 1024)), (HORSE, (128, 512)), ("box", (64, 300)), ("sphere:30000", (128, 256)))
 JOBS = [
-    *(f"{mesh} {resolution} {lattice}" for mesh, resolutions in MESHES for resolution in resolutions for lattice in LATTICES),
+    *(f"{mesh} {side} {lattice}" for mesh, sides in MESHES for side, lattice in itertools.product(sides, LATTICES)),
     *(f"{BUNNY} 256 {options}" for options in ("--no-minimal", "--fill solid", "--cover supercover")),
 ]
 ONCE = "--warmups 0 --reps 1 --threads 1 --json"
+RESULT = re.compile(r'^\{"(?:voxels|error)".*\}', re.MULTILINE)
 
-FOLDER = pathlib.Path("build/avx512")
+FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build/avx512"
+SECONDS = 2 * 3600  # before an emulated machine is taken to hang
 
 INIT = """#!/bin/busybox sh
 busybox mount -t devtmpfs dev /dev
@@ -46,14 +55,12 @@ exec >/dev/ttyS0 2>&1
 # The dynamic linker saves registers in ways that the kernel was told to leave alone.
 export LD_BIND_NOW=1
 /programs/latvox_bench - </jobs
-for test in {tests}; do
-  /programs/$test --gtest_color=no --gtest_brief=1
-  echo "$test ended with $?"
-done
+{tests}
 echo All done
 busybox sleep 5  # what it wrote is on its way
 busybox poweroff -f
 """
+TEST = "/programs/{command} --gtest_color=no --gtest_brief=1\necho Test {number} ended with $?\n"
 
 # Linux does not believe what Bochs says of the sizes of compact XSAVE areas, and would do without AVX.
 BOOT = """default linux
@@ -61,7 +68,7 @@ prompt 0
 timeout 0
 label linux
   kernel /vmlinuz
-  append initrd=/initrd.gz console=ttyS0 loglevel=4 mitigations=off clearcpuid=xsaves,xsavec,pku,ospke
+  append initrd=/initrd.gz console=ttyS0 loglevel=3 mitigations=off clearcpuid=xsaves,xsavec,pku,ospke
 """
 
 BOCHS = """display_library: term
@@ -81,15 +88,22 @@ def run(*words, **options):
     return subprocess.run(words, check=True, capture_output=True, text=True, **options).stdout
 
 
-def fetch_kernel():
-    """Debian's newest kernel for virtual machines, unpacked instead of installed."""
-    found = sorted(FOLDER.glob("kernel/boot/vmlinuz-*"))
-    if not found:
-        package = re.search(r"Depends: (linux-image-\S+)", run("apt-cache", "depends", "linux-image-cloud-amd64"))[1]
+def fetch(package):
+    """Where one of Debian's packages is unpacked, which is not installed: it would change this machine."""
+    folder = FOLDER / package
+    if not folder.exists():
+        aside = FOLDER / "unpacked"
+        shutil.rmtree(aside, ignore_errors=True)
         run("apt-get", "download", package, cwd=FOLDER)
-        run("dpkg-deb", "-x", str(next(FOLDER.glob(f"{package}_*.deb"))), str(FOLDER / "kernel"))
-        found = sorted(FOLDER.glob("kernel/boot/vmlinuz-*"))
-    return found[-1]
+        run("dpkg-deb", "-x", max(FOLDER.glob(f"{package}_*.deb"), key=os.path.getmtime), aside)
+        aside.rename(folder)
+    return folder
+
+
+def fetch_kernel():
+    """That for virtual machines."""
+    package = re.search(r"Depends: (linux-image-\S+)", run("apt-cache", "depends", "linux-image-cloud-amd64"))[1]
+    return next(fetch(package).glob("boot/vmlinuz-*"))
 
 
 def copy_into(root, path, to=None):
@@ -103,16 +117,19 @@ def make_root(root, programs, tests):
     shutil.rmtree(root, ignore_errors=True)
     for folder in ("dev", "proc"):
         (root / folder).mkdir(parents=True)
-    copy_into(root, "/bin/busybox")
-    for name in ("latvox_bench", *tests):
+    copy_into(root, fetch("busybox-static") / "bin/busybox", "bin/busybox")
+    for name in ("latvox_bench", *(shlex.split(test)[0] for test in tests)):
         copy_into(root, programs / name, f"programs/{name}")
-        run("strip", str(root / "programs" / name))
-        for library in re.findall(r"(/\S+) \(0x", run("ldd", str(programs / name))):
+        run("strip", root / "programs" / name)
+        for library in re.findall(r"(/\S+) \(0x", run("ldd", programs / name)):
             copy_into(root, library)
     for mesh in (BUNNY, HORSE):
         copy_into(root, mesh)
     (root / "jobs").write_text("".join(f"{job} {ONCE} --simd avx512\n" for job in JOBS))
-    (root / "init").write_text(INIT.format(tests=" ".join(tests)))
+    run_tests = "".join(
+        TEST.format(command=shlex.join(shlex.split(test)), number=number) for number, test in enumerate(tests)
+    )
+    (root / "init").write_text(INIT.format(tests=run_tests))
     (root / "init").chmod(0o755)
 
 
@@ -123,20 +140,19 @@ def make_disk(root, kernel):
     for file in ("/usr/lib/ISOLINUX/isolinux.bin", "/usr/lib/syslinux/modules/bios/ldlinux.c32"):
         shutil.copy(file, disk / "isolinux")
     (disk / "isolinux" / "isolinux.cfg").write_text(BOOT)
-    archive = f"cd {root} && find . | busybox cpio -o -H newc | gzip -1"
-    with open(disk / "initrd.gz", "wb") as to:
-        subprocess.run(["sh", "-c", archive], check=True, stdout=to, stderr=subprocess.DEVNULL)
-    run("xorriso", "-as", "mkisofs", "-o", str(FOLDER / "boot.iso"), "-b", "isolinux/isolinux.bin", "-c", "isolinux/boot.cat",
-        "-no-emul-boot", "-boot-load-size", "4", "-boot-info-table", str(disk))  # fmt: skip
+    archive = "set -o pipefail; find . | bin/busybox cpio -o -H newc | gzip -1 >../disk/initrd.gz"
+    run("bash", "-c", archive, cwd=root)
+    run("xorriso", "-as", "mkisofs", "-o", FOLDER / "boot.iso", "-b", "isolinux/isolinux.bin", "-c", "isolinux/boot.cat",
+        "-no-emul-boot", "-boot-load-size", "4", "-boot-info-table", disk)  # fmt: skip
 
 
-def drain(terminal):
-    with open(terminal, "rb", buffering=0) as screen:
-        try:
-            while screen.read(1 << 16):
-                pass
-        except OSError:
-            pass  # it is gone
+def read_all(terminal, to):
+    """Until the program at its other end is gone."""
+    try:
+        while data := os.read(terminal, 1 << 16):
+            to(data)
+    except OSError:
+        pass
 
 
 def emulate():
@@ -145,24 +161,39 @@ def emulate():
     (FOLDER / "debugger").write_text("continue\nquit\n")  # Debian's Bochs begins in its debugger
     serial = FOLDER / "serial"
     serial.unlink(missing_ok=True)
+    print(f"Emulating; what it prints goes to {serial}", flush=True)
     here, there = pty.openpty()  # its debugger's terminal
-    command = ["bochs", "-q", "-f", "bochsrc", "-rc", "debugger"]
+    said = bytearray()
+
+    def listen(data):
+        known = b"screen" in said
+        said.extend(data)
+        # It stops when nobody looks at its screen.
+        if not known and (screen := re.search(rb'connected to screen "(.*?)"', said)):
+            terminal = os.open(screen[1], os.O_RDONLY | os.O_NOCTTY)
+            threading.Thread(target=read_all, args=(terminal, len), daemon=True).start()
+
+    command = ["setpriv", "--pdeathsig", "KILL", "bochs", "-q", "-f", "bochsrc", "-rc", "debugger"]
     environment = {**os.environ, "TERM": "xterm"}
     with subprocess.Popen(command, cwd=FOLDER, stdin=there, stdout=there, stderr=there, env=environment) as bochs:
         os.close(there)
+        deadline = threading.Timer(SECONDS, bochs.kill)
+        deadline.start()
         try:
-            with open(FOLDER / "terminal", "wb", buffering=0) as terminal:
-                while data := os.read(here, 1 << 16):
-                    terminal.write(data)
-                    # It stops when nobody looks at its screen.
-                    if screen := re.search(rb'connected to screen "(.*?)"', data):
-                        threading.Thread(target=drain, args=screen.groups(), daemon=True).start()
-        except OSError:
-            pass  # it is gone
+            read_all(here, listen)
         finally:
+            deadline.cancel()
             bochs.kill()
             os.close(here)
-    return serial.read_text(errors="replace") if serial.exists() else ""
+    if not serial.exists():
+        raise OSError(f"Bochs ended at once: {said.decode(errors='replace')}")
+    return serial.read_text(errors="replace")
+
+
+def outcome(line):
+    """What is compared of a job."""
+    result = json.loads(line)
+    return result.get("digest"), result.get("simd")
 
 
 def main():
@@ -170,20 +201,34 @@ def main():
         print(__doc__, file=sys.stderr)
         return 2
     programs, tests = pathlib.Path(sys.argv[1]), sys.argv[2:] or TESTS
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    jobs = "".join(f"{job} {ONCE} --simd scalar\n" for job in JOBS)
-    wanted = [json.loads(line) for line in run(programs / "latvox_bench", "-", input=jobs).splitlines()]
-    make_root(FOLDER / "root", programs, tests)
-    make_disk(FOLDER / "root", fetch_kernel())
-    print(f"Emulating; what it prints goes to {FOLDER / 'serial'}", flush=True)
-    output = emulate()
-    found = [json.loads(job) for job in re.findall(r'\{"voxels".*?\}', output)]
-    failed = [test for test in tests if f"{test} ended with 0" not in output]
-    differ = [job for job, one, other in zip(JOBS, wanted, found) if one["digest"] != other["digest"]]
-    differ += [job for job, other in zip(JOBS, found) if other["simd"] != "avx512"] + JOBS[len(found) :]
+    try:
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        jobs = "".join(f"{job} {ONCE} --simd scalar\n" for job in JOBS)
+        wanted = RESULT.findall(run(programs / "latvox_bench", "-", input=jobs))
+        make_root(FOLDER / "root", programs, tests)
+        make_disk(FOLDER / "root", fetch_kernel())
+        output = emulate()
+    except subprocess.CalledProcessError as error:
+        print(f"emulate.py: {shlex.join(map(str, error.cmd))}: {error.stderr}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"emulate.py: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    failed = [test for number, test in enumerate(tests) if f"Test {number} ended with 0" not in output]
+    differ = [
+        job
+        for job, here, there in itertools.zip_longest(JOBS, wanted, RESULT.findall(output), fillvalue="{}")
+        if (outcome(here)[0], "avx512") != outcome(there)
+    ]
     for name in failed + differ:
         print(f"failed: {name}")
-    print(f"{len(JOBS) - len(differ)} of {len(JOBS)} jobs as by plain C++, {len(tests) - len(failed)} of {len(tests)} tests pass")
+    if "All done" not in output:
+        print("failed: the emulated machine stopped before it was done")
+    print(
+        f"{len(JOBS) - len(differ)} of {len(JOBS)} jobs as by plain C++, {len(tests) - len(failed)} of {len(tests)} tests pass"
+    )
     return 1 if failed or differ or "All done" not in output else 0
 
 
