@@ -210,9 +210,10 @@ HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const
     const Ints down_by = hn::IfThenElse(last_first, hn::Sub(height, Fill(b + 1)), Fill(b));
     Ints edge[3];
     for (size_t n = 0; n < 3; ++n) edge[n] = hn::Add(row.edge[n], hn::Mul(down_by, down.edge[n]));
-    const auto [begin, end, inner_begin, inner_end] = row_spans.Of(edge);
+    const RowSpans::Spans spans = row_spans.Of(edge);
+    const Ints begin = spans.begin;
     const auto in_height = hn::And(some, hn::Gt(height, Fill(b)));
-    const Ints lines = hn::IfThenElseZero(in_height, hn::Max(hn::Sub(end, begin), zero)),
+    const Ints lines = hn::IfThenElseZero(in_height, hn::Max(hn::Sub(spans.end, begin), zero)),
                behind = hn::Add(begin, lines);
     const auto moved = [&](Ints from, Ints by_down, Ints by_right) HWY_ATTR {
       return hn::Add(from, hn::Add(hn::Mul(down_by, by_down), hn::Mul(begin, by_right)));
@@ -227,8 +228,8 @@ HWY_NOINLINE uint64_t ScanTogether(const LineScanLanes& s, uint64_t which, const
     to.remainder = remainder;
     to.number = hn::Add(moved(row.number, to_down.number, to_right.number), hn::Mul(depth, step));
     to.packed = hn::IfThenElse(hn::Gt(lines, zero), hn::Add(packed, to_come(hn::Sub(lines, Fill(1)))), none);
-    to.before_inner = to_come(hn::Sub(behind, inner_begin));
-    to.behind_inner = hn::Sub(to_come(hn::Sub(behind, inner_end)), Fill(1));
+    to.before_inner = to_come(hn::Sub(behind, spans.inner_begin));
+    to.behind_inner = hn::Sub(to_come(hn::Sub(behind, spans.inner_end)), Fill(1));
     to.lines = most(lines);
   }
   for (const Row& begin : std::span(rows).first(static_cast<size_t>(last_b))) {
