@@ -1,4 +1,4 @@
-// The lines of a row that are candidates, held against each line's edge functions in integers.
+// Which lines of a row are within rims and edges, held against each line's edge functions in integers.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/unit/core_row_spans_test.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
