@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox {

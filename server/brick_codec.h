@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 
 namespace latvox {
 

@@ -5,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/brick/tile_order.h"
 #include "core/solid/interior.h"
-#include "core/tile/tile_order.h"
 #include "core/voxelizer/estimate.h"
 #include "server/errors.h"
 #include "server/exceptions.h"

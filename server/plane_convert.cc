@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/brick/voxel_set.h"
 #include "core/snap/snap.h"
-#include "core/tile/voxel_set.h"
 #include "core/voxelizer/digest.h"
 #include "server/errors.h"
 

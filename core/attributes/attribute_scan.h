@@ -11,8 +11,8 @@
 #include "core/attributes/attributes.h"
 #include "core/attributes/plan.h"
 #include "core/band/triangle_distance.h"
+#include "core/brick/brick.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

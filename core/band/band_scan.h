@@ -10,8 +10,8 @@
 #include "core/band/inside.h"
 #include "core/band/plan.h"
 #include "core/band/triangle_distance.h"
+#include "core/brick/brick.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

@@ -21,9 +21,9 @@
 
 #include "core/base/cancelled.h"
 #include "core/base/vec.h"
+#include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

@@ -10,8 +10,8 @@
 #include <limits>
 
 #include "core/base/vec.h"
+#include "core/brick/brick.h"
 #include "core/digitize/crossing.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

@@ -23,9 +23,9 @@
 #include <cstdint>
 
 #include "absl/functional/function_ref.h"
+#include "core/brick/brick.h"
 #include "core/digitize/crossing.h"
 #include "core/lattice/integer_cell.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

@@ -18,9 +18,9 @@
 #include "core/base/shared_array.h"
 #include "core/base/uninitialized.h"
 #include "core/base/vec.h"
+#include "core/brick/brick.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

@@ -18,9 +18,9 @@
 
 #include "core/base/bytes_of.h"
 #include "core/base/cancelled.h"
+#include "core/brick/brick.h"
 #include "core/snap/snap.h"
 #include "core/solid/solid.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

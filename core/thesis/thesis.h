@@ -7,10 +7,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/cancelled.h"
+#include "core/brick/voxel_set.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
 #include "core/snap/snap.h"
-#include "core/tile/voxel_set.h"
 #include "core/voxelizer/algorithm.h"
 
 namespace latvox {

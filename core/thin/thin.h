@@ -18,8 +18,8 @@
 #include <span>
 
 #include "core/base/cancelled.h"
+#include "core/brick/brick.h"
 #include "core/thin/crossed_edges.h"
-#include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/base/vec.h"
+#include "core/brick/brick.h"
 #include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

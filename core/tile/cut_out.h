@@ -2,7 +2,7 @@
 #ifndef LATVOX_CORE_TILE_CUT_OUT_H_
 #define LATVOX_CORE_TILE_CUT_OUT_H_
 
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {

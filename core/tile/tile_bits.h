@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/bytes_of.h"
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 
 namespace latvox {
 

@@ -155,7 +155,7 @@ void Unpack(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include "core/tile/tile_order.h"
+#include "core/brick/tile_order.h"
 
 namespace latvox {
 namespace {

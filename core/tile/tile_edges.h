@@ -15,7 +15,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
 #include "core/base/huge_pages.h"
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {

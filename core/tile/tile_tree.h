@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/brick/brick.h"
 #include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
 #include "core/tile/cell_grid.h"
 #include "core/tile/tile_edges.h"
 

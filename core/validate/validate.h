@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/brick/voxel_set.h"
 #include "core/lattice/lattice.h"
 #include "core/snap/snap.h"
-#include "core/tile/voxel_set.h"
 
 namespace latvox {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/brick/voxel_set.h"
 #include "core/lattice/frame.h"
-#include "core/tile/voxel_set.h"
 
 namespace latvox {
 

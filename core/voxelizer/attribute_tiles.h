@@ -9,8 +9,8 @@
 
 #include "core/attributes/attribute_scan.h"
 #include "core/attributes/plan.h"
+#include "core/brick/brick.h"
 #include "core/snap/snap.h"
-#include "core/tile/brick.h"
 #include "core/voxelizer/scan_pool.h"
 
 namespace latvox {

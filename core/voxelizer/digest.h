@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 
 namespace latvox {
 

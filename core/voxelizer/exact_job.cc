@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "core/band/band_scan.h"
+#include "core/brick/tile_order.h"
 #include "core/digitize/fine_pass.h"
 #include "core/snap/surface_facts.h"
-#include "core/tile/tile_order.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/attribute_tiles.h"
 #include "core/voxelizer/job_facts.h"

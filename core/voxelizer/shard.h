@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/brick/tile_order.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
-#include "core/tile/tile_order.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
 

@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "absl/strings/str_format.h"
+#include "core/brick/tile_order.h"
 #include "core/solid/balance.h"
 #include "core/tile/cut_out.h"
-#include "core/tile/tile_order.h"
 
 namespace latvox {
 namespace {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 #include "core/solid/interior.h"
 #include "core/solid/solid.h"
-#include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
 #include "core/voxelizer/tile_scan.h"
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/base/sort.h"
+#include "core/brick/tile_order.h"
 #include "core/snap/surface_facts.h"
 #include "core/thesis/thesis.h"
-#include "core/tile/tile_order.h"
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/shard.h"
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "core/brick/brick.h"
 #include "core/lattice/frame.h"
-#include "core/tile/brick.h"
 #include "core/tile/tile_tree.h"
 #include "core/voxelizer/solid_tiles.h"
 #include "core/voxelizer/tile_scan.h"

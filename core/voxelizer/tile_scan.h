@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/brick/brick.h"
 #include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
 #include "core/digitize/stars.h"
@@ -15,7 +16,6 @@
 #include "core/snap/snap.h"
 #include "core/thin/crossed_edges.h"
 #include "core/thin/thin.h"
-#include "core/tile/brick.h"
 #include "core/tile/tile_bits.h"
 #include "core/tile/tile_edges.h"
 #include "core/tile/tile_tree.h"

@@ -9,10 +9,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/band/band.h"
+#include "core/brick/brick.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
 #include "core/solid/solid.h"
-#include "core/tile/brick.h"
 #include "core/validate/validate.h"
 #include "core/voxelizer/algorithm.h"
 #include "core/voxelizer/digest.h"
@@ -64,7 +64,7 @@ struct JobFacts {
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
   bool cut_by_bounds = false;                        // options.bounds may leave out voxels of the whole
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
-  Vec3i first_tile_ijk{};                            // of the canonical order (core/tile/tile_order.h)
+  Vec3i first_tile_ijk{};                            // of the canonical order (core/brick/tile_order.h)
   uint64_t unbalanced_lines = 0;                     // of a solid, once prepared: see CountUnbalancedLines
   double band_width = 0;                             // world units; 0: there is no band
 

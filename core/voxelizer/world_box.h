@@ -5,9 +5,9 @@
 #include <cstddef>
 
 #include "core/base/vec.h"
+#include "core/brick/brick.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
-#include "core/tile/brick.h"
 
 namespace latvox {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "core/brick/brick.h"
 #include "core/lattice/lattice.h"
 #include "core/mesh/mesh.h"
-#include "core/tile/brick.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/oracle/meshes.h"
 #include "tests/oracle/oracle.h"

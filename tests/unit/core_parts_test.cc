@@ -5,8 +5,8 @@
 #include <random>
 #include <set>
 
+#include "core/brick/tile_order.h"
 #include "core/snap/snap.h"
-#include "core/tile/tile_order.h"
 #include "core/voxelizer/shard.h"
 #include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 #include "core/voxelizer/digest.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 #include "core/voxelizer/digest.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "tests/unit/server_calls.h"

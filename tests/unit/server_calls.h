@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/mesh_store.h"
 #include "server/server.h"

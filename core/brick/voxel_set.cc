@@ -1,4 +1,4 @@
-#include "core/tile/voxel_set.h"
+#include "core/brick/voxel_set.h"
 
 #include <utility>
 

@@ -3,8 +3,8 @@
 //   voxel  ijk                lattice coordinates
 //   brick  brick_ijk = ijk>>3     8^3 voxels, one bit each
 //   tile   tile_ijk  = ijk>>6     8^3 bricks
-#ifndef LATVOX_CORE_TILE_BRICK_H_
-#define LATVOX_CORE_TILE_BRICK_H_
+#ifndef LATVOX_CORE_BRICK_BRICK_H_
+#define LATVOX_CORE_BRICK_BRICK_H_
 
 #include <algorithm>
 #include <array>
@@ -84,4 +84,4 @@ inline void ClipBrick(const IndexBox& box, Brick& brick) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_BRICK_H_
+#endif  // LATVOX_CORE_BRICK_BRICK_H_

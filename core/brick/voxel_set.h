@@ -1,6 +1,6 @@
 // A sparse set of voxels.
-#ifndef LATVOX_CORE_TILE_VOXEL_SET_H_
-#define LATVOX_CORE_TILE_VOXEL_SET_H_
+#ifndef LATVOX_CORE_BRICK_VOXEL_SET_H_
+#define LATVOX_CORE_BRICK_VOXEL_SET_H_
 
 #include <atomic>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/cancelled.h"
-#include "core/tile/brick.h"
+#include "core/brick/brick.h"
 
 namespace latvox {
 
@@ -41,4 +41,4 @@ class VoxelSet {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_VOXEL_SET_H_
+#endif  // LATVOX_CORE_BRICK_VOXEL_SET_H_

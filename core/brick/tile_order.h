@@ -1,7 +1,7 @@
 // The canonical order of tiles: Morton order of their coordinates relative to the lowest tile of the whole mesh's box,
 // i the most significant axis.
-#ifndef LATVOX_CORE_TILE_TILE_ORDER_H_
-#define LATVOX_CORE_TILE_TILE_ORDER_H_
+#ifndef LATVOX_CORE_BRICK_TILE_ORDER_H_
+#define LATVOX_CORE_BRICK_TILE_ORDER_H_
 
 #include <cstdint>
 #include <limits>
@@ -37,4 +37,4 @@ struct TileSpan {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_TILE_ORDER_H_
+#endif  // LATVOX_CORE_BRICK_TILE_ORDER_H_
