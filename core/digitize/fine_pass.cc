@@ -12,7 +12,7 @@
 #include "core/digitize/tiny.h"
 #include "core/digitize/touching.h"
 #include "core/snap/corner_list.h"
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 
 namespace latvox {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/brick/tile_order.h"
 #include "core/digitize/fine_pass.h"
 #include "core/snap/surface_facts.h"
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 #include "core/voxelizer/attribute_tiles.h"
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/scan_pool.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 
 namespace latvox {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 #include "core/voxelizer/solid_tiles.h"
 #include "core/voxelizer/tile_scan.h"
 

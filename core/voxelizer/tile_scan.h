@@ -18,7 +18,7 @@
 #include "core/thin/thin.h"
 #include "core/tile/tile_bits.h"
 #include "core/tile/tile_edges.h"
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 
 namespace latvox {
 

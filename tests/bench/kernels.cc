@@ -15,7 +15,7 @@
 #include "core/snap/mesh_range.h"
 #include "core/snap/snap.h"
 #include "core/snap/surface_facts.h"
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/bench/codec_kernels.h"
 #include "tests/bench/meshes.h"

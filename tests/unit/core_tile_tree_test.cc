@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 #include "tests/unit/core_simd.h"
 #include "tests/unit/dose.h"
 

@@ -1,8 +1,8 @@
 // Bounding boxes of nearly all triangles say all: a kernel takes them to their cells, triangles in the lanes. The few
 // long ones are tested against single cells, with separating axes.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/tile/cell_grid.cc"
-#include "core/tile/cell_grid.h"
+#define HWY_TARGET_INCLUDE "core/tree/cell_grid.cc"
+#include "core/tree/cell_grid.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>

@@ -1,6 +1,6 @@
 // Which triangles concern which tile: an octree over tiles, walked depth first, that is never held as a whole.
-#ifndef LATVOX_CORE_TILE_TILE_TREE_H_
-#define LATVOX_CORE_TILE_TILE_TREE_H_
+#ifndef LATVOX_CORE_TREE_TILE_TREE_H_
+#define LATVOX_CORE_TREE_TILE_TREE_H_
 
 #include <atomic>
 #include <cstdint>
@@ -10,8 +10,8 @@
 #include "core/brick/brick.h"
 #include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
-#include "core/tile/cell_grid.h"
 #include "core/tile/tile_edges.h"
+#include "core/tree/cell_grid.h"
 
 namespace latvox {
 
@@ -98,4 +98,4 @@ class TileTree {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_TILE_TREE_H_
+#endif  // LATVOX_CORE_TREE_TILE_TREE_H_

@@ -1,7 +1,7 @@
 // A counting sort: the cells that each triangle comes near to are written down and counted, chunk by chunk of the
 // triangles; sums of the counts say where in the cells' lists each chunk's triangles go; then they go there. Chunks are
 // independent, and lists come out ascending, since chunks are.
-#include "core/tile/tile_tree.h"
+#include "core/tree/tile_tree.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>

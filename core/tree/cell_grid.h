@@ -1,6 +1,6 @@
 // Which cells of a grid of cubes a triangle concerns.
-#ifndef LATVOX_CORE_TILE_CELL_GRID_H_
-#define LATVOX_CORE_TILE_CELL_GRID_H_
+#ifndef LATVOX_CORE_TREE_CELL_GRID_H_
+#define LATVOX_CORE_TREE_CELL_GRID_H_
 
 #include <array>
 #include <cstdint>
@@ -90,4 +90,4 @@ class CellGrid {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_CELL_GRID_H_
+#endif  // LATVOX_CORE_TREE_CELL_GRID_H_
