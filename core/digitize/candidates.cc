@@ -16,7 +16,7 @@
 #include "core/digitize/line_scan.h"
 #include "core/digitize/line_scan_lanes-inl.h"
 #include "core/digitize/lines_together-inl.h"
-#include "core/snap/padded_vertices.h"
+#include "core/triangles/padded_vertices.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_CANDIDATES_CC_ONCE

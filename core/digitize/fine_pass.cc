@@ -11,8 +11,8 @@
 #include "core/digitize/line_forms.h"
 #include "core/digitize/tiny.h"
 #include "core/digitize/touching.h"
-#include "core/snap/corner_list.h"
 #include "core/tree/tile_tree.h"
+#include "core/triangles/corner_list.h"
 
 namespace latvox {
 namespace {

@@ -10,8 +10,8 @@
 #include "core/digitize/fineness.h"
 #include "core/digitize/principal_scan.h"
 #include "core/snap/snap.h"
-#include "core/snap/surface_facts.h"
 #include "core/tile/tile_edges.h"
+#include "core/triangles/surface_facts.h"
 
 namespace latvox {
 

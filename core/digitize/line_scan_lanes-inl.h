@@ -12,7 +12,7 @@
 #include <bit>
 
 #include "core/digitize/line_scan.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/triangles/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {

@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/triangles/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {

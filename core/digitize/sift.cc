@@ -20,7 +20,7 @@
 #include <span>
 
 #include "core/base/append_lanes-inl.h"
-#include "core/snap/corner_list-inl.h"
+#include "core/triangles/corner_list-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_SIFT_CC_ONCE

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/digitize/line_forms.h"
-#include "core/snap/corner_list.h"
+#include "core/triangles/corner_list.h"
 
 namespace latvox {
 
-// A triangle is tiny if it is near (core/snap/corner_list.h), and no more than two integers lie between the values of
-// each form at its corners: then it meets four lattice lines of each direction at most. The scalar kernel takes none
+// A triangle is tiny if it is near (core/triangles/corner_list.h), and no more than two integers lie between the values
+// of each form at its corners: then it meets four lattice lines of each direction at most. The scalar kernel takes none
 // for tiny.
 inline constexpr int kMostIntegers = 2;
 

@@ -14,8 +14,8 @@
 #include <limits>
 
 #include "core/digitize/star.h"
-#include "core/snap/padded_vertices.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/triangles/padded_vertices.h"
+#include "core/triangles/triangle_lanes-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_STARS_CC_ONCE

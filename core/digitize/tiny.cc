@@ -27,7 +27,7 @@
 #include "core/base/append_lanes-inl.h"
 #include "core/digitize/line_forms.h"
 #include "core/digitize/sift.h"
-#include "core/snap/corner_list-inl.h"
+#include "core/triangles/corner_list-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_TINY_CC_ONCE

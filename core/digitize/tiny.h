@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/digitize/principal_scan.h"
-#include "core/snap/corner_list.h"
 #include "core/tile/tile_edges.h"
+#include "core/triangles/corner_list.h"
 
 namespace latvox {
 
@@ -23,7 +23,7 @@ class TinyCrossings {
   TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges);
   ~TinyCrossings();
 
-  // The origin (core/snap/corner_list.h) that lists of triangles must have.
+  // The origin (core/triangles/corner_list.h) that lists of triangles must have.
   static Vec3i Origin(const TileEdges& edges) { return edges.first_tile() * kTileSide; }
 
   // Finds all edges, in all directions, that the tiny ones of the triangles cross. Others go to `kept`, as Sift says.

@@ -10,7 +10,7 @@
 #include <bit>
 #include <utility>
 
-#include "core/snap/corner_list-inl.h"
+#include "core/triangles/corner_list-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_CORE_DIGITIZE_TOUCHING_CC_ONCE

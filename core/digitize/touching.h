@@ -3,7 +3,7 @@
 #define LATVOX_CORE_DIGITIZE_TOUCHING_H_
 
 #include "core/digitize/line_forms.h"
-#include "core/snap/corner_list.h"
+#include "core/triangles/corner_list.h"
 
 namespace latvox {
 
@@ -14,7 +14,7 @@ namespace latvox {
 // corners lie on both sides of a, and on both sides of b. Rows of frames are few linear forms, shared by many frames:
 // the floors of a form at the corners differ, or no line lies between them. That holds with the shift of
 // core/digitize/crossing.h, too, which moves a form with a first nonzero entry above 0 up; forms are turned so.
-// Triangles that are not near (core/snap/corner_list.h) stay.
+// Triangles that are not near (core/triangles/corner_list.h) stay.
 void KeepTouching(const LineForms& forms, CornerList& triangles);
 
 }  // namespace latvox

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/triangles/triangle_lanes-inl.h"
 
 // What does not depend on the instruction set, once.
 #ifndef LATVOX_CORE_TILE_CELL_GRID_ONCE_

@@ -9,8 +9,8 @@
 
 #include "core/base/vec.h"
 #include "core/brick/brick.h"
-#include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
+#include "core/triangles/padded_vertices.h"
 
 namespace latvox {
 

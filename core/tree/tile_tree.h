@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/brick/brick.h"
-#include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_edges.h"
 #include "core/tree/cell_grid.h"
+#include "core/triangles/padded_vertices.h"
 
 namespace latvox {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/snap/snap.h"
-#include "core/snap/surface_facts.h"
+#include "core/triangles/surface_facts.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
 

@@ -6,8 +6,8 @@
 
 #include "core/base/sort.h"
 #include "core/brick/tile_order.h"
-#include "core/snap/surface_facts.h"
 #include "core/thesis/thesis.h"
+#include "core/triangles/surface_facts.h"
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/shard.h"
 

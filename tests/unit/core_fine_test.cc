@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/digitize/fineness.h"
-#include "core/snap/surface_facts.h"
+#include "core/triangles/surface_facts.h"
 #include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"

@@ -6,9 +6,9 @@
 #include <random>
 #include <set>
 
-#include "core/snap/surface_facts.h"
 #include "core/solid/balance.h"
 #include "core/solid/interior.h"
+#include "core/triangles/surface_facts.h"
 #include "core/voxelizer/estimate.h"
 #include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"

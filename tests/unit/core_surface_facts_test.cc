@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/snap/surface_facts.h"
+#include "core/triangles/surface_facts.h"
 #include "tests/unit/core_simd.h"
 
 namespace latvox {

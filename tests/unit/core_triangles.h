@@ -12,9 +12,9 @@
 
 #include "core/digitize/crossing.h"
 #include "core/digitize/principal_scan.h"
-#include "core/snap/corner_list.h"
 #include "core/snap/snap.h"
-#include "core/snap/surface_facts.h"
+#include "core/triangles/corner_list.h"
+#include "core/triangles/surface_facts.h"
 #include "tests/unit/dose.h"
 
 namespace latvox {

@@ -1,9 +1,9 @@
 // Reading corners out of a list into lanes, and writing them there.
-#if defined(LATVOX_CORE_SNAP_CORNER_LIST_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_SNAP_CORNER_LIST_INL_H_
-#undef LATVOX_CORE_SNAP_CORNER_LIST_INL_H_
+#if defined(LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_
+#undef LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_
 #else
-#define LATVOX_CORE_SNAP_CORNER_LIST_INL_H_
+#define LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -12,8 +12,8 @@
 #include <bit>
 
 #include "core/base/append_lanes-inl.h"
-#include "core/snap/corner_list.h"
-#include "core/snap/triangle_lanes-inl.h"
+#include "core/triangles/corner_list.h"
+#include "core/triangles/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {

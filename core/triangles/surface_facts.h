@@ -1,12 +1,12 @@
 // What a snapped mesh is as a surface.
-#ifndef LATVOX_CORE_SNAP_SURFACE_FACTS_H_
-#define LATVOX_CORE_SNAP_SURFACE_FACTS_H_
+#ifndef LATVOX_CORE_TRIANGLES_SURFACE_FACTS_H_
+#define LATVOX_CORE_TRIANGLES_SURFACE_FACTS_H_
 
 #include <array>
 #include <cstdint>
 
-#include "core/snap/corner_list.h"
 #include "core/snap/snap.h"
+#include "core/triangles/corner_list.h"
 
 namespace latvox {
 
@@ -40,4 +40,4 @@ SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_SNAP_SURFACE_FACTS_H_
+#endif  // LATVOX_CORE_TRIANGLES_SURFACE_FACTS_H_

@@ -10,9 +10,9 @@
 // and a sum of squares is the square of the sum: one product a triangle does. The edges of a triangle with two equal
 // corners cancel, or do not count.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/snap/surface_facts.cc"
+#define HWY_TARGET_INCLUDE "core/triangles/surface_facts.cc"
 #define HWY_WANT_AVX3_DL  // for AES of whole vectors
-#include "core/snap/surface_facts.h"
+#include "core/triangles/surface_facts.h"
 
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -24,8 +24,8 @@
 #include <cstdint>
 #include <numeric>
 
-#include "core/snap/corner_list-inl.h"
-#include "core/snap/padded_vertices.h"
+#include "core/triangles/corner_list-inl.h"
+#include "core/triangles/padded_vertices.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

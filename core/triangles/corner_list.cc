@@ -1,4 +1,4 @@
-#include "core/snap/corner_list.h"
+#include "core/triangles/corner_list.h"
 
 #include <algorithm>
 

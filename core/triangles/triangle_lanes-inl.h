@@ -1,9 +1,9 @@
 // Triangles in the lanes: reading them, and vectors of three.
-#if defined(LATVOX_CORE_SNAP_TRIANGLE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_SNAP_TRIANGLE_LANES_INL_H_
-#undef LATVOX_CORE_SNAP_TRIANGLE_LANES_INL_H_
+#if defined(LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_
+#undef LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_
 #else
-#define LATVOX_CORE_SNAP_TRIANGLE_LANES_INL_H_
+#define LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_
 #endif
 
 #include <hwy/cache_control.h>
@@ -14,8 +14,8 @@
 #include <span>
 
 #include "core/lattice/frame.h"
-#include "core/snap/padded_vertices.h"
 #include "core/snap/snap.h"
+#include "core/triangles/padded_vertices.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {

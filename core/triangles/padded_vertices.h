@@ -1,6 +1,6 @@
 // Vertices that a kernel may read four numbers at a time, of which the fourth means nothing.
-#ifndef LATVOX_CORE_SNAP_PADDED_VERTICES_H_
-#define LATVOX_CORE_SNAP_PADDED_VERTICES_H_
+#ifndef LATVOX_CORE_TRIANGLES_PADDED_VERTICES_H_
+#define LATVOX_CORE_TRIANGLES_PADDED_VERTICES_H_
 
 #include <cstdint>
 
@@ -21,4 +21,4 @@ class PaddedVertices {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_SNAP_PADDED_VERTICES_H_
+#endif  // LATVOX_CORE_TRIANGLES_PADDED_VERTICES_H_

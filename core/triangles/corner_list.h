@@ -1,7 +1,7 @@
 // The corners of a list of triangles, side by side, in 16 bits a number: kernels that come back to them need not look
 // at the mesh again.
-#ifndef LATVOX_CORE_SNAP_CORNER_LIST_H_
-#define LATVOX_CORE_SNAP_CORNER_LIST_H_
+#ifndef LATVOX_CORE_TRIANGLES_CORNER_LIST_H_
+#define LATVOX_CORE_TRIANGLES_CORNER_LIST_H_
 
 #include <array>
 #include <bit>
@@ -55,4 +55,4 @@ static_assert(kMaxFrameRow * CornerList::kNear < 1 << 15, "rows of frames have v
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_SNAP_CORNER_LIST_H_
+#endif  // LATVOX_CORE_TRIANGLES_CORNER_LIST_H_
