@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/digitize/cut_triangle.h"
+#include "core/supercover/cut_triangle.h"
 
 namespace latvox {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/digitize/cut_triangle.h"
+#include "core/supercover/cut_triangle.h"
 
 namespace latvox {
 namespace {

@@ -19,7 +19,7 @@
 
 namespace latvox {
 
-// Bounds on cells, which the widths in core/digitize/supercover.h rest on.
+// Bounds on cells, which the widths in core/supercover/supercover.h rest on.
 inline constexpr int kZoneBits = 30;      // a zone's length is at most 2^kZoneBits
 inline constexpr int kMaxZoneEntry = 8;   // sum of absolute entries of e_r
 inline constexpr size_t kMaxZones = 6;    // p_r > 0

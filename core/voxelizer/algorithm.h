@@ -26,9 +26,9 @@ constexpr std::string_view NameOf(Algorithm algorithm) {
 }
 
 // Which voxels the exact algorithm finds: a set that separates, or all whose closed Voronoi cell meets the surface
-// (core/digitize/supercover.h), which holds every separating set of the former before and after thinning, and separates
-// for every k: where the surface meets a lattice edge z -> z+q, it meets the cell of z or that of z+q, since these meet
-// in the middle of the edge and are convex.
+// (core/supercover/supercover.h), which holds every separating set of the former before and after thinning, and
+// separates for every k: where the surface meets a lattice edge z -> z+q, it meets the cell of z or that of z+q, since
+// these meet in the middle of the edge and are convex.
 enum class Cover { kSeparating, kSupercover };
 
 constexpr std::string_view NameOf(Cover cover) { return cover == Cover::kSupercover ? "supercover" : "separating"; }

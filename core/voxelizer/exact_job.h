@@ -9,9 +9,9 @@
 
 #include "core/attributes/plan.h"
 #include "core/band/band_scan.h"
-#include "core/digitize/supercover.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
+#include "core/supercover/supercover.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
 

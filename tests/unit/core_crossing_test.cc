@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/digitize/crossing.h"
-#include "core/digitize/cut_triangle.h"
+#include "core/supercover/cut_triangle.h"
 #include "tests/unit/core_exact.h"
 
 namespace latvox {

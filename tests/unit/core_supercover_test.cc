@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "core/digitize/supercover.h"
+#include "core/supercover/supercover.h"
 #include "core/validate/validate.h"
 #include "core/voxelizer/estimate.h"
 #include "tests/unit/core_exact.h"

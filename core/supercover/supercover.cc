@@ -1,10 +1,10 @@
-#include "core/digitize/supercover.h"
+#include "core/supercover/supercover.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
-#include "core/digitize/cut_triangle.h"
+#include "core/supercover/cut_triangle.h"
 
 namespace latvox {
 namespace {

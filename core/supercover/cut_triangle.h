@@ -1,6 +1,6 @@
 // Which part of a triangle lies close to a row of voxels: of a long one that crosses its bounding box, little does.
-#ifndef LATVOX_CORE_DIGITIZE_CUT_TRIANGLE_H_
-#define LATVOX_CORE_DIGITIZE_CUT_TRIANGLE_H_
+#ifndef LATVOX_CORE_SUPERCOVER_CUT_TRIANGLE_H_
+#define LATVOX_CORE_SUPERCOVER_CUT_TRIANGLE_H_
 
 #include <algorithm>
 #include <array>
@@ -117,4 +117,4 @@ void ForEachRowNear(const Triangle& triangle, const Vec3i& margin, const IndexBo
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_CUT_TRIANGLE_H_
+#endif  // LATVOX_CORE_SUPERCOVER_CUT_TRIANGLE_H_

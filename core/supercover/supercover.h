@@ -16,8 +16,8 @@
 // G a = sum p_u e_u (e_u . a), and e_u . a = sum p_s (e_s . d) det(e_u, e_s, e) with determinants 0 or +-1, hence
 //   e . d  D+3 bits     e . a  b+D+6     normal  2b+D+12     normal . v  2b+2D+13     room * U  2b+2D+17
 // n . v  3D+4, and normals times voxels are smaller. They fit int64 for most triangles, and __int128 for all.
-#ifndef LATVOX_CORE_DIGITIZE_SUPERCOVER_H_
-#define LATVOX_CORE_DIGITIZE_SUPERCOVER_H_
+#ifndef LATVOX_CORE_SUPERCOVER_SUPERCOVER_H_
+#define LATVOX_CORE_SUPERCOVER_SUPERCOVER_H_
 
 #include <array>
 #include <cstdint>
@@ -57,4 +57,4 @@ class Supercover {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_SUPERCOVER_H_
+#endif  // LATVOX_CORE_SUPERCOVER_SUPERCOVER_H_
