@@ -12,7 +12,7 @@
 
 #include "core/band/band_scan.h"
 #include "core/brick/tile_order.h"
-#include "core/digitize/fine_pass.h"
+#include "core/tiny/fine_pass.h"
 #include "core/tree/tile_tree.h"
 #include "core/triangles/surface_facts.h"
 #include "core/voxelizer/attribute_tiles.h"

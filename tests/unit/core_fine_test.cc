@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "core/digitize/fineness.h"
+#include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
 #include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"

@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/digitize/crossing.h"
-#include "core/digitize/tiny.h"
 #include "core/tile/tile_edges.h"
+#include "core/tiny/tiny.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_triangles.h"
 

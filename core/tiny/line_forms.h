@@ -1,6 +1,6 @@
 // The linear forms that number lattice lines, of all directions together.
-#ifndef LATVOX_CORE_DIGITIZE_LINE_FORMS_H_
-#define LATVOX_CORE_DIGITIZE_LINE_FORMS_H_
+#ifndef LATVOX_CORE_TINY_LINE_FORMS_H_
+#define LATVOX_CORE_TINY_LINE_FORMS_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -30,4 +30,4 @@ inline constexpr size_t kMaxForms = 3 * kMaxPairs;
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_LINE_FORMS_H_
+#endif  // LATVOX_CORE_TINY_LINE_FORMS_H_

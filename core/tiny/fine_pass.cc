@@ -1,4 +1,4 @@
-#include "core/digitize/fine_pass.h"
+#include "core/tiny/fine_pass.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "core/base/simd.h"
-#include "core/digitize/line_forms.h"
-#include "core/digitize/tiny.h"
-#include "core/digitize/touching.h"
+#include "core/tiny/line_forms.h"
+#include "core/tiny/tiny.h"
+#include "core/tiny/touching.h"
 #include "core/tree/tile_tree.h"
 #include "core/triangles/corner_list.h"
 

@@ -1,12 +1,12 @@
 // Which lattice lines may meet which triangles, where triangles are tiny.
-#ifndef LATVOX_CORE_DIGITIZE_SIFT_H_
-#define LATVOX_CORE_DIGITIZE_SIFT_H_
+#ifndef LATVOX_CORE_TINY_SIFT_H_
+#define LATVOX_CORE_TINY_SIFT_H_
 
 #include <bit>
 #include <cstdint>
 #include <vector>
 
-#include "core/digitize/line_forms.h"
+#include "core/tiny/line_forms.h"
 #include "core/triangles/corner_list.h"
 
 namespace latvox {
@@ -39,4 +39,4 @@ void Sift(const CornerList& triangles, const LineForms& forms, SiftedLines& line
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_SIFT_H_
+#endif  // LATVOX_CORE_TINY_SIFT_H_

@@ -1,4 +1,4 @@
-#include "core/digitize/line_forms.h"
+#include "core/tiny/line_forms.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // How fine a mesh is, which decides how its voxels are best found.
-#ifndef LATVOX_CORE_DIGITIZE_FINENESS_H_
-#define LATVOX_CORE_DIGITIZE_FINENESS_H_
+#ifndef LATVOX_CORE_TINY_FINENESS_H_
+#define LATVOX_CORE_TINY_FINENESS_H_
 
 #include <vector>
 
@@ -11,8 +11,8 @@ namespace latvox {
 
 // Both are hints: whatever they say, the voxels are the same.
 struct Fineness {
-  bool few_touch = false;  // leaving out triangles that no lattice line can meet pays: core/digitize/touching.h
-  bool most_tiny = false;  // so does doing the tiny ones by themselves: core/digitize/tiny.h
+  bool few_touch = false;  // leaving out triangles that no lattice line can meet pays: core/tiny/touching.h
+  bool most_tiny = false;  // so does doing the tiny ones by themselves: core/tiny/tiny.h
 };
 
 // By a sample of triangles spread over the mesh. Meshes of few triangles are not fine.
@@ -20,4 +20,4 @@ Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frame
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_FINENESS_H_
+#endif  // LATVOX_CORE_TINY_FINENESS_H_

@@ -2,8 +2,8 @@
 //
 // Where triangles are smaller than voxels, few lines lie between their corners at all: the crossings of all directions
 // are found in one pass over the mesh, and these, not the triangles, are sorted into tiles. No candidates, no stars.
-#ifndef LATVOX_CORE_DIGITIZE_TINY_H_
-#define LATVOX_CORE_DIGITIZE_TINY_H_
+#ifndef LATVOX_CORE_TINY_TINY_H_
+#define LATVOX_CORE_TINY_TINY_H_
 
 #include <cstdint>
 #include <memory>
@@ -36,4 +36,4 @@ class TinyCrossings {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_TINY_H_
+#endif  // LATVOX_CORE_TINY_TINY_H_

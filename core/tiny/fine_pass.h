@@ -1,16 +1,16 @@
 // One pass over a fine mesh, which does all that can be done triangle by triangle before there are tiles.
-#ifndef LATVOX_CORE_DIGITIZE_FINE_PASS_H_
-#define LATVOX_CORE_DIGITIZE_FINE_PASS_H_
+#ifndef LATVOX_CORE_TINY_FINE_PASS_H_
+#define LATVOX_CORE_TINY_FINE_PASS_H_
 
 #include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "core/base/uninitialized.h"
-#include "core/digitize/fineness.h"
 #include "core/digitize/principal_scan.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_edges.h"
+#include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
 
 namespace latvox {
@@ -21,8 +21,8 @@ struct FineTriangles {
 };
 
 // Goes through the mesh with all threads of the arena. By `fineness`, left to be digitized are all triangles but those
-// that no lattice line can meet (core/digitize/touching.h), all but tiny ones, whose edges go to `edges`
-// (core/digitize/tiny.h), or all.
+// that no lattice line can meet (core/tiny/touching.h), all but tiny ones, whose edges go to `edges`
+// (core/tiny/tiny.h), or all.
 //   box       local voxels: of edges with a nearer end outside, nothing is wanted
 //   is_tiny   if not null and most are tiny, sized and set for all triangles: 0 for those to be digitized one by one;
 //             then tiny ones that lines may meet are kept, too, as Sift says
@@ -33,4 +33,4 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_FINE_PASS_H_
+#endif  // LATVOX_CORE_TINY_FINE_PASS_H_

@@ -2,15 +2,15 @@
 // triangle.
 //
 // Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). It can only meet a triangle whose
-// corners lie on both sides of a, and on both sides of b (core/digitize/touching.h). Let the corners be (x, y) relative
+// corners lie on both sides of a, and on both sides of b (core/tiny/touching.h). Let the corners be (x, y) relative
 // to such a line: it meets the triangle iff the origin lies inside, which is to say that
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
 // all have one sign. That need not be decided where e is close to 0: whatever is let pass, TinyCrossings decides
-// (core/digitize/tiny.h). So 16 bits do, of products rounded down: of two, the larger is then not the smaller.
+// (core/tiny/tiny.h). So 16 bits do, of products rounded down: of two, the larger is then not the smaller.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/digitize/sift.cc"
+#define HWY_TARGET_INCLUDE "core/tiny/sift.cc"
 #define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
-#include "core/digitize/sift.h"
+#include "core/tiny/sift.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>

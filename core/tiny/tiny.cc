@@ -14,9 +14,9 @@
 // g[m]) is not decides. So two of the entries do: the first is given a weight that outweighs the second. Ties are
 // seldom, and are asked for only where there is one.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/digitize/tiny.cc"
+#define HWY_TARGET_INCLUDE "core/tiny/tiny.cc"
 #define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
-#include "core/digitize/tiny.h"
+#include "core/tiny/tiny.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
@@ -25,8 +25,8 @@
 #include <utility>
 
 #include "core/base/append_lanes-inl.h"
-#include "core/digitize/line_forms.h"
-#include "core/digitize/sift.h"
+#include "core/tiny/line_forms.h"
+#include "core/tiny/sift.h"
 #include "core/triangles/corner_list-inl.h"
 
 namespace latvox {

@@ -1,7 +1,7 @@
 // Triangles in the lanes, form after form.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/digitize/touching.cc"
-#include "core/digitize/touching.h"
+#define HWY_TARGET_INCLUDE "core/tiny/touching.cc"
+#include "core/tiny/touching.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>

@@ -1,12 +1,12 @@
-#include "core/digitize/fineness.h"
+#include "core/tiny/fineness.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
-#include "core/digitize/line_forms.h"
-#include "core/digitize/sift.h"
+#include "core/tiny/line_forms.h"
+#include "core/tiny/sift.h"
 
 namespace latvox {
 namespace {

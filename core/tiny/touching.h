@@ -1,8 +1,8 @@
 // Which triangles any lattice edge can meet at all.
-#ifndef LATVOX_CORE_DIGITIZE_TOUCHING_H_
-#define LATVOX_CORE_DIGITIZE_TOUCHING_H_
+#ifndef LATVOX_CORE_TINY_TOUCHING_H_
+#define LATVOX_CORE_TINY_TOUCHING_H_
 
-#include "core/digitize/line_forms.h"
+#include "core/tiny/line_forms.h"
 #include "core/triangles/corner_list.h"
 
 namespace latvox {
@@ -19,4 +19,4 @@ void KeepTouching(const LineForms& forms, CornerList& triangles);
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_TOUCHING_H_
+#endif  // LATVOX_CORE_TINY_TOUCHING_H_
