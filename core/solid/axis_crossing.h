@@ -96,7 +96,7 @@ void ForEachAxisCrossing(const Triangle& triangle, size_t axis, const AxisLines&
   const AxisEdge<kUnitBits> edges[3] = {{v[0], v[1], m0, m1}, {v[1], v[2], m0, m1}, {v[2], v[0], m0, m1}};
 
   // The depth is floor(numerator / (along * unit)), and numerators of all lines are equal modulo the unit: as in
-  // core/digitize/line_scan.h, dividing them by it first changes nothing, and leaves numbers that fit 64 bits.
+  // core/scan/line_scan.h, dividing them by it first changes nothing, and leaves numbers that fit 64 bits.
   const int64_t step = FloorDiv(-normal[0], along), step_remainder = -normal[0] - step * along;
   for (int64_t row = b.first; row <= b.last; ++row) {
     Span span = a;

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/brick/brick.h"
-#include "core/digitize/candidates.h"
 #include "core/digitize/principal_scan.h"
-#include "core/digitize/stars.h"
+#include "core/scan/candidates.h"
+#include "core/scan/stars.h"
 #include "core/snap/snap.h"
 #include "core/supercover/supercover.h"
 #include "core/thin/crossed_edges.h"

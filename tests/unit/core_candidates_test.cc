@@ -7,11 +7,11 @@
 #include <span>
 
 #include "core/base/simd.h"
-#include "core/digitize/candidates.h"
 #include "core/digitize/crossing.h"
-#include "core/digitize/line_scan.h"
 #include "core/digitize/star.h"
-#include "core/digitize/stars.h"
+#include "core/scan/candidates.h"
+#include "core/scan/line_scan.h"
+#include "core/scan/stars.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_triangles.h"
 #include "tests/unit/dose.h"

@@ -8,7 +8,7 @@
 
 #include "core/digitize/crossing.h"
 #include "core/digitize/star.h"
-#include "core/digitize/stars.h"
+#include "core/scan/stars.h"
 #include "core/tile/cut_out.h"
 #include "core/tiny/touching.h"
 #include "tests/unit/core_exact.h"

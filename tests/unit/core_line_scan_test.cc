@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/digitize/crossing.h"
-#include "core/digitize/line_scan.h"
+#include "core/scan/line_scan.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_triangles.h"
 

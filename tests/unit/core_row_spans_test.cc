@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/digitize/row_spans-inl.h"
+#include "core/scan/row_spans-inl.h"
 
 namespace latvox {
 #ifndef LATVOX_TESTS_UNIT_CORE_ROW_SPANS_TEST_CC_ONCE

@@ -1,7 +1,7 @@
 // Triangles in the lanes, voxel after voxel.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/digitize/triangle_boxes.cc"
-#include "core/digitize/triangle_boxes.h"
+#define HWY_TARGET_INCLUDE "core/scan/triangle_boxes.cc"
+#include "core/scan/triangle_boxes.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>

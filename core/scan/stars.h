@@ -1,6 +1,6 @@
 // Many voxel-triangle pairs: which lattice edges at the voxel the triangle crosses, with the voxel as the nearer end.
-#ifndef LATVOX_CORE_DIGITIZE_STARS_H_
-#define LATVOX_CORE_DIGITIZE_STARS_H_
+#ifndef LATVOX_CORE_SCAN_STARS_H_
+#define LATVOX_CORE_SCAN_STARS_H_
 
 #include <cstdint>
 #include <span>
@@ -30,4 +30,4 @@ void FindStarEdges(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_STARS_H_
+#endif  // LATVOX_CORE_SCAN_STARS_H_

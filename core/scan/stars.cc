@@ -1,8 +1,8 @@
 // Voxel-triangle pairs in the lanes; direction after direction. The products are those of core/digitize/star.h: in
 // floats, whose errors are bounded, and exactly where these leave a sign open (a floating-point filter).
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/digitize/stars.cc"
-#include "core/digitize/stars.h"
+#define HWY_TARGET_INCLUDE "core/scan/stars.cc"
+#include "core/scan/stars.h"
 
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // must come before highway.h

@@ -1,8 +1,8 @@
 // Triangles are set up one a lane. Those of few lines then mostly go through their lines together, sorted so that these
 // are about as many; the others one by one, in blocks of as many lines as there are lanes.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/digitize/candidates.cc"
-#include "core/digitize/candidates.h"
+#define HWY_TARGET_INCLUDE "core/scan/candidates.cc"
+#include "core/scan/candidates.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
@@ -12,10 +12,10 @@
 #include <span>
 #include <utility>
 
-#include "core/digitize/line_blocks-inl.h"
-#include "core/digitize/line_scan.h"
-#include "core/digitize/line_scan_lanes-inl.h"
-#include "core/digitize/lines_together-inl.h"
+#include "core/scan/line_scan.h"
+#include "core/scan/line_scan_lanes-inl.h"
+#include "core/scan/scan_batch-inl.h"
+#include "core/scan/scan_single-inl.h"
 #include "core/triangles/padded_vertices.h"
 
 namespace latvox {

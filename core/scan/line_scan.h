@@ -17,8 +17,8 @@
 // the first line, and depths and ends are right wherever the remainder is not that close to a multiple of along/2. Few
 // lines are, but on planes that few integers describe, such as those of a box's sides. There M, its steps and `along`
 // are divided by what they have in common, exactly. What then still does not fit takes lanes of 64 bits.
-#ifndef LATVOX_CORE_DIGITIZE_LINE_SCAN_H_
-#define LATVOX_CORE_DIGITIZE_LINE_SCAN_H_
+#ifndef LATVOX_CORE_SCAN_LINE_SCAN_H_
+#define LATVOX_CORE_SCAN_LINE_SCAN_H_
 
 #include <array>
 #include <cstdint>
@@ -118,4 +118,4 @@ struct FrameTable {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_LINE_SCAN_H_
+#endif  // LATVOX_CORE_SCAN_LINE_SCAN_H_

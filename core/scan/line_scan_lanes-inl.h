@@ -1,9 +1,9 @@
-// MakeLineScan (core/digitize/line_scan.h) for many triangles, one a lane. It says the same in 32 bits, line by line.
-#if defined(LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_
-#undef LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_
+// MakeLineScan (core/scan/line_scan.h) for many triangles, one a lane. It says the same in 32 bits, line by line.
+#if defined(LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_
+#undef LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_
 #else
-#define LATVOX_CORE_DIGITIZE_LINE_SCAN_LANES_INL_H_
+#define LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/digitize/line_scan.h"
+#include "core/scan/line_scan.h"
 #include "core/triangles/triangle_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -115,7 +115,7 @@ class FramePick {
   Ints frame_;
 };
 
-// As BoundsWithin (core/digitize/line_scan.cc) does: cuts off of the bounds of the forms p[0] and p[1] what belongs to
+// As BoundsWithin (core/scan/line_scan.cc) does: cuts off of the bounds of the forms p[0] and p[1] what belongs to
 // no part of the triangle between the two planes of `near` on some axis.
 // Precondition: there is such a part on each axis.
 HWY_INLINE void CutBounds(const NearBox& near, const std::array<Ints3, 3>& v, const std::array<Ints3, 2>& p,
@@ -295,7 +295,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
   out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
 }
 
-// For ScanLines (core/digitize/line_blocks-inl.h): the shapes of blocks, and which triangles have lines with voxels
+// For ScanLines (core/scan/scan_single-inl.h): the shapes of blocks, and which triangles have lines with voxels
 // beyond the box's bounds.
 HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineScanLanes& s) {
   const Lanes d;

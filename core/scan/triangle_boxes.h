@@ -1,6 +1,6 @@
 // Boxes around the voxels that each of many triangles may contribute, to look the triangles of few voxels up by.
-#ifndef LATVOX_CORE_DIGITIZE_TRIANGLE_BOXES_H_
-#define LATVOX_CORE_DIGITIZE_TRIANGLE_BOXES_H_
+#ifndef LATVOX_CORE_SCAN_TRIANGLE_BOXES_H_
+#define LATVOX_CORE_SCAN_TRIANGLE_BOXES_H_
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "core/base/bytes_of.h"
 #include "core/base/uninitialized.h"
-#include "core/digitize/stars.h"
+#include "core/scan/stars.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {
@@ -49,4 +49,4 @@ class TriangleBoxes {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_TRIANGLE_BOXES_H_
+#endif  // LATVOX_CORE_SCAN_TRIANGLE_BOXES_H_

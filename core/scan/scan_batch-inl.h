@@ -1,19 +1,19 @@
 // Triangles with few lattice lines each, one a lane: line after line of all, or of each those within its rims.
-#if defined(LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
-#undef LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
+#if defined(LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_
+#undef LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_
 #else
-#define LATVOX_CORE_DIGITIZE_LINES_TOGETHER_INL_H_
+#define LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_
 #endif
 
 #include <hwy/highway.h>
 
 #include <span>
 
-#include "core/digitize/candidates.h"
-#include "core/digitize/line_blocks-inl.h"
-#include "core/digitize/line_scan_lanes-inl.h"
-#include "core/digitize/row_spans-inl.h"
+#include "core/scan/candidates.h"
+#include "core/scan/line_scan_lanes-inl.h"
+#include "core/scan/row_spans-inl.h"
+#include "core/scan/scan_single-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -24,7 +24,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Triangles of more lines, along a or b, are scanned one by one (core/digitize/line_blocks-inl.h).
+// Triangles of more lines, along a or b, are scanned one by one (core/scan/scan_single-inl.h).
 inline constexpr int32_t kFewLines = 56;
 static_assert(kFewLines <= RowSpans::kMostLines);
 

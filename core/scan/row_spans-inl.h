@@ -1,9 +1,9 @@
 // Which lines of a row of lattice lines are within a triangle's edges, or its rims, for many triangles, one a lane.
-#if defined(LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
-#undef LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
+#if defined(LATVOX_CORE_SCAN_ROW_SPANS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_SCAN_ROW_SPANS_INL_H_
+#undef LATVOX_CORE_SCAN_ROW_SPANS_INL_H_
 #else
-#define LATVOX_CORE_DIGITIZE_ROW_SPANS_INL_H_
+#define LATVOX_CORE_SCAN_ROW_SPANS_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -19,7 +19,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of a row of n lines, those within all rims (core/digitize/line_scan.h), and those within all edges.
+// Of a row of n lines, those within all rims (core/scan/line_scan.h), and those within all edges.
 //
 // Let e be an edge function of the row's first line, s what it changes by from line to line, and r the rim, or 0: all
 // integers. Lines a with e + r + s*a >= 0 are those with e + r + 1/2 + s*a > 0: for s > 0 those behind the place

@@ -1,9 +1,9 @@
 // A triangle's lattice lines in the lanes, block after block, and where the candidates go that are found there.
-#if defined(LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_
-#undef LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_
+#if defined(LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_
+#undef LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_
 #else
-#define LATVOX_CORE_DIGITIZE_LINE_BLOCKS_INL_H_
+#define LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -11,9 +11,9 @@
 #include <type_traits>
 
 #include "core/base/append_lanes-inl.h"
-#include "core/digitize/candidates.h"
-#include "core/digitize/line_scan.h"
-#include "core/digitize/line_scan_lanes-inl.h"
+#include "core/scan/candidates.h"
+#include "core/scan/line_scan.h"
+#include "core/scan/line_scan_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {

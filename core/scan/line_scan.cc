@@ -1,4 +1,4 @@
-#include "core/digitize/line_scan.h"
+#include "core/scan/line_scan.h"
 
 #include <algorithm>
 #include <cmath>

@@ -13,8 +13,8 @@
 //   triangle_boxes.h             which triangles may have a voxel
 //   touching.h, sift.h, tiny.h   triangles smaller than voxels: those that no line meets, and the others' crossings
 // The supercover (supercover.h) is another rule.
-#ifndef LATVOX_CORE_DIGITIZE_CANDIDATES_H_
-#define LATVOX_CORE_DIGITIZE_CANDIDATES_H_
+#ifndef LATVOX_CORE_SCAN_CANDIDATES_H_
+#define LATVOX_CORE_SCAN_CANDIDATES_H_
 
 #include <atomic>
 #include <cstdint>
@@ -23,7 +23,7 @@
 
 #include "core/base/bytes_of.h"
 #include "core/digitize/principal_scan.h"
-#include "core/digitize/triangle_boxes.h"
+#include "core/scan/triangle_boxes.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_bits.h"
 
@@ -80,4 +80,4 @@ size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangl
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_DIGITIZE_CANDIDATES_H_
+#endif  // LATVOX_CORE_SCAN_CANDIDATES_H_
