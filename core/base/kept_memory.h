@@ -16,7 +16,7 @@ namespace latvox {
 // large pages are as much again. Idle programs have it all, beside what budgets of memory reserve for jobs at work.
 inline constexpr int kMemoryKeptByJobs = 32 << 20;
 
-// Up to how many bytes of scans ended jobs leave to later ones: core/voxelizer/scan_pool.h.
+// Up to how many bytes of scans ended jobs leave to later ones: core/block/scan_pool.h.
 inline std::atomic<size_t> kept_scan_bytes = 0;
 
 // Lets the C library keep so many bytes of this process's freed memory, more where several threads free it, and half as

@@ -11,15 +11,15 @@
 #include <utility>
 
 #include "core/band/band_scan.h"
+#include "core/block/attribute_tiles.h"
+#include "core/block/scan_pool.h"
+#include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
 #include "core/tiny/fine_pass.h"
 #include "core/tree/tile_tree.h"
 #include "core/triangles/surface_facts.h"
-#include "core/voxelizer/attribute_tiles.h"
 #include "core/voxelizer/job_facts.h"
-#include "core/voxelizer/scan_pool.h"
 #include "core/voxelizer/shard.h"
-#include "core/voxelizer/tile_job.h"
 
 namespace latvox {
 namespace {

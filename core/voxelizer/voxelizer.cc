@@ -11,6 +11,7 @@
 #include "core/attributes/attributes.h"
 #include "core/attributes/plan.h"
 #include "core/base/refusal.h"
+#include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
 #include "core/snap/snap.h"
 #include "core/thesis/thesis.h"
@@ -18,7 +19,6 @@
 #include "core/voxelizer/job_facts.h"
 #include "core/voxelizer/shard.h"
 #include "core/voxelizer/thesis_job.h"
-#include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/world_box.h"
 
 namespace latvox {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/block/tile_job.h"
 #include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
-#include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"

@@ -5,10 +5,10 @@
 #include <random>
 #include <set>
 
+#include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
 #include "core/snap/snap.h"
 #include "core/voxelizer/shard.h"
-#include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/kept_memory.h"
-#include "core/voxelizer/scan_pool.h"
-#include "core/voxelizer/tile_job.h"
+#include "core/block/scan_pool.h"
+#include "core/block/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"

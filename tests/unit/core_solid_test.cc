@@ -6,11 +6,11 @@
 #include <random>
 #include <set>
 
+#include "core/block/tile_job.h"
 #include "core/solid/balance.h"
 #include "core/solid/interior.h"
 #include "core/triangles/surface_facts.h"
 #include "core/voxelizer/estimate.h"
-#include "core/voxelizer/tile_job.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"

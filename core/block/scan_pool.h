@@ -1,6 +1,6 @@
 // What was allocated for one block of tiles serves the next, of the same job or of a later one.
-#ifndef LATVOX_CORE_VOXELIZER_SCAN_POOL_H_
-#define LATVOX_CORE_VOXELIZER_SCAN_POOL_H_
+#ifndef LATVOX_CORE_BLOCK_SCAN_POOL_H_
+#define LATVOX_CORE_BLOCK_SCAN_POOL_H_
 
 #include <oneapi/tbb/task_arena.h>
 
@@ -96,4 +96,4 @@ class ScanPool {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VOXELIZER_SCAN_POOL_H_
+#endif  // LATVOX_CORE_BLOCK_SCAN_POOL_H_

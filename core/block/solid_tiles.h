@@ -1,6 +1,6 @@
 // The interior points of tiles, alone or with the surface's voxels.
-#ifndef LATVOX_CORE_VOXELIZER_SOLID_TILES_H_
-#define LATVOX_CORE_VOXELIZER_SOLID_TILES_H_
+#ifndef LATVOX_CORE_BLOCK_SOLID_TILES_H_
+#define LATVOX_CORE_BLOCK_SOLID_TILES_H_
 
 #include <atomic>
 #include <cstdint>
@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/block/tile_scan.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 #include "core/solid/interior.h"
 #include "core/solid/solid.h"
 #include "core/tile/tile_bits.h"
-#include "core/voxelizer/tile_scan.h"
 
 namespace latvox {
 
@@ -55,4 +55,4 @@ class SolidTiles {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VOXELIZER_SOLID_TILES_H_
+#endif  // LATVOX_CORE_BLOCK_SOLID_TILES_H_

@@ -1,4 +1,4 @@
-#include "core/voxelizer/tile_scan.h"
+#include "core/block/tile_scan.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // The voxels of a box from the triangles around it, and what thinning asks for.
-#ifndef LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
-#define LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
+#ifndef LATVOX_CORE_BLOCK_TILE_SCAN_H_
+#define LATVOX_CORE_BLOCK_TILE_SCAN_H_
 
 #include <array>
 #include <atomic>
@@ -120,4 +120,4 @@ class TileScan {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VOXELIZER_TILE_SCAN_H_
+#endif  // LATVOX_CORE_BLOCK_TILE_SCAN_H_

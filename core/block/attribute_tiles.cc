@@ -1,4 +1,4 @@
-#include "core/voxelizer/attribute_tiles.h"
+#include "core/block/attribute_tiles.h"
 
 #include <algorithm>
 #include <memory>

@@ -1,6 +1,6 @@
 // The attributes of a job's tiles, if they are to carry any.
-#ifndef LATVOX_CORE_VOXELIZER_ATTRIBUTE_TILES_H_
-#define LATVOX_CORE_VOXELIZER_ATTRIBUTE_TILES_H_
+#ifndef LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_
+#define LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_
 
 #include <atomic>
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 #include "core/attributes/attribute_scan.h"
 #include "core/attributes/plan.h"
+#include "core/block/scan_pool.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
-#include "core/voxelizer/scan_pool.h"
 
 namespace latvox {
 
@@ -37,4 +37,4 @@ class AttributeTiles {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VOXELIZER_ATTRIBUTE_TILES_H_
+#endif  // LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_

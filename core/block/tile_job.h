@@ -1,14 +1,14 @@
 // A block of tiles from its triangles: scan, thin, cut out.
-#ifndef LATVOX_CORE_VOXELIZER_TILE_JOB_H_
-#define LATVOX_CORE_VOXELIZER_TILE_JOB_H_
+#ifndef LATVOX_CORE_BLOCK_TILE_JOB_H_
+#define LATVOX_CORE_BLOCK_TILE_JOB_H_
 
 #include <vector>
 
+#include "core/block/solid_tiles.h"
+#include "core/block/tile_scan.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/tree/tile_tree.h"
-#include "core/voxelizer/solid_tiles.h"
-#include "core/voxelizer/tile_scan.h"
 
 namespace latvox {
 
@@ -33,4 +33,4 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, const Inter
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VOXELIZER_TILE_JOB_H_
+#endif  // LATVOX_CORE_BLOCK_TILE_JOB_H_

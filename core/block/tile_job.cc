@@ -1,4 +1,4 @@
-#include "core/voxelizer/tile_job.h"
+#include "core/block/tile_job.h"
 
 #include <algorithm>
 #include <cstdlib>

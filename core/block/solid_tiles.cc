@@ -1,4 +1,4 @@
-#include "core/voxelizer/solid_tiles.h"
+#include "core/block/solid_tiles.h"
 
 #include <algorithm>
 #include <bit>
