@@ -10,8 +10,8 @@
 #include "core/brick/voxel_set.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
+#include "core/request/algorithm.h"
 #include "core/snap/snap.h"
-#include "core/voxelizer/algorithm.h"
 
 namespace latvox {
 

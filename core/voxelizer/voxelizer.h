@@ -12,9 +12,9 @@
 #include "core/brick/brick.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
+#include "core/request/algorithm.h"
 #include "core/solid/solid.h"
 #include "core/validate/validate.h"
-#include "core/voxelizer/algorithm.h"
 #include "core/voxelizer/digest.h"
 
 namespace latvox {

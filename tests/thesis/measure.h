@@ -2,9 +2,9 @@
 #ifndef LATVOX_TESTS_THESIS_MEASURE_H_
 #define LATVOX_TESTS_THESIS_MEASURE_H_
 
+#include "core/request/algorithm.h"
 #include "core/validate/minimality.h"
 #include "core/validate/validate.h"
-#include "core/voxelizer/algorithm.h"
 #include "tests/thesis/experiment.h"
 
 namespace latvox::thesis {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/request/algorithm.h"
 #include "core/validate/validate.h"
-#include "core/voxelizer/algorithm.h"
 #include "tests/thesis/experiment.h"
 
 namespace latvox::thesis {

@@ -2,7 +2,7 @@
 #ifndef LATVOX_TESTS_THESIS_TIMING_H_
 #define LATVOX_TESTS_THESIS_TIMING_H_
 
-#include "core/voxelizer/algorithm.h"
+#include "core/request/algorithm.h"
 #include "tests/thesis/experiment.h"
 
 namespace latvox::thesis {

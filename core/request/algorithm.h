@@ -1,6 +1,6 @@
 // The ways to voxelize, by name.
-#ifndef LATVOX_CORE_VOXELIZER_ALGORITHM_H_
-#define LATVOX_CORE_VOXELIZER_ALGORITHM_H_
+#ifndef LATVOX_CORE_REQUEST_ALGORITHM_H_
+#define LATVOX_CORE_REQUEST_ALGORITHM_H_
 
 #include <array>
 #include <optional>
@@ -42,4 +42,4 @@ constexpr std::optional<Algorithm> AlgorithmNamed(std::string_view name) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VOXELIZER_ALGORITHM_H_
+#endif  // LATVOX_CORE_REQUEST_ALGORITHM_H_
