@@ -14,7 +14,7 @@
 #include "core/mesh/mesh.h"
 #include "core/request/algorithm.h"
 #include "core/solid/solid.h"
-#include "core/validate/validate.h"
+#include "core/verify/verify.h"
 #include "core/voxelizer/digest.h"
 
 namespace latvox {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/validate/bcc_indexing.h"
+#include "core/verify/bcc_indexing.h"
 
 namespace latvox::thesis {
 

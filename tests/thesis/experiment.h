@@ -7,7 +7,7 @@
 
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
-#include "core/validate/water.h"
+#include "core/verify/water.h"
 
 namespace latvox::thesis {
 

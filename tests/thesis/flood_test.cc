@@ -6,8 +6,8 @@
 #include <set>
 
 #include "core/lattice/lattice.h"
-#include "core/validate/bcc_indexing.h"
-#include "core/validate/water.h"
+#include "core/verify/bcc_indexing.h"
+#include "core/verify/water.h"
 
 namespace latvox {
 namespace {

@@ -3,8 +3,8 @@
 #define LATVOX_TESTS_THESIS_MEASURE_H_
 
 #include "core/request/algorithm.h"
-#include "core/validate/minimality.h"
-#include "core/validate/validate.h"
+#include "core/verify/minimality.h"
+#include "core/verify/verify.h"
 #include "tests/thesis/experiment.h"
 
 namespace latvox::thesis {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/request/algorithm.h"
-#include "core/validate/validate.h"
+#include "core/verify/verify.h"
 #include "tests/thesis/experiment.h"
 
 namespace latvox::thesis {

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "core/supercover/supercover.h"
-#include "core/validate/validate.h"
+#include "core/verify/verify.h"
 #include "core/voxelizer/estimate.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_sphere.h"

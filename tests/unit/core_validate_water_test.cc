@@ -6,9 +6,9 @@
 
 #include "core/thesis/incremental.h"
 #include "core/thesis/seams.h"
-#include "core/validate/bcc_indexing.h"
-#include "core/validate/minimality.h"
-#include "core/validate/water.h"
+#include "core/verify/bcc_indexing.h"
+#include "core/verify/minimality.h"
+#include "core/verify/water.h"
 #include "tests/unit/core_exact.h"
 #include "tests/unit/core_thesis_meshes.h"
 #include "tests/unit/dose.h"

@@ -1,6 +1,6 @@
 // The thesis's numbering of BCC lattice points and its fair resolution (section 5.2, figure 5.6, eq. 5.2).
-#ifndef LATVOX_CORE_VALIDATE_BCC_INDEXING_H_
-#define LATVOX_CORE_VALIDATE_BCC_INDEXING_H_
+#ifndef LATVOX_CORE_VERIFY_BCC_INDEXING_H_
+#define LATVOX_CORE_VERIFY_BCC_INDEXING_H_
 
 #include <cmath>
 
@@ -31,4 +31,4 @@ inline double FairCartesianResolution(double bcc) { return bcc * std::cbrt(2.0);
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VALIDATE_BCC_INDEXING_H_
+#endif  // LATVOX_CORE_VERIFY_BCC_INDEXING_H_

@@ -1,6 +1,6 @@
 // Counts tunnels and redundant voxels of a finished voxel set.
-#ifndef LATVOX_CORE_VALIDATE_VALIDATE_H_
-#define LATVOX_CORE_VALIDATE_VALIDATE_H_
+#ifndef LATVOX_CORE_VERIFY_VERIFY_H_
+#define LATVOX_CORE_VERIFY_VERIFY_H_
 
 #include <atomic>
 #include <cstdint>
@@ -25,4 +25,4 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VALIDATE_VALIDATE_H_
+#endif  // LATVOX_CORE_VERIFY_VERIFY_H_

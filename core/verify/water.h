@@ -1,6 +1,6 @@
 // The thesis's water test (section 5.1): discrete water poured into a volume shows whether a surface holds it off.
-#ifndef LATVOX_CORE_VALIDATE_WATER_H_
-#define LATVOX_CORE_VALIDATE_WATER_H_
+#ifndef LATVOX_CORE_VERIFY_WATER_H_
+#define LATVOX_CORE_VERIFY_WATER_H_
 
 #include <cstdint>
 #include <optional>
@@ -67,4 +67,4 @@ class Flood {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VALIDATE_WATER_H_
+#endif  // LATVOX_CORE_VERIFY_WATER_H_

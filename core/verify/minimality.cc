@@ -1,4 +1,4 @@
-#include "core/validate/minimality.h"
+#include "core/verify/minimality.h"
 
 #include <algorithm>
 #include <tuple>

@@ -1,4 +1,4 @@
-#include "core/validate/water.h"
+#include "core/verify/water.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/validate/bcc_indexing.h"
+#include "core/verify/bcc_indexing.h"
 
 namespace latvox {
 namespace {

@@ -1,12 +1,12 @@
 // The thesis's minimality ratio R (section 5.1, Theorem 8): the share of surface voxels that do not keep inside and
 // outside apart.
-#ifndef LATVOX_CORE_VALIDATE_MINIMALITY_H_
-#define LATVOX_CORE_VALIDATE_MINIMALITY_H_
+#ifndef LATVOX_CORE_VERIFY_MINIMALITY_H_
+#define LATVOX_CORE_VERIFY_MINIMALITY_H_
 
 #include <cstdint>
 #include <vector>
 
-#include "core/validate/water.h"
+#include "core/verify/water.h"
 
 namespace latvox {
 
@@ -39,4 +39,4 @@ Minimality MeasureMinimality(std::vector<PlaneVoxel> voxels, const Flood& flood)
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_VALIDATE_MINIMALITY_H_
+#endif  // LATVOX_CORE_VERIFY_MINIMALITY_H_

@@ -1,4 +1,4 @@
-#include "core/validate/validate.h"
+#include "core/verify/verify.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
