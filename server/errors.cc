@@ -6,7 +6,7 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
-#include "core/base/refusal.h"
+#include "core/base/status_payload.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 

@@ -73,7 +73,7 @@ struct RequestFields {
 };
 
 // The same for an error of core, which knows no wire. Its messages begin with the field and a colon;
-// core/base/refusal.h has the rest.
+// core/base/status_payload.h has the rest.
 absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields = {});
 
 // The same status with the advice to try again after `delay`.

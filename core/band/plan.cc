@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "core/base/refusal.h"
+#include "core/base/status_payload.h"
 
 namespace latvox {
 namespace {

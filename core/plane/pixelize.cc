@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "core/base/refusal.h"
+#include "core/base/status_payload.h"
 #include "core/plane/cover.h"
 #include "core/plane/thesis_lines.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "core/base/refusal.h"
+#include "core/base/status_payload.h"
 #include "core/snap/lattice_map.h"
 #include "core/snap/mesh_range.h"
 

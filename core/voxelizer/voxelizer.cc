@@ -10,7 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "core/attributes/attributes.h"
 #include "core/attributes/plan.h"
-#include "core/base/refusal.h"
+#include "core/base/status_payload.h"
 #include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
 #include "core/snap/snap.h"

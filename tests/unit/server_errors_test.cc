@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/refusal.h"
+#include "core/base/status_payload.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/errors.h"
 #include "tests/unit/server_error_details.h"

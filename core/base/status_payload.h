@@ -1,7 +1,7 @@
 // The value that an error is about, and the limit that it was held against, beside the message: for who tells them to
 // programs.
-#ifndef LATVOX_CORE_BASE_REFUSAL_H_
-#define LATVOX_CORE_BASE_REFUSAL_H_
+#ifndef LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
+#define LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
 
 #include <string>
 #include <utility>
@@ -26,4 +26,4 @@ inline absl::Status WithValue(absl::Status status, double value, double limit) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_BASE_REFUSAL_H_
+#endif  // LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
