@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "absl/status/status.h"
-#include "server/call_origin.h"
+#include "server/access/call_origin.h"
 #include "server/computation.h"
 #include "server/log.h"
 #include "server/pixelization.h"

@@ -17,7 +17,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/access.h"
+#include "server/access/access.h"
 #include "server/call_registry.h"
 #include "server/control_group.h"
 #include "server/decoder_pool.h"

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "server/access.h"
+#include "server/access/access.h"
 #include "server/decoder_process.h"
 #include "server/limits.h"
 #include "server/unix_socket.h"

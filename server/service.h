@@ -7,9 +7,9 @@
 #include <string>
 
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/authenticator.h"
+#include "server/access/authenticator.h"
+#include "server/access/call_origin.h"
 #include "server/call_environment.h"
-#include "server/call_origin.h"
 
 namespace latvox {
 

@@ -15,9 +15,9 @@
 
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
+#include "server/access/call_origin.h"
 #include "server/call.h"
 #include "server/call_environment.h"
-#include "server/call_origin.h"
 #include "server/call_registry.h"
 #include "server/computation.h"
 #include "server/lane.h"

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/caller.h"
-#include "server/token_set.h"
-#include "server/trace_context.h"
+#include "server/access/caller.h"
+#include "server/access/token_set.h"
+#include "server/access/trace_context.h"
 
 namespace latvox {
 namespace {

@@ -2,7 +2,7 @@
 #ifndef LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 #define LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 
-#include "server/authenticator.h"
+#include "server/access/authenticator.h"
 #include "server/call_environment.h"
 #include "server/call_registry.h"
 #include "server/lane.h"

@@ -1,4 +1,4 @@
-#include "server/tls_source.h"
+#include "server/access/tls_source.h"
 
 #include <grpc/grpc.h>
 #include <grpc/grpc_security.h>

@@ -1,6 +1,6 @@
 // W3C Trace Context, https://www.w3.org/TR/trace-context: how a call belongs to a trace that began elsewhere.
-#ifndef LATVOX_SERVER_TRACE_CONTEXT_H_
-#define LATVOX_SERVER_TRACE_CONTEXT_H_
+#ifndef LATVOX_SERVER_ACCESS_TRACE_CONTEXT_H_
+#define LATVOX_SERVER_ACCESS_TRACE_CONTEXT_H_
 
 #include <optional>
 #include <string>
@@ -25,4 +25,4 @@ std::string Traceparent(const TraceContext& trace);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_TRACE_CONTEXT_H_
+#endif  // LATVOX_SERVER_ACCESS_TRACE_CONTEXT_H_

@@ -1,6 +1,6 @@
 // Who may call.
-#ifndef LATVOX_SERVER_AUTHENTICATOR_H_
-#define LATVOX_SERVER_AUTHENTICATOR_H_
+#ifndef LATVOX_SERVER_ACCESS_AUTHENTICATOR_H_
+#define LATVOX_SERVER_ACCESS_AUTHENTICATOR_H_
 
 #include <grpcpp/server_context.h>
 
@@ -11,15 +11,15 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/caller.h"
-#include "server/token_set.h"
+#include "server/access/caller.h"
+#include "server/access/token_set.h"
 
 namespace latvox {
 
 // Thread-safe.
 class Authenticator {
  public:
-  // `token_file`: see server/token_set.h; nobody may call before it is read. Empty: everybody may call.
+  // `token_file`: see server/access/token_set.h; nobody may call before it is read. Empty: everybody may call.
   explicit Authenticator(std::string token_file) : token_file_(std::move(token_file)) {}
 
   // Reads the file. INVALID_ARGUMENT naming it if it is wrong; the tokens stay as they were, then.
@@ -41,4 +41,4 @@ class Authenticator {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_AUTHENTICATOR_H_
+#endif  // LATVOX_SERVER_ACCESS_AUTHENTICATOR_H_

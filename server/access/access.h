@@ -1,6 +1,6 @@
 // Who may connect and call: the files that the options name, and what becomes of them when they change.
-#ifndef LATVOX_SERVER_ACCESS_H_
-#define LATVOX_SERVER_ACCESS_H_
+#ifndef LATVOX_SERVER_ACCESS_ACCESS_H_
+#define LATVOX_SERVER_ACCESS_ACCESS_H_
 
 #include <grpcpp/security/server_credentials.h>
 
@@ -11,16 +11,16 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "server/authenticator.h"
+#include "server/access/authenticator.h"
+#include "server/access/tls_source.h"
 #include "server/file_watch.h"
-#include "server/tls_source.h"
 
 namespace latvox {
 
 struct AccessOptions {
   TlsFiles tls;            // for all addresses but Unix sockets
   bool insecure = false;   // plain text also for others than this machine
-  std::string token_file;  // who may call, see server/token_set.h; empty: everybody
+  std::string token_file;  // who may call, see server/access/token_set.h; empty: everybody
 };
 
 // Thread-safe.
@@ -55,4 +55,4 @@ class Access {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_ACCESS_H_
+#endif  // LATVOX_SERVER_ACCESS_ACCESS_H_

@@ -1,12 +1,12 @@
 // Where a call came from, for the log, the metrics, and the client's share of the server.
-#ifndef LATVOX_SERVER_CALL_ORIGIN_H_
-#define LATVOX_SERVER_CALL_ORIGIN_H_
+#ifndef LATVOX_SERVER_ACCESS_CALL_ORIGIN_H_
+#define LATVOX_SERVER_ACCESS_CALL_ORIGIN_H_
 
 #include <optional>
 #include <string>
 
-#include "server/caller.h"
-#include "server/trace_context.h"
+#include "server/access/caller.h"
+#include "server/access/trace_context.h"
 
 namespace latvox {
 
@@ -20,4 +20,4 @@ struct CallOrigin {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CALL_ORIGIN_H_
+#endif  // LATVOX_SERVER_ACCESS_CALL_ORIGIN_H_

@@ -1,6 +1,6 @@
 // The PEM files of TLS.
-#ifndef LATVOX_SERVER_TLS_FILES_H_
-#define LATVOX_SERVER_TLS_FILES_H_
+#ifndef LATVOX_SERVER_ACCESS_TLS_FILES_H_
+#define LATVOX_SERVER_ACCESS_TLS_FILES_H_
 
 #include <string>
 
@@ -29,4 +29,4 @@ absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_TLS_FILES_H_
+#endif  // LATVOX_SERVER_ACCESS_TLS_FILES_H_

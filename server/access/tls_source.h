@@ -1,6 +1,6 @@
 // TLS whose certificates may change while the server runs.
-#ifndef LATVOX_SERVER_TLS_SOURCE_H_
-#define LATVOX_SERVER_TLS_SOURCE_H_
+#ifndef LATVOX_SERVER_ACCESS_TLS_SOURCE_H_
+#define LATVOX_SERVER_ACCESS_TLS_SOURCE_H_
 
 #include <grpcpp/security/server_credentials.h>
 
@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "server/tls_files.h"
+#include "server/access/tls_files.h"
 
 namespace latvox {
 
@@ -45,4 +45,4 @@ class TlsSource {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_TLS_SOURCE_H_
+#endif  // LATVOX_SERVER_ACCESS_TLS_SOURCE_H_

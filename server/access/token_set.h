@@ -9,8 +9,8 @@
 //
 // The limits hold for calls with this token, besides those of the server; bytes may have units, as 64MiB. Empty lines
 // and what follows a # at the beginning of a line are ignored.
-#ifndef LATVOX_SERVER_TOKEN_SET_H_
-#define LATVOX_SERVER_TOKEN_SET_H_
+#ifndef LATVOX_SERVER_ACCESS_TOKEN_SET_H_
+#define LATVOX_SERVER_ACCESS_TOKEN_SET_H_
 
 #include <array>
 #include <cstddef>
@@ -21,7 +21,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/caller.h"
+#include "server/access/caller.h"
 
 namespace latvox {
 
@@ -58,4 +58,4 @@ class TokenSet {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_TOKEN_SET_H_
+#endif  // LATVOX_SERVER_ACCESS_TOKEN_SET_H_

@@ -1,4 +1,4 @@
-#include "server/token_set.h"
+#include "server/access/token_set.h"
 
 #include <openssl/crypto.h>
 #include <openssl/sha.h>

@@ -1,6 +1,6 @@
 // Who calls.
-#ifndef LATVOX_SERVER_CALLER_H_
-#define LATVOX_SERVER_CALLER_H_
+#ifndef LATVOX_SERVER_ACCESS_CALLER_H_
+#define LATVOX_SERVER_ACCESS_CALLER_H_
 
 #include <cstdint>
 #include <string>
@@ -32,4 +32,4 @@ Limits LimitsOf(const Caller& caller, Limits limits);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CALLER_H_
+#endif  // LATVOX_SERVER_ACCESS_CALLER_H_

@@ -1,4 +1,4 @@
-#include "server/trace_context.h"
+#include "server/access/trace_context.h"
 
 #include <algorithm>
 #include <random>
