@@ -5,7 +5,7 @@
 #include "absl/status/statusor.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/mesh_attributes.h"
+#include "server/base/mesh_attributes.h"
 
 namespace latvox {
 

@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "server/limits.h"
+#include "server/base/limits.h"
 
 namespace latvox {
 

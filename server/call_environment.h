@@ -2,7 +2,7 @@
 #ifndef LATVOX_SERVER_CALL_ENVIRONMENT_H_
 #define LATVOX_SERVER_CALL_ENVIRONMENT_H_
 
-#include "server/limits.h"
+#include "server/base/limits.h"
 
 namespace latvox {
 

@@ -8,10 +8,10 @@
 #include "core/brick/tile_order.h"
 #include "core/solid/interior.h"
 #include "core/voxelizer/estimate.h"
-#include "server/errors.h"
-#include "server/exceptions.h"
+#include "server/base/errors.h"
+#include "server/base/exceptions.h"
+#include "server/base/milliseconds.h"
 #include "server/lane.h"
-#include "server/milliseconds.h"
 
 namespace latvox {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_join.h"
-#include "server/log.h"
+#include "server/base/log.h"
 
 namespace latvox {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/file_watch.h"
+#include "server/base/file_watch.h"
 #include "server/options.h"
 #include "server/settings.h"
 

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
 #include "server/attribute_convert.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
 #include "server/fill_convert.h"
 
 namespace latvox {

@@ -9,10 +9,10 @@
 #include "absl/status/statusor.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
+#include "server/base/errors.h"
+#include "server/base/limits.h"
+#include "server/base/mesh_attributes.h"
 #include "server/brick_batch.h"
-#include "server/errors.h"
-#include "server/limits.h"
-#include "server/mesh_attributes.h"
 #include "server/mesh_store.h"
 
 namespace latvox {

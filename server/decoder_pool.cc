@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/errors.h"
+#include "server/base/process_facts.h"
 #include "server/draco_header.h"
-#include "server/errors.h"
-#include "server/process_facts.h"
 
 namespace latvox {
 namespace {

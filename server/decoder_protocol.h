@@ -22,9 +22,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "server/base/limits.h"
+#include "server/base/mesh_attributes.h"
 #include "server/draco_decoder.h"
-#include "server/limits.h"
-#include "server/mesh_attributes.h"
 #include "server/mesh_decoder.h"
 
 namespace latvox {

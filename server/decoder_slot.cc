@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/errors.h"
+#include "server/base/log.h"
 #include "server/decoder_sandbox.h"
-#include "server/errors.h"
-#include "server/log.h"
 
 namespace latvox {
 namespace {

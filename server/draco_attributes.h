@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/mesh_attributes.h"
+#include "server/base/mesh_attributes.h"
 
 namespace latvox {
 

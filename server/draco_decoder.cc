@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/errors.h"
 #include "server/draco_attributes.h"
 #include "server/draco_header.h"
-#include "server/errors.h"
 
 namespace latvox {
 namespace {

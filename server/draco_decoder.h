@@ -10,8 +10,8 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/types/span.h"
-#include "server/limits.h"
-#include "server/mesh_attributes.h"
+#include "server/base/limits.h"
+#include "server/base/mesh_attributes.h"
 #include "server/mesh_decoder.h"
 
 namespace latvox {

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <thread>
 
-#include "server/log.h"
+#include "server/base/log.h"
 
 namespace latvox {
 namespace {

@@ -14,12 +14,12 @@
 #include "absl/time/clock.h"
 #include "core/base/kept_memory.h"
 #include "core/base/simd.h"
+#include "server/base/log.h"
+#include "server/base/signals.h"
 #include "server/configuration_watch.h"
 #include "server/decoder_worker.h"
-#include "server/log.h"
 #include "server/options.h"
 #include "server/server.h"
-#include "server/signals.h"
 
 namespace {
 

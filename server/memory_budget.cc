@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "server/control_group.h"
-#include "server/errors.h"
+#include "server/base/control_group.h"
+#include "server/base/errors.h"
 
 namespace latvox {
 namespace {

@@ -11,8 +11,8 @@
 #include "absl/strings/cord.h"
 #include "core/mesh/mesh.h"
 #include "core/voxelizer/estimate.h"
-#include "server/limits.h"
-#include "server/mesh_attributes.h"
+#include "server/base/limits.h"
+#include "server/base/mesh_attributes.h"
 
 namespace latvox {
 

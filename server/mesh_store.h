@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "absl/strings/string_view.h"
-#include "server/mesh_attributes.h"
+#include "server/base/mesh_attributes.h"
 #include "server/mesh_decoder.h"
 
 namespace latvox {

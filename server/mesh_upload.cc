@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/errors.h"
-#include "server/milliseconds.h"
+#include "server/base/errors.h"
+#include "server/base/milliseconds.h"
 
 namespace latvox {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "core/base/simd.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/errors.h"
-#include "server/process_facts.h"
+#include "server/base/errors.h"
+#include "server/base/process_facts.h"
 
 namespace latvox {
 namespace {

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "core/base/simd.h"
-#include "server/log.h"
+#include "server/base/log.h"
 #include "server/misspelt_variables.h"
 #include "server/server.h"
 #include "server/settings.h"

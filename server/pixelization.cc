@@ -10,9 +10,9 @@
 
 #include "core/plane/pixelize.h"
 #include "core/plane/polyline.h"
-#include "server/errors.h"
-#include "server/exceptions.h"
-#include "server/milliseconds.h"
+#include "server/base/errors.h"
+#include "server/base/exceptions.h"
+#include "server/base/milliseconds.h"
 #include "server/plane_convert.h"
 
 namespace latvox {

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/limits.h"
+#include "server/base/limits.h"
 #include "server/memory_budget.h"
 
 namespace latvox {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "server/base/milliseconds.h"
 #include "server/metrics.h"
-#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {

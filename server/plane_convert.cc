@@ -8,7 +8,7 @@
 #include "core/brick/voxel_set.h"
 #include "core/snap/snap.h"
 #include "core/voxelizer/digest.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
 
 namespace latvox {
 namespace {

@@ -8,8 +8,8 @@
 #include "absl/status/statusor.h"
 #include "core/plane/pixelize.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/errors.h"
-#include "server/limits.h"
+#include "server/base/errors.h"
+#include "server/base/limits.h"
 
 namespace latvox {
 

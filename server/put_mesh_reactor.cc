@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "server/errors.h"
-#include "server/exceptions.h"
+#include "server/base/errors.h"
+#include "server/base/exceptions.h"
+#include "server/base/milliseconds.h"
 #include "server/metrics.h"
-#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "server/errors.h"
+#include "server/base/errors.h"
 
 namespace latvox {
 namespace {

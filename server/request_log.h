@@ -9,8 +9,8 @@
 
 #include "absl/status/status.h"
 #include "server/access/call_origin.h"
+#include "server/base/log.h"
 #include "server/computation.h"
-#include "server/log.h"
 #include "server/pixelization.h"
 
 namespace latvox {

@@ -9,8 +9,8 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "server/access/access.h"
+#include "server/base/limits.h"
 #include "server/decoder_process.h"
-#include "server/limits.h"
 #include "server/unix_socket.h"
 
 namespace latvox {

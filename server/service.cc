@@ -6,9 +6,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/base/errors.h"
 #include "server/call.h"
 #include "server/convert.h"
-#include "server/errors.h"
 #include "server/metrics.h"
 #include "server/pixelize_reactor.h"
 #include "server/put_mesh_reactor.h"

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "server/errors.h"
+#include "server/base/errors.h"
+#include "server/base/milliseconds.h"
 #include "server/metrics.h"
-#include "server/milliseconds.h"
 #include "server/request_log.h"
 
 namespace latvox {

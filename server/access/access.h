@@ -13,7 +13,7 @@
 #include "absl/time/time.h"
 #include "server/access/authenticator.h"
 #include "server/access/tls_source.h"
-#include "server/file_watch.h"
+#include "server/base/file_watch.h"
 
 namespace latvox {
 

@@ -6,9 +6,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/errors.h"
-#include "server/log.h"
-#include "server/small_file.h"
+#include "server/base/errors.h"
+#include "server/base/log.h"
+#include "server/base/small_file.h"
 
 namespace latvox {
 namespace {

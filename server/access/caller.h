@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "server/limits.h"
+#include "server/base/limits.h"
 
 namespace latvox {
 

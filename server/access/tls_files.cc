@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/small_file.h"
+#include "server/base/small_file.h"
 
 namespace latvox {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/log.h"
+#include "server/base/log.h"
 
 namespace latvox {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/strings/escaping.h"
+#include "server/base/errors.h"
 #include "server/call_registry.h"
-#include "server/errors.h"
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
 

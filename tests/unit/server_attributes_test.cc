@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "server/base/errors.h"
 #include "server/convert.h"
 #include "server/decoder_protocol.h"
 #include "server/draco_decoder.h"
-#include "server/errors.h"
 
 namespace latvox {
 namespace {

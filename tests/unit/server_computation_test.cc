@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "server/base/errors.h"
 #include "server/brick_batch.h"
 #include "server/computation.h"
 #include "server/convert.h"
-#include "server/errors.h"
 #include "server/mesh_upload.h"
 #include "tests/unit/server_environment.h"
 #include "tests/unit/server_meshes.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "server/control_group.h"
+#include "server/base/control_group.h"
 
 namespace latvox {
 namespace {

@@ -21,9 +21,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "server/base/errors.h"
 #include "server/decoder_pool.h"
 #include "server/draco_decoder.h"
-#include "server/errors.h"
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/server_log_lines.h"
 #include "tests/unit/server_meshes.h"

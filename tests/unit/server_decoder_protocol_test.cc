@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "server/base/errors.h"
 #include "server/decoder_protocol.h"
-#include "server/errors.h"
 #include "tests/unit/dose.h"
 #include "tests/unit/server_meshes.h"
 

@@ -3,10 +3,10 @@
 #define LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 
 #include "server/access/authenticator.h"
+#include "server/base/limits.h"
 #include "server/call_environment.h"
 #include "server/call_registry.h"
 #include "server/lane.h"
-#include "server/limits.h"
 #include "server/memory_budget.h"
 #include "server/mesh_decoder.h"
 #include "server/mesh_store.h"

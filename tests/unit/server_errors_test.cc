@@ -8,7 +8,7 @@
 
 #include "core/base/status_payload.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
 #include "tests/unit/server_error_details.h"
 
 namespace latvox {

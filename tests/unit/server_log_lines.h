@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "server/log.h"
+#include "server/base/log.h"
 
 namespace latvox {
 

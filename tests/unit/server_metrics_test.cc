@@ -10,7 +10,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
 #include "server/metrics.h"
 #include "server/metrics_server.h"
 #include "tests/unit/server_http.h"

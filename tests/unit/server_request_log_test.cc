@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/errors.h"
+#include "server/base/errors.h"
 #include "server/request_log.h"
 #include "tests/unit/server_log_lines.h"
 

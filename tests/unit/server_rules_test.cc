@@ -13,8 +13,8 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
+#include "server/base/errors.h"
 #include "server/convert.h"
-#include "server/errors.h"
 #include "tests/unit/server_error_details.h"
 
 namespace latvox {

@@ -7,9 +7,9 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "server/base/errors.h"
 #include "server/computation.h"
 #include "server/convert.h"
-#include "server/errors.h"
 #include "tests/unit/server_environment.h"
 #include "tests/unit/server_meshes.h"
 #include "tests/unit/server_thread_decoder.h"

@@ -1,4 +1,4 @@
-#include "server/signals.h"
+#include "server/base/signals.h"
 
 #include <sys/prctl.h>
 #include <unistd.h>

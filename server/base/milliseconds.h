@@ -1,6 +1,6 @@
 // Durations as the log, the metrics and the contract tell them.
-#ifndef LATVOX_SERVER_MILLISECONDS_H_
-#define LATVOX_SERVER_MILLISECONDS_H_
+#ifndef LATVOX_SERVER_BASE_MILLISECONDS_H_
+#define LATVOX_SERVER_BASE_MILLISECONDS_H_
 
 #include <chrono>
 
@@ -16,4 +16,4 @@ inline double MillisecondsSince(std::chrono::steady_clock::time_point start) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_MILLISECONDS_H_
+#endif  // LATVOX_SERVER_BASE_MILLISECONDS_H_

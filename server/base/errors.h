@@ -1,6 +1,6 @@
 // Errors on their way out: absl::Status inside the server, grpc::Status with google.rpc details on the wire.
-#ifndef LATVOX_SERVER_ERRORS_H_
-#define LATVOX_SERVER_ERRORS_H_
+#ifndef LATVOX_SERVER_BASE_ERRORS_H_
+#define LATVOX_SERVER_BASE_ERRORS_H_
 
 #include <grpcpp/support/status.h>
 
@@ -89,4 +89,4 @@ grpc::Status ToGrpcStatus(const absl::Status& status);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_ERRORS_H_
+#endif  // LATVOX_SERVER_BASE_ERRORS_H_

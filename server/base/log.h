@@ -2,8 +2,8 @@
 //
 //   time=2025-01-01T12:00:00.000Z level=info event=listening address=127.0.0.1:50151
 //   {"time":"2025-01-01T12:00:00.000Z","level":"info","event":"listening","address":"127.0.0.1:50151"}
-#ifndef LATVOX_SERVER_LOG_H_
-#define LATVOX_SERVER_LOG_H_
+#ifndef LATVOX_SERVER_BASE_LOG_H_
+#define LATVOX_SERVER_BASE_LOG_H_
 
 #include <concepts>
 #include <string>
@@ -49,4 +49,4 @@ void Log(LogLevel level, absl::string_view event, const std::vector<LogField>& f
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_LOG_H_
+#endif  // LATVOX_SERVER_BASE_LOG_H_

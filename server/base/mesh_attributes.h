@@ -1,6 +1,6 @@
 // What a mesh may bring along for its voxels to carry: Attribute of the protocol.
-#ifndef LATVOX_SERVER_MESH_ATTRIBUTES_H_
-#define LATVOX_SERVER_MESH_ATTRIBUTES_H_
+#ifndef LATVOX_SERVER_BASE_MESH_ATTRIBUTES_H_
+#define LATVOX_SERVER_BASE_MESH_ATTRIBUTES_H_
 
 #include <array>
 #include <cstddef>
@@ -35,4 +35,4 @@ struct MeshAttributes {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_MESH_ATTRIBUTES_H_
+#endif  // LATVOX_SERVER_BASE_MESH_ATTRIBUTES_H_

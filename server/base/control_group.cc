@@ -1,4 +1,4 @@
-#include "server/control_group.h"
+#include "server/base/control_group.h"
 
 #include <algorithm>
 #include <filesystem>

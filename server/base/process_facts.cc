@@ -1,4 +1,4 @@
-#include "server/process_facts.h"
+#include "server/base/process_facts.h"
 
 #include <dirent.h>
 #include <sys/resource.h>

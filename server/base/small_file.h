@@ -1,6 +1,6 @@
 // Files that the operator names: tokens, certificates.
-#ifndef LATVOX_SERVER_SMALL_FILE_H_
-#define LATVOX_SERVER_SMALL_FILE_H_
+#ifndef LATVOX_SERVER_BASE_SMALL_FILE_H_
+#define LATVOX_SERVER_BASE_SMALL_FILE_H_
 
 #include <string>
 
@@ -18,4 +18,4 @@ absl::StatusOr<SmallFile> ReadSmallFile(const std::string& path);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_SMALL_FILE_H_
+#endif  // LATVOX_SERVER_BASE_SMALL_FILE_H_

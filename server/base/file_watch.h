@@ -1,6 +1,6 @@
 // Files that may change while the server runs.
-#ifndef LATVOX_SERVER_FILE_WATCH_H_
-#define LATVOX_SERVER_FILE_WATCH_H_
+#ifndef LATVOX_SERVER_BASE_FILE_WATCH_H_
+#define LATVOX_SERVER_BASE_FILE_WATCH_H_
 
 #include <sys/types.h>
 
@@ -59,4 +59,4 @@ class FileWatch {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_FILE_WATCH_H_
+#endif  // LATVOX_SERVER_BASE_FILE_WATCH_H_

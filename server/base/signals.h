@@ -1,6 +1,6 @@
 // The signals by which the process is asked to stop, or to read its configuration again.
-#ifndef LATVOX_SERVER_SIGNALS_H_
-#define LATVOX_SERVER_SIGNALS_H_
+#ifndef LATVOX_SERVER_BASE_SIGNALS_H_
+#define LATVOX_SERVER_BASE_SIGNALS_H_
 
 #include <sys/types.h>
 
@@ -34,4 +34,4 @@ class StopSignals {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_SIGNALS_H_
+#endif  // LATVOX_SERVER_BASE_SIGNALS_H_

@@ -1,6 +1,6 @@
 // What requests are held against before they cost much.
-#ifndef LATVOX_SERVER_LIMITS_H_
-#define LATVOX_SERVER_LIMITS_H_
+#ifndef LATVOX_SERVER_BASE_LIMITS_H_
+#define LATVOX_SERVER_BASE_LIMITS_H_
 
 #include <algorithm>
 #include <cstdint>
@@ -41,4 +41,4 @@ struct Limits {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_LIMITS_H_
+#endif  // LATVOX_SERVER_BASE_LIMITS_H_

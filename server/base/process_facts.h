@@ -1,6 +1,6 @@
 // What the kernel counts of this process and its children.
-#ifndef LATVOX_SERVER_PROCESS_FACTS_H_
-#define LATVOX_SERVER_PROCESS_FACTS_H_
+#ifndef LATVOX_SERVER_BASE_PROCESS_FACTS_H_
+#define LATVOX_SERVER_BASE_PROCESS_FACTS_H_
 
 #include <sys/types.h>
 
@@ -17,4 +17,4 @@ double StartTimeSeconds();  // since 1970-01-01 UTC
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_PROCESS_FACTS_H_
+#endif  // LATVOX_SERVER_BASE_PROCESS_FACTS_H_

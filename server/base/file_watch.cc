@@ -1,4 +1,4 @@
-#include "server/file_watch.h"
+#include "server/base/file_watch.h"
 
 #include <sys/stat.h>
 

@@ -1,13 +1,13 @@
 // Exceptions of core and the standard library, as statuses.
-#ifndef LATVOX_SERVER_EXCEPTIONS_H_
-#define LATVOX_SERVER_EXCEPTIONS_H_
+#ifndef LATVOX_SERVER_BASE_EXCEPTIONS_H_
+#define LATVOX_SERVER_BASE_EXCEPTIONS_H_
 
 #include <exception>
 #include <new>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
 
 namespace latvox {
 
@@ -28,4 +28,4 @@ auto WithoutExceptions(F&& work) -> decltype(work()) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_EXCEPTIONS_H_
+#endif  // LATVOX_SERVER_BASE_EXCEPTIONS_H_

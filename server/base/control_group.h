@@ -1,6 +1,6 @@
 // What the process's control groups allow it: the limits of containers, of batch systems, of services.
-#ifndef LATVOX_SERVER_CONTROL_GROUP_H_
-#define LATVOX_SERVER_CONTROL_GROUP_H_
+#ifndef LATVOX_SERVER_BASE_CONTROL_GROUP_H_
+#define LATVOX_SERVER_BASE_CONTROL_GROUP_H_
 
 #include <cstdint>
 #include <string>
@@ -19,4 +19,4 @@ ControlGroupLimits LimitsOfControlGroups(const std::string& root = "");
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CONTROL_GROUP_H_
+#endif  // LATVOX_SERVER_BASE_CONTROL_GROUP_H_
