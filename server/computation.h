@@ -18,10 +18,10 @@
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/brick_batch.h"
 #include "server/call_environment.h"
+#include "server/calls/mesh_upload.h"
 #include "server/convert.h"
 #include "server/memory_budget.h"
 #include "server/mesh_decoder.h"
-#include "server/mesh_upload.h"
 
 namespace latvox {
 

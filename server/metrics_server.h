@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/metrics.h"
+#include "server/calls/metrics.h"
 
 namespace latvox {
 

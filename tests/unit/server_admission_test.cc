@@ -9,7 +9,7 @@
 
 #include "absl/strings/escaping.h"
 #include "server/base/errors.h"
-#include "server/call_registry.h"
+#include "server/calls/call_registry.h"
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
 

@@ -15,8 +15,8 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/calls/service.h"
 #include "server/mesh_decoder.h"
-#include "server/service.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_environment.h"
 

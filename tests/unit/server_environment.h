@@ -5,12 +5,12 @@
 #include "server/access/authenticator.h"
 #include "server/base/limits.h"
 #include "server/call_environment.h"
-#include "server/call_registry.h"
+#include "server/calls/call_registry.h"
+#include "server/calls/metrics.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
 #include "server/mesh_decoder.h"
 #include "server/mesh_store.h"
-#include "server/metrics.h"
 
 namespace latvox {
 

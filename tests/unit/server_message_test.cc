@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/call.h"
+#include "server/calls/call.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_error_details.h"
 #include "tests/unit/server_http.h"

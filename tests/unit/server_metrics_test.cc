@@ -11,7 +11,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
-#include "server/metrics.h"
+#include "server/calls/metrics.h"
 #include "server/metrics_server.h"
 #include "tests/unit/server_http.h"
 

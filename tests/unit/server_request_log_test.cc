@@ -5,7 +5,7 @@
 #include <string>
 
 #include "server/base/errors.h"
-#include "server/request_log.h"
+#include "server/calls/request_log.h"
 #include "tests/unit/server_log_lines.h"
 
 namespace latvox {

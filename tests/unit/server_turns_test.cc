@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/voxelizer/digest.h"
-#include "server/service.h"
+#include "server/calls/service.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_environment.h"
 #include "tests/unit/server_thread_decoder.h"

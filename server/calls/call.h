@@ -1,6 +1,6 @@
 // What calls have in common.
-#ifndef LATVOX_SERVER_CALL_H_
-#define LATVOX_SERVER_CALL_H_
+#ifndef LATVOX_SERVER_CALLS_CALL_H_
+#define LATVOX_SERVER_CALLS_CALL_H_
 
 #include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
@@ -62,4 +62,4 @@ class CallCanceller {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CALL_H_
+#endif  // LATVOX_SERVER_CALLS_CALL_H_

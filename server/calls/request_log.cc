@@ -1,4 +1,4 @@
-#include "server/request_log.h"
+#include "server/calls/request_log.h"
 
 #include <vector>
 

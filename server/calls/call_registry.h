@@ -1,6 +1,6 @@
 // The calls in progress: admission before work starts, whose turn it is, and the drain when the server stops.
-#ifndef LATVOX_SERVER_CALL_REGISTRY_H_
-#define LATVOX_SERVER_CALL_REGISTRY_H_
+#ifndef LATVOX_SERVER_CALLS_CALL_REGISTRY_H_
+#define LATVOX_SERVER_CALLS_CALL_REGISTRY_H_
 
 #include <array>
 #include <condition_variable>
@@ -117,4 +117,4 @@ class CallRegistry {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CALL_REGISTRY_H_
+#endif  // LATVOX_SERVER_CALLS_CALL_REGISTRY_H_

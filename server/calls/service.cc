@@ -1,4 +1,4 @@
-#include "server/service.h"
+#include "server/calls/service.h"
 
 #include <memory>
 #include <random>
@@ -7,14 +7,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/base/errors.h"
-#include "server/call.h"
+#include "server/calls/call.h"
+#include "server/calls/failed_call.h"
+#include "server/calls/metrics.h"
+#include "server/calls/pixelize_reactor.h"
+#include "server/calls/put_mesh_reactor.h"
+#include "server/calls/request_log.h"
+#include "server/calls/voxelize_reactor.h"
 #include "server/convert.h"
-#include "server/metrics.h"
-#include "server/pixelize_reactor.h"
-#include "server/put_mesh_reactor.h"
-#include "server/refusal.h"
-#include "server/request_log.h"
-#include "server/voxelize_reactor.h"
 
 namespace latvox {
 namespace {

@@ -1,6 +1,6 @@
 // latvox.v1.Voxelizer on gRPC's callback API: who calls, and what takes care of the call.
-#ifndef LATVOX_SERVER_SERVICE_H_
-#define LATVOX_SERVER_SERVICE_H_
+#ifndef LATVOX_SERVER_CALLS_SERVICE_H_
+#define LATVOX_SERVER_CALLS_SERVICE_H_
 
 #include <atomic>
 #include <cstdint>
@@ -43,4 +43,4 @@ class VoxelizerService final : public v1::Voxelizer::CallbackService {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_SERVICE_H_
+#endif  // LATVOX_SERVER_CALLS_SERVICE_H_

@@ -1,4 +1,4 @@
-#include "server/metrics.h"
+#include "server/calls/metrics.h"
 
 #include <prometheus/collectable.h>
 #include <prometheus/counter.h>

@@ -1,6 +1,6 @@
 // A call that is over before it begins.
-#ifndef LATVOX_SERVER_REFUSAL_H_
-#define LATVOX_SERVER_REFUSAL_H_
+#ifndef LATVOX_SERVER_CALLS_FAILED_CALL_H_
+#define LATVOX_SERVER_CALLS_FAILED_CALL_H_
 
 #include <grpcpp/support/server_callback.h>
 #include <grpcpp/support/status.h>
@@ -18,4 +18,4 @@ class Refusal final : public Reactor {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_REFUSAL_H_
+#endif  // LATVOX_SERVER_CALLS_FAILED_CALL_H_

@@ -1,10 +1,10 @@
-#include "server/pixelize_reactor.h"
+#include "server/calls/pixelize_reactor.h"
 
 #include <utility>
 
 #include "server/base/milliseconds.h"
-#include "server/metrics.h"
-#include "server/request_log.h"
+#include "server/calls/metrics.h"
+#include "server/calls/request_log.h"
 
 namespace latvox {
 

@@ -1,6 +1,6 @@
 // The call PutMesh: gRPC's callbacks on one side, a task of the compute arena on the other.
-#ifndef LATVOX_SERVER_PUT_MESH_REACTOR_H_
-#define LATVOX_SERVER_PUT_MESH_REACTOR_H_
+#ifndef LATVOX_SERVER_CALLS_PUT_MESH_REACTOR_H_
+#define LATVOX_SERVER_CALLS_PUT_MESH_REACTOR_H_
 
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
@@ -16,13 +16,13 @@
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/access/call_origin.h"
-#include "server/call.h"
 #include "server/call_environment.h"
-#include "server/call_registry.h"
+#include "server/calls/call.h"
+#include "server/calls/call_registry.h"
+#include "server/calls/mesh_upload.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
 #include "server/mesh_store.h"
-#include "server/mesh_upload.h"
 
 namespace latvox {
 
@@ -88,4 +88,4 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_PUT_MESH_REACTOR_H_
+#endif  // LATVOX_SERVER_CALLS_PUT_MESH_REACTOR_H_

@@ -1,6 +1,6 @@
 // The one line that the log has of each request.
-#ifndef LATVOX_SERVER_REQUEST_LOG_H_
-#define LATVOX_SERVER_REQUEST_LOG_H_
+#ifndef LATVOX_SERVER_CALLS_REQUEST_LOG_H_
+#define LATVOX_SERVER_CALLS_REQUEST_LOG_H_
 
 #include <cstdint>
 #include <optional>
@@ -32,4 +32,4 @@ void LogRequest(const RequestRecord& record, LogLevel level = LogLevel::kInfo);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_REQUEST_LOG_H_
+#endif  // LATVOX_SERVER_CALLS_REQUEST_LOG_H_

@@ -1,13 +1,13 @@
 // What the server counts, for Prometheus. Names: https://prometheus.io/docs/practices/naming
-#ifndef LATVOX_SERVER_METRICS_H_
-#define LATVOX_SERVER_METRICS_H_
+#ifndef LATVOX_SERVER_CALLS_METRICS_H_
+#define LATVOX_SERVER_CALLS_METRICS_H_
 
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
 
-#include "server/request_log.h"
+#include "server/calls/request_log.h"
 
 namespace prometheus {
 class Collectable;
@@ -50,4 +50,4 @@ class Metrics {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_METRICS_H_
+#endif  // LATVOX_SERVER_CALLS_METRICS_H_

@@ -1,4 +1,4 @@
-#include "server/mesh_upload.h"
+#include "server/calls/mesh_upload.h"
 
 #include <utility>
 

@@ -1,11 +1,11 @@
-#include "server/voxelize_reactor.h"
+#include "server/calls/voxelize_reactor.h"
 
 #include <utility>
 
 #include "server/base/errors.h"
 #include "server/base/milliseconds.h"
-#include "server/metrics.h"
-#include "server/request_log.h"
+#include "server/calls/metrics.h"
+#include "server/calls/request_log.h"
 
 namespace latvox {
 

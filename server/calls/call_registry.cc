@@ -1,4 +1,4 @@
-#include "server/call_registry.h"
+#include "server/calls/call_registry.h"
 
 #include <algorithm>
 #include <tuple>

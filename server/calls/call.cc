@@ -1,4 +1,4 @@
-#include "server/call.h"
+#include "server/calls/call.h"
 
 #include <google/protobuf/unknown_field_set.h>
 #include <grpc/grpc.h>

@@ -1,12 +1,12 @@
-#include "server/put_mesh_reactor.h"
+#include "server/calls/put_mesh_reactor.h"
 
 #include <utility>
 
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
 #include "server/base/milliseconds.h"
-#include "server/metrics.h"
-#include "server/request_log.h"
+#include "server/calls/metrics.h"
+#include "server/calls/request_log.h"
 
 namespace latvox {
 

@@ -1,6 +1,6 @@
 // The call Voxelize: gRPC's callbacks on one side, the compute arena on the other.
-#ifndef LATVOX_SERVER_VOXELIZE_REACTOR_H_
-#define LATVOX_SERVER_VOXELIZE_REACTOR_H_
+#ifndef LATVOX_SERVER_CALLS_VOXELIZE_REACTOR_H_
+#define LATVOX_SERVER_CALLS_VOXELIZE_REACTOR_H_
 
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
@@ -16,12 +16,12 @@
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/access/call_origin.h"
-#include "server/call.h"
 #include "server/call_environment.h"
-#include "server/call_registry.h"
+#include "server/calls/call.h"
+#include "server/calls/call_registry.h"
+#include "server/calls/mesh_upload.h"
 #include "server/computation.h"
 #include "server/lane.h"
-#include "server/mesh_upload.h"
 
 namespace latvox {
 
@@ -123,4 +123,4 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_VOXELIZE_REACTOR_H_
+#endif  // LATVOX_SERVER_CALLS_VOXELIZE_REACTOR_H_
