@@ -16,9 +16,9 @@
 #include "core/base/simd.h"
 #include "server/base/log.h"
 #include "server/base/signals.h"
-#include "server/configuration_watch.h"
+#include "server/config/configuration_watch.h"
+#include "server/config/options.h"
 #include "server/decoder_worker.h"
-#include "server/options.h"
 #include "server/server.h"
 
 namespace {

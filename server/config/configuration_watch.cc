@@ -1,4 +1,4 @@
-#include "server/configuration_watch.h"
+#include "server/config/configuration_watch.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/option_kinds.h"
+#include "server/config/option_kinds.h"
 
 #include <cmath>
 #include <cstdlib>

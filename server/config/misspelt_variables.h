@@ -1,6 +1,6 @@
 // Environment variables that look like options of latvoxd, and are none.
-#ifndef LATVOX_SERVER_MISSPELT_VARIABLES_H_
-#define LATVOX_SERVER_MISSPELT_VARIABLES_H_
+#ifndef LATVOX_SERVER_CONFIG_MISSPELT_VARIABLES_H_
+#define LATVOX_SERVER_CONFIG_MISSPELT_VARIABLES_H_
 
 #include <CLI/App.hpp>
 #include <string>
@@ -18,4 +18,4 @@ std::vector<MisspeltVariable> MisspeltVariables(const CLI::App& app);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_MISSPELT_VARIABLES_H_
+#endif  // LATVOX_SERVER_CONFIG_MISSPELT_VARIABLES_H_

@@ -1,14 +1,14 @@
 // The configuration file while the server runs.
-#ifndef LATVOX_SERVER_CONFIGURATION_WATCH_H_
-#define LATVOX_SERVER_CONFIGURATION_WATCH_H_
+#ifndef LATVOX_SERVER_CONFIG_CONFIGURATION_WATCH_H_
+#define LATVOX_SERVER_CONFIG_CONFIGURATION_WATCH_H_
 
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "server/base/file_watch.h"
-#include "server/options.h"
-#include "server/settings.h"
+#include "server/config/options.h"
+#include "server/config/settings.h"
 
 namespace latvox {
 
@@ -36,4 +36,4 @@ class ConfigurationWatch {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CONFIGURATION_WATCH_H_
+#endif  // LATVOX_SERVER_CONFIG_CONFIGURATION_WATCH_H_

@@ -1,4 +1,4 @@
-#include "server/misspelt_variables.h"
+#include "server/config/misspelt_variables.h"
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "server/option_kinds.h"
+#include "server/config/option_kinds.h"
 
 namespace latvox {
 namespace {

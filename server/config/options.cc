@@ -1,4 +1,4 @@
-#include "server/options.h"
+#include "server/config/options.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "deploy/manual/man_page.h"
-#include "server/option_kinds.h"
+#include "server/config/option_kinds.h"
 
 namespace latvox {
 namespace {

@@ -1,6 +1,6 @@
 // Command line, environment and configuration file of latvoxd: three ways to set the same options.
-#ifndef LATVOX_SERVER_OPTIONS_H_
-#define LATVOX_SERVER_OPTIONS_H_
+#ifndef LATVOX_SERVER_CONFIG_OPTIONS_H_
+#define LATVOX_SERVER_CONFIG_OPTIONS_H_
 
 #include <string>
 #include <variant>
@@ -10,9 +10,9 @@
 #include "absl/time/time.h"
 #include "core/base/simd.h"
 #include "server/base/log.h"
-#include "server/misspelt_variables.h"
+#include "server/config/misspelt_variables.h"
+#include "server/config/settings.h"
 #include "server/server.h"
-#include "server/settings.h"
 
 namespace latvox {
 
@@ -44,4 +44,4 @@ absl::StatusOr<Configuration> ReadOptionsAgain(int argc, const char* const* argv
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_OPTIONS_H_
+#endif  // LATVOX_SERVER_CONFIG_OPTIONS_H_

@@ -1,6 +1,6 @@
 // What is in force of an application's options, and where it came from.
-#ifndef LATVOX_SERVER_SETTINGS_H_
-#define LATVOX_SERVER_SETTINGS_H_
+#ifndef LATVOX_SERVER_CONFIG_SETTINGS_H_
+#define LATVOX_SERVER_CONFIG_SETTINGS_H_
 
 #include <CLI/App.hpp>
 #include <string>
@@ -36,4 +36,4 @@ std::vector<std::string> ChangedForRestart(const std::vector<Setting>& before, c
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_SETTINGS_H_
+#endif  // LATVOX_SERVER_CONFIG_SETTINGS_H_

@@ -1,7 +1,7 @@
 // The kinds of options that latvoxd has. Each is a flag, an environment variable and a key of the configuration file:
 // --max-jobs, LATVOX_MAX_JOBS, max-jobs.
-#ifndef LATVOX_SERVER_OPTION_KINDS_H_
-#define LATVOX_SERVER_OPTION_KINDS_H_
+#ifndef LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
+#define LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -69,4 +69,4 @@ void AddConfigurationFile(CLI::App& app);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_OPTION_KINDS_H_
+#endif  // LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
