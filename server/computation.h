@@ -20,8 +20,8 @@
 #include "server/call_environment.h"
 #include "server/calls/mesh_upload.h"
 #include "server/convert.h"
+#include "server/decode/mesh_decoder.h"
 #include "server/memory_budget.h"
-#include "server/mesh_decoder.h"
 
 namespace latvox {
 

@@ -13,7 +13,7 @@
 #include "server/base/limits.h"
 #include "server/base/mesh_attributes.h"
 #include "server/brick_batch.h"
-#include "server/mesh_store.h"
+#include "server/decode/mesh_store.h"
 
 namespace latvox {
 

@@ -18,7 +18,7 @@
 #include "server/base/signals.h"
 #include "server/config/configuration_watch.h"
 #include "server/config/options.h"
-#include "server/decoder_worker.h"
+#include "server/decode/decoder_worker.h"
 #include "server/server.h"
 
 namespace {

@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "server/access/access.h"
 #include "server/base/limits.h"
-#include "server/decoder_process.h"
+#include "server/decode/decoder_process.h"
 #include "server/unix_socket.h"
 
 namespace latvox {

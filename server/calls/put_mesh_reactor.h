@@ -20,9 +20,9 @@
 #include "server/calls/call.h"
 #include "server/calls/call_registry.h"
 #include "server/calls/mesh_upload.h"
+#include "server/decode/mesh_store.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
-#include "server/mesh_store.h"
 
 namespace latvox {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "server/decoder_pool.h"
-#include "server/draco_decoder.h"
+#include "server/decode/decoder_pool.h"
+#include "server/decode/draco_decoder.h"
 
 namespace latvox {
 namespace {

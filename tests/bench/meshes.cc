@@ -13,7 +13,7 @@
 #include "client/mesh/input.h"
 #include "client/mesh/mesh_file.h"
 #include "client/mesh/mesh_format.h"
-#include "server/draco_decoder.h"
+#include "server/decode/draco_decoder.h"
 #include "tests/bench/scene_file.h"
 
 namespace latvox {

@@ -10,8 +10,8 @@
 #include "absl/strings/escaping.h"
 #include "server/base/errors.h"
 #include "server/calls/call_registry.h"
+#include "server/decode/mesh_store.h"
 #include "server/memory_budget.h"
-#include "server/mesh_store.h"
 
 namespace latvox {
 namespace {

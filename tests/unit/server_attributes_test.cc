@@ -11,8 +11,8 @@
 
 #include "server/base/errors.h"
 #include "server/convert.h"
-#include "server/decoder_protocol.h"
-#include "server/draco_decoder.h"
+#include "server/decode/decoder_protocol.h"
+#include "server/decode/draco_decoder.h"
 
 namespace latvox {
 namespace {

@@ -16,7 +16,7 @@
 #include "google/rpc/status.pb.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/calls/service.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/mesh_decoder.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_environment.h"
 

@@ -16,7 +16,7 @@
 
 #include "core/brick/brick.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/mesh_store.h"
+#include "server/decode/mesh_store.h"
 #include "server/server.h"
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/server_meshes.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/base/errors.h"
-#include "server/decoder_protocol.h"
+#include "server/decode/decoder_protocol.h"
 #include "tests/unit/dose.h"
 #include "tests/unit/server_meshes.h"
 

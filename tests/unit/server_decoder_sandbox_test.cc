@@ -23,8 +23,8 @@
 #include <string>
 
 #include "absl/strings/match.h"
-#include "server/decoder_pool.h"
-#include "server/decoder_sandbox.h"
+#include "server/decode/decoder_pool.h"
+#include "server/decode/decoder_sandbox.h"
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/temporary_directory.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "absl/strings/string_view.h"
-#include "server/draco_decoder.h"
-#include "server/draco_header.h"
+#include "server/decode/draco_decoder.h"
+#include "server/decode/draco_header.h"
 #include "tests/unit/server_meshes.h"
 
 namespace latvox {

@@ -2,8 +2,8 @@
 #ifndef LATVOX_TESTS_UNIT_SERVER_DECODERS_H_
 #define LATVOX_TESTS_UNIT_SERVER_DECODERS_H_
 
-#include "server/decoder_process.h"
-#include "server/decoder_sandbox.h"
+#include "server/decode/decoder_process.h"
+#include "server/decode/decoder_sandbox.h"
 
 namespace latvox {
 

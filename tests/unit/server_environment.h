@@ -7,10 +7,10 @@
 #include "server/call_environment.h"
 #include "server/calls/call_registry.h"
 #include "server/calls/metrics.h"
+#include "server/decode/mesh_decoder.h"
+#include "server/decode/mesh_store.h"
 #include "server/lane.h"
 #include "server/memory_budget.h"
-#include "server/mesh_decoder.h"
-#include "server/mesh_store.h"
 
 namespace latvox {
 

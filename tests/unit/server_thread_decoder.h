@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/draco_decoder.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/draco_decoder.h"
+#include "server/decode/mesh_decoder.h"
 
 namespace latvox {
 

@@ -1,6 +1,6 @@
 // Encoded bytes -> triangle mesh: the seam behind which foreign bytes meet a codec.
-#ifndef LATVOX_SERVER_MESH_DECODER_H_
-#define LATVOX_SERVER_MESH_DECODER_H_
+#ifndef LATVOX_SERVER_DECODE_MESH_DECODER_H_
+#define LATVOX_SERVER_DECODE_MESH_DECODER_H_
 
 #include <cstdint>
 #include <functional>
@@ -61,4 +61,4 @@ class MeshDecoder {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_MESH_DECODER_H_
+#endif  // LATVOX_SERVER_DECODE_MESH_DECODER_H_

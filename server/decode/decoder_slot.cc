@@ -1,4 +1,4 @@
-#include "server/decoder_slot.h"
+#include "server/decode/decoder_slot.h"
 
 #include <sys/socket.h>
 
@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
 #include "server/base/log.h"
-#include "server/decoder_sandbox.h"
+#include "server/decode/decoder_sandbox.h"
 
 namespace latvox {
 namespace {

@@ -3,8 +3,8 @@
 // What a hostile file can do to one: use up its memory or its time, or take it over. Then it ends, and its decode with
 // an error; or it sends a mesh that the file does not hold, for this request or, as a process serves many and meshes
 // are kept, for later ones. It can not reach files, the network, other processes or the server's memory.
-#ifndef LATVOX_SERVER_DECODER_POOL_H_
-#define LATVOX_SERVER_DECODER_POOL_H_
+#ifndef LATVOX_SERVER_DECODE_DECODER_POOL_H_
+#define LATVOX_SERVER_DECODE_DECODER_POOL_H_
 
 #include <cstdint>
 #include <deque>
@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/decoder_process.h"
-#include "server/decoder_slot.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/decoder_process.h"
+#include "server/decode/decoder_slot.h"
+#include "server/decode/mesh_decoder.h"
 
 namespace latvox {
 
@@ -86,4 +86,4 @@ class DecoderPool final : public MeshDecoder {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DECODER_POOL_H_
+#endif  // LATVOX_SERVER_DECODE_DECODER_POOL_H_

@@ -1,6 +1,6 @@
 // The first bytes of a Draco file, read before its decoder may.
-#ifndef LATVOX_SERVER_DRACO_HEADER_H_
-#define LATVOX_SERVER_DRACO_HEADER_H_
+#ifndef LATVOX_SERVER_DECODE_DRACO_HEADER_H_
+#define LATVOX_SERVER_DECODE_DRACO_HEADER_H_
 
 #include <cstdint>
 #include <optional>
@@ -36,4 +36,4 @@ std::optional<uint64_t> DeclaredTriangles(absl::string_view head);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DRACO_HEADER_H_
+#endif  // LATVOX_SERVER_DECODE_DRACO_HEADER_H_

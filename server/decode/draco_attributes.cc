@@ -1,4 +1,4 @@
-#include "server/draco_attributes.h"
+#include "server/decode/draco_attributes.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "server/decoder_process.h"
+#include "server/decode/decoder_process.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/decoder_worker.h"
+#include "server/decode/decoder_worker.h"
 
 namespace latvox {
 namespace {

@@ -1,6 +1,6 @@
 // Layout: https://google.github.io/draco/spec, and Draco 1.5.5's decoders for bitstreams before 2.2:
 //   0 "DRACO"   5 version, major and minor   7 type   8 method   9 flags (2 bytes)   then metadata, then connectivity
-#include "server/draco_header.h"
+#include "server/decode/draco_header.h"
 
 #include <draco/compression/config/compression_shared.h>
 #include <draco/core/decoder_buffer.h>

@@ -1,6 +1,6 @@
 // A decoder process, from inside: the server's own program, started anew by DecoderProcess.
-#ifndef LATVOX_SERVER_DECODER_WORKER_H_
-#define LATVOX_SERVER_DECODER_WORKER_H_
+#ifndef LATVOX_SERVER_DECODE_DECODER_WORKER_H_
+#define LATVOX_SERVER_DECODE_DECODER_WORKER_H_
 
 #include <optional>
 
@@ -20,4 +20,4 @@ std::optional<int> RunIfDecoderProcess(int argc, const char* const* argv);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DECODER_WORKER_H_
+#endif  // LATVOX_SERVER_DECODE_DECODER_WORKER_H_

@@ -1,7 +1,7 @@
 // One place of a decoder pool: a decoder process, and again another when that has ended, and the decode it is busy
 // with.
-#ifndef LATVOX_SERVER_DECODER_SLOT_H_
-#define LATVOX_SERVER_DECODER_SLOT_H_
+#ifndef LATVOX_SERVER_DECODE_DECODER_SLOT_H_
+#define LATVOX_SERVER_DECODE_DECODER_SLOT_H_
 
 #include <poll.h>
 
@@ -15,9 +15,9 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "absl/time/time.h"
-#include "server/decoder_process.h"
-#include "server/decoder_protocol.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/decoder_process.h"
+#include "server/decode/decoder_protocol.h"
+#include "server/decode/mesh_decoder.h"
 
 namespace latvox {
 
@@ -115,4 +115,4 @@ class DecoderSlot {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DECODER_SLOT_H_
+#endif  // LATVOX_SERVER_DECODE_DECODER_SLOT_H_

@@ -1,6 +1,6 @@
 // A decoder process, from outside.
-#ifndef LATVOX_SERVER_DECODER_PROCESS_H_
-#define LATVOX_SERVER_DECODER_PROCESS_H_
+#ifndef LATVOX_SERVER_DECODE_DECODER_PROCESS_H_
+#define LATVOX_SERVER_DECODE_DECODER_PROCESS_H_
 
 #include <sys/types.h>
 
@@ -80,4 +80,4 @@ class DecoderProcess {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DECODER_PROCESS_H_
+#endif  // LATVOX_SERVER_DECODE_DECODER_PROCESS_H_

@@ -1,6 +1,6 @@
 // Draco's triangle meshes, decoded here and now.
-#ifndef LATVOX_SERVER_DRACO_DECODER_H_
-#define LATVOX_SERVER_DRACO_DECODER_H_
+#ifndef LATVOX_SERVER_DECODE_DRACO_DECODER_H_
+#define LATVOX_SERVER_DECODE_DRACO_DECODER_H_
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include "absl/types/span.h"
 #include "server/base/limits.h"
 #include "server/base/mesh_attributes.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/mesh_decoder.h"
 
 namespace latvox {
 
@@ -47,4 +47,4 @@ bool IsOutOfMemory(const absl::Status& status);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DRACO_DECODER_H_
+#endif  // LATVOX_SERVER_DECODE_DRACO_DECODER_H_

@@ -1,6 +1,6 @@
 // Meshes kept by their digest, so that many requests on one mesh upload it once, and decode it once or twice.
-#ifndef LATVOX_SERVER_MESH_STORE_H_
-#define LATVOX_SERVER_MESH_STORE_H_
+#ifndef LATVOX_SERVER_DECODE_MESH_STORE_H_
+#define LATVOX_SERVER_DECODE_MESH_STORE_H_
 
 #include <array>
 #include <atomic>
@@ -18,7 +18,7 @@
 #include "absl/strings/cord.h"
 #include "absl/strings/string_view.h"
 #include "server/base/mesh_attributes.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/mesh_decoder.h"
 
 namespace latvox {
 
@@ -142,4 +142,4 @@ class MeshStore {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_MESH_STORE_H_
+#endif  // LATVOX_SERVER_DECODE_MESH_STORE_H_

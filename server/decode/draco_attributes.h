@@ -1,6 +1,6 @@
 // The attributes of decoded Draco meshes, which may be hostile, as numbers.
-#ifndef LATVOX_SERVER_DRACO_ATTRIBUTES_H_
-#define LATVOX_SERVER_DRACO_ATTRIBUTES_H_
+#ifndef LATVOX_SERVER_DECODE_DRACO_ATTRIBUTES_H_
+#define LATVOX_SERVER_DECODE_DRACO_ATTRIBUTES_H_
 
 #include <draco/mesh/mesh.h>
 
@@ -44,4 +44,4 @@ class DracoAttributes {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DRACO_ATTRIBUTES_H_
+#endif  // LATVOX_SERVER_DECODE_DRACO_ATTRIBUTES_H_

@@ -1,4 +1,4 @@
-#include "server/decoder_worker.h"
+#include "server/decode/decoder_worker.h"
 
 #include <malloc.h>
 #include <sys/prctl.h>
@@ -12,9 +12,9 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/string_view.h"
 #include "core/base/kept_memory.h"
-#include "server/decoder_protocol.h"
-#include "server/decoder_sandbox.h"
-#include "server/draco_decoder.h"
+#include "server/decode/decoder_protocol.h"
+#include "server/decode/decoder_sandbox.h"
+#include "server/decode/draco_decoder.h"
 
 namespace latvox {
 namespace {

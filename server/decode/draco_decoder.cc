@@ -1,4 +1,4 @@
-#include "server/draco_decoder.h"
+#include "server/decode/draco_decoder.h"
 
 #include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
@@ -15,8 +15,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
-#include "server/draco_attributes.h"
-#include "server/draco_header.h"
+#include "server/decode/draco_attributes.h"
+#include "server/decode/draco_header.h"
 
 namespace latvox {
 namespace {

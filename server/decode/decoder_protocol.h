@@ -10,8 +10,8 @@
 // socket's buffer, and one that dies leaves no mapping behind to fault on. It is the fastest, too: 16 MB take 2.6 ms
 // through a socket, 4.5 through a pipe of 1 MiB, 6.5 by pwrite and pread of a memory file; and they are received while
 // the process works on what follows.
-#ifndef LATVOX_SERVER_DECODER_PROTOCOL_H_
-#define LATVOX_SERVER_DECODER_PROTOCOL_H_
+#ifndef LATVOX_SERVER_DECODE_DECODER_PROTOCOL_H_
+#define LATVOX_SERVER_DECODE_DECODER_PROTOCOL_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -24,8 +24,8 @@
 #include "absl/strings/string_view.h"
 #include "server/base/limits.h"
 #include "server/base/mesh_attributes.h"
-#include "server/draco_decoder.h"
-#include "server/mesh_decoder.h"
+#include "server/decode/draco_decoder.h"
+#include "server/decode/mesh_decoder.h"
 
 namespace latvox {
 
@@ -103,4 +103,4 @@ class MeshReceiver {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DECODER_PROTOCOL_H_
+#endif  // LATVOX_SERVER_DECODE_DECODER_PROTOCOL_H_

@@ -1,6 +1,6 @@
 // Confinement of a decoder process.
-#ifndef LATVOX_SERVER_DECODER_SANDBOX_H_
-#define LATVOX_SERVER_DECODER_SANDBOX_H_
+#ifndef LATVOX_SERVER_DECODE_DECODER_SANDBOX_H_
+#define LATVOX_SERVER_DECODE_DECODER_SANDBOX_H_
 
 #include <sys/types.h>
 
@@ -39,4 +39,4 @@ uint64_t AddressSpaceInUse();
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_DECODER_SANDBOX_H_
+#endif  // LATVOX_SERVER_DECODE_DECODER_SANDBOX_H_

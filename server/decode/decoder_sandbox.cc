@@ -1,4 +1,4 @@
-#include "server/decoder_sandbox.h"
+#include "server/decode/decoder_sandbox.h"
 
 #include <fcntl.h>
 #include <linux/futex.h>
@@ -15,7 +15,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "server/decoder_process.h"
+#include "server/decode/decoder_process.h"
 
 namespace latvox {
 namespace {

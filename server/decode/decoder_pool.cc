@@ -1,4 +1,4 @@
-#include "server/decoder_pool.h"
+#include "server/decode/decoder_pool.h"
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
 #include "server/base/process_facts.h"
-#include "server/draco_header.h"
+#include "server/decode/draco_header.h"
 
 namespace latvox {
 namespace {

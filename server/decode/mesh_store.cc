@@ -1,4 +1,4 @@
-#include "server/mesh_store.h"
+#include "server/decode/mesh_store.h"
 
 #include <openssl/evp.h>
 

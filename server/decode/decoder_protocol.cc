@@ -1,4 +1,4 @@
-#include "server/decoder_protocol.h"
+#include "server/decode/decoder_protocol.h"
 
 #include <algorithm>
 #include <cmath>
