@@ -19,7 +19,7 @@
 #include "server/config/configuration_watch.h"
 #include "server/config/options.h"
 #include "server/decode/decoder_worker.h"
-#include "server/server.h"
+#include "server/listen/server.h"
 
 namespace {
 

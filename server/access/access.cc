@@ -1,7 +1,7 @@
 #include "server/access/access.h"
 
-#include "server/endpoint.h"
-#include "server/unix_socket.h"
+#include "server/listen/endpoint.h"
+#include "server/listen/unix_socket.h"
 
 namespace latvox {
 

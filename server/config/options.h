@@ -12,7 +12,7 @@
 #include "server/base/log.h"
 #include "server/config/misspelt_variables.h"
 #include "server/config/settings.h"
-#include "server/server.h"
+#include "server/listen/server.h"
 
 namespace latvox {
 

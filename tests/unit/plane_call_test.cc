@@ -11,9 +11,9 @@
 #include "client/error.h"
 #include "core/plane/pixelize.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/listen/server.h"
 #include "server/pixelization.h"
 #include "server/plane_convert.h"
-#include "server/server.h"
 #include "tests/unit/client_files.h"
 #include "tests/unit/server_decoders.h"
 

@@ -16,7 +16,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/server.h"
+#include "server/listen/server.h"
 #include "tests/unit/server_calls.h"
 #include "tests/unit/server_error_details.h"
 #include "tests/unit/temporary_directory.h"

@@ -17,7 +17,7 @@
 #include "core/brick/brick.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/decode/mesh_store.h"
-#include "server/server.h"
+#include "server/listen/server.h"
 #include "tests/unit/server_decoders.h"
 #include "tests/unit/server_meshes.h"
 #include "tests/unit/temporary_directory.h"

@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
 #include "server/calls/metrics.h"
-#include "server/metrics_server.h"
+#include "server/listen/metrics_server.h"
 #include "tests/unit/server_http.h"
 
 namespace latvox {

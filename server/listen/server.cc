@@ -1,4 +1,4 @@
-#include "server/server.h"
+#include "server/listen/server.h"
 
 #include <grpc/grpc.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
@@ -24,12 +24,12 @@
 #include "server/calls/service.h"
 #include "server/decode/decoder_pool.h"
 #include "server/decode/mesh_store.h"
-#include "server/endpoint.h"
-#include "server/health_server.h"
 #include "server/lane.h"
+#include "server/listen/endpoint.h"
+#include "server/listen/health_server.h"
+#include "server/listen/metrics_server.h"
+#include "server/listen/unix_socket.h"
 #include "server/memory_budget.h"
-#include "server/metrics_server.h"
-#include "server/unix_socket.h"
 
 namespace latvox {
 namespace {

@@ -1,6 +1,6 @@
 // Metrics over HTTP, as Prometheus fetches them: GET /metrics.
-#ifndef LATVOX_SERVER_METRICS_SERVER_H_
-#define LATVOX_SERVER_METRICS_SERVER_H_
+#ifndef LATVOX_SERVER_LISTEN_METRICS_SERVER_H_
+#define LATVOX_SERVER_LISTEN_METRICS_SERVER_H_
 
 #include <memory>
 #include <string>
@@ -25,4 +25,4 @@ class MetricsServer {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_METRICS_SERVER_H_
+#endif  // LATVOX_SERVER_LISTEN_METRICS_SERVER_H_

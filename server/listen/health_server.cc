@@ -1,4 +1,4 @@
-#include "server/health_server.h"
+#include "server/listen/health_server.h"
 
 #include <grpc/grpc.h>
 #include <grpcpp/generic/async_generic_service.h>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/endpoint.h"
-#include "server/unix_socket.h"
+#include "server/listen/endpoint.h"
+#include "server/listen/unix_socket.h"
 
 namespace latvox {
 namespace {

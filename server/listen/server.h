@@ -1,6 +1,6 @@
 // The server as a whole: threads, listening addresses, services, and an orderly end.
-#ifndef LATVOX_SERVER_SERVER_H_
-#define LATVOX_SERVER_SERVER_H_
+#ifndef LATVOX_SERVER_LISTEN_SERVER_H_
+#define LATVOX_SERVER_LISTEN_SERVER_H_
 
 #include <memory>
 #include <string>
@@ -11,7 +11,7 @@
 #include "server/access/access.h"
 #include "server/base/limits.h"
 #include "server/decode/decoder_process.h"
-#include "server/unix_socket.h"
+#include "server/listen/unix_socket.h"
 
 namespace latvox {
 
@@ -93,4 +93,4 @@ class VoxelServer {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_SERVER_H_
+#endif  // LATVOX_SERVER_LISTEN_SERVER_H_

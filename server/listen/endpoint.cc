@@ -1,4 +1,4 @@
-#include "server/endpoint.h"
+#include "server/listen/endpoint.h"
 
 #include <arpa/inet.h>
 
@@ -6,7 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
-#include "server/unix_socket.h"
+#include "server/listen/unix_socket.h"
 
 namespace latvox {
 namespace {

@@ -1,12 +1,12 @@
 // grpc.health.v1, and nothing else, on an address of its own: for probes that know no TLS, as those of Kubernetes.
-#ifndef LATVOX_SERVER_HEALTH_SERVER_H_
-#define LATVOX_SERVER_HEALTH_SERVER_H_
+#ifndef LATVOX_SERVER_LISTEN_HEALTH_SERVER_H_
+#define LATVOX_SERVER_LISTEN_HEALTH_SERVER_H_
 
 #include <memory>
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/unix_socket.h"
+#include "server/listen/unix_socket.h"
 
 namespace latvox {
 
@@ -28,4 +28,4 @@ class HealthServer {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_HEALTH_SERVER_H_
+#endif  // LATVOX_SERVER_LISTEN_HEALTH_SERVER_H_

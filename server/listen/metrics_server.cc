@@ -1,4 +1,4 @@
-#include "server/metrics_server.h"
+#include "server/listen/metrics_server.h"
 
 #include <prometheus/collectable.h>
 #include <prometheus/exposer.h>
