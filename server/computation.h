@@ -16,12 +16,12 @@
 #include "absl/status/statusor.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/brick_batch.h"
 #include "server/call_environment.h"
 #include "server/calls/mesh_upload.h"
-#include "server/convert.h"
 #include "server/decode/mesh_decoder.h"
 #include "server/memory_budget.h"
+#include "server/wire/brick_batch.h"
+#include "server/wire/convert.h"
 
 namespace latvox {
 

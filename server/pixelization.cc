@@ -13,7 +13,7 @@
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
 #include "server/base/milliseconds.h"
-#include "server/plane_convert.h"
+#include "server/wire/plane_convert.h"
 
 namespace latvox {
 namespace {

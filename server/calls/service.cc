@@ -14,7 +14,7 @@
 #include "server/calls/put_mesh_reactor.h"
 #include "server/calls/request_log.h"
 #include "server/calls/voxelize_reactor.h"
-#include "server/convert.h"
+#include "server/wire/convert.h"
 
 namespace latvox {
 namespace {

@@ -17,7 +17,7 @@
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/brick_batch.h"
+#include "server/wire/brick_batch.h"
 #include "tests/bench/meshes.h"
 
 namespace latvox {

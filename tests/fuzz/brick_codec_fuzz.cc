@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/brick_codec.h"
-#include "server/brick_codec.h"
+#include "server/wire/brick_codec.h"
 
 namespace {
 

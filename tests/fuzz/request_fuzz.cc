@@ -6,7 +6,7 @@
 
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/estimate.h"
-#include "server/convert.h"
+#include "server/wire/convert.h"
 
 namespace {
 

@@ -16,8 +16,8 @@
 #include "core/lattice/grid.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
-#include "server/brick_batch.h"
-#include "server/brick_codec.h"
+#include "server/wire/brick_batch.h"
+#include "server/wire/brick_codec.h"
 
 namespace latvox {
 namespace {

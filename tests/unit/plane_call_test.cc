@@ -13,7 +13,7 @@
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/listen/server.h"
 #include "server/pixelization.h"
-#include "server/plane_convert.h"
+#include "server/wire/plane_convert.h"
 #include "tests/unit/client_files.h"
 #include "tests/unit/server_decoders.h"
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "server/base/errors.h"
-#include "server/convert.h"
 #include "server/decode/decoder_protocol.h"
 #include "server/decode/draco_decoder.h"
+#include "server/wire/convert.h"
 
 namespace latvox {
 namespace {

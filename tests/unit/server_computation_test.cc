@@ -10,10 +10,10 @@
 
 #include "absl/time/clock.h"
 #include "server/base/errors.h"
-#include "server/brick_batch.h"
 #include "server/calls/mesh_upload.h"
 #include "server/computation.h"
-#include "server/convert.h"
+#include "server/wire/brick_batch.h"
+#include "server/wire/convert.h"
 #include "tests/unit/server_environment.h"
 #include "tests/unit/server_meshes.h"
 #include "tests/unit/server_thread_decoder.h"

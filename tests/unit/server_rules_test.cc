@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
 #include "server/base/errors.h"
-#include "server/convert.h"
+#include "server/wire/convert.h"
 #include "tests/unit/server_error_details.h"
 
 namespace latvox {

@@ -9,7 +9,7 @@
 #include "google/rpc/status.pb.h"
 #include "server/base/errors.h"
 #include "server/computation.h"
-#include "server/convert.h"
+#include "server/wire/convert.h"
 #include "tests/unit/server_environment.h"
 #include "tests/unit/server_meshes.h"
 #include "tests/unit/server_thread_decoder.h"

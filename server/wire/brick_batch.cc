@@ -1,4 +1,4 @@
-#include "server/brick_batch.h"
+#include "server/wire/brick_batch.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/attributes/attributes.h"
-#include "server/brick_codec.h"
+#include "server/wire/brick_codec.h"
 
 namespace latvox {
 namespace {

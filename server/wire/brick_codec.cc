@@ -1,4 +1,4 @@
-#include "server/brick_codec.h"
+#include "server/wire/brick_codec.h"
 
 // For ZSTD_c_literalCompressionMode, which is a number passed to a public function.
 #define ZSTD_STATIC_LINKING_ONLY

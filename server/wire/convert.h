@@ -1,6 +1,6 @@
 // Protocol <-> core: the one place where a field of a message meets a member of core.
-#ifndef LATVOX_SERVER_CONVERT_H_
-#define LATVOX_SERVER_CONVERT_H_
+#ifndef LATVOX_SERVER_WIRE_CONVERT_H_
+#define LATVOX_SERVER_WIRE_CONVERT_H_
 
 #include <cstdint>
 #include <optional>
@@ -12,8 +12,8 @@
 #include "server/base/errors.h"
 #include "server/base/limits.h"
 #include "server/base/mesh_attributes.h"
-#include "server/brick_batch.h"
 #include "server/decode/mesh_store.h"
+#include "server/wire/brick_batch.h"
 
 namespace latvox {
 
@@ -52,4 +52,4 @@ v1::GetLimitsResponse LimitsToProto(const Limits& limits);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CONVERT_H_
+#endif  // LATVOX_SERVER_WIRE_CONVERT_H_

@@ -1,6 +1,6 @@
-// Protocol <-> core: Fill. See server/convert.h.
-#ifndef LATVOX_SERVER_FILL_CONVERT_H_
-#define LATVOX_SERVER_FILL_CONVERT_H_
+// Protocol <-> core: Fill. See server/wire/convert.h.
+#ifndef LATVOX_SERVER_WIRE_FILL_CONVERT_H_
+#define LATVOX_SERVER_WIRE_FILL_CONVERT_H_
 
 #include <optional>
 
@@ -18,4 +18,4 @@ v1::FillFacts FillFactsToProto(const Solid& solid, const JobFacts& facts);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_FILL_CONVERT_H_
+#endif  // LATVOX_SERVER_WIRE_FILL_CONVERT_H_

@@ -1,4 +1,4 @@
-#include "server/plane_convert.h"
+#include "server/wire/plane_convert.h"
 
 #include <cmath>
 #include <string>

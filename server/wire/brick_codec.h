@@ -1,6 +1,6 @@
 // Bricks -> BrickBatch.packed. The format stands in proto/latvox/v1/voxelizer.proto.
-#ifndef LATVOX_SERVER_BRICK_CODEC_H_
-#define LATVOX_SERVER_BRICK_CODEC_H_
+#ifndef LATVOX_SERVER_WIRE_BRICK_CODEC_H_
+#define LATVOX_SERVER_WIRE_BRICK_CODEC_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -32,4 +32,4 @@ std::optional<std::string> CompressWherePays(std::string_view packed);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_BRICK_CODEC_H_
+#endif  // LATVOX_SERVER_WIRE_BRICK_CODEC_H_

@@ -1,4 +1,4 @@
-#include "server/fill_convert.h"
+#include "server/wire/fill_convert.h"
 
 #include <string>
 

@@ -1,6 +1,6 @@
-// Protocol <-> core for the plane; see server/convert.h.
-#ifndef LATVOX_SERVER_PLANE_CONVERT_H_
-#define LATVOX_SERVER_PLANE_CONVERT_H_
+// Protocol <-> core for the plane; see server/wire/convert.h.
+#ifndef LATVOX_SERVER_WIRE_PLANE_CONVERT_H_
+#define LATVOX_SERVER_WIRE_PLANE_CONVERT_H_
 
 #include <optional>
 #include <vector>
@@ -34,4 +34,4 @@ v1::PixelizeResponse PixelsToProto(const PlaneJobSpec& spec, const PlaneGrid& gr
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_PLANE_CONVERT_H_
+#endif  // LATVOX_SERVER_WIRE_PLANE_CONVERT_H_

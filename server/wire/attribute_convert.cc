@@ -1,4 +1,4 @@
-#include "server/attribute_convert.h"
+#include "server/wire/attribute_convert.h"
 
 #include <algorithm>
 #include <string>

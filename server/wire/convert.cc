@@ -1,4 +1,4 @@
-#include "server/convert.h"
+#include "server/wire/convert.h"
 
 #include <cmath>
 #include <string>
@@ -6,9 +6,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
-#include "server/attribute_convert.h"
 #include "server/base/errors.h"
-#include "server/fill_convert.h"
+#include "server/wire/attribute_convert.h"
+#include "server/wire/fill_convert.h"
 
 namespace latvox {
 namespace {

@@ -1,6 +1,6 @@
-// Protocol <-> core: Attribute. See server/convert.h.
-#ifndef LATVOX_SERVER_ATTRIBUTE_CONVERT_H_
-#define LATVOX_SERVER_ATTRIBUTE_CONVERT_H_
+// Protocol <-> core: Attribute. See server/wire/convert.h.
+#ifndef LATVOX_SERVER_WIRE_ATTRIBUTE_CONVERT_H_
+#define LATVOX_SERVER_WIRE_ATTRIBUTE_CONVERT_H_
 
 #include "absl/status/statusor.h"
 #include "core/voxelizer/voxelizer.h"
@@ -17,4 +17,4 @@ v1::AttributeCertificate AttributesToProto(const MeshAttributes& attributes, con
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_ATTRIBUTE_CONVERT_H_
+#endif  // LATVOX_SERVER_WIRE_ATTRIBUTE_CONVERT_H_

@@ -1,6 +1,6 @@
 // Tiles -> BrickBatch messages.
-#ifndef LATVOX_SERVER_BRICK_BATCH_H_
-#define LATVOX_SERVER_BRICK_BATCH_H_
+#ifndef LATVOX_SERVER_WIRE_BRICK_BATCH_H_
+#define LATVOX_SERVER_WIRE_BRICK_BATCH_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -53,4 +53,4 @@ class BrickBatcher {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_BRICK_BATCH_H_
+#endif  // LATVOX_SERVER_WIRE_BRICK_BATCH_H_
