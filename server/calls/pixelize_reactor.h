@@ -16,12 +16,12 @@
 #include "absl/status/status.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/access/call_origin.h"
-#include "server/call_environment.h"
 #include "server/calls/call.h"
 #include "server/calls/call_registry.h"
-#include "server/lane.h"
-#include "server/memory_budget.h"
-#include "server/pixelization.h"
+#include "server/work/call_environment.h"
+#include "server/work/memory_budget.h"
+#include "server/work/pixelization.h"
+#include "server/work/work_queue.h"
 
 namespace latvox {
 

@@ -10,8 +10,8 @@
 #include "absl/status/status.h"
 #include "server/access/call_origin.h"
 #include "server/base/log.h"
-#include "server/computation.h"
-#include "server/pixelization.h"
+#include "server/work/computation.h"
+#include "server/work/pixelization.h"
 
 namespace latvox {
 

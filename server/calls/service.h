@@ -9,7 +9,7 @@
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/access/authenticator.h"
 #include "server/access/call_origin.h"
-#include "server/call_environment.h"
+#include "server/work/call_environment.h"
 
 namespace latvox {
 

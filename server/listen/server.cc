@@ -24,12 +24,12 @@
 #include "server/calls/service.h"
 #include "server/decode/decoder_pool.h"
 #include "server/decode/mesh_store.h"
-#include "server/lane.h"
 #include "server/listen/endpoint.h"
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
 #include "server/listen/unix_socket.h"
-#include "server/memory_budget.h"
+#include "server/work/memory_budget.h"
+#include "server/work/work_queue.h"
 
 namespace latvox {
 namespace {

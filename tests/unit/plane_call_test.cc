@@ -12,8 +12,8 @@
 #include "core/plane/pixelize.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/listen/server.h"
-#include "server/pixelization.h"
 #include "server/wire/plane_convert.h"
+#include "server/work/pixelization.h"
 #include "tests/unit/client_files.h"
 #include "tests/unit/server_decoders.h"
 

@@ -11,7 +11,7 @@
 #include "server/base/errors.h"
 #include "server/calls/call_registry.h"
 #include "server/decode/mesh_store.h"
-#include "server/memory_budget.h"
+#include "server/work/memory_budget.h"
 
 namespace latvox {
 namespace {

@@ -4,13 +4,13 @@
 
 #include "server/access/authenticator.h"
 #include "server/base/limits.h"
-#include "server/call_environment.h"
 #include "server/calls/call_registry.h"
 #include "server/calls/metrics.h"
 #include "server/decode/mesh_decoder.h"
 #include "server/decode/mesh_store.h"
-#include "server/lane.h"
-#include "server/memory_budget.h"
+#include "server/work/call_environment.h"
+#include "server/work/memory_budget.h"
+#include "server/work/work_queue.h"
 
 namespace latvox {
 

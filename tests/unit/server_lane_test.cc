@@ -13,7 +13,7 @@
 #include <set>
 #include <thread>
 
-#include "server/lane.h"
+#include "server/work/work_queue.h"
 
 namespace latvox {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/computation.h"
+#include "server/work/computation.h"
 
 #include <algorithm>
 #include <utility>
@@ -11,7 +11,7 @@
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
 #include "server/base/milliseconds.h"
-#include "server/lane.h"
+#include "server/work/work_queue.h"
 
 namespace latvox {
 namespace {

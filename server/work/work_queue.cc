@@ -1,4 +1,4 @@
-#include "server/lane.h"
+#include "server/work/work_queue.h"
 
 #include <pthread.h>
 #include <sys/resource.h>

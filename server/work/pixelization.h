@@ -1,6 +1,6 @@
 // One request's work for Pixelize. Knows no gRPC.
-#ifndef LATVOX_SERVER_PIXELIZATION_H_
-#define LATVOX_SERVER_PIXELIZATION_H_
+#ifndef LATVOX_SERVER_WORK_PIXELIZATION_H_
+#define LATVOX_SERVER_WORK_PIXELIZATION_H_
 
 #include <atomic>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/base/limits.h"
-#include "server/memory_budget.h"
+#include "server/work/memory_budget.h"
 
 namespace latvox {
 
@@ -33,4 +33,4 @@ absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_PIXELIZATION_H_
+#endif  // LATVOX_SERVER_WORK_PIXELIZATION_H_

@@ -1,6 +1,6 @@
 // The memory that jobs may take, all together.
-#ifndef LATVOX_SERVER_MEMORY_BUDGET_H_
-#define LATVOX_SERVER_MEMORY_BUDGET_H_
+#ifndef LATVOX_SERVER_WORK_MEMORY_BUDGET_H_
+#define LATVOX_SERVER_WORK_MEMORY_BUDGET_H_
 
 #include <algorithm>
 #include <atomic>
@@ -65,4 +65,4 @@ constexpr uint64_t SharedMemoryBudget(uint64_t budget) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_MEMORY_BUDGET_H_
+#endif  // LATVOX_SERVER_WORK_MEMORY_BUDGET_H_

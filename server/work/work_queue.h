@@ -3,8 +3,8 @@
 //
 // oneTBB's workers go from arena to arena, and a thread that has lowered its priority may not raise it again without
 // privileges (RLIMIT_NICE). Hence a lane of lower priority has threads of its own, which stay.
-#ifndef LATVOX_SERVER_LANE_H_
-#define LATVOX_SERVER_LANE_H_
+#ifndef LATVOX_SERVER_WORK_WORK_QUEUE_H_
+#define LATVOX_SERVER_WORK_WORK_QUEUE_H_
 
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
@@ -66,4 +66,4 @@ void DoOrdinarily(const Lane& lane, Lane& ordinary, F act) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_LANE_H_
+#endif  // LATVOX_SERVER_WORK_WORK_QUEUE_H_

@@ -1,6 +1,6 @@
 // What all calls share.
-#ifndef LATVOX_SERVER_CALL_ENVIRONMENT_H_
-#define LATVOX_SERVER_CALL_ENVIRONMENT_H_
+#ifndef LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_
+#define LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_
 
 #include "server/base/limits.h"
 
@@ -27,4 +27,4 @@ struct CallEnvironment {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CALL_ENVIRONMENT_H_
+#endif  // LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_

@@ -1,4 +1,4 @@
-#include "server/pixelization.h"
+#include "server/work/pixelization.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // One request's work after its upload: encoded mesh in, response messages out. Knows no gRPC.
 //
 //   Receive … ──▶ TakeMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
-#ifndef LATVOX_SERVER_COMPUTATION_H_
-#define LATVOX_SERVER_COMPUTATION_H_
+#ifndef LATVOX_SERVER_WORK_COMPUTATION_H_
+#define LATVOX_SERVER_WORK_COMPUTATION_H_
 
 #include <atomic>
 #include <chrono>
@@ -16,12 +16,12 @@
 #include "absl/status/statusor.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/call_environment.h"
 #include "server/calls/mesh_upload.h"
 #include "server/decode/mesh_decoder.h"
-#include "server/memory_budget.h"
 #include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
+#include "server/work/call_environment.h"
+#include "server/work/memory_budget.h"
 
 namespace latvox {
 
@@ -124,4 +124,4 @@ class Computation {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_COMPUTATION_H_
+#endif  // LATVOX_SERVER_WORK_COMPUTATION_H_
