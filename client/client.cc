@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "absl/strings/str_split.h"
-#include "client/connection.h"
-#include "client/remote_service.h"
-#include "client/request_check.h"
+#include "client/internal/connection.h"
+#include "client/internal/remote_service.h"
+#include "client/internal/request_check.h"
 
 namespace latvox::client {
 namespace {

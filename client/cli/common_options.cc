@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "client/trace_context.h"
+#include "client/internal/trace_context.h"
 
 namespace latvox::client {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/digest.h"
 #include "client/grid/tree_nodes.h"
+#include "client/internal/digest.h"
 
 namespace latvox::client {
 

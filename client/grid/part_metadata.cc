@@ -16,7 +16,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
-#include "client/digest.h"
+#include "client/internal/digest.h"
 
 namespace latvox::client {
 namespace {

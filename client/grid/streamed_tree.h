@@ -4,10 +4,10 @@
 
 #include <map>
 
-#include "client/digest.h"
 #include "client/grid/brick_merge.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
+#include "client/internal/digest.h"
 
 namespace latvox::client {
 

@@ -13,7 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/brick_codec.h"
+#include "client/internal/brick_codec.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/answer_check.h"
+#include "client/internal/answer_check.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/brick_codec.h"
+#include "client/internal/brick_codec.h"
 #include "server/wire/brick_codec.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Packed bricks: the server's encoder, the client's decoder, and the format between them, byte by byte.
-#include "client/brick_codec.h"
+#include "client/internal/brick_codec.h"
 
 #include <gmock/gmock.h>
 #include <zstd.h>

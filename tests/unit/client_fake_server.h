@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/digest.h"
+#include "client/internal/digest.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 
 namespace latvox::client {

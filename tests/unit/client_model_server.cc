@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "absl/strings/str_cat.h"
-#include "client/digest.h"
+#include "client/internal/digest.h"
 #include "client/mesh_id.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"

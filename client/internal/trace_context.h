@@ -1,6 +1,6 @@
 // W3C Trace Context, https://www.w3.org/TR/trace-context: what may be sent of it. Internal to the SDK and its programs.
-#ifndef LATVOX_CLIENT_TRACE_CONTEXT_H_
-#define LATVOX_CLIENT_TRACE_CONTEXT_H_
+#ifndef LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_
+#define LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_
 
 #include "absl/strings/string_view.h"
 
@@ -15,4 +15,4 @@ bool IsTracestate(absl::string_view value);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_TRACE_CONTEXT_H_
+#endif  // LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_

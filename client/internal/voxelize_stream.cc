@@ -1,4 +1,4 @@
-#include "client/voxelize_stream.h"
+#include "client/internal/voxelize_stream.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
 // What is wrong with a call whatever server it goes to. Internal to the SDK.
-#ifndef LATVOX_CLIENT_REQUEST_CHECK_H_
-#define LATVOX_CLIENT_REQUEST_CHECK_H_
+#ifndef LATVOX_CLIENT_INTERNAL_REQUEST_CHECK_H_
+#define LATVOX_CLIENT_INTERNAL_REQUEST_CHECK_H_
 
 #include <string_view>
 
@@ -19,4 +19,4 @@ absl::Status CheckRequest(const PixelizeRequest& request);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_REQUEST_CHECK_H_
+#endif  // LATVOX_CLIENT_INTERNAL_REQUEST_CHECK_H_

@@ -1,4 +1,4 @@
-#include "client/trace_context.h"
+#include "client/internal/trace_context.h"
 
 #include <algorithm>
 

@@ -1,13 +1,13 @@
 // The tries of one call: which server, when, and when to give up. Internal to the SDK.
-#ifndef LATVOX_CLIENT_TRIES_H_
-#define LATVOX_CLIENT_TRIES_H_
+#ifndef LATVOX_CLIENT_INTERNAL_TRIES_H_
+#define LATVOX_CLIENT_INTERNAL_TRIES_H_
 
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/attempt.h"
 #include "client/call_options.h"
-#include "client/connection.h"
+#include "client/internal/attempt.h"
+#include "client/internal/connection.h"
 
 namespace latvox::client {
 
@@ -55,4 +55,4 @@ absl::Status Repeat(Connection& connection, const CallOptions& options, const On
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_TRIES_H_
+#endif  // LATVOX_CLIENT_INTERNAL_TRIES_H_

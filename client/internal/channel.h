@@ -1,6 +1,6 @@
 // Channels as the SDK uses them. Internal to the SDK.
-#ifndef LATVOX_CLIENT_CHANNEL_H_
-#define LATVOX_CLIENT_CHANNEL_H_
+#ifndef LATVOX_CLIENT_INTERNAL_CHANNEL_H_
+#define LATVOX_CLIENT_INTERNAL_CHANNEL_H_
 
 #include <grpcpp/channel.h>
 
@@ -19,4 +19,4 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& ad
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CHANNEL_H_
+#endif  // LATVOX_CLIENT_INTERNAL_CHANNEL_H_

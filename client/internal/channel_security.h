@@ -1,6 +1,6 @@
 // Credentials in gRPC's terms. Internal to the SDK.
-#ifndef LATVOX_CLIENT_CHANNEL_SECURITY_H_
-#define LATVOX_CLIENT_CHANNEL_SECURITY_H_
+#ifndef LATVOX_CLIENT_INTERNAL_CHANNEL_SECURITY_H_
+#define LATVOX_CLIENT_INTERNAL_CHANNEL_SECURITY_H_
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/security/credentials.h>
@@ -24,4 +24,4 @@ void AddCallMetadata(const Credentials& credentials, const CallOptions& options,
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CHANNEL_SECURITY_H_
+#endif  // LATVOX_CLIENT_INTERNAL_CHANNEL_SECURITY_H_

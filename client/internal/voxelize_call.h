@@ -1,15 +1,15 @@
 // Voxelize, from the first try to the last brick. Internal to the SDK.
-#ifndef LATVOX_CLIENT_VOXELIZE_CALL_H_
-#define LATVOX_CLIENT_VOXELIZE_CALL_H_
+#ifndef LATVOX_CLIENT_INTERNAL_VOXELIZE_CALL_H_
+#define LATVOX_CLIENT_INTERNAL_VOXELIZE_CALL_H_
 
 #include <optional>
 #include <string_view>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/answer_check.h"
-#include "client/connection.h"
-#include "client/tries.h"
+#include "client/internal/answer_check.h"
+#include "client/internal/connection.h"
+#include "client/internal/tries.h"
 #include "client/types.h"
 #include "client/voxelize_handlers.h"
 
@@ -53,4 +53,4 @@ class VoxelizeCall {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_VOXELIZE_CALL_H_
+#endif  // LATVOX_CLIENT_INTERNAL_VOXELIZE_CALL_H_

@@ -1,10 +1,10 @@
-#include "client/channel.h"
+#include "client/internal/channel.h"
 
 #include <grpc/grpc.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/support/channel_arguments.h>
 
-#include "client/channel_security.h"
+#include "client/internal/channel_security.h"
 
 namespace latvox::client {
 namespace {

@@ -1,6 +1,6 @@
 // The servers that a Client talks to. Internal to the SDK.
-#ifndef LATVOX_CLIENT_CONNECTION_H_
-#define LATVOX_CLIENT_CONNECTION_H_
+#ifndef LATVOX_CLIENT_INTERNAL_CONNECTION_H_
+#define LATVOX_CLIENT_INTERNAL_CONNECTION_H_
 
 #include <grpcpp/channel.h>
 
@@ -69,4 +69,4 @@ class Connection {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CONNECTION_H_
+#endif  // LATVOX_CLIENT_INTERNAL_CONNECTION_H_

@@ -1,6 +1,6 @@
 // The digest of a voxel set, computed from what arrived, to hold against what the server says it sent.
-#ifndef LATVOX_CLIENT_DIGEST_H_
-#define LATVOX_CLIENT_DIGEST_H_
+#ifndef LATVOX_CLIENT_INTERNAL_DIGEST_H_
+#define LATVOX_CLIENT_INTERNAL_DIGEST_H_
 
 #include <cstdint>
 #include <span>
@@ -29,4 +29,4 @@ class Digest {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_DIGEST_H_
+#endif  // LATVOX_CLIENT_INTERNAL_DIGEST_H_

@@ -1,6 +1,6 @@
 // Plain values to protocol messages and back. Internal to the SDK.
-#ifndef LATVOX_CLIENT_WIRE_H_
-#define LATVOX_CLIENT_WIRE_H_
+#ifndef LATVOX_CLIENT_INTERNAL_WIRE_H_
+#define LATVOX_CLIENT_INTERNAL_WIRE_H_
 
 #include <grpcpp/support/status.h>
 
@@ -25,4 +25,4 @@ absl::Status FromGrpc(const grpc::Status& status);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_WIRE_H_
+#endif  // LATVOX_CLIENT_INTERNAL_WIRE_H_

@@ -1,4 +1,4 @@
-#include "client/answer_check.h"
+#include "client/internal/answer_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/brick_codec.h"
-#include "client/wire.h"
+#include "client/internal/brick_codec.h"
+#include "client/internal/wire.h"
 
 namespace latvox::client {
 namespace {

@@ -1,6 +1,6 @@
 // One try of one call. Internal to the SDK.
-#ifndef LATVOX_CLIENT_ATTEMPT_H_
-#define LATVOX_CLIENT_ATTEMPT_H_
+#ifndef LATVOX_CLIENT_INTERNAL_ATTEMPT_H_
+#define LATVOX_CLIENT_INTERNAL_ATTEMPT_H_
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
@@ -42,4 +42,4 @@ class Attempt {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_ATTEMPT_H_
+#endif  // LATVOX_CLIENT_INTERNAL_ATTEMPT_H_

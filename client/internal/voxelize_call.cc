@@ -1,10 +1,10 @@
-#include "client/voxelize_call.h"
+#include "client/internal/voxelize_call.h"
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/voxelize_stream.h"
-#include "client/wire.h"
+#include "client/internal/voxelize_stream.h"
+#include "client/internal/wire.h"
 
 namespace latvox::client {
 

@@ -1,4 +1,4 @@
-#include "client/connection.h"
+#include "client/internal/connection.h"
 
 #include <algorithm>
 
@@ -6,8 +6,8 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "client/attempt.h"
-#include "client/channel.h"
+#include "client/internal/attempt.h"
+#include "client/internal/channel.h"
 
 namespace latvox::client {
 namespace {

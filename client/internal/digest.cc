@@ -1,4 +1,4 @@
-#include "client/digest.h"
+#include "client/internal/digest.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

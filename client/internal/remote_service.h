@@ -1,10 +1,10 @@
 // The service that servers offer over gRPC. Internal to the SDK.
-#ifndef LATVOX_CLIENT_REMOTE_SERVICE_H_
-#define LATVOX_CLIENT_REMOTE_SERVICE_H_
+#ifndef LATVOX_CLIENT_INTERNAL_REMOTE_SERVICE_H_
+#define LATVOX_CLIENT_INTERNAL_REMOTE_SERVICE_H_
 
 #include <memory>
 
-#include "client/connection.h"
+#include "client/internal/connection.h"
 #include "client/voxel_service.h"
 
 namespace latvox::client {
@@ -27,4 +27,4 @@ class RemoteService final : public VoxelService {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_REMOTE_SERVICE_H_
+#endif  // LATVOX_CLIENT_INTERNAL_REMOTE_SERVICE_H_

@@ -1,16 +1,16 @@
-#include "client/remote_service.h"
+#include "client/internal/remote_service.h"
 
 #include <grpcpp/generic/generic_stub.h>
 
 #include <future>
 #include <utility>
 
-#include "client/attempt.h"
-#include "client/mesh_pieces.h"
-#include "client/plane_wire.h"
-#include "client/tries.h"
-#include "client/voxelize_call.h"
-#include "client/wire.h"
+#include "client/internal/attempt.h"
+#include "client/internal/mesh_pieces.h"
+#include "client/internal/plane_wire.h"
+#include "client/internal/tries.h"
+#include "client/internal/voxelize_call.h"
+#include "client/internal/wire.h"
 
 namespace latvox::client {
 

@@ -1,4 +1,4 @@
-#include "client/channel_security.h"
+#include "client/internal/channel_security.h"
 
 #include <arpa/inet.h>
 
@@ -14,7 +14,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "client/trace_context.h"
+#include "client/internal/trace_context.h"
 
 namespace latvox::client {
 namespace {

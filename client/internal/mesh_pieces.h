@@ -1,6 +1,6 @@
 // The messages that carry a mesh. Internal to the SDK.
-#ifndef LATVOX_CLIENT_MESH_PIECES_H_
-#define LATVOX_CLIENT_MESH_PIECES_H_
+#ifndef LATVOX_CLIENT_INTERNAL_MESH_PIECES_H_
+#define LATVOX_CLIENT_INTERNAL_MESH_PIECES_H_
 
 #include <cstdint>
 #include <string>
@@ -34,4 +34,4 @@ class MeshPieces {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_MESH_PIECES_H_
+#endif  // LATVOX_CLIENT_INTERNAL_MESH_PIECES_H_

@@ -1,6 +1,6 @@
 // Holds a server's answers against the protocol. Internal to the SDK.
-#ifndef LATVOX_CLIENT_ANSWER_CHECK_H_
-#define LATVOX_CLIENT_ANSWER_CHECK_H_
+#ifndef LATVOX_CLIENT_INTERNAL_ANSWER_CHECK_H_
+#define LATVOX_CLIENT_INTERNAL_ANSWER_CHECK_H_
 
 #include <optional>
 #include <string>
@@ -9,7 +9,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
-#include "client/digest.h"
+#include "client/internal/digest.h"
 #include "client/types.h"
 #include "client/voxelize_handlers.h"
 #include "latvox/v1/voxelizer.pb.h"
@@ -78,4 +78,4 @@ class AnswerCheck {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_ANSWER_CHECK_H_
+#endif  // LATVOX_CLIENT_INTERNAL_ANSWER_CHECK_H_

@@ -1,4 +1,4 @@
-#include "client/tries.h"
+#include "client/internal/tries.h"
 
 #include <algorithm>
 #include <cmath>

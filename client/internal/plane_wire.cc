@@ -1,11 +1,11 @@
-#include "client/plane_wire.h"
+#include "client/internal/plane_wire.h"
 
 #include <cmath>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
-#include "client/digest.h"
+#include "client/internal/digest.h"
 
 namespace latvox::client {
 namespace {

@@ -1,6 +1,6 @@
 // BrickBatch.packed -> bricks. The format stands in proto/latvox/v1/voxelizer.proto. Internal to the SDK.
-#ifndef LATVOX_CLIENT_BRICK_CODEC_H_
-#define LATVOX_CLIENT_BRICK_CODEC_H_
+#ifndef LATVOX_CLIENT_INTERNAL_BRICK_CODEC_H_
+#define LATVOX_CLIENT_INTERNAL_BRICK_CODEC_H_
 
 #include <cstddef>
 #include <string>
@@ -39,4 +39,4 @@ absl::Status Decompress(std::string_view frame, size_t packed_bytes, std::string
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_BRICK_CODEC_H_
+#endif  // LATVOX_CLIENT_INTERNAL_BRICK_CODEC_H_

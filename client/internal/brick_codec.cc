@@ -1,4 +1,4 @@
-#include "client/brick_codec.h"
+#include "client/internal/brick_codec.h"
 
 #include <zstd.h>
 

@@ -1,4 +1,4 @@
-#include "client/attempt.h"
+#include "client/internal/attempt.h"
 
 #include <algorithm>
 #include <optional>
@@ -6,9 +6,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
-#include "client/channel_security.h"
 #include "client/error.h"
-#include "client/wire.h"
+#include "client/internal/channel_security.h"
+#include "client/internal/wire.h"
 
 namespace latvox::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/request_check.h"
+#include "client/internal/request_check.h"
 
 #include <optional>
 #include <string>

@@ -1,6 +1,6 @@
 // One stream of Voxelize. Internal to the SDK.
-#ifndef LATVOX_CLIENT_VOXELIZE_STREAM_H_
-#define LATVOX_CLIENT_VOXELIZE_STREAM_H_
+#ifndef LATVOX_CLIENT_INTERNAL_VOXELIZE_STREAM_H_
+#define LATVOX_CLIENT_INTERNAL_VOXELIZE_STREAM_H_
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/client_callback.h>
@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "absl/synchronization/notification.h"
-#include "client/mesh_pieces.h"
+#include "client/internal/mesh_pieces.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 
 namespace latvox::client {
@@ -61,4 +61,4 @@ class VoxelizeStream final : private grpc::ClientBidiReactor<v1::VoxelizeRequest
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_VOXELIZE_STREAM_H_
+#endif  // LATVOX_CLIENT_INTERNAL_VOXELIZE_STREAM_H_

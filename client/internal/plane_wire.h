@@ -1,6 +1,6 @@
 // Plain values of the plane to protocol messages and back. Internal to the SDK.
-#ifndef LATVOX_CLIENT_PLANE_WIRE_H_
-#define LATVOX_CLIENT_PLANE_WIRE_H_
+#ifndef LATVOX_CLIENT_INTERNAL_PLANE_WIRE_H_
+#define LATVOX_CLIENT_INTERNAL_PLANE_WIRE_H_
 
 #include "absl/status/statusor.h"
 #include "client/plane_types.h"
@@ -16,4 +16,4 @@ absl::StatusOr<Pixelization> FromProto(const v1::PixelizeResponse& response);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_PLANE_WIRE_H_
+#endif  // LATVOX_CLIENT_INTERNAL_PLANE_WIRE_H_
