@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <map>
 
-#include "client/cli/file_url.h"
-#include "client/cli/job_file.h"
-#include "client/cli/job_line.h"
-#include "client/cli/line_shard.h"
+#include "client/tool/cli/file_url.h"
+#include "client/tool/cli/job_file.h"
+#include "client/tool/cli/job_line.h"
+#include "client/tool/cli/line_shard.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

@@ -1,0 +1,231 @@
+#include "client/tool/cli/batch_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "client/mesh/input.h"
+#include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/job_digest.h"
+#include "client/tool/cli/voxelize_command.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr size_t kFailuresKept = 100;
+constexpr auto kGlance = std::chrono::milliseconds(100);
+
+// Directories within the batch's, which a job may name.
+absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
+  for (const std::string& output : outputs) {
+    std::error_code error;
+    std::filesystem::create_directories(std::filesystem::path(output).parent_path(), error);
+    if (!error) continue;
+    return absl::FailedPreconditionError(absl::StrCat(output, ": cannot be written (", error.message(), ")"));
+  }
+  return absl::OkStatus();
+}
+
+// By which a later run knows them.
+void Measure(const std::vector<std::string>& outputs, JobResult& result) {
+  for (const std::string& output : outputs) {
+    std::error_code error;
+    result.bytes.push_back(std::filesystem::file_size(output, error));
+    if (!error) continue;
+    result.outcome = JobResult::Outcome::kFailed;
+    result.error = absl::FailedPreconditionError(absl::StrCat(output, ": was written, and is gone: ", error.message()));
+    return;
+  }
+}
+
+}  // namespace
+
+BatchRun::BatchRun(const BatchOptions& options, const JobFile& file, const DoneJobs& done, ResultsFile& results,
+                   const Cancellation& cancellation)
+    : options_(options), file_(file), done_(done), results_(results), cancellation_(cancellation), start_(absl::Now()) {
+  report_.jobs = file.lines.size();
+}
+
+absl::Status BatchRun::Run() {
+  std::vector<std::thread> threads;
+  workers_ = static_cast<int>(std::min<size_t>(file_.lines.size(), static_cast<size_t>(options_.jobs)));
+  for (int n = 0, count = workers_; n < count; ++n) threads.emplace_back([this] { Work(); });
+  Watch();
+  for (std::thread& thread : threads) thread.join();
+  session_.reset();
+  return absl::IsCancelled(stop_) ? absl::OkStatus() : stop_;
+}
+
+BatchReport BatchRun::report() const {
+  BatchReport report = report_;
+  report.cancelled = cancellation_.cancelled() && report.done + report.failed + report.skipped < report.jobs;
+  if (report.cancelled) report.status = ExitStatus::kCancelled;
+  return report;
+}
+
+void BatchRun::Work() {
+  JobParser parser(std::filesystem::path(options_.jobs_file).parent_path().string(), options_.directory);
+  for (;;) {
+    const JobLine* line = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!stop_.ok() || cancellation_.cancelled() || next_ == file_.lines.size()) break;
+      line = &file_.lines[next_++];
+    }
+    JobResult result;
+    result.line = line->number;
+    try {
+      Do(parser, *line, result);
+    } catch (const std::bad_alloc&) {
+      result.error = absl::ResourceExhaustedError("memory: there is none left");
+    } catch (const std::exception& error) {
+      result.error = absl::UnknownError(error.what());
+    }
+    if (!result.error.ok()) result.outcome = JobResult::Outcome::kFailed;
+    result.ended_unix_ms = static_cast<uint64_t>(absl::ToUnixMillis(absl::Now()));
+    End(result);
+  }
+  const std::lock_guard lock(mutex_);
+  --workers_;
+  changed_.notify_all();
+}
+
+void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
+  auto job = parser.Parse(line.text);
+  result.error = job.status();
+  if (!job.ok()) return;
+  const CallOptions call = MakeCallOptions(options_.server, cancellation_);
+  result.id = job->id;
+  result.mesh = job->mesh;
+  result.outputs = job->names;
+  result.error = CheckPlaces(*job);
+  if (result.error.ok()) result.error = Align(job->options);
+  if (!result.error.ok()) return;
+  // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
+  auto digest = DoAbandonably([job = *job] { return JobDigest(job); }, call);
+  result.error = digest.status();
+  if (!digest.ok()) return;
+  result.job_digest = *std::move(digest);
+  if (auto voxels = done_.Find(*job, result.job_digest)) {
+    result.outcome = JobResult::Outcome::kSkipped;
+    result.digest = *std::move(voxels);
+  } else {
+    Voxelize(*job, call, result);
+  }
+  if (result.outcome != JobResult::Outcome::kFailed) Measure(job->options.outputs, result);
+}
+
+void BatchRun::Voxelize(const Job& job, const CallOptions& call, JobResult& result) {
+  result.error = MakeDirectories(job.options.outputs);
+  if (!result.error.ok()) return;
+  SharedSession session;
+  JobHooks hooks;
+  hooks.connect = [&]() -> absl::StatusOr<const Client*> {
+    auto connected = Connect();
+    if (!connected.ok()) return connected.status();
+    session = *std::move(connected);
+    return &session->client();
+  };
+  hooks.on_stage = [](const std::string&) {};
+  hooks.on_progress = [](double, uint64_t) {};
+  hooks.say = [&](const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    bar_.Say(absl::StrCat("latvox: ", job.id, ": ", line));
+  };
+  auto report = RunJob(job.options, call, hooks);
+  if (report.ok()) {
+    result.outcome = JobResult::Outcome::kDone;
+    result.report = *std::move(report);
+    return;
+  }
+  result.error = report.status();
+  if (session != nullptr && absl::IsUnavailable(result.error)) Disconnect(session);
+}
+
+absl::StatusOr<BatchRun::SharedSession> BatchRun::Connect() {
+  std::unique_lock lock(mutex_);
+  wanted_ = true;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return session_ != nullptr || !stop_.ok(); });
+  if (session_ == nullptr) return stop_;
+  return session_;
+}
+
+// A private server that is lost does not come back: the next job gets another one.
+void BatchRun::Disconnect(const SharedSession& session) {
+  if (!options_.server.address.empty()) return;
+  const std::lock_guard lock(mutex_);
+  if (session_ == session) session_ = nullptr;
+}
+
+// What fails because the batch stops is not the job's failure.
+void BatchRun::End(const JobResult& result) {
+  const bool failed = result.outcome == JobResult::Outcome::kFailed;
+  std::unique_lock lock(mutex_);
+  if (failed && (cancellation_.cancelled() || !stop_.ok())) return;
+  lock.unlock();
+  const absl::Status written = results_.Append(result);
+  lock.lock();
+  if (stop_.ok()) stop_ = written;
+  Count(result);
+}
+
+void BatchRun::Count(const JobResult& result) {
+  using Outcome = JobResult::Outcome;
+  report_.done += result.outcome == Outcome::kDone;
+  report_.skipped += result.outcome == Outcome::kSkipped;
+  if (result.outcome != Outcome::kFailed) return;
+  const ExitStatus status = ExitStatusOf(result.error);
+  report_.status = report_.failed == 0 || report_.status == status ? status : ExitStatus::kOther;
+  ++report_.failed;
+  if (report_.failures.size() == kFailuresKept) return;
+  report_.failures.push_back(
+      absl::StrCat(NameOfInput(options_.jobs_file), ":", result.line, ": ", ErrorText(result.error)));
+}
+
+void BatchRun::Watch() {
+  std::unique_lock lock(mutex_);
+  while (workers_ > 0) {
+    if (wanted_ && session_ == nullptr && stop_.ok()) OpenSession(lock);
+    ShowProgress();
+    changed_.wait_for(lock, kGlance);
+  }
+}
+
+void BatchRun::OpenSession(std::unique_lock<std::mutex>& lock) {
+  lock.unlock();
+  CallOptions call;
+  call.cancellation = cancellation_;
+  auto session = Session::Open(options_.server, call);
+  lock.lock();
+  if (session.ok()) {
+    session_ = std::make_shared<const Session>(*std::move(session));
+  } else {
+    stop_ = session.status();
+  }
+  wanted_ = false;
+  changed_.notify_all();
+}
+
+void BatchRun::ShowProgress() {
+  const uint64_t worked = report_.done + report_.failed, ended = worked + report_.skipped;
+  const double seconds = absl::ToDoubleSeconds(absl::Now() - start_);
+  std::string text = absl::StrCat(ended, "/", report_.jobs, " jobs");
+  if (report_.failed > 0) absl::StrAppend(&text, ", ", report_.failed, " failed");
+  if (worked > 0) {
+    const double rate = static_cast<double>(worked) / seconds;
+    const absl::Duration left = absl::Seconds(static_cast<double>(report_.jobs - ended) / rate);
+    absl::StrAppendFormat(&text, ", %.3g/s, %s left", rate, absl::FormatDuration(absl::Trunc(left, absl::Seconds(1))));
+  }
+  bar_.Show(static_cast<double>(ended) / static_cast<double>(report_.jobs), text);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,43 @@
+#include "client/tool/cli/color_by_option.h"
+
+#include <CLI/CLI.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "client/tool/cli/common_options.h"
+
+namespace latvox::client {
+namespace {
+
+Names<ColorBy> NamesOf(bool distances) {
+  Names<ColorBy> names;
+  for (const ColorBy by : {ColorBy::kColor, ColorBy::kMaterial, ColorBy::kPart}) names.emplace_back(NameOf(by), by);
+  if (distances) names.emplace_back(NameOf(ColorBy::kDistance), ColorBy::kDistance);
+  names.emplace_back(NameOf(ColorBy::kNone), ColorBy::kNone);
+  return names;
+}
+
+}  // namespace
+
+void AddColorByOption(CLI::App& command, bool distances, std::string& word) {
+  command
+      .add_option("--color-by", word,
+                  "what gives voxels their colors, of what the file has (default: the first that it has)")
+      ->check(OneOf(NamesOf(distances)));
+}
+
+ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content) {
+  if (!word.empty()) return ValueNamed(NamesOf(distances), word);
+  VoxelTraits traits{content.attributes};
+  if (distances) traits.band = content.band;
+  return DefaultColorBy(traits);
+}
+
+absl::StatusOr<std::vector<uint32_t>> FileColors(const std::string& path, const GridContent& content, ColorBy by) {
+  auto colors = ColorsOf(content.Batch(), {content.attributes, content.band}, by);
+  if (colors.ok()) return colors;
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", colors.status().message(), ", as --color-by wants"));
+}
+
+std::string ColoredText(ColorBy by) { return by == ColorBy::kNone ? "" : absl::StrCat(", colored by ", NameOf(by)); }
+
+}  // namespace latvox::client

@@ -1,0 +1,62 @@
+#include "client/tool/cli/commands.h"
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/grid/voxel_grid.h"
+#include "client/tool/cli/info_json.h"
+#include "client/tool/cli/report.h"
+
+namespace latvox::client {
+namespace {
+
+std::string Show(const Vec3d& v) { return absl::StrFormat("%.9g %.9g %.9g", v[0], v[1], v[2]); }
+
+}  // namespace
+
+absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
+  const auto info = ReadGridFileInfo(path);
+  if (!info.ok()) return info.status();
+  if (json) return ToJson(*info) + "\n";
+  std::string text = absl::StrFormat("grid           %s (%s)\n", info->name, info->value_type);
+  absl::StrAppendFormat(&text, "active voxels  %d\n", info->active_voxels);
+  if (const auto& box = info->active_box) {
+    absl::StrAppend(&text, "active box     ", absl::StrJoin(box->min, ","), " to below ", absl::StrJoin(box->max, ","),
+                    "\n");
+  } else {
+    text += "active box     empty\n";
+  }
+  absl::StrAppendFormat(&text, "voxel size     %.9g\n", info->transform.voxel_size);
+  absl::StrAppend(&text, "step in i      ", Show(info->transform.basis.a), "\n");
+  absl::StrAppend(&text, "step in j      ", Show(info->transform.basis.b), "\n");
+  absl::StrAppend(&text, "step in k      ", Show(info->transform.basis.c), "\n");
+  absl::StrAppend(&text, "origin         ", Show(info->transform.origin), "\n");
+  for (const auto& [name, value] : info->metadata) {
+    // OpenVDB's box of nothing is from the highest number to the lowest.
+    const bool empty = info->active_voxels == 0 && absl::StartsWith(name, "file_bbox_");
+    absl::StrAppendFormat(&text, "%s = %s\n", name, empty ? "empty" : value);
+  }
+  return text;
+}
+
+absl::StatusOr<std::string> RunHealth(const ServerChoice& choice, const Cancellation& cancellation) {
+  const CallOptions call = MakeCallOptions(choice, cancellation);
+  const auto session = Session::Open(choice, call);
+  if (!session.ok()) return session.status();
+  const auto healthy = session->client().Health(call);
+  if (!healthy.ok()) return healthy.status();
+  if (!*healthy) return absl::UnavailableError("the server answers that it takes no requests (NOT_SERVING)");
+  return "SERVING\n";
+}
+
+absl::StatusOr<std::string> RunLimits(const ServerChoice& choice, bool json, const Cancellation& cancellation) {
+  const CallOptions call = MakeCallOptions(choice, cancellation);
+  const auto session = Session::Open(choice, call);
+  if (!session.ok()) return session.status();
+  const auto limits = session->client().GetLimits(call);
+  if (!limits.ok()) return limits.status();
+  return json ? ToJson(*limits) + "\n" : ToText(*limits);
+}
+
+}  // namespace latvox::client

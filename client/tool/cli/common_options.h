@@ -1,0 +1,121 @@
+// What the options of several commands share. CLI11 puts an option's name before what a check returns.
+#ifndef LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_
+#define LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_
+
+#include <CLI/App.hpp>
+#include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/string_view.h"
+#include "client/mesh/up_axis.h"
+#include "client/tool/cli/session.h"
+#include "client/types.h"
+
+namespace latvox::client {
+
+// The least and most that --resolution takes.
+inline constexpr int kMinResolution = 2, kMaxResolution = 65536;
+inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 8192;
+inline constexpr uint32_t kMaxShards = 1 << 20;
+
+// Whether the text is a number, finite if T is not integral.
+template <class T>
+bool ParseNumber(absl::string_view text, T& number) {
+  text = absl::StripAsciiWhitespace(text);
+  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return false;
+  if constexpr (std::is_floating_point_v<T>) return std::isfinite(number);
+  return true;
+}
+
+// "1,2,3" as exactly N numbers.
+template <class T, size_t N>
+bool ParseNumbers(const std::string& text, std::array<T, N>& numbers) {
+  const std::vector<absl::string_view> words = absl::StrSplit(text, ',');
+  if (words.size() != N) return false;
+  for (size_t n = 0; n < N; ++n) {
+    if (!ParseNumber(words[n], numbers[n])) return false;
+  }
+  return true;
+}
+
+template <class T, size_t N>
+std::string CheckNumbers(const std::string& text) {
+  std::array<T, N> numbers;
+  if (ParseNumbers(text, numbers)) return "";
+  const char* kind = std::is_integral_v<T> ? " 32-bit integers" : " finite numbers";
+  return absl::StrCat("\"", text, "\" is not ", N, kind, " with commas between them");
+}
+
+std::string CheckPositive(const std::string& text);
+
+// "I/N", or nothing.
+std::optional<Shard> ParseShard(const std::string& text);
+std::string CheckShard(const std::string& text);
+
+// A whole number within low to high.
+CLI::Validator Whole(int low, int high);
+
+// Words for the values of an enumeration.
+template <class T>
+using Names = std::vector<std::pair<std::string, T>>;
+
+template <class T>
+CLI::Validator OneOf(const Names<T>& names) {
+  std::vector<std::string> words;
+  for (const auto& [word, unused] : names) words.push_back(word);
+  return CLI::IsMember(words);
+}
+
+// The first value if `word` is none of the names.
+template <class T>
+T ValueNamed(const Names<T>& names, const std::string& word) {
+  for (const auto& [name, value] : names) {
+    if (name == word) return value;
+  }
+  return names.front().second;
+}
+
+const Names<UpAxis>& UpNames();
+
+// What Interpret does with words that do not go together: throws CLI::ValidationError.
+template <class... Parts>
+[[noreturn]] void Refuse(const Parts&... parts) {
+  throw CLI::ValidationError(absl::StrCat(parts...), CLI::ExitCodes::ValidationError);
+}
+
+// Where a path leads: absolute, links resolved as far as it exists.
+std::filesystem::path Place(const std::string& path);
+
+// The group, in help and manual, of the options that are added after this.
+void Group(CLI::App& command, const char* name);
+
+// Adds -o, --out.
+void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
+
+// Adds --size, of a picture.
+void AddSizeOption(CLI::App& command, const std::string& what, int& size);
+
+// Refuses an output that is given twice, or in the place of the input, which is called `what`.
+void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what);
+
+// Adds --server and whatever says how to talk to it.
+void AddServerOptions(CLI::App& command, ServerChoice& choice);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_

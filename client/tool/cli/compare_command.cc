@@ -1,0 +1,134 @@
+#include "client/tool/cli/compare_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/grid/grid_content.h"
+#include "client/tool/cli/value_difference.h"
+#include "client/tool/cli/voxel_difference.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Report {
+  bool equal;
+  uint64_t voxels_a, voxels_b;
+  VoxelDifference voxels;
+  std::vector<FieldDifference> fields;
+  ValueDifference values;
+};
+
+// Whether the same coordinates are the same place in both.
+bool SamePlaces(const std::vector<FieldDifference>& fields) {
+  return std::none_of(fields.begin(), fields.end(), [](const FieldDifference& field) {
+    return field.name == "origin" || absl::StartsWith(field.name, "step in ");
+  });
+}
+
+std::string NamesOf(const std::vector<Attribute>& attributes) {
+  return absl::StrJoin(attributes, ",", [](std::string* out, Attribute attribute) { *out += NameOf(attribute); });
+}
+
+// Metadata, and which attributes there are, whatever the metadata say of it.
+std::vector<FieldDifference> FieldsOf(const GridContent& a, const GridContent& b) {
+  std::vector<FieldDifference> fields = CompareFields(a.file.info, b.file.info);
+  if (a.attributes != b.attributes) fields.push_back({"grids", NamesOf(a.attributes), NamesOf(b.attributes)});
+  return fields;
+}
+
+std::string ToJson(const Report& report) {
+  const VoxelDifference& voxels = report.voxels;
+  Json json = {{"equal", report.equal},
+               {"voxels", {{"a", report.voxels_a}, {"b", report.voxels_b}}},
+               {"only_a", voxels.only_a},
+               {"only_b", voxels.only_b},
+               {"both", voxels.both},
+               {"jaccard", voxels.Jaccard()},
+               {"box", nullptr},
+               {"first", Json::array()},
+               {"fields", Json::array()},
+               {"distances", nullptr},
+               {"attributes", Json::object()}};
+  json["same_places"] = SamePlaces(report.fields);
+  if (voxels.box) json["box"] = {{"min", voxels.box->min}, {"max", voxels.box->max}};
+  for (const auto& [ijk, in_a] : voxels.first) json["first"].push_back({{"ijk", ijk}, {"only", in_a ? "a" : "b"}});
+  for (const auto& [name, a, b] : report.fields) json["fields"].push_back({{"name", name}, {"a", a}, {"b", b}});
+  if (const auto& distances = report.values.distances) {
+    json["distances"] = {{"differ", distances->differ}, {"greatest", distances->greatest}, {"at", nullptr}};
+    if (distances->at) json["distances"]["at"] = *distances->at;
+  }
+  for (const auto& [attribute, differ] : report.values.attributes) json["attributes"][NameOf(attribute)] = differ;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string ToText(const Report& report, const CompareWords& words) {
+  const VoxelDifference& voxels = report.voxels;
+  std::string text =
+      absl::StrCat("A  ", words.a, ": ", report.voxels_a, " voxels\nB  ", words.b, ": ", report.voxels_b, " voxels\n");
+  for (const auto& [name, a, b] : report.fields) {
+    absl::StrAppend(&text, name, ": ", a.empty() ? "(none)" : a, " in A, ", b.empty() ? "(none)" : b, " in B\n");
+  }
+  if (!SamePlaces(report.fields))
+    text += "the lattices differ: these are counts of coordinates, which are other places\n";
+  absl::StrAppendFormat(&text, "%d voxels in both, %d in A alone, %d in B alone; Jaccard index %.6f\n", voxels.both,
+                        voxels.only_a, voxels.only_b, voxels.Jaccard());
+  if (voxels.box) {
+    absl::StrAppend(&text, "they differ from ", absl::StrJoin(voxels.box->min, ","), " to below ",
+                    absl::StrJoin(voxels.box->max, ","), "; first at\n");
+  }
+  for (const auto& [ijk, in_a] : voxels.first) {
+    absl::StrAppend(&text, "  ", absl::StrJoin(ijk, ","), "  ", in_a ? "A" : "B", "\n");
+  }
+  if (const auto& distances = report.values.distances) {
+    absl::StrAppend(&text, distances->differ, " of the distances in both differ");
+    if (distances->at) {
+      absl::StrAppendFormat(&text, ", by %g at most, at %s", distances->greatest, absl::StrJoin(*distances->at, ","));
+    }
+    text += "\n";
+  }
+  for (const auto& [attribute, differ] : report.values.attributes) {
+    absl::StrAppend(&text, NameOf(attribute), ": ", differ, " of the voxels in both have another\n");
+  }
+  return text + (report.equal ? "equal\n" : "different\n");
+}
+
+}  // namespace
+
+void AddCompareOptions(CLI::App& command, CompareWords& words) {
+  command.add_option("a", words.a, "a .vdb file")->type_name("A.vdb")->required();
+  command.add_option("b", words.b, "another")->type_name("B.vdb")->required();
+  command.add_flag("--voxels", words.voxels_only,
+                   "voxels and their places decide, not what they have or the metadata say");
+  command.add_flag("--json", words.json, "machine-readable report on standard output");
+}
+
+absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {
+  const auto a = ReadGridContent(words.a, !words.voxels_only);
+  if (!a.ok()) return a.status();
+  const auto b = ReadGridContent(words.b, !words.voxels_only);
+  if (!b.ok()) return b.status();
+  if (a->band.has_value() != b->band.has_value() && !words.voxels_only) {
+    return absl::InvalidArgumentError(absl::StrCat(a->band ? words.a : words.b, " is a band of distances, ",
+                                                   a->band ? words.b : words.a,
+                                                   " a set of voxels: --voxels compares what voxels they have"));
+  }
+  const GridFileInfo &of_a = a->file.info, &of_b = b->file.info;
+  Report report{false,
+                of_a.active_voxels,
+                of_b.active_voxels,
+                CompareVoxels(a->file.bricks, b->file.bricks),
+                FieldsOf(*a, *b),
+                words.voxels_only ? ValueDifference{} : CompareValues(*a, *b)};
+  const bool same_fields = words.voxels_only ? of_a.transform == of_b.transform : report.fields.empty();
+  report.equal = report.voxels.equal() && report.values.equal() && same_fields;
+  return Comparison{report.equal, words.json ? ToJson(report) : ToText(report, words)};
+}
+
+}  // namespace latvox::client

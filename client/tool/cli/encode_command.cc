@@ -1,0 +1,67 @@
+#include "client/tool/cli/encode_command.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "client/mesh/mesh_encoder.h"
+#include "client/mesh/mesh_file.h"
+#include "client/output/atomic_file.h"
+#include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/common_options.h"
+
+namespace latvox::client {
+namespace {
+
+// A Draco stream is decoded: it may have more than positions, or is to be quantized.
+absl::StatusOr<Mesh> ReadMesh(const MeshSource& source) {
+  auto read = ReadMeshSource(source);
+  if (!read.ok()) return read.status();
+  if (auto* mesh = std::get_if<Mesh>(&*read)) return std::move(*mesh);
+  return ParseMeshFile(source.paths[0], std::get<std::string>(*read), MeshFormat::kDraco);
+}
+
+}  // namespace
+
+void AddEncodeOptions(CLI::App& command, EncodeWords& words) {
+  AddMeshes(command, words.mesh);
+  AddOutputOption(command, {".drc"}, words.outputs);
+  command.add_option("--quantization", words.quantization, "position bits, 1 to 30; 0 (default): lossless")
+      ->type_name("0..30")
+      ->check(Whole(0, kMaxQuantizationBits));
+  AddMeshOptions(command, words);
+}
+
+MeshSource Interpret(const EncodeWords& words) {
+  if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
+  MeshSource source = words.mesh;
+  InterpretMesh(words, source);
+  CheckMeshPaths(source, words.outputs);
+  return source;
+}
+
+absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource& source,
+                                      const Cancellation& cancellation) {
+  const auto file = AtomicFile::Create(words.outputs[0]);
+  if (!file.ok()) return file.status();
+  CallOptions call;
+  call.cancellation = cancellation;
+  auto read = DoAbandonably([source] { return ReadMesh(source); }, call);
+  if (!read.ok()) return read.status();
+  const auto mesh = std::make_shared<const Mesh>(*std::move(read));
+  const auto encode = [mesh, bits = words.quantization] { return EncodeMesh(*mesh, bits); };
+  const auto encoded = DoAbandonably(encode, call);
+  if (!encoded.ok()) return encoded.status();
+  if (auto status = (*file)->Append(encoded->drc); !status.ok()) return status;
+  if (auto status = (*file)->Sync(); !status.ok()) return status;
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (auto status = (*file)->Commit(); !status.ok()) return status;
+  const std::string positions =
+      words.quantization == 0 ? "lossless" : absl::StrCat("positions of ", words.quantization, " bits");
+  return absl::StrCat(NameOf(source), ": ", mesh->triangles.size(), " triangles\nwrote ", words.outputs[0], ", ",
+                      encoded->drc.size(), " bytes, ", positions, "\n");
+}
+
+}  // namespace latvox::client

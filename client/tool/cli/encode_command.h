@@ -1,0 +1,34 @@
+// `latvox encode`.
+#ifndef LATVOX_CLIENT_TOOL_CLI_ENCODE_COMMAND_H_
+#define LATVOX_CLIENT_TOOL_CLI_ENCODE_COMMAND_H_
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/cancellation.h"
+#include "client/tool/cli/mesh_options.h"
+
+namespace latvox::client {
+
+// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+struct EncodeWords : MeshWords {
+  MeshSource mesh;  // its paths
+  std::vector<std::string> outputs;
+  int quantization = 0;
+};
+
+void AddEncodeOptions(CLI::App& command, EncodeWords& words);
+
+// Throws CLI::ValidationError if the words do not go together.
+MeshSource Interpret(const EncodeWords& words);
+
+// Writes the mesh as a Draco stream; returns what belongs on standard output. The output appears only if everything
+// succeeded. Positions alone are kept.
+absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource& source,
+                                      const Cancellation& cancellation);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_ENCODE_COMMAND_H_

@@ -1,0 +1,79 @@
+#include "client/tool/cli/interrupt.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "client/mesh/input.h"
+#include "client/output/atomic_file.h"
+#include "client/tool/cli/exit_status.h"
+
+namespace latvox::client {
+namespace {
+
+sigset_t Signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+  return set;
+}
+
+// `timeout` sends its signal to the process and then to its group.
+constexpr std::chrono::milliseconds kOne(200);
+
+[[noreturn]] void EndAtOnce() {
+  RemoveTemporaryFiles();
+  // Another thread may wait in a write to standard error, which may be a pipe that nobody reads.
+  constexpr std::string_view kLine = "latvox: cancelled\n";
+  pollfd error{STDERR_FILENO, POLLOUT, 0};
+  if (poll(&error, 1, 0) > 0 && write(STDERR_FILENO, kLine.data(), kLine.size()) < 0) {
+    // There is nobody to tell.
+  }
+  _exit(static_cast<int>(ExitStatus::kCancelled));
+}
+
+}  // namespace
+
+Interrupt::Interrupt(const Cancellation& cancellation) {
+  const sigset_t set = Signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  signals_ = signalfd(-1, &set, SFD_CLOEXEC);
+  stop_ = eventfd(0, EFD_CLOEXEC);
+  watcher_ = std::thread([this, cancellation] { Watch(cancellation); });
+}
+
+Interrupt::~Interrupt() {
+  const uint64_t one = 1;
+  if (write(stop_, &one, sizeof(one)) == sizeof(one)) watcher_.join();
+  close(signals_);
+  close(stop_);
+  const sigset_t set = Signals();
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+}
+
+void Interrupt::Watch(const Cancellation& cancellation) const {
+  pollfd sources[] = {{signals_, POLLIN, 0}, {stop_, POLLIN, 0}};
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> first;
+  for (;;) {
+    if (poll(sources, 2, -1) < 0) continue;
+    if (sources[1].revents != 0) return;
+    signalfd_siginfo info;
+    if (read(signals_, &info, sizeof(info)) != sizeof(info)) continue;
+    const Clock::time_point now = Clock::now();
+    if (first && now < *first + kOne) continue;
+    if (cancellation.cancelled()) EndAtOnce();
+    cancellation.Cancel();
+    StopReading();
+    first = now;
+  }
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,114 @@
+#include "client/tool/cli/job_digest.h"
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "absl/strings/escaping.h"
+#include "client/mesh/input.h"
+#include "client/mesh/mesh_attributes.h"
+#include "client/mesh_id.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+absl::StatusOr<std::string> Sha256(std::string_view bytes) {
+  const auto id = MeshIdOf(bytes);
+  if (!id.ok()) return id.status();
+  return absl::BytesToHexString(absl::string_view(reinterpret_cast<const char*>(id->sha256.data()), id->sha256.size()));
+}
+
+template <class T>
+absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
+  return Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
+
+// What the corners of triangles carry.
+std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+  std::vector<uint32_t> numbers;
+  AttributeNumbers of_mesh(mesh);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const uint32_t vertex : mesh.triangles[t]) {
+      for (const Attribute attribute : attributes) numbers.push_back(of_mesh.At(t, vertex, attribute));
+    }
+  }
+  return numbers;
+}
+
+absl::StatusOr<std::string> MeshDigest(const MeshSource& input) {
+  if (!MayReferToFiles(input)) {
+    std::string digests;
+    for (const std::string& path : input.paths) {
+      const auto bytes = ReadBytes(path);
+      if (!bytes.ok()) return bytes.status();
+      const auto digest = Sha256(*bytes);
+      if (!digest.ok()) return digest.status();
+      digests += *digest;
+    }
+    return digests;
+  }
+  const auto read = ReadMeshSource(input);
+  if (!read.ok()) return read.status();
+  const Mesh& mesh = std::get<Mesh>(*read);
+  const auto positions = Sha256Of(mesh.positions), triangles = Sha256Of(mesh.triangles);
+  if (!positions.ok()) return positions.status();
+  if (!triangles.ok()) return triangles.status();
+  if (input.attributes.empty()) return *positions + *triangles;
+  const auto numbers = Sha256Of(NumbersOf(mesh, input.attributes));
+  if (!numbers.ok()) return numbers.status();
+  return *positions + *triangles + *numbers;
+}
+
+Json LatticeJson(const std::variant<NamedLattice, Basis>& lattice) {
+  if (const auto* basis = std::get_if<Basis>(&lattice)) return {basis->a, basis->b, basis->c};
+  return static_cast<int>(std::get<NamedLattice>(lattice));
+}
+
+Json RequestJson(const VoxelizeRequest& request) {
+  Json json = {{"lattice", LatticeJson(request.lattice)},
+               {"voxel_size", OrNull(request.voxel_size)},
+               {"resolution", OrNull(request.resolution)},
+               {"origin", OrNull(request.origin)},
+               {"separability", request.separability},
+               {"minimal", request.minimal},
+               {"verify", request.verify},
+               {"algorithm", static_cast<int>(request.algorithm)}};
+  if (request.cover == Cover::kSupercover) json["cover"] = "supercover";
+  if (request.region) json["region"] = {request.region->min, request.region->max};
+  if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};
+  if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};
+  for (const Attribute attribute : request.attributes) json["attributes"].push_back(NameOf(attribute));
+  if (request.shard) json["shard"] = {request.shard->index, request.shard->count};
+  if (const auto& solid = request.solid) {
+    json["solid"] = {static_cast<int>(solid->rule), solid->surface, solid->force_open};
+  }
+  return json;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> JobDigest(const Job& job) {
+  const auto mesh = MeshDigest(job.options.mesh);
+  if (!mesh.ok()) return mesh.status();
+  Json json = {{"request", RequestJson(job.options.request)},
+               {"quantization_bits", OrNull(job.options.quantization_bits)},
+               {"outputs", job.names},
+               {"mesh", *mesh}};
+  const MeshSource& input = job.options.mesh;
+  if (input.up != UpAxis::kZ) json["up"] = static_cast<int>(input.up);
+  if (input.scale != 1) json["scale"] = input.scale;
+  if (input.format) json["input_format"] = static_cast<int>(*input.format);
+  if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
+  if (job.options.output_options.dense_npy) json["npy"] = "dense";
+  if (job.options.weld_report) json["weld_report"] = true;
+  // Names need not be UTF-8.
+  return Sha256(json.dump(-1, ' ', false, Json::error_handler_t::ignore));
+}
+
+}  // namespace latvox::client

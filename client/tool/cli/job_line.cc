@@ -1,0 +1,246 @@
+#include "client/tool/cli/job_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "client/mesh/input.h"
+#include "client/tool/cli/common_options.h"
+#include "client/tool/cli/file_url.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::json;
+
+enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts };
+
+constexpr std::pair<const char*, Kind> kFields[] = {
+    {"lattice", Kind::kText},
+    {"basis", Kind::kNumbers},
+    {"voxel_size", Kind::kNumberOrNumbers},
+    {"resolution", Kind::kNumber},
+    {"origin", Kind::kNumbers},
+    {"align", Kind::kText},
+    {"separability", Kind::kNumber},
+    {"minimal", Kind::kFlag},
+    {"algorithm", Kind::kText},
+    {"fill", Kind::kText},
+    {"interior_rule", Kind::kText},
+    {"without_surface", Kind::kFlag},
+    {"force_open", Kind::kFlag},
+    {"cover", Kind::kText},
+    {"band", Kind::kNumberOrText},
+    {"signed", Kind::kFlag},
+    {"attributes", Kind::kTexts},
+    {"quantization", Kind::kNumberOrText},
+    {"verify", Kind::kFlag},
+    {"region", Kind::kNumbers},
+    {"bounds", Kind::kNumbers},
+    {"shard", Kind::kText},
+    {"encoding", Kind::kText},
+    {"up", Kind::kText},
+    {"scale", Kind::kNumber},
+    {"input_format", Kind::kText},
+    {"weld_report", Kind::kFlag},
+    {"npy", Kind::kText},
+};
+
+constexpr const char* kTypes[] = {
+    "a text that is not empty", "a number",      "a number or a text",         "a number or an array of numbers",
+    "an array of numbers",      "true or false", "a text or an array of texts"};
+
+template <class... Parts>
+absl::Status Wrong(const Parts&... parts) {
+  return absl::InvalidArgumentError(absl::StrCat(parts...));
+}
+
+// As JSON, cut where it is too long for a line of people's.
+std::string Show(const Json& value) {
+  constexpr size_t kMost = 100;
+  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text.size() <= kMost ? text : text.substr(0, kMost) + "...";
+}
+
+absl::Status WrongType(const std::string& field, const Json& value, const char* type) {
+  return Wrong(field, ": ", Show(value), " is not ", type);
+}
+
+bool IsText(const Json& value) { return value.is_string() && !value.get_ref<const std::string&>().empty(); }
+
+bool Is(const Json& value, Kind kind) {
+  const auto is_number = [](const Json& element) { return element.is_number(); };
+  switch (kind) {
+    case Kind::kText:
+      return IsText(value);
+    case Kind::kNumber:
+      return value.is_number();
+    case Kind::kNumberOrText:
+      return value.is_number() || IsText(value);
+    case Kind::kNumberOrNumbers:
+      return value.is_number() || Is(value, Kind::kNumbers);
+    case Kind::kNumbers:
+      return value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), is_number);
+    case Kind::kFlag:
+      return value.is_boolean();
+    case Kind::kTexts:
+      return IsText(value) || (value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), IsText));
+  }
+  return false;
+}
+
+// As the option takes it, lists with this between their elements. Numbers come out so that they read back as the same.
+std::string TextOf(const Json& value, const char* between = ",") {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump();
+  return absl::StrJoin(value, between, [](std::string* out, const Json& element) { *out += TextOf(element); });
+}
+
+// An error in JSON without the library's number of the line, which is always 1.
+absl::Status NoJson(const Json::exception& error) {
+  const absl::string_view what = error.what();
+  const size_t column = what.find("column "), at = column == absl::string_view::npos ? what.find("] ") + 2 : column;
+  return Wrong("no JSON: ", what.substr(at));
+}
+
+absl::StatusOr<Json> ParseObject(absl::string_view line) try {
+  using Event = Json::parse_event_t;
+  constexpr int kDeepest = 1;  // of a field's array; deeper ones would cost stack
+  std::set<std::string> keys;
+  std::string twice;
+  bool deep = false;
+  const auto see = [&](int depth, Event event, Json& parsed) {
+    if (depth == 1 && event == Event::key && !keys.insert(parsed.get<std::string>()).second) {
+      twice = parsed.get<std::string>();
+    }
+    const bool too_deep = depth > kDeepest && (event == Event::array_start || event == Event::object_start);
+    deep = deep || too_deep;
+    return !too_deep;
+  };
+  Json object = Json::parse(line, see);
+  if (deep) return Wrong("an array or object stands within a field's array or object");
+  if (!object.is_object()) return Wrong(Show(object), " is not a JSON object");
+  if (!twice.empty()) return Wrong(twice, ": stands twice");
+  return object;
+} catch (const Json::exception& error) {
+  return NoJson(error);
+}
+
+// The name of an output in normal form.
+absl::StatusOr<std::string> OutputName(const Json& value) {
+  if (!IsText(value)) return WrongType("out", value, "a file name or an array of file names");
+  const std::filesystem::path path = value.get<std::string>(), name = path.lexically_normal();
+  if (absl::StrContains(path.string(), '\0') || path.is_absolute() || *name.begin() == ".." || !name.has_filename()) {
+    return Wrong("out: ", Show(value), " is not a file below the output directory");
+  }
+  return name.string();
+}
+
+absl::StatusOr<std::vector<std::string>> OutputNames(const Json& object, const std::string& mesh) {
+  Json given = object.value("out", Json(std::filesystem::path(mesh).stem().string() + ".vdb"));
+  if (!given.is_array()) given = Json::array({given});
+  if (given.empty()) return WrongType("out", given, "a file name or an array of file names");
+  std::vector<std::string> names;
+  for (const Json& one : given) {
+    auto name = OutputName(one);
+    if (!name.ok()) return name.status();
+    names.push_back(*std::move(name));
+  }
+  return names;
+}
+
+absl::StatusOr<std::vector<std::string>> MeshPaths(const Json& given, const std::string& folder) {
+  if (!Is(given, Kind::kTexts)) return WrongType("mesh", given, "a path or a file: URL, or an array of these");
+  std::vector<std::string> paths;
+  for (const Json& one : given.is_array() ? given : Json::array({given})) {
+    auto path = PathOf(one.get<std::string>(), folder);
+    if (!path.ok()) return Wrong("mesh: ", path.status().message());
+    // No job reads standard input.
+    paths.push_back(*path == kStandardInput ? "./-" : *std::move(path));
+  }
+  return paths;
+}
+
+// "voxel_size" to "--voxel-size".
+std::string OptionOf(absl::string_view field) { return absl::StrCat("--", absl::StrReplaceAll(field, {{"_", "-"}})); }
+
+absl::Status Unknown(const std::string& field) {
+  const auto name = [](std::string* out, const auto& entry) { *out += entry.first; };
+  return Wrong(field, ": no such field; there are mesh, out, id, ", absl::StrJoin(kFields, ", ", name));
+}
+
+// The words of a command line that asks for what the object does, outputs aside.
+absl::StatusOr<std::vector<std::string>> Words(const Json& object, const CLI::App& app) {
+  std::vector<std::string> words;
+  for (const auto& [field, value] : object.items()) {
+    if (field == "mesh" || field == "out" || field == "id") continue;
+    const auto is_it = [name = field](const auto& entry) { return entry.first == name; };
+    const auto entry = std::find_if(std::begin(kFields), std::end(kFields), is_it);
+    if (entry == std::end(kFields)) return Unknown(field);
+    const Kind kind = entry->second;
+    if (!Is(value, kind)) return WrongType(field, value, kTypes[static_cast<size_t>(kind)]);
+    const std::string option = OptionOf(field);
+    if (kind != Kind::kFlag) {
+      words.push_back(absl::StrCat(option, "=", TextOf(value)));
+    } else if (value.get<bool>()) {
+      words.push_back(option);
+    } else if (const std::string no = "--no-" + field; app.get_option_no_throw(no) != nullptr) {
+      words.push_back(no);
+    }  // a flag without its contrary is off unless it is given
+  }
+  return words;
+}
+
+}  // namespace
+
+JobParser::JobParser(std::string folder, std::string directory)
+    : folder_(std::move(folder)), directory_(std::move(directory)) {
+  AddRequestOptions(app_, words_);
+  names_.emplace_back("--out", "out");
+  for (const auto& [field, kind] : kFields) names_.emplace_back(OptionOf(field), field);
+}
+
+absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
+  const auto object = ParseObject(line);
+  if (!object.ok()) return object.status();
+  const Json mesh = object->value("mesh", Json()), id = object->value("id", Json());
+  if (object->contains("id") && !IsText(id)) return WrongType("id", id, kTypes[0]);
+  auto paths = MeshPaths(mesh, folder_);
+  if (!paths.ok()) return paths.status();
+  auto names = OutputNames(*object, paths->front());
+  if (!names.ok()) return names.status();
+  auto words = Words(*object, app_);
+  if (!words.ok()) return words.status();
+  for (const std::string& name : *names) words->push_back("--out=" + name);
+  std::reverse(words->begin(), words->end());  // as CLI11 wants vectors
+  words_ = VoxelizeWords();
+  try {
+    app_.parse(*std::move(words));
+    words_.options.mesh.paths = *std::move(paths);
+    if (std::string& align = words_.options.align; !align.empty()) {
+      auto place = PathOf(align, folder_);
+      if (!place.ok()) return Wrong("align: ", place.status().message());
+      align = *std::move(place);
+    }
+    for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
+    return Job{id.is_null() ? names->front() : id.get<std::string>(), TextOf(mesh, " + "), *std::move(names),
+               InterpretRequest(words_)};
+  } catch (const CLI::ParseError& error) {
+    return Wrong(absl::StrReplaceAll(error.what(), names_));
+  }
+}
+
+absl::Status CheckPlaces(const Job& job) try {
+  for (const std::string& mesh : job.options.mesh.paths) CheckOutputs(job.options.outputs, mesh, "mesh");
+  return absl::OkStatus();
+} catch (const CLI::ValidationError& error) {
+  return Wrong(absl::StrReplaceAll(error.what(), {{"--out", "out"}}));
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,65 @@
+#include "client/tool/cli/line_shard.h"
+
+#include <cstdlib>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "client/tool/cli/common_options.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr char kKubernetesIndex[] = "JOB_COMPLETION_INDEX", kCount[] = "LATVOX_SHARD_COUNT";
+constexpr char kSlurmId[] = "SLURM_ARRAY_TASK_ID", kSlurmCount[] = "SLURM_ARRAY_TASK_COUNT";
+constexpr char kSlurmMin[] = "SLURM_ARRAY_TASK_MIN", kSlurmStep[] = "SLURM_ARRAY_TASK_STEP";
+
+// A variable that is empty counts as one that is not set.
+std::optional<uint32_t> Variable(const char* name) {
+  const char* const text = std::getenv(name);
+  if (text == nullptr || *text == '\0') return std::nullopt;
+  uint32_t number = 0;
+  if (!ParseNumber(text, number)) Refuse(name, ": \"", text, "\" is not a whole number from 0 to ", UINT32_MAX);
+  return number;
+}
+
+uint32_t Needed(const char* name, const char* because) {
+  const std::optional<uint32_t> number = Variable(name);
+  if (!number) Refuse(because, " is set, but ", name, " is not; give both, or --shard I/N");
+  return *number;
+}
+
+Shard Below(uint32_t index, uint32_t count, const std::string& sources) {
+  if (count > kMaxShards) Refuse(sources, ": the count, ", count, ", exceeds ", kMaxShards);
+  if (index >= count) Refuse(sources, ": shard ", index, " is not below the count, ", count);
+  return {index, count};
+}
+
+ChosenShard FromKubernetes(uint32_t index) {
+  const std::string sources = absl::StrCat(kKubernetesIndex, ", ", kCount);
+  return {Below(index, Needed(kCount, kKubernetesIndex), sources), sources};
+}
+
+ChosenShard FromSlurm(uint32_t id) {
+  const uint32_t count = Needed(kSlurmCount, kSlurmId), min = Needed(kSlurmMin, kSlurmId);
+  const uint32_t step = Variable(kSlurmStep).value_or(1);
+  if (id < min || step == 0 || (id - min) % step != 0) {
+    Refuse(kSlurmId, ": ", id, " is not ", min, " (", kSlurmMin, ") and some steps of ", step);
+  }
+  const std::string sources = absl::StrCat(kSlurmId, ", ", kSlurmCount);
+  return {Below((id - min) / step, count, sources), sources};
+}
+
+}  // namespace
+
+ChosenShard ChooseShard(const std::string& given) {
+  if (const auto shard = ParseShard(given)) return {*shard, "--shard"};
+  const std::optional<uint32_t> kubernetes = Variable(kKubernetesIndex), slurm = Variable(kSlurmId);
+  if (kubernetes && slurm) Refuse(kKubernetesIndex, " and ", kSlurmId, " are both set; --shard I/N decides");
+  if (kubernetes) return FromKubernetes(*kubernetes);
+  if (slurm) return FromSlurm(*slurm);
+  // Workers that were counted but not numbered would each do the whole.
+  if (Variable(kCount)) Refuse(kCount, " is set, but ", kKubernetesIndex, " is not; give both, or --shard I/N");
+  return {};
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,59 @@
+#include "client/tool/cli/merge_command.h"
+
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client/grid/merge.h"
+#include "client/output/atomic_file.h"
+#include "client/tool/cli/common_options.h"
+#include "client/tool/cli/progress_bar.h"
+#include "client/tool/cli/report.h"
+
+namespace latvox::client {
+namespace {
+
+void AllowManyOpenFiles() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);  // where this fails, opening the one file too many says so
+}
+
+}  // namespace
+
+void AddMergeOptions(CLI::App& command, MergeWords& words) {
+  command
+      .add_option("parts", words.parts, "parts of one mesh and request: .vdb files of --region, --bounds or --shard")
+      ->type_name("PART.vdb")
+      ->required();
+  AddOutputOption(command, {".vdb"}, words.outputs);
+  command.add_flag("--json", words.json, "machine-readable summary on standard output");
+}
+
+void Check(const MergeWords& words) {
+  if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
+  for (const std::string& part : words.parts) CheckOutputs(words.outputs, part, "part");
+}
+
+absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation& cancellation) {
+  const absl::Time start = absl::Now();
+  AllowManyOpenFiles();
+  const std::string& output = words.outputs.front();
+  auto file = AtomicFile::Create(output);
+  if (!file.ok()) return file.status();
+  ProgressBar bar;
+  bar.Stage("merging");
+  const auto merged = MergeParts(words.parts, (*file)->temporary(), cancellation,
+                                 [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); });
+  if (!merged.ok()) return merged.status();
+  if (auto status = (*file)->Sync(); !status.ok()) return status;
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (auto status = (*file)->Commit(); !status.ok()) return status;
+  const MergeReport report{words.parts.size(), output, *merged, absl::ToDoubleMilliseconds(absl::Now() - start)};
+  return words.json ? ToJson(report) + "\n" : ToText(report);
+}
+
+}  // namespace latvox::client

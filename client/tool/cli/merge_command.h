@@ -1,0 +1,31 @@
+// `latvox merge`.
+#ifndef LATVOX_CLIENT_TOOL_CLI_MERGE_COMMAND_H_
+#define LATVOX_CLIENT_TOOL_CLI_MERGE_COMMAND_H_
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/cancellation.h"
+
+namespace latvox::client {
+
+// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+struct MergeWords {
+  std::vector<std::string> parts, outputs;
+  bool json = false;
+};
+
+void AddMergeOptions(CLI::App& command, MergeWords& words);
+
+// Throws CLI::ValidationError if the words do not go together.
+void Check(const MergeWords& words);
+
+// Joins the parts; returns what belongs on standard output. The output appears only if everything succeeded. Raises
+// the process's limit of open files as far as it may: every part is one.
+absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation& cancellation);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_MERGE_COMMAND_H_

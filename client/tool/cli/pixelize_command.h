@@ -1,0 +1,18 @@
+// `latvox pixelize`.
+#ifndef LATVOX_CLIENT_TOOL_CLI_PIXELIZE_COMMAND_H_
+#define LATVOX_CLIENT_TOOL_CLI_PIXELIZE_COMMAND_H_
+
+#include "absl/status/statusor.h"
+#include "client/cancellation.h"
+#include "client/tool/cli/pixelize_options.h"
+#include "client/tool/cli/report.h"
+
+namespace latvox::client {
+
+// Reads the drawing, has it pixelized and writes every output. The outputs appear only if everything succeeded;
+// otherwise files that exist stay as they are and nothing else is left.
+absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const Cancellation& cancellation);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_PIXELIZE_COMMAND_H_

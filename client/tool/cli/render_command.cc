@@ -1,0 +1,119 @@
+#include "client/tool/cli/render_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "client/grid/grid_content.h"
+#include "client/output/atomic_file.h"
+#include "client/output/picture_scene.h"
+#include "client/output/vec3.h"
+#include "client/output/voxel_walk.h"
+#include "client/tool/cli/color_by_option.h"
+#include "client/tool/cli/common_options.h"
+
+namespace latvox::client {
+namespace {
+
+std::string CheckView(const std::string& text) {
+  std::array<double, 2> view;
+  if (ParseNumbers(text, view) && std::abs(view[0]) <= 360 && std::abs(view[1]) <= 90) return "";
+  return absl::StrCat("\"", text, "\" is not AZIMUTH,ELEVATION in degrees, at most 360 and 90");
+}
+
+std::string CheckColor(const std::string& text) {
+  const bool hex = text.size() == 6 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
+  return hex ? "" : absl::StrCat("\"", text, "\" is not RRGGBB, six hexadecimal digits");
+}
+
+// The diagonal of the box of lattice points, in world units.
+double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
+  constexpr int32_t kFar = std::numeric_limits<int32_t>::max();
+  IndexBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  for (const Brick& brick : bricks) {
+    ForEachVoxel(brick, [&box](const Vec3i& ijk) {
+      for (size_t m = 0; m < 3; ++m) {
+        box.min[m] = std::min(box.min[m], ijk[m]);
+        box.max[m] = std::max(box.max[m], ijk[m] + 1);
+      }
+    });
+  }
+  if (bricks.empty()) return 0;
+  double longest = 0;
+  for (int corner = 0; corner < 4; ++corner) {
+    Vec3d across{};
+    for (size_t m = 0; m < 3; ++m) {
+      const double side = static_cast<double>(int64_t{box.max[m]} - box.min[m]);
+      across[m] = m < 2 && (corner >> m & 1) != 0 ? -side : side;
+    }
+    longest = std::max(longest, Length(Combine(grid.basis, across)));
+  }
+  return longest;
+}
+
+}  // namespace
+
+void AddRenderOptions(CLI::App& command, RenderWords& words) {
+  command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
+  AddOutputOption(command, {".png"}, words.outputs);
+  AddSizeOption(command, "pixels of each side", words.picture.side);
+  command.add_option("--up", words.up, "the axis that points up (default: y)")->check(OneOf(UpNames()));
+  command
+      .add_option("--view", words.view,
+                  "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)")
+      ->type_name("AZIMUTH,ELEVATION")
+      ->check(CheckView);
+  command.add_option("--color", words.color, "of the surface (default: 769ed2)")
+      ->type_name("RRGGBB")
+      ->check(CheckColor);
+  AddColorByOption(command, /*distances=*/false, words.color_by);
+}
+
+PictureOptions Interpret(const RenderWords& words) {
+  if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
+  CheckOutputs(words.outputs, words.input, "file");
+  PictureOptions options = words.picture;
+  if (!words.up.empty()) options.up = ValueNamed(UpNames(), words.up);
+  if (std::array<double, 2> view; ParseNumbers(words.view, view)) {
+    options.azimuth = view[0];
+    options.elevation = view[1];
+  }
+  if (!words.color.empty() && !words.color_by.empty())
+    Refuse("--color: one color, not with --color-by ", words.color_by);
+  if (!words.color.empty()) {
+    const std::string bytes = absl::HexStringToBytes(words.color);
+    for (size_t m = 0; m < 3; ++m) options.color[m] = static_cast<uint8_t>(bytes[m]);
+  }
+  return options;
+}
+
+absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& options) {
+  const absl::Time start = absl::Now();
+  const std::string& output = words.outputs.front();
+  const auto content = ReadGridContent(words.input);
+  if (!content.ok()) return content.status();
+  const bool plain = content->band.has_value() || !words.color.empty();
+  const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
+  const auto colors = FileColors(words.input, *content, by);
+  if (!colors.ok()) return colors.status();
+  const GridTransform& transform = content->file.info.transform;
+  std::vector<Brick> skin;
+  if (content->band) skin = SkinOf(content->Batch(), SkinDepth(transform));
+  const std::vector<Brick>& shown = content->band ? skin : content->file.bricks;
+  VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(shown, transform), options));
+  AddBricks(shown, *colors, scene);
+  scene.Seal();
+  const auto png = DrawVoxels(scene, options);
+  if (!png.ok()) return png.status();
+  if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
+  return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
+                         content->band ? " within the band; those at its surface are drawn" : "", ColoredText(by),
+                         output, absl::ToDoubleSeconds(absl::Now() - start));
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,295 @@
+#include "client/tool/cli/report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/error.h"
+#include "client/tool/cli/exit_status.h"
+
+namespace latvox::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Text from outside that is not UTF-8, a file's name for one, must not stop the report.
+std::string Dump(const Json& json, int indent = 2) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::array<double, 9> Flat(const Basis& basis) {
+  const auto& [a, b, c] = basis;
+  return {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
+}
+
+Json CertificateJson(const Certificate& certificate) {
+  Json json = {{"tunnels", certificate.verified ? Json(certificate.tunnels) : Json()},
+               {"redundant", certificate.verified ? Json(certificate.redundant) : Json()},
+               {"tunnel_free", certificate.tunnel_free},
+               {"minimal", certificate.minimal},
+               {"whole_minimal", certificate.whole_minimal},
+               {"cover", certificate.cover},
+               {"closed", certificate.closed},
+               {"snap_error_max", certificate.snap_error_max},
+               {"quantization_bits", certificate.quantization_bits},
+               {"verified", certificate.verified},
+               {"algorithm", certificate.algorithm},
+               {"version", certificate.version},
+               {"fill", certificate.solid ? "solid" : "surface"}};
+  if (const auto& solid = certificate.solid) {
+    json["interior_rule"] = solid->rule;
+    json["with_surface"] = solid->surface;
+    json["unbalanced_lines"] = solid->unbalanced_lines;
+  }
+  return json;
+}
+
+Json BandJson(const BandCertificate& band) {
+  return {{"width", band.width}, {"signed", band.is_signed}, {"digest", band.digest}};
+}
+
+Json AttributesJson(const AttributeCertificate& carried) {
+  Json names = Json::array();
+  for (const Attribute attribute : carried.attributes) names.push_back(NameOf(attribute));
+  return {{"names", names}, {"digest", carried.digest}};
+}
+
+Json LimitsJson(const Limits& limits) {
+  return {{"max_mesh_bytes", limits.max_mesh_bytes},
+          {"max_triangles", limits.max_triangles},
+          {"max_vertices", limits.max_vertices},
+          {"max_extent", limits.max_extent},
+          {"max_jobs", limits.max_jobs},
+          {"max_message_bytes", limits.max_message_bytes},
+          {"subvoxel_bits", limits.subvoxel_bits},
+          {"max_points", limits.max_points},
+          {"max_crossings", limits.max_crossings},
+          {"max_pixels", limits.max_pixels},
+          {"max_queued_jobs", limits.max_queued_jobs},
+          {"max_jobs_per_client", limits.max_jobs_per_client},
+          {"memory_budget_bytes", limits.memory_budget_bytes},
+          {"mesh_store_bytes", limits.mesh_store_bytes},
+          {"max_voxels", limits.max_voxels},
+          {"version", limits.version}};
+}
+
+// What is certain of the set. For another algorithm than the exact one, only what was counted is.
+std::string SeparationText(const Certificate& certificate) {
+  if (const auto& band = certificate.band) {
+    return absl::StrFormat("band of %g, %ssigned", band->width, band->is_signed ? "" : "un");
+  }
+  const std::string k = absl::StrCat(certificate.separability);
+  if (certificate.solid && !certificate.solid->surface) return "interior";
+  if (!certificate.tunnel_free) return absl::StrCat("k = ", k, ", ", certificate.algorithm);
+  if (certificate.cover == "supercover") return "supercover";
+  return absl::StrCat(k, "-separating", certificate.minimal ? ", minimal" : "");
+}
+
+std::string FillText(const Certificate& certificate) {
+  const auto& solid = certificate.solid;
+  if (!solid) return "";
+  std::string text =
+      absl::StrCat("filled by ", solid->rule, ", ", solid->surface ? "with" : "without", " the surface\n");
+  if (solid->unbalanced_lines > 0) {
+    absl::StrAppend(&text, "not filled: ", solid->unbalanced_lines, " lattice lines along k that end unbalanced\n");
+  }
+  return text;
+}
+
+std::string VerificationText(const Certificate& certificate) {
+  if (!certificate.verified) return "";
+  return absl::StrCat("verified: ", certificate.tunnels, " tunnels, ", certificate.redundant, " redundant voxels\n");
+}
+
+Json ErrorJson(const absl::Status& error) {
+  const ErrorDetails details = GetErrorDetails(error);
+  Json json = {{"code", absl::StatusCodeToString(error.code())},
+               {"message", std::string(error.message())},
+               {"exit_status", static_cast<int>(ExitStatusOf(error))}};
+  for (const auto& [name, value] :
+       {std::pair("field", details.field), {"value", details.value}, {"limit", details.limit}}) {
+    if (!value.empty()) json[name] = value;
+  }
+  return json;
+}
+
+Json BoxJson(const std::optional<IndexBox>& box) { return box ? Json{{"min", box->min}, {"max", box->max}} : Json(); }
+
+Json WeldJson(const WeldReport& weld) {
+  return {{"vertices", weld.vertices},
+          {"triangles", weld.triangles},
+          {"duplicate_vertices", weld.duplicate_vertices},
+          {"degenerate_triangles", weld.degenerate_triangles},
+          {"open_edges", weld.open_edges},
+          {"non_manifold_edges", weld.non_manifold_edges},
+          {"inconsistent_edges", weld.inconsistent_edges}};
+}
+
+std::string WeldText(const WeldReport& weld) {
+  return absl::StrCat("of ", weld.vertices, " vertices, ", weld.duplicate_vertices, " are duplicates; of ",
+                      weld.triangles, " triangles, ", weld.degenerate_triangles,
+                      " are degenerate; edges: ", weld.open_edges, " open, ", weld.non_manifold_edges,
+                      " non-manifold, ", weld.inconsistent_edges, " between triangles that turn against each other\n");
+}
+
+Json SummaryJson(const VoxelizeReport& report) {
+  const Summary& summary = report.summary;
+  const MeshFacts& mesh = report.accepted.mesh;
+  Json json = {{"voxels", summary.voxels},
+               {"bricks", summary.bricks},
+               {"tiles", summary.tiles},
+               {"lattice", summary.certificate.lattice},
+               {"basis", Flat(report.accepted.grid.basis)},
+               {"origin", report.accepted.grid.origin},
+               {"voxel_size", report.accepted.grid.voxel_size},
+               {"index_box", BoxJson(report.accepted.index_box)},
+               {"separability", summary.certificate.separability},
+               {"digest", summary.certificate.digest},
+               {"certificate", CertificateJson(summary.certificate)}};
+  if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
+  if (const auto& band = summary.certificate.band) json["band"] = BandJson(*band);
+  if (const auto& carried = summary.certificate.attributes) json["attributes"] = AttributesJson(*carried);
+  json["timings_ms"] = {{"encode", report.encode_ms},          {"upload", summary.timings.upload_ms},
+                        {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
+                        {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};
+  json["bytes"] = {{"sent", summary.bytes_sent}, {"received", summary.bytes_received}};
+  json["resumed"] = summary.resumed;
+  json["mesh"] = {{"triangles", mesh.triangles},
+                  {"vertices", mesh.vertices},
+                  {"degenerate_triangles", mesh.degenerate_triangles},
+                  {"skipped_elements", report.skipped},
+                  {"encoded_bytes", summary.mesh_bytes},
+                  {"min", mesh.min},
+                  {"max", mesh.max}};
+  if (report.weld) json["mesh"]["weld_report"] = WeldJson(*report.weld);
+  json["outputs"] = report.outputs;
+  return json;
+}
+
+}  // namespace
+
+std::string ToJson(const VoxelizeReport& report) { return Dump(SummaryJson(report)); }
+
+std::string ToJsonLine(const JobResult& result) {
+  using Outcome = JobResult::Outcome;
+  constexpr const char* kNames[] = {"done", "failed", "skipped"};
+  Json json = {{"id", result.id},
+               {"line", result.line},
+               {"status", kNames[static_cast<size_t>(result.outcome)]},
+               {"ended_unix_ms", result.ended_unix_ms},
+               {"mesh", result.mesh},
+               {"outputs", result.outputs}};
+  if (result.outcome != Outcome::kFailed) json["output_bytes"] = result.bytes;
+  if (!result.job_digest.empty()) json["job_digest"] = result.job_digest;
+  if (result.outcome == Outcome::kDone) json["summary"] = SummaryJson(result.report);
+  if (result.outcome == Outcome::kFailed) json["error"] = ErrorJson(result.error);
+  if (result.outcome == Outcome::kSkipped) json["digest"] = result.digest;
+  return Dump(json, /*indent=*/-1);
+}
+
+std::string ToText(const VoxelizeReport& report) {
+  const Certificate& certificate = report.summary.certificate;
+  const MeshFacts& mesh = report.accepted.mesh;
+  const std::string bits = certificate.quantization_bits == 0
+                               ? "exact positions"
+                               : absl::StrCat("positions of ", certificate.quantization_bits, " bits");
+  std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
+                                  mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
+  if (report.weld) text += WeldText(*report.weld);
+  if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
+  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %s\n", certificate.lattice,
+                        report.accepted.grid.voxel_size, SeparationText(certificate));
+  absl::StrAppend(&text, report.summary.voxels, " voxels in ", report.summary.bricks, " bricks, digest ",
+                  certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
+  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
+  return text;
+}
+
+std::string ToJson(const BatchReport& report) {
+  return Dump({{"jobs", report.jobs},
+               {"done", report.done},
+               {"failed", report.failed},
+               {"skipped", report.skipped},
+               {"exit_status", static_cast<int>(report.status)},
+               {"total_ms", report.total_ms},
+               {"results", report.results}});
+}
+
+std::string ToText(const BatchReport& report) {
+  std::string text = absl::StrCat(report.done, " of ", report.jobs, " jobs done");
+  if (report.skipped > 0) absl::StrAppend(&text, ", ", report.skipped, " skipped, which were done before");
+  if (report.failed > 0) absl::StrAppend(&text, ", ", report.failed, " failed");
+  absl::StrAppendFormat(&text, " in %.2f s; results in %s\n", report.total_ms / 1e3, report.results);
+  return text;
+}
+
+std::string ToJson(const PixelizeReport& report) {
+  const Pixelization& answer = report.answer;
+  const auto& [a, b] = answer.grid.basis;
+  Json json = {{"pixels", answer.pixels.size()},
+               {"lattice", answer.lattice},
+               {"basis", {a[0], a[1], b[0], b[1]}},
+               {"origin", answer.grid.origin},
+               {"pixel_size", answer.grid.pixel_size},
+               {"separability", report.separability},
+               {"digest", answer.digest},
+               {"certificate",
+                {{"tunnels", answer.tunnels},
+                 {"redundant", answer.redundant},
+                 {"crossed_edges", answer.crossed_edges},
+                 {"snap_error_max", answer.snap_error_max},
+                 {"algorithm", answer.algorithm},
+                 {"version", answer.version}}}};
+  json["timings_ms"] = {{"read", report.read_ms}, {"pixelize", answer.pixelize_ms}, {"total", report.total_ms}};
+  json["bytes"] = {{"sent", answer.bytes_sent}, {"received", answer.bytes_received}};
+  json["drawing"] = {{"polylines", report.polylines}, {"points", report.points}};
+  json["outputs"] = report.outputs;
+  return Dump(json);
+}
+
+std::string ToText(const PixelizeReport& report) {
+  const Pixelization& answer = report.answer;
+  std::string text = absl::StrCat(report.input_path, ": ", report.points, " points in ", report.polylines,
+                                  report.polylines == 1 ? " polyline\n" : " polylines\n");
+  absl::StrAppendFormat(&text, "%s lattice, pixel size %.6g, %d-separating, %s\n", answer.lattice,
+                        answer.grid.pixel_size, report.separability, answer.algorithm);
+  absl::StrAppend(&text, answer.pixels.size(), " pixels on ", answer.crossed_edges, " crossed edges: ", answer.tunnels,
+                  " tunnels, ", answer.redundant, " redundant pixels\n");
+  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
+  return text;
+}
+
+std::string ToJson(const MergeReport& report) {
+  const MergedGrid& merged = report.merged;
+  Json json = {{"parts", report.parts},
+               {"voxels", merged.voxels},
+               {"bricks", merged.bricks},
+               {"shared_bricks", merged.shared_bricks},
+               {"digest", merged.digest}};
+  json["timings_ms"] = {{"total", report.total_ms}};
+  json["outputs"] = {report.output};
+  return Dump(json);
+}
+
+std::string ToText(const MergeReport& report) {
+  const MergedGrid& merged = report.merged;
+  std::string text = absl::StrCat(report.parts, report.parts == 1 ? " part: " : " parts: ", merged.voxels,
+                                  " voxels in ", merged.bricks, " bricks, digest ", merged.digest, "\n");
+  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", report.output, report.total_ms / 1e3);
+  return text;
+}
+
+std::string ToJson(const Limits& limits) { return Dump(LimitsJson(limits)); }
+
+std::string ToText(const Limits& limits) {
+  std::string text;
+  const Json json = LimitsJson(limits);
+  for (const auto& [name, value] : json.items()) {
+    const std::string shown = value.is_string() ? value.get<std::string>() : value.dump();
+    absl::StrAppendFormat(&text, "%-20s %s\n", name, shown);
+  }
+  return text;
+}
+
+}  // namespace latvox::client

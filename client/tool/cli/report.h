@@ -1,0 +1,95 @@
+// What the tool says about a finished call, on standard output.
+#ifndef LATVOX_CLIENT_TOOL_CLI_REPORT_H_
+#define LATVOX_CLIENT_TOOL_CLI_REPORT_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/grid/merge.h"
+#include "client/mesh/weld_report.h"
+#include "client/plane_types.h"
+#include "client/tool/cli/exit_status.h"
+#include "client/types.h"
+
+namespace latvox::client {
+
+struct VoxelizeReport {
+  std::string mesh_path;
+  std::vector<std::string> outputs;
+  Accepted accepted;
+  Summary summary;
+  uint64_t skipped = 0;            // points and lines of the mesh file
+  std::optional<WeldReport> weld;  // if it was asked for
+  double encode_ms = 0;            // reading and encoding the mesh
+  double total_ms = 0;             // the whole command
+};
+
+// One object; scripts rely on its keys. Without verification, tunnels and redundant are null.
+std::string ToJson(const VoxelizeReport& report);
+
+// A few lines for people.
+std::string ToText(const VoxelizeReport& report);
+
+// What became of one job of a batch.
+struct JobResult {
+  enum class Outcome { kDone, kFailed, kSkipped };  // kSkipped: it was done before
+  Outcome outcome = Outcome::kFailed;
+  std::string id, mesh;              // as in client/tool/cli/job_line.h
+  uint64_t line = 0;                 // of the job file
+  uint64_t ended_unix_ms = 0;        // since 1970
+  std::vector<std::string> outputs;  // names below the directory
+  std::vector<uint64_t> bytes;       // of each of these files, unless failed
+  std::string job_digest;            // of client/tool/cli/job_digest.h; empty if the job failed before that
+  std::string digest;                // of the voxels, if skipped
+  VoxelizeReport report;             // if done
+  absl::Status error;                // if failed
+};
+
+// One object in one line, without its end.
+std::string ToJsonLine(const JobResult& result);
+
+struct BatchReport {
+  uint64_t jobs = 0;  // of this worker
+  uint64_t done = 0, failed = 0, skipped = 0;
+  bool cancelled = false;             // before all of them had ended
+  std::vector<std::string> failures;  // a line for each of the first
+  std::string results;                // the file of results
+  double total_ms = 0;
+  ExitStatus status = ExitStatus::kDone;  // that of the jobs that failed if it is one, kOther if there are several
+};
+
+std::string ToJson(const BatchReport& report);
+std::string ToText(const BatchReport& report);
+
+struct PixelizeReport {
+  std::string input_path;
+  std::vector<std::string> outputs;
+  uint64_t polylines = 0, points = 0;  // of the drawing
+  uint32_t separability = 0;
+  Pixelization answer;
+  double read_ms = 0;   // reading the drawing
+  double total_ms = 0;  // the whole command
+};
+
+std::string ToJson(const PixelizeReport& report);
+std::string ToText(const PixelizeReport& report);
+
+struct MergeReport {
+  size_t parts = 0;
+  std::string output;
+  MergedGrid merged;
+  double total_ms = 0;  // the whole command
+};
+
+std::string ToJson(const MergeReport& report);
+std::string ToText(const MergeReport& report);
+
+// One object, keys as in the protocol; a line for each.
+std::string ToJson(const Limits& limits);
+std::string ToText(const Limits& limits);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_REPORT_H_

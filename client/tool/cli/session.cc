@@ -1,0 +1,77 @@
+#include "client/tool/cli/session.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/tool/cli/terminal.h"
+
+namespace latvox::client {
+namespace {
+
+// Without what surrounds it, an end of the line for one.
+absl::StatusOr<std::string> ReadToken(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot read the token file \"", path, "\": ", std::strerror(errno)));
+  }
+  std::string token, more;
+  if (!(file >> token) || file >> more) {
+    return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold one word"));
+  }
+  return token;
+}
+
+std::string Variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+}  // namespace
+
+absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOptions& options) {
+  Session session;
+  std::string address = choice.address;
+  if (address.empty()) {
+    auto server = PrivateServer::Start(choice.threads, options);
+    if (!server.ok()) return server.status();
+    session.server_ = *std::move(server);
+    address = session.server_->address();
+    // Over a line of progress, if there is one.
+    std::fprintf(stderr, "%slatvox: no --server given, started a private %s for this call\n",
+                 ErrorIsTerminal() ? "\r\x1b[K" : "", session.server_->program().c_str());
+  }
+  ConnectionOptions connection{.credentials = choice.credentials};
+  if (!choice.token_file.empty()) {
+    auto token = ReadToken(choice.token_file);
+    if (!token.ok()) return token.status();
+    connection.credentials.token = *std::move(token);
+  }
+  auto client = Client::Connect(address, options, connection);
+  if (!client.ok()) return client.status();
+  if (session.server_) session.server_->RemoveDirectory();
+  session.client_ = *std::move(client);
+  return session;
+}
+
+CallOptions MakeCallOptions(const ServerChoice& choice, const Cancellation& cancellation) {
+  CallOptions options;
+  options.cancellation = cancellation;
+  if (choice.retries) options.retry.max_retries = *choice.retries;
+  if (choice.address.empty()) options.retry.max_retries = 0;
+  if (choice.timeout_seconds) options.deadline = absl::Now() + absl::Seconds(*choice.timeout_seconds);
+  options.traceparent = choice.traceparent;
+  if (choice.traceparent.empty()) {
+    options.traceparent = Variable("TRACEPARENT");
+    options.tracestate = Variable("TRACESTATE");
+  }
+  return options;
+}
+
+}  // namespace latvox::client

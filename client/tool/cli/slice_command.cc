@@ -1,0 +1,197 @@
+#include "client/tool/cli/slice_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/grid/grid_content.h"
+#include "client/output/atomic_file.h"
+#include "client/output/cell_index.h"
+#include "client/output/output.h"
+#include "client/output/pixel_picture.h"
+#include "client/output/vec3.h"
+#include "client/output/voxel_walk.h"
+#include "client/tool/cli/color_by_option.h"
+#include "client/tool/cli/common_options.h"
+
+namespace latvox::client {
+namespace {
+
+const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}, {"i", 0}, {"j", 1}, {"k", 2}};
+
+// The coordinates within a layer, in their order.
+std::pair<size_t, size_t> Others(size_t axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
+
+// The voxels of a layer, with what they have.
+GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
+  GridContent layer{{content.file.info, {}}, content.band, {}, content.attributes, {}};
+  const size_t count = content.attributes.size();
+  size_t voxel = 0;
+  for (const Brick& brick : content.file.bricks) {
+    Brick cut{brick.brick_ijk, {}};
+    uint64_t any = 0;
+    ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      const size_t here = voxel++;
+      if (ijk[axis] != index) return;
+      any |= cut.mask[WordInBrick(ijk)] |= BitInWord(ijk);
+      if (content.band) layer.distances.push_back(content.distances[here]);
+      for (size_t n = 0; n < count; ++n) layer.numbers.push_back(content.numbers[count * here + n]);
+    });
+    if (any != 0) layer.file.bricks.push_back(cut);
+  }
+  return layer;
+}
+
+// `colors`: of the cut's voxels, or none.
+absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, const std::vector<uint32_t>& colors,
+                                 size_t axis, const SliceWords& words) {
+  const Layer layer = LayerOf(file.info.transform, axis, words.index);
+  const auto [first, second] = Others(axis);
+  constexpr double kFar = std::numeric_limits<double>::max();
+  Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
+  for (const Brick& brick : file.bricks) {
+    ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      const Vec3d world = file.info.transform.ToWorld(ijk);
+      const Vec2d at = {Dot(world, layer.right), Dot(world, layer.up)};
+      for (size_t m = 0; m < 2; ++m) {
+        low[m] = std::min(low[m], at[m] - layer.grid.pixel_size);
+        high[m] = std::max(high[m], at[m] + layer.grid.pixel_size);
+      }
+    });
+  }
+  std::vector<PictureCell> cells;
+  for (const Brick& brick : cut.file.bricks) {
+    ForEachVoxel(brick, [&, first = first, second = second](const Vec3i& ijk) {
+      const size_t n = cells.size();
+      PictureCell& cell = cells.emplace_back(PictureCell{{ijk[first], ijk[second]}});
+      if (!colors.empty()) cell.color = colors[n];
+      if (cut.band) cell.inside = cut.distances[n] < 0;
+    });
+  }
+  return DrawCells(layer.grid, cells, low, high, words.size);
+}
+
+absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const GridContent& cut) {
+  VoxelizeRequest request;
+  request.band = cut.band;
+  request.attributes = cut.attributes;
+  auto output = OpenOutput(path, request);
+  if (!output.ok()) return output.status();
+  Accepted accepted;
+  accepted.grid = cut.file.info.transform;
+  if (auto status = (*output)->Begin(accepted); !status.ok()) return status;
+  if (auto status = (*output)->Add(cut.Batch()); !status.ok()) return status;
+  if (auto status = (*output)->Finish({}); !status.ok()) return status;
+  return output;
+}
+
+// What the colors mean.
+std::string Legend(ColorBy by, const std::optional<Band>& band) {
+  if (by != ColorBy::kDistance || !band) return ColoredText(by);
+  const std::string width = absl::StrFormat("%g", band->width);
+  return ColoredText(by) + (band->is_signed
+                                ? absl::StrCat(", from -", width, " (blue, inside) to ", width, " (red), a line at 0")
+                                : absl::StrCat(", from 0 (violet) to ", width, " (yellow)"));
+}
+
+// A file that appears in Commit.
+absl::StatusOr<std::unique_ptr<AtomicFile>> WritePicture(const std::string& path, const std::string& png) {
+  auto picture = AtomicFile::Create(path);
+  if (!picture.ok()) return picture.status();
+  if (auto status = (*picture)->Append(png); !status.ok()) return status;
+  if (auto status = (*picture)->Sync(); !status.ok()) return status;
+  return picture;
+}
+
+absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_t axis) {
+  if (!info.active_box) return absl::InvalidArgumentError(absl::StrCat(words.input, ": has no voxel"));
+  const int64_t low = info.active_box->min[axis], high = int64_t{info.active_box->max[axis]} - 1;
+  if (words.index >= low && words.index <= high) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("--index ", words.index, " is not of the layers ", low, " to ", high,
+                                                 " across ", words.axis, " that ", words.input, " has"));
+}
+
+}  // namespace
+
+void AddSliceOptions(CLI::App& command, SliceWords& words) {
+  command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
+  AddOutputOption(command, {".png", ".csv"}, words.outputs);
+  command
+      .add_option("--axis", words.axis,
+                  "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these")
+      ->type_name("AXIS")
+      ->required()
+      ->check(OneOf(kAxes));
+  command.add_option("--index", words.index, "the layer's lattice coordinate on that axis")
+      ->type_name("N")
+      ->required()
+      ->check(Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
+  AddSizeOption(command, "pixels of the picture's longer side", words.size);
+  AddColorByOption(command, /*distances=*/true, words.color_by);
+}
+
+void Check(const SliceWords& words) { CheckOutputs(words.outputs, words.input, "file"); }
+
+Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
+  const Vec3d* const basis[] = {&grid.basis.a, &grid.basis.b, &grid.basis.c};
+  const auto [first, second] = Others(axis);
+  const Vec3d &u = *basis[first], &v = *basis[second];
+  Layer layer;
+  layer.right = Unit(u);
+  layer.up = Unit(Sum(v, -Dot(v, layer.right), layer.right));
+  Vec3i corner{};
+  corner[axis] = index;
+  const Vec3d origin = grid.ToWorld(corner);
+  layer.grid.basis = {{Length(u), 0}, {Dot(v, layer.right), Dot(v, layer.up)}};
+  layer.grid.origin = {Dot(origin, layer.right), Dot(origin, layer.up)};
+  layer.grid.pixel_size = std::sqrt(Length(u) * Dot(v, layer.up));
+  return layer;
+}
+
+absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
+  const size_t axis = ValueNamed(kAxes, words.axis);
+  const auto content = ReadGridContent(words.input);
+  if (!content.ok()) return content.status();
+  if (auto status = CheckIndex(words, content->file.info, axis); !status.ok()) return status;
+  const GridContent cut = Cut(*content, axis, words.index);
+  const ColorBy by = ColorByOf(words.color_by, /*distances=*/true, cut);
+  const auto colors = FileColors(words.input, cut, by);
+  if (!colors.ok()) return colors.status();
+  std::vector<std::unique_ptr<Output>> lists;
+  std::vector<std::unique_ptr<AtomicFile>> pictures;
+  for (const std::string& path : words.outputs) {
+    if (absl::EndsWithIgnoreCase(path, ".csv")) {
+      auto list = List(path, cut);
+      if (!list.ok()) return list.status();
+      lists.push_back(*std::move(list));
+      continue;
+    }
+    const auto png = Draw(content->file, cut, *colors, axis, words);
+    if (!png.ok()) return png.status();
+    auto picture = WritePicture(path, *png);
+    if (!picture.ok()) return picture.status();
+    pictures.push_back(*std::move(picture));
+  }
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  for (const auto& list : lists) {
+    if (auto status = list->Commit(); !status.ok()) return status;
+  }
+  for (const auto& picture : pictures) {
+    if (auto status = picture->Commit(); !status.ok()) return status;
+  }
+  uint64_t voxels = 0;
+  for (const Brick& brick : cut.file.bricks) ForEachVoxel(brick, [&](const Vec3i&) { ++voxels; });
+  return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", words.index,
+                      pictures.empty() ? "" : Legend(by, cut.band), "\nwrote ", absl::StrJoin(words.outputs, ", "),
+                      "\n");
+}
+
+}  // namespace latvox::client

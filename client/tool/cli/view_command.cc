@@ -1,0 +1,52 @@
+#include "client/tool/cli/view_command.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "client/grid/grid_content.h"
+#include "client/output/atomic_file.h"
+#include "client/tool/cli/common_options.h"
+#include "client/view/page.h"
+
+namespace latvox::client {
+namespace {
+
+// The mesh's axis that `up` of the request names has become z. Files of others, or of a mesh as it was, say nothing.
+UpAxis UpOf(const GridFileInfo& info) {
+  const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
+  const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
+  if (found == info.metadata.end()) return UpAxis::kY;
+  const auto request = nlohmann::json::parse(found->second, nullptr, /*allow_exceptions=*/false);
+  return request.contains("up") ? UpAxis::kZ : UpAxis::kY;
+}
+
+}  // namespace
+
+void AddViewOptions(CLI::App& command, ViewWords& words) {
+  command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
+  AddOutputOption(command, {".html"}, words.outputs);
+  command.add_option("--up", words.up, "the axis that points up (default: z if the mesh was turned by --up, else y)")
+      ->check(OneOf(UpNames()));
+}
+
+void Check(const ViewWords& words) {
+  if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
+  CheckOutputs(words.outputs, words.input, "file");
+}
+
+absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation) {
+  const std::string& output = words.outputs.front();
+  const auto content = ReadGridContent(words.input);
+  if (!content.ok()) return content.status();
+  const GridFileInfo& info = content->file.info;
+  const UpAxis up = words.up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.up);
+  const auto page = ViewPage(*content, std::filesystem::path(words.input).filename().string(), up);
+  if (!page.ok()) return page.status();
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  if (auto status = WriteAtomically(output, *page); !status.ok()) return status;
+  return absl::StrCat(words.input, ": ", info.active_voxels, " voxels\nwrote ", output, ", ", page->size(), " bytes\n");
+}
+
+}  // namespace latvox::client

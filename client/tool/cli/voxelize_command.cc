@@ -1,0 +1,205 @@
+#include "client/tool/cli/voxelize_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/time/clock.h"
+#include "client/error.h"
+#include "client/grid/voxel_grid.h"
+#include "client/mesh/mesh_encoder.h"
+#include "client/mesh/mesh_file.h"
+#include "client/mesh/mesh_source.h"
+#include "client/mesh/weld_report.h"
+#include "client/output/output.h"
+#include "client/tool/cli/abandoned_work.h"
+#include "client/tool/cli/empty_box.h"
+#include "client/tool/cli/progress_bar.h"
+
+namespace latvox::client {
+namespace {
+
+using Outputs = std::vector<std::unique_ptr<Output>>;
+
+struct Upload {
+  std::string drc;
+  uint64_t skipped = 0;
+  std::optional<WeldReport> weld = std::nullopt;
+};
+
+// Voxels along the longest side of the mesh, as far as the request tells; in a basis with short and long vectors, along
+// the short ones.
+double VoxelsAlong(double side, const VoxelizeRequest& request) {
+  double size = 1, shortest = 1;
+  if (const Basis* basis = std::get_if<Basis>(&request.lattice)) {
+    const auto& [a, b, c] = *basis;
+    const double det =
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };
+    size = std::cbrt(std::abs(det));
+    shortest = std::min({1.0, length(a) / size, length(b) / size, length(c) / size});
+  }
+  const double voxels = request.resolution ? *request.resolution : side / request.voxel_size.value_or(size) + 1;
+  return voxels / shortest;
+}
+
+// Sent as it is; only what is counted needs it decoded here.
+absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks,
+                                    std::string drc) {
+  if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
+  if (!options.weld_report) return Upload{.drc = std::move(drc)};
+  const auto count = [path = options.mesh.paths[0], drc = std::move(drc)]() -> absl::StatusOr<Upload> {
+    const auto mesh = ParseMeshFile(path, drc, MeshFormat::kDraco);
+    if (!mesh.ok()) return mesh.status();
+    return Upload{.drc = drc, .weld = Weld(*mesh)};
+  };
+  return DoAbandonably(count, call);
+}
+
+absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
+  hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
+  auto read = DoAbandonably([source = options.mesh] { return ReadMeshSource(source); }, call);
+  if (!read.ok()) return read.status();
+  if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, call, hooks, std::move(*drc));
+  const auto shared_mesh = std::make_shared<const Mesh>(std::get<Mesh>(*std::move(read)));
+  const Mesh& mesh = *shared_mesh;
+  for (const std::string& warning : mesh.warnings) hooks.say(warning);
+  hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
+  const int bits =
+      options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
+  const auto encode = [shared_mesh, bits, attributes = options.request.attributes,
+                       weld = options.weld_report]() -> absl::StatusOr<Upload> {
+    auto encoded = EncodeMesh(*shared_mesh, bits, attributes);
+    if (!encoded.ok()) return encoded.status();
+    Upload upload{.drc = std::move(encoded->drc), .skipped = shared_mesh->skipped};
+    if (weld) upload.weld = Weld(*shared_mesh);
+    return upload;
+  };
+  return DoAbandonably(encode, call);
+}
+
+absl::StatusOr<Outputs> OpenOutputs(const VoxelizeOptions& options) {
+  Outputs outputs;
+  for (const std::string& path : options.outputs) {
+    auto output = OpenOutput(path, options.request, options.output_options);
+    if (!output.ok()) return output.status();
+    outputs.push_back(*std::move(output));
+  }
+  return outputs;
+}
+
+// Calls `step` with every output until one fails.
+template <class Step>
+absl::Status ForEach(Outputs& outputs, const Step& step) {
+  for (auto& output : outputs) {
+    if (auto status = step(*output); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+std::string ResumptionLine(const Resumption& resumption) {
+  const std::string where = resumption.after_tile
+                                ? absl::StrCat("resumed after tile ", absl::StrJoin(*resumption.after_tile, ","))
+                                : "begun anew";
+  return absl::StrCat("connection lost, ", where, " on ", resumption.address);
+}
+
+// The status, with the mesh's file in it if that is what is wrong.
+absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
+  const ErrorDetails details = GetErrorDetails(status);
+  if (details.reason != "BAD_MESH") return status;
+  absl::Status named(status.code(), absl::StrCat(NameOf(mesh), ": ", status.message()));
+  SetErrorDetails(details, named);
+  return named;
+}
+
+// The call itself, into the outputs.
+absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
+                  const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
+  hooks.on_stage("connecting");
+  const absl::StatusOr<const Client*> client = hooks.connect();
+  if (!client.ok()) return client.status();
+  hooks.on_stage("uploading");
+  VoxelizeHandlers handlers;
+  handlers.on_accepted = [&](const Accepted& accepted) {
+    hooks.on_stage("voxelizing");
+    report.accepted = accepted;
+    return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
+  };
+  uint64_t bricks = 0;
+  handlers.on_bricks = [&](const BrickBatch& batch) {
+    bricks += batch.bricks.size();
+    hooks.on_progress(batch.progress, bricks);
+    return ForEach(outputs, [&](Output& output) { return output.Add(batch); });
+  };
+  handlers.on_resumed = [&](const Resumption& resumption) {
+    return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
+  };
+  auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
+  if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
+  report.summary = *std::move(summary);
+  if (report.summary.voxels == 0) {
+    if (const auto line = EmptyBoxLine(options.request, report.accepted); !line.empty()) hooks.say(line);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Align(VoxelizeOptions& options) {
+  if (options.align.empty()) return absl::OkStatus();
+  const auto info = ReadGridFileInfo(options.align);
+  if (!info.ok()) return absl::Status(info.status().code(), absl::StrCat("align: ", info.status().message()));
+  options.request.lattice = info->transform.basis;
+  options.request.origin = info->transform.origin;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
+  const absl::Time start = absl::Now();
+  VoxelizeReport report;
+  report.mesh_path = NameOf(options.mesh);
+  report.outputs = options.outputs;
+  // First of all, so that a place that cannot be written is found before any work.
+  auto outputs = OpenOutputs(options);
+  if (!outputs.ok()) return outputs.status();
+  const auto upload = Prepare(options, call, hooks);
+  if (!upload.ok()) return upload.status();
+  report.skipped = upload->skipped;
+  report.weld = upload->weld;
+  report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
+  if (auto status = CheckTime(call); !status.ok()) return status;
+  if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
+  hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
+  const auto finish = [&](Output& output) { return output.Finish(report.summary); };
+  if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
+  if (auto status = CheckTime(call); !status.ok()) return status;
+  if (auto status = ForEach(*outputs, [](Output& output) { return output.Commit(); }); !status.ok()) return status;
+  report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
+  return report;
+}
+
+absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const Cancellation& cancellation) {
+  VoxelizeOptions options = given;
+  if (absl::Status status = Align(options); !status.ok()) return status;
+  const CallOptions call = MakeCallOptions(options.server, cancellation);
+  std::optional<Session> session;
+  ProgressBar bar;
+  JobHooks hooks;
+  hooks.connect = [&]() -> absl::StatusOr<const Client*> {
+    auto opened = Session::Open(options.server, call);
+    if (!opened.ok()) return opened.status();
+    session = *std::move(opened);
+    return &session->client();
+  };
+  hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
+  hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };
+  hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
+  return RunJob(options, call, hooks);
+}
+
+}  // namespace latvox::client

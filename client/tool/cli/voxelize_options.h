@@ -1,0 +1,58 @@
+// The options of `latvox voxelize`.
+#ifndef LATVOX_CLIENT_TOOL_CLI_VOXELIZE_OPTIONS_H_
+#define LATVOX_CLIENT_TOOL_CLI_VOXELIZE_OPTIONS_H_
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/mesh/mesh_source.h"
+#include "client/output/output.h"
+#include "client/tool/cli/mesh_options.h"
+#include "client/tool/cli/session.h"
+#include "client/types.h"
+
+namespace latvox::client {
+
+struct VoxelizeOptions {
+  MeshSource mesh;
+  bool weld_report = false;
+  std::vector<std::string> outputs;
+  OutputOptions output_options;
+  VoxelizeRequest request;
+  std::optional<int> quantization_bits;  // absent: auto
+  std::string align;                     // a .vdb file whose grid is the request's; empty: none
+  bool json = false;
+  ServerChoice server;
+};
+
+// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+struct VoxelizeWords : MeshWords {
+  VoxelizeOptions options;  // filled in part by parsing
+  std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
+  std::string npy;
+  int separability = 0;
+  std::string algorithm, encoding, fill, interior_rule, cover, band, attributes;
+  bool without_surface = false, force_open = false, is_signed = false;
+  std::optional<bool> minimal;
+};
+
+// Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by
+// itself.
+void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
+
+// Adds all options.
+void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words);
+
+// What the words mean together. Throws CLI::ValidationError, as parsing does, naming option, value and limit: options
+// that exclude or need each other.
+VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
+
+// The same, with an eye on the file system: an output that is given twice or in the place of the mesh is refused, too.
+VoxelizeOptions Interpret(const VoxelizeWords& words);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_VOXELIZE_OPTIONS_H_
