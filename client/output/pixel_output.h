@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/curve/curve_file.h"
 #include "client/plane_types.h"
+#include "client/tool/curve/curve_file.h"
 
 namespace latvox::client {
 

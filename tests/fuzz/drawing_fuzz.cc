@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "client/curve/svg_curves.h"
-#include "client/curve/text_curves.h"
+#include "client/tool/curve/svg_curves.h"
+#include "client/tool/curve/text_curves.h"
 
 namespace {
 

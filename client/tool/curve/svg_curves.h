@@ -1,6 +1,6 @@
 // The curves of an SVG drawing.
-#ifndef LATVOX_CLIENT_CURVE_SVG_CURVES_H_
-#define LATVOX_CLIENT_CURVE_SVG_CURVES_H_
+#ifndef LATVOX_CLIENT_TOOL_CURVE_SVG_CURVES_H_
+#define LATVOX_CLIENT_TOOL_CURVE_SVG_CURVES_H_
 
 #include <vector>
 
@@ -14,8 +14,8 @@ namespace latvox::client {
 // points' box: about one pixel at the finest resolution there is.
 inline constexpr double kFlatness = 1.0 / 65536;
 
-// Reads the elements polyline, polygon, line, rect (with sharp corners) and path (see client/curve/svg_path.h), also
-// within g, with their transforms translate, scale and matrix. World coordinates are the numbers of the drawing, y
+// Reads the elements polyline, polygon, line, rect (with sharp corners) and path (see client/tool/curve/svg_path.h),
+// also within g, with their transforms translate, scale and matrix. World coordinates are the numbers of the drawing, y
 // downwards: width, height and viewBox do not matter, nor do styles. Elements that draw nothing (title, desc, metadata,
 // defs, style) and those of other namespaces are passed over.
 // Errors: INVALID_ARGUMENT naming line and element: not XML, any other element, transform or path command, a length
@@ -24,4 +24,4 @@ absl::StatusOr<std::vector<Polyline>> ParseSvg(absl::string_view text);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CURVE_SVG_CURVES_H_
+#endif  // LATVOX_CLIENT_TOOL_CURVE_SVG_CURVES_H_

@@ -1,6 +1,6 @@
 // The path data of SVG: outlines of lines and Bezier curves.
-#ifndef LATVOX_CLIENT_CURVE_SVG_PATH_H_
-#define LATVOX_CLIENT_CURVE_SVG_PATH_H_
+#ifndef LATVOX_CLIENT_TOOL_CURVE_SVG_PATH_H_
+#define LATVOX_CLIENT_TOOL_CURVE_SVG_PATH_H_
 
 #include <array>
 #include <vector>
@@ -35,4 +35,4 @@ Polyline Flatten(const Outline& outline, double tolerance);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CURVE_SVG_PATH_H_
+#endif  // LATVOX_CLIENT_TOOL_CURVE_SVG_PATH_H_

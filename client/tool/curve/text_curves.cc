@@ -1,10 +1,10 @@
-#include "client/curve/text_curves.h"
+#include "client/tool/curve/text_curves.h"
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "client/curve/scan.h"
+#include "client/tool/curve/scan.h"
 
 namespace latvox::client {
 namespace {

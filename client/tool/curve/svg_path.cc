@@ -1,11 +1,11 @@
-#include "client/curve/svg_path.h"
+#include "client/tool/curve/svg_path.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "client/curve/scan.h"
+#include "client/tool/curve/scan.h"
 
 namespace latvox::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/curve/svg_curves.h"
+#include "client/tool/curve/svg_curves.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
-#include "client/curve/scan.h"
-#include "client/curve/svg_path.h"
+#include "client/tool/curve/scan.h"
+#include "client/tool/curve/svg_path.h"
 
 namespace latvox::client {
 namespace {

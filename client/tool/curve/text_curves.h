@@ -1,6 +1,6 @@
 // Polylines as plain text.
-#ifndef LATVOX_CLIENT_CURVE_TEXT_CURVES_H_
-#define LATVOX_CLIENT_CURVE_TEXT_CURVES_H_
+#ifndef LATVOX_CLIENT_TOOL_CURVE_TEXT_CURVES_H_
+#define LATVOX_CLIENT_TOOL_CURVE_TEXT_CURVES_H_
 
 #include <vector>
 
@@ -17,4 +17,4 @@ absl::StatusOr<std::vector<Polyline>> ParseText(absl::string_view text);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CURVE_TEXT_CURVES_H_
+#endif  // LATVOX_CLIENT_TOOL_CURVE_TEXT_CURVES_H_

@@ -1,4 +1,4 @@
-#include "client/curve/curve_file.h"
+#include "client/tool/curve/curve_file.h"
 
 #include <filesystem>
 #include <utility>
@@ -6,9 +6,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client/curve/svg_curves.h"
-#include "client/curve/text_curves.h"
 #include "client/mesh/input.h"
+#include "client/tool/curve/svg_curves.h"
+#include "client/tool/curve/text_curves.h"
 
 namespace latvox::client {
 

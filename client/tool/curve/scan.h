@@ -1,6 +1,6 @@
 // Numbers at the front of text.
-#ifndef LATVOX_CLIENT_CURVE_SCAN_H_
-#define LATVOX_CLIENT_CURVE_SCAN_H_
+#ifndef LATVOX_CLIENT_TOOL_CURVE_SCAN_H_
+#define LATVOX_CLIENT_TOOL_CURVE_SCAN_H_
 
 #include <charconv>
 #include <cmath>
@@ -53,4 +53,4 @@ inline std::string Shown(absl::string_view rest) {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CURVE_SCAN_H_
+#endif  // LATVOX_CLIENT_TOOL_CURVE_SCAN_H_

@@ -1,6 +1,6 @@
 // Drawings: files of polylines.
-#ifndef LATVOX_CLIENT_CURVE_CURVE_FILE_H_
-#define LATVOX_CLIENT_CURVE_CURVE_FILE_H_
+#ifndef LATVOX_CLIENT_TOOL_CURVE_CURVE_FILE_H_
+#define LATVOX_CLIENT_TOOL_CURVE_CURVE_FILE_H_
 
 #include <string>
 #include <vector>
@@ -15,11 +15,11 @@ struct Drawing {
   bool y_down = false;              // as people look at it
 };
 
-// Reads .txt (client/curve/text_curves.h) or .svg (client/curve/svg_curves.h), or standard input, "-": .svg if it
-// begins with "<". Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, not supported, no
-// curve at all.
+// Reads .txt (client/tool/curve/text_curves.h) or .svg (client/tool/curve/svg_curves.h), or standard input, "-": .svg
+// if it begins with "<". Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, not
+// supported, no curve at all.
 absl::StatusOr<Drawing> ReadCurveFile(const std::string& path);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CURVE_CURVE_FILE_H_
+#endif  // LATVOX_CLIENT_TOOL_CURVE_CURVE_FILE_H_
