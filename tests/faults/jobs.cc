@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "client/mesh/input.h"
+#include "client/tool/mesh_files/input.h"
 
 namespace latvox::faults {
 namespace {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/mesh/input.h"
+#include "client/tool/mesh_files/input.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/bench/meshes.h"

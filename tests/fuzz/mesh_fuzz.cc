@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <string>
 
-#include "client/mesh/gltf_file.h"
-#include "client/mesh/mesh_format.h"
-#include "client/mesh/obj_file.h"
-#include "client/mesh/ply_file.h"
-#include "client/mesh/stl_file.h"
-#include "client/mesh/three_mf_file.h"
+#include "client/tool/mesh_files/gltf_file.h"
+#include "client/tool/mesh_files/mesh_format.h"
+#include "client/tool/mesh_files/obj_file.h"
+#include "client/tool/mesh_files/ply_file.h"
+#include "client/tool/mesh_files/stl_file.h"
+#include "client/tool/mesh_files/three_mf_file.h"
 
 namespace {
 

@@ -11,9 +11,9 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "client/mesh/gltf_file.h"
 #include "client/mesh/mesh_encoder.h"
-#include "client/mesh/obj_file.h"
+#include "client/tool/mesh_files/gltf_file.h"
+#include "client/tool/mesh_files/obj_file.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "absl/strings/escaping.h"
-#include "client/mesh/input.h"
-#include "client/mesh/mesh_file.h"
-#include "client/mesh/obj_file.h"
-#include "client/mesh/ply_file.h"
-#include "client/mesh/polygon.h"
-#include "client/mesh/stl_file.h"
-#include "client/mesh/zip_archive.h"
+#include "client/tool/mesh_files/input.h"
+#include "client/tool/mesh_files/mesh_file.h"
+#include "client/tool/mesh_files/obj_file.h"
+#include "client/tool/mesh_files/ply_file.h"
+#include "client/tool/mesh_files/polygon.h"
+#include "client/tool/mesh_files/stl_file.h"
+#include "client/tool/mesh_files/zip_archive.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "absl/strings/escaping.h"
-#include "client/mesh/input.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh_id.h"
+#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {

@@ -10,9 +10,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
-#include "client/mesh/input.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_url.h"
+#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "client/mesh/input.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 

@@ -5,7 +5,7 @@
 #include <CLI/App.hpp>
 #include <string>
 
-#include "client/mesh/mesh_source.h"
+#include "client/tool/mesh_files/mesh_source.h"
 
 namespace latvox::client {
 

@@ -8,9 +8,9 @@
 
 #include "absl/status/status.h"
 #include "client/grid/merge.h"
-#include "client/mesh/weld_report.h"
 #include "client/plane_types.h"
 #include "client/tool/cli/exit_status.h"
+#include "client/tool/mesh_files/weld_report.h"
 #include "client/types.h"
 
 namespace latvox::client {

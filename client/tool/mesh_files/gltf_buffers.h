@@ -1,0 +1,42 @@
+// The bytes that a glTF file's accessors are made of.
+#ifndef LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_BUFFERS_H_
+#define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_BUFFERS_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client/tool/mesh_files/gltf_document.h"
+
+namespace latvox::client {
+
+// Each buffer is read once, when it is first needed. Errors: INVALID_ARGUMENT, naming what is missing or too short;
+// also the JSON library's exceptions.
+class GltfBuffers {
+ public:
+  // `document` must outlive it; `folder`: of the files that are referred to, empty: the working directory.
+  GltfBuffers(const GltfDocument& document, std::filesystem::path folder)
+      : document_(document), folder_(std::move(folder)) {}
+
+  // All bytes of the buffer view that `object` names.
+  absl::StatusOr<absl::string_view> View(const nlohmann::json& object);
+
+  // So many of them, from `object`'s byteOffset on.
+  absl::StatusOr<absl::string_view> Bytes(const nlohmann::json& object, uint64_t size);
+
+ private:
+  absl::StatusOr<absl::string_view> At(uint64_t n);
+
+  const GltfDocument& document_;
+  const std::filesystem::path folder_;
+  std::map<uint64_t, std::string> read_;
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_BUFFERS_H_

@@ -1,0 +1,21 @@
+// Several meshes as one.
+#ifndef LATVOX_CLIENT_TOOL_MESH_FILES_MESH_JOIN_H_
+#define LATVOX_CLIENT_TOOL_MESH_FILES_MESH_JOIN_H_
+
+#include "absl/status/status.h"
+#include "client/mesh/affine.h"
+#include "client/mesh/mesh.h"
+
+namespace latvox::client {
+
+// Moves the mesh. Errors: INVALID_ARGUMENT naming the first vertex that exceeds float32 where it is moved to.
+absl::Status Transform(const Affine& to_world, Mesh& mesh);
+
+// Appends the part, moved, with its own vertices; its parts and materials get the numbers after those of the mesh.
+// Errors: as Transform, before anything is appended; INVALID_ARGUMENT
+// if there are more than 2^32 - 1 vertices.
+absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_MESH_FILES_MESH_JOIN_H_

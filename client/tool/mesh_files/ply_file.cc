@@ -1,0 +1,232 @@
+#include "client/tool/mesh_files/ply_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/tool/mesh_files/ply_body.h"
+#include "client/tool/mesh_files/ply_header.h"
+#include "client/tool/mesh_files/polygon.h"
+
+// Why not assimp: on a file cut short its PLY importer crashes or does not return, and it triangulates polygons before
+// anyone could have checked their indices.
+namespace latvox::client {
+namespace {
+
+template <class... Parts>
+absl::Status Bad(const Parts&... parts) {
+  return absl::InvalidArgumentError(absl::StrCat(parts...));
+}
+
+absl::Status EndsEarly(const PlyElement& element, uint64_t at) {
+  return Bad("ends or is damaged at ", element.name, " ", at, " of ", element.count);
+}
+
+void SkipProperty(const PlyProperty& property, PlyBody& body) {
+  double count = property.count_type ? body.TakeNumber(*property.count_type) : 1;
+  for (; body.ok() && count >= 1; --count) body.TakeNumber(property.type);
+}
+
+using Triangle = std::array<uint32_t, 3>;
+using Names = std::array<const char*, 3>;
+
+// Which of the names a single number of a vertex has.
+std::optional<size_t> PlaceOf(const PlyProperty& property, const Names& names) {
+  const auto found = std::find(names.begin(), names.end(), property.name);
+  if (property.count_type || found == names.end()) return std::nullopt;
+  return static_cast<size_t>(found - names.begin());
+}
+
+constexpr Names kAxes{"x", "y", "z"};
+constexpr Names kColorNames[] = {{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}};
+
+// The first of the names that no single number of an element has; null if all are there.
+const char* Missing(const PlyElement& element, const Names& names) {
+  for (const char* name : names) {
+    const auto is = [&](const PlyProperty& property) { return property.name == name && !property.count_type; };
+    if (std::none_of(element.properties.begin(), element.properties.end(), is)) return name;
+  }
+  return nullptr;
+}
+
+const Names* ColorNamesOf(const PlyElement& element) {
+  const auto are = [&](const Names& names) { return Missing(element, names) == nullptr; };
+  const auto* const found = std::find_if(std::begin(kColorNames), std::end(kColorNames), are);
+  return found == std::end(kColorNames) ? nullptr : found;
+}
+
+// What a full color is in a number of this type; 0: nobody knows.
+double FullColor(PlyScalar type) {
+  switch (type) {
+    case PlyScalar::kUint8:
+      return 255;
+    case PlyScalar::kUint16:
+      return 65535;
+    case PlyScalar::kFloat32:
+    case PlyScalar::kFloat64:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+// The part of a color, as a byte; nothing, and why in mesh.no_color, if it is none.
+uint8_t ToColorPart(double number, const PlyProperty& property, uint64_t vertex, Mesh& mesh) {
+  const double full = FullColor(property.type);
+  if (full > 0 && number >= 0 && number <= full) return static_cast<uint8_t>(std::nearbyint(number / full * 255));
+  if (mesh.no_color.empty()) {
+    mesh.no_color = full > 0 ? absl::StrCat(property.name, " ", number, " of vertex ", vertex, " is not within 0 and ",
+                                            full, ", as type ", NameOf(property.type), " has it")
+                             : absl::StrCat("vertices have ", property.name, " as ", NameOf(property.type),
+                                            ", which is not one of uchar, ushort, float, double");
+  }
+  return 0;
+}
+
+absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+  if (const char* axis = Missing(element, kAxes)) return Bad("PLY header: element vertex has no property ", axis);
+  const Names* const color_names = ColorNamesOf(element);
+  for (uint64_t n = 0; n < element.count; ++n) {
+    Vec3f position{};
+    Color color{};
+    for (const PlyProperty& property : element.properties) {
+      if (const auto axis = PlaceOf(property, kAxes)) {
+        position[*axis] = body.TakeFloat(property.type);
+      } else if (const auto part = color_names ? PlaceOf(property, *color_names) : std::nullopt) {
+        color[*part] = ToColorPart(body.TakeNumber(property.type), property, n, mesh);
+      } else {
+        SkipProperty(property, body);
+      }
+    }
+    if (!body.ok()) return EndsEarly(element, n);
+    for (const float coordinate : position) {
+      if (!std::isfinite(coordinate)) return Bad("vertex ", n, " is not finite (", coordinate, ")");
+    }
+    mesh.positions.push_back(position);
+    if (color_names != nullptr && mesh.no_color.empty()) mesh.colors.push_back(color);
+  }
+  return absl::OkStatus();
+}
+
+bool IsCorners(const PlyProperty& property) {
+  return property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+// A vertex that an element of that kind, number n, names.
+absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n, size_t vertices) {
+  if (index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index))
+    return static_cast<uint32_t>(index);
+  return Bad("vertex index ", index, " of ", element, " ", n, " is not within the ", vertices, " vertices");
+}
+
+// The corners of face n.
+absl::Status TakeCorners(const PlyProperty& property, uint64_t n, size_t vertices, PlyBody& body,
+                         std::vector<uint32_t>& corners) {
+  corners.clear();
+  for (double count = body.TakeNumber(*property.count_type); body.ok() && count >= 1; --count) {
+    const double index = body.TakeNumber(property.type);
+    if (!body.ok()) break;
+    const auto vertex = ToVertex(index, "face", n, vertices);
+    if (!vertex.ok()) return vertex.status();
+    corners.push_back(*vertex);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+  if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
+    return Bad("PLY header: element face has no list vertex_indices");
+  }
+  if (ColorNamesOf(element) != nullptr && mesh.colors.empty() && mesh.no_color.empty())
+    mesh.no_color = "colors of faces are not read, only those of vertices";
+  std::vector<uint32_t> corners;
+  for (uint64_t n = 0; n < element.count; ++n) {
+    for (const PlyProperty& property : element.properties) {
+      if (!IsCorners(property)) {
+        SkipProperty(property, body);
+      } else if (auto status = TakeCorners(property, n, mesh.positions.size(), body, corners); !status.ok()) {
+        return status;
+      }
+    }
+    if (!body.ok()) return EndsEarly(element, n);
+    if (corners.size() < 3) {
+      ++mesh.skipped;
+    } else {
+      Triangulate(corners, mesh.positions, mesh.triangles);
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Those of one list: every vertex but the first two of a strip makes a triangle with the two before it; -1 ends a
+// strip.
+absl::Status TakeStrips(const PlyProperty& property, uint64_t n, PlyBody& body, Mesh& mesh) {
+  std::array<uint32_t, 2> before{};
+  size_t length = 0;  // of the strip so far
+  for (double count = body.TakeNumber(*property.count_type); body.ok() && count >= 1; --count) {
+    const double index = body.TakeNumber(property.type);
+    if (!body.ok()) break;
+    if (index == -1) {
+      length = 0;
+      continue;
+    }
+    const auto vertex = ToVertex(index, "tristrips", n, mesh.positions.size());
+    if (!vertex.ok()) return vertex.status();
+    const auto [a, b] = before;
+    // One sense of rotation, whichever side of the strip it is on.
+    if (length >= 2) mesh.triangles.push_back(length % 2 == 0 ? Triangle{a, b, *vertex} : Triangle{b, a, *vertex});
+    before = {b, *vertex};
+    ++length;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+  if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
+    return Bad("PLY header: element tristrips has no list vertex_indices");
+  }
+  for (uint64_t n = 0; n < element.count; ++n) {
+    for (const PlyProperty& property : element.properties) {
+      if (!IsCorners(property)) {
+        SkipProperty(property, body);
+      } else if (auto status = TakeStrips(property, n, body, mesh); !status.ok()) {
+        return status;
+      }
+    }
+    if (!body.ok()) return EndsEarly(element, n);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
+  if (element.properties.empty()) return absl::OkStatus();
+  for (uint64_t n = 0; n < element.count; ++n) {
+    for (const PlyProperty& property : element.properties) SkipProperty(property, body);
+    if (!body.ok()) return EndsEarly(element, n);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+// Nothing is allocated by a declared count: vectors grow with the bytes that are there.
+absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
+  const absl::StatusOr<PlyHeader> header = TakePlyHeader(bytes);
+  if (!header.ok()) return header.status();
+  PlyBody body(bytes, header->format);
+  Mesh mesh;
+  for (const PlyElement& element : header->elements) {
+    absl::Status status = element.name == "vertex"      ? ReadVertices(element, body, mesh)
+                          : element.name == "face"      ? ReadFaces(element, body, mesh)
+                          : element.name == "tristrips" ? ReadStrips(element, body, mesh)
+                                                        : SkipElement(element, body);
+    if (!status.ok()) return status;
+  }
+  return mesh;
+}
+
+}  // namespace latvox::client

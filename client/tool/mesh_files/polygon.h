@@ -1,0 +1,22 @@
+// Polygons to triangles.
+#ifndef LATVOX_CLIENT_TOOL_MESH_FILES_POLYGON_H_
+#define LATVOX_CLIENT_TOOL_MESH_FILES_POLYGON_H_
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/mesh/mesh.h"
+
+namespace latvox::client {
+
+// Cuts a polygon with n >= 3 corners into n - 2 triangles with the same corners and the same sense of rotation, and
+// appends them. Concave polygons are cut inside; a polygon that is not plane is cut as its projection along its mean
+// normal; one that crosses itself gets some n - 2 triangles that cover all of its corners.
+void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions,
+                 std::vector<std::array<uint32_t, 3>>& triangles);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_MESH_FILES_POLYGON_H_
