@@ -13,9 +13,9 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
-#include "client/output/vec3.h"
-#include "client/output/voronoi_cell.h"
-#include "client/output/voxel_walk.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voronoi_cell.h"
+#include "client/tool/output/voxel_walk.h"
 #include "client/view/paints.h"
 
 // The files of this folder, as they are.

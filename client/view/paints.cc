@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/output/voxel_colors.h"
+#include "client/tool/output/voxel_colors.h"
 
 namespace latvox::client {
 namespace {

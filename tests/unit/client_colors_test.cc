@@ -5,7 +5,7 @@
 #include "client/grid/grid_content.h"
 #include "client/grid/openvdb_grid.h"
 #include "client/grid/openvdb_trees.h"
-#include "client/output/voxel_colors.h"
+#include "client/tool/output/voxel_colors.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

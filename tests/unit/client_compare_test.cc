@@ -7,11 +7,11 @@
 #include <random>
 #include <set>
 
-#include "client/output/vec3.h"
-#include "client/output/voxel_walk.h"
 #include "client/tool/cli/slice_command.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voxel_walk.h"
 
 namespace latvox::client {
 namespace {

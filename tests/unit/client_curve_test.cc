@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "client/output/pixel_output.h"
 #include "client/tool/curve/curve_file.h"
 #include "client/tool/curve/svg_curves.h"
 #include "client/tool/curve/svg_path.h"
 #include "client/tool/curve/text_curves.h"
+#include "client/tool/output/pixel_output.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "client/grid/voxel_grid.h"
-#include "client/output/atomic_file.h"
-#include "client/output/output.h"
+#include "client/tool/output/atomic_file.h"
+#include "client/tool/output/output.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

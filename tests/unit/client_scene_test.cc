@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "client/output/depth_blur.h"
-#include "client/output/picture.h"
-#include "client/output/vec3.h"
-#include "client/output/voronoi_cell.h"
-#include "client/output/voxel_front.h"
-#include "client/output/voxel_scene.h"
+#include "client/tool/output/depth_blur.h"
+#include "client/tool/output/picture.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voronoi_cell.h"
+#include "client/tool/output/voxel_front.h"
+#include "client/tool/output/voxel_scene.h"
 
 namespace latvox::client {
 namespace {

@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "client/output/output.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/output/output.h"
 
 namespace latvox::client {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/grid/grid_content.h"
-#include "client/output/voxel_colors.h"
+#include "client/tool/output/voxel_colors.h"
 
 namespace latvox::client {
 

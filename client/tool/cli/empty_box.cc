@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/output/vec3.h"
+#include "client/tool/output/vec3.h"
 
 namespace latvox::client {
 namespace {

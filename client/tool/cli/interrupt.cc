@@ -11,9 +11,9 @@
 #include <optional>
 #include <string_view>
 
-#include "client/output/atomic_file.h"
 #include "client/tool/cli/exit_status.h"
 #include "client/tool/mesh_files/input.h"
+#include "client/tool/output/atomic_file.h"
 
 namespace latvox::client {
 namespace {

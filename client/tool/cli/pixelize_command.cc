@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "absl/time/clock.h"
-#include "client/output/atomic_file.h"
-#include "client/output/pixel_output.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/curve/curve_file.h"
 #include "client/tool/mesh_files/input.h"
+#include "client/tool/output/atomic_file.h"
+#include "client/tool/output/pixel_output.h"
 
 namespace latvox::client {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/output/pixel_output.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/output/pixel_output.h"
 
 namespace latvox::client {
 namespace {

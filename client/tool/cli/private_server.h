@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/client.h"
-#include "client/output/atomic_file.h"
+#include "client/tool/output/atomic_file.h"
 
 namespace latvox::client {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/output/picture.h"
+#include "client/tool/output/picture.h"
 
 namespace latvox::client {
 

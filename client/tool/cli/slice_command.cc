@@ -13,14 +13,14 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/grid/grid_content.h"
-#include "client/output/atomic_file.h"
-#include "client/output/cell_index.h"
-#include "client/output/output.h"
-#include "client/output/pixel_picture.h"
-#include "client/output/vec3.h"
-#include "client/output/voxel_walk.h"
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/output/atomic_file.h"
+#include "client/tool/output/cell_index.h"
+#include "client/tool/output/output.h"
+#include "client/tool/output/pixel_picture.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voxel_walk.h"
 
 namespace latvox::client {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "absl/status/statusor.h"
 #include "client/cancellation.h"
-#include "client/output/pixel_picture.h"
 #include "client/plane_types.h"
+#include "client/tool/output/pixel_picture.h"
 #include "client/types.h"
 
 namespace latvox::client {

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cmath>
 
-#include "client/output/cell_index.h"
-#include "client/output/voxel_walk.h"
 #include "client/tool/cli/brick_pairs.h"
+#include "client/tool/output/cell_index.h"
+#include "client/tool/output/voxel_walk.h"
 
 namespace latvox::client {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/grid/grid_content.h"
-#include "client/output/atomic_file.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/output/atomic_file.h"
 #include "client/view/page.h"
 
 namespace latvox::client {

@@ -6,8 +6,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_format.h"
-#include "client/output/voxel_walk.h"
 #include "client/tool/cli/brick_pairs.h"
+#include "client/tool/output/voxel_walk.h"
 
 namespace latvox::client {
 namespace {

@@ -12,13 +12,13 @@
 #include "client/error.h"
 #include "client/grid/voxel_grid.h"
 #include "client/mesh/mesh_encoder.h"
-#include "client/output/output.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/empty_box.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/mesh_files/mesh_file.h"
 #include "client/tool/mesh_files/mesh_source.h"
 #include "client/tool/mesh_files/weld_report.h"
+#include "client/tool/output/output.h"
 
 namespace latvox::client {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "client/output/output.h"
 #include "client/tool/cli/mesh_options.h"
 #include "client/tool/cli/session.h"
 #include "client/tool/mesh_files/mesh_source.h"
+#include "client/tool/output/output.h"
 #include "client/types.h"
 
 namespace latvox::client {

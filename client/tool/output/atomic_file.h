@@ -1,0 +1,72 @@
+// Files that appear whole or not at all.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_ATOMIC_FILE_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_ATOMIC_FILE_H_
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace latvox::client {
+
+// A temporary file beside its target. Commit puts it in the target's place; without, the destructor removes it and the
+// target stays as it was. Not thread-safe. Errors:
+// FAILED_PRECONDITION, with the target and what the system says.
+class AtomicFile {
+ public:
+  // Errors: the directory is missing or cannot be written, the target is a directory, a pipe or
+  // whatever else is not a regular file.
+  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  const std::string& target() const { return target_; }
+  const std::string& temporary() const { return temporary_; }  // for libraries that write by name
+
+  // Appends. Buffered: an error may show in a later call.
+  absl::Status Append(std::string_view bytes);
+
+  // Overwrites the file's first bytes, which were appended before, for headers that hold a count.
+  absl::Status WriteAtStart(std::string_view bytes);
+
+  // To the disk.
+  absl::Status Sync();
+
+  // Renames to the target. Precondition: Sync succeeded.
+  absl::Status Commit();
+
+ private:
+  AtomicFile(std::string target, std::string temporary, int fd);
+  absl::Status Flush();
+  absl::Status Error(int error_number) const;
+
+  std::string target_, temporary_, buffer_;
+  int fd_;
+  bool committed_ = false;
+};
+
+// A directory that is temporary, too: its maker removes it.
+class TemporaryDirectoryMark {
+ public:
+  explicit TemporaryDirectoryMark(std::string path);
+  ~TemporaryDirectoryMark();
+  TemporaryDirectoryMark(const TemporaryDirectoryMark&) = delete;
+  TemporaryDirectoryMark& operator=(const TemporaryDirectoryMark&) = delete;
+
+ private:
+  const std::string path_;
+};
+
+// Removes the temporary files of all objects that live, and directories with what is in them, for a process that ends
+// without destructors.
+void RemoveTemporaryFiles();
+
+// A file of these bytes in the place of the target.
+absl::Status WriteAtomically(const std::string& target, std::string_view bytes);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_ATOMIC_FILE_H_

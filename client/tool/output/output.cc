@@ -1,0 +1,215 @@
+#include "client/tool/output/output.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/error.h"
+#include "client/grid/attribute_grids.h"
+#include "client/grid/distance_grid.h"
+#include "client/grid/voxel_grid.h"
+#include "client/tool/output/atomic_file.h"
+#include "client/tool/output/box_output.h"
+#include "client/tool/output/dense_output.h"
+#include "client/tool/output/picture_output.h"
+#include "client/tool/output/surface_output.h"
+#include "client/tool/output/table_output.h"
+
+namespace latvox::client {
+namespace {
+
+// Grid: VoxelGrid, or DistanceGrid.
+template <class Grid>
+class GridOutput final : public Output {
+ public:
+  using NewGrid = std::function<Grid(const GridTransform&)>;
+  using Write = std::function<absl::Status(Grid&, const std::string& path)>;  // a file of it
+
+  GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, MeshNote note, NewGrid new_grid, Write write)
+      : file_(std::move(file)),
+        request_(std::move(request)),
+        note_(std::move(note)),
+        new_grid_(std::move(new_grid)),
+        write_(std::move(write)) {}
+
+  absl::Status Begin(const Accepted& accepted) override {
+    if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
+    grid_.emplace(new_grid_(accepted.grid));
+    return absl::OkStatus();
+  }
+  absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
+  absl::Status Finish(const Summary& summary) override {
+    grid_->SetRequest(request_, note_);
+    grid_->SetCertificate(summary.certificate);
+    if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return Named(status);
+    return file_->Sync();
+  }
+  absl::Status Commit() override { return file_->Commit(); }
+
+ private:
+  // The same error with the target before it.
+  absl::Status Named(const absl::Status& status) const {
+    absl::Status named(status.code(), absl::StrCat(file_->target(), ": ", status.message()));
+    SetErrorDetails(GetErrorDetails(status), named);
+    return named;
+  }
+
+  std::unique_ptr<AtomicFile> file_;
+  const VoxelizeRequest request_;
+  const MeshNote note_;
+  const NewGrid new_grid_;
+  const Write write_;
+  std::optional<Grid> grid_;
+};
+
+VoxelGrid NewVoxelGrid(const GridTransform& grid) { return VoxelGrid(grid); }
+
+std::unique_ptr<Output> NewVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                     const OutputOptions& options) {
+  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
+                                                 &VoxelGrid::Write);
+}
+
+std::unique_ptr<Output> NewNvdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                      const OutputOptions& options) {
+  return std::make_unique<GridOutput<VoxelGrid>>(std::move(file), request, options.note, NewVoxelGrid,
+                                                 &VoxelGrid::WriteNano);
+}
+
+std::unique_ptr<Output> NewDistanceVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                             const OutputOptions& options) {
+  const bool whole = !request.region && !request.bounds && !request.shard;
+  const auto new_grid = [band = *request.band, whole](const GridTransform& grid) {
+    const double width = band.in_voxels ? band.width * grid.voxel_size : band.width;
+    return DistanceGrid(grid, width, band.is_signed, whole);
+  };
+  return std::make_unique<GridOutput<DistanceGrid>>(std::move(file), request, options.note, new_grid,
+                                                    &DistanceGrid::Write);
+}
+
+std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                              const OutputOptions& options) {
+  const auto new_grids = [attributes = request.attributes](const GridTransform& grid) {
+    return AttributeGrids(grid, attributes);
+  };
+  return std::make_unique<GridOutput<AttributeGrids>>(std::move(file), request, options.note, new_grids,
+                                                      &AttributeGrids::Write);
+}
+
+using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const TableColumns&);
+
+template <NewTable new_table>
+std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                       const OutputOptions&) {
+  return new_table(std::move(file), {request.band.has_value(), request.attributes});
+}
+
+// One that is the same whatever was asked for.
+template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>)>
+std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
+  return new_output(std::move(file));
+}
+
+std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
+                                             const OutputOptions& options) {
+  return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewNpyOutput(std::move(file), {});
+}
+
+std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                     const OutputOptions& options) {
+  return NewPictureOutput(std::move(file), request, options.picture_up);
+}
+
+using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
+                                              const OutputOptions&);
+using Formats = std::span<const std::pair<const char*, NewOutput>>;
+
+constexpr std::pair<const char*, NewOutput> kFormats[] = {
+    {".vdb", NewVdbOutput},
+    {".nvdb", NewNvdbOutput},
+    {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewCoordinatesOutput},
+    {".ply", NewTableOutput<NewPlyOutput>},
+    {".png", NewPngOutput},
+    {".glb", NewPlainOutput<NewGlbOutput>},
+    {".binvox", NewPlainOutput<NewBinvoxOutput>},
+    {".vox", NewPlainOutput<NewVoxOutput>},
+};
+
+constexpr std::pair<const char*, NewOutput> kDistanceFormats[] = {
+    {".vdb", NewDistanceVdbOutput},
+    {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewTableOutput<NewNpyOutput>},
+    {".ply", NewTableOutput<NewPlyOutput>},
+    {".png", NewPngOutput},
+};
+
+constexpr std::pair<const char*, NewOutput> kAttributeFormats[] = {
+    {".vdb", NewAttributeVdbOutput},
+    {".csv", NewTableOutput<NewCsvOutput>},
+    {".npy", NewTableOutput<NewNpyOutput>},
+    {".ply", NewTableOutput<NewPlyOutput>},
+    {".png", NewPngOutput},
+    {".glb", NewPlainOutput<NewGlbOutput>},  // the last, for it holds colors alone
+};
+
+Formats FormatsFor(const std::vector<Attribute>& attributes) {
+  const bool color_alone = attributes == std::vector<Attribute>{Attribute::kColor};
+  return Formats(kAttributeFormats).first(std::size(kAttributeFormats) - (color_alone ? 0 : 1));
+}
+
+std::string ExtensionOf(const std::string& path) {
+  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+}
+
+absl::Status WrongExtension(const std::string& path, const std::vector<std::string>& extensions) {
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", absl::StrJoin(extensions, " ")));
+}
+
+std::vector<std::string> ExtensionsOf(Formats formats) {
+  std::vector<std::string> extensions;
+  for (const auto& [extension, unused] : formats) extensions.push_back(extension);
+  return extensions;
+}
+
+}  // namespace
+
+std::vector<std::string> DistanceExtensions() { return ExtensionsOf(kDistanceFormats); }
+
+std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes) {
+  return ExtensionsOf(FormatsFor(attributes));
+}
+
+bool HasExtension(const std::string& path, const std::vector<std::string>& extensions) {
+  return std::find(extensions.begin(), extensions.end(), ExtensionOf(path)) != extensions.end();
+}
+
+const std::vector<std::string>& OutputExtensions() {
+  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsOf(kFormats));
+  return *kExtensions;
+}
+
+absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,
+                                                   const OutputOptions& options) {
+  const bool carries = !request.attributes.empty();
+  const Formats formats = request.band ? kDistanceFormats
+                          : carries    ? FormatsFor(request.attributes)
+                                       : Formats(kFormats);
+  const std::string wanted = ExtensionOf(path);
+  for (const auto& [extension, new_output] : formats) {
+    if (wanted != extension) continue;
+    auto file = AtomicFile::Create(path);
+    if (!file.ok()) return file.status();
+    return new_output(*std::move(file), request, options);
+  }
+  return WrongExtension(path, ExtensionsOf(formats));
+}
+
+}  // namespace latvox::client

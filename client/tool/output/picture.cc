@@ -1,0 +1,308 @@
+#include "client/tool/output/picture.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "client/tool/output/depth_blur.h"
+#include "client/tool/output/facet_rims.h"
+#include "client/tool/output/png.h"
+#include "client/tool/output/srgb.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voxel_front.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr int kSamples = 2;       // per pixel and axis
+constexpr double kFilled = 0.92;  // share of the picture
+
+using Rgb = std::array<float, 3>;
+using Vec3f = std::array<float, 3>;
+
+constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colours here
+
+float Dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vec3f Unit(const Vec3f& v) {
+  const float length = std::sqrt(Dot(v, v));
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+float Share(float x, float none, float all) { return std::clamp((x - none) / (all - none), 0.0F, 1.0F); }
+
+// A direction where y is up, turned so that another axis is: x stays on the right where z is up.
+Vec3d Turned(const Vec3d& v, UpAxis up) {
+  if (up == UpAxis::kY) return v;
+  return up == UpAxis::kZ ? Vec3d{v[0], -v[2], v[1]} : Vec3d{v[1], v[2], v[0]};
+}
+
+// View frame: x to the right, y up, z towards the viewer, in samples.
+class Renderer {
+ public:
+  Renderer(const VoxelScene& scene, const PictureOptions& options)
+      : scene_(scene),
+        cancellation_(options.cancellation),
+        rims_(scene.facets()),
+        side_(options.side),
+        wide_(options.side * kSamples) {
+    const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
+    right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
+    towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
+    up_ = Cross(towards_, right_);
+    for (size_t level = 0; level < linear_.size(); ++level) linear_[level] = ToLinear(static_cast<uint8_t>(level));
+    for (size_t m = 0; m < 3; ++m) color_[m] = linear_[options.color[m]];
+    for (const VoxelScene::Facet& facet : scene.facets()) normals_.push_back(ToView(facet.normal));
+    const size_t samples = static_cast<size_t>(wide_) * static_cast<size_t>(wide_);
+    depth_.resize(samples, kNoDepth);
+    facet_.resize(samples);
+    edge_.resize(samples);
+    if (scene.colored()) colors_.resize(samples);
+    MakeTaps();
+    constexpr float kSpread = 0.06F;  // for soft shadows
+    for (int phase = 0; phase < kSamples * kSamples; ++phase) {
+      const float dx = kSpread * static_cast<float>(phase % kSamples),
+                  dy = kSpread * static_cast<float>(phase / kSamples);
+      lights_[static_cast<size_t>(phase)] = Unit({-0.52F + dx, 0.66F, 0.50F + dy});
+    }
+  }
+
+  std::vector<uint8_t> Draw() {
+    std::vector<uint8_t> pixels(static_cast<size_t>(side_) * static_cast<size_t>(side_) * 3);
+    Frame();
+    MakeFronts();
+    ForRows(wide_, [this](int y) { CastRow(y); });
+    if (cancellation_.cancelled()) return pixels;
+    smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
+    ForRows(side_, [&](int y) {
+      for (int x = 0; x < side_; ++x) {
+        const Rgb color = ShadePixel(x, y);
+        for (size_t m = 0; m < 3; ++m)
+          pixels[3 * (static_cast<size_t>(y) * static_cast<size_t>(side_) + static_cast<size_t>(x)) + m] =
+              ToLevel(color[m]);
+      }
+    });
+    return pixels;
+  }
+
+ private:
+  template <class Row>
+  void ForRows(int rows, const Row& row) const {
+    tbb::parallel_for(0, rows, [&](int y) {
+      if (!cancellation_.cancelled()) row(y);
+    });
+  }
+
+  Vec3f ToView(const Vec3d& v) const {
+    return {static_cast<float>(Dot3(v, right_)), static_cast<float>(Dot3(v, up_)),
+            static_cast<float>(Dot3(v, towards_))};
+  }
+  static double Dot3(const Vec3d& a, const Vec3d& b) { return latvox::client::Dot(a, b); }
+  Vec3d ToScene(const Vec3f& v) const { return Sum(Sum(Sum({}, v[0], right_), v[1], up_), v[2], towards_); }
+
+  size_t At(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(wide_) + static_cast<size_t>(x); }
+
+  void Frame() {
+    constexpr double kFar = std::numeric_limits<double>::max();
+    Vec3d low = {kFar, kFar, kFar}, high = {-kFar, -kFar, -kFar}, reach{};
+    for (const Vec3d& corner : scene_.cell_corners()) {
+      const Vec3f view = ToView(corner);
+      for (size_t m = 0; m < 3; ++m) reach[m] = std::max(reach[m], double{view[m]});
+    }
+    scene_.ForEachOuter([&](const Vec3i& cell) {
+      const Vec3d at = scene_.CenterOf(cell);
+      const Vec3d view = {Dot3(at, right_), Dot3(at, up_), Dot3(at, towards_)};
+      for (size_t m = 0; m < 3; ++m) {
+        low[m] = std::min(low[m], view[m]);
+        high[m] = std::max(high[m], view[m]);
+      }
+    });
+    if (scene_.empty()) low = high = {};
+    scale_ = kFilled * wide_ / (std::max(high[0] - low[0] + 2 * reach[0], high[1] - low[1] + 2 * reach[1]));
+    const Vec3f middle = {static_cast<float>((low[0] + high[0]) / 2), static_cast<float>((low[1] + high[1]) / 2),
+                          static_cast<float>(high[2] + reach[2] + 1)};
+    eye_ = ToScene(middle);
+    cell_ = static_cast<float>(scale_);
+  }
+
+  void MakeFronts() {
+    tbb::parallel_for(size_t{0}, fronts_.size(), [&](size_t n) {
+      if (!cancellation_.cancelled()) fronts_[n].emplace(scene_, n == 0 ? towards_ : ToScene(lights_[n - 1]));
+    });
+  }
+
+  void CastRow(int y) {
+    const Vec3d back = {-towards_[0], -towards_[1], -towards_[2]};
+    for (int x = 0; x < wide_; ++x) {
+      const Vec3d eye = SceneAt(static_cast<float>(x), static_cast<float>(y), 0);
+      const double front = fronts_.front()->Reach(eye);
+      if (!std::isfinite(front)) continue;
+      const Ray ray{Sum(eye, front, towards_), back};
+      const auto hit = scene_.Cast(ray);
+      if (!hit) continue;
+      depth_[At(x, y)] = static_cast<float>((front - hit->t) * scale_);
+      facet_[At(x, y)] = static_cast<uint8_t>(hit->facet);
+      edge_[At(x, y)] = EdgeAt(Sum(ray.from, hit->t, back), *hit);
+      if (!colors_.empty()) colors_[At(x, y)] = scene_.ColorOf(hit->cell);
+    }
+  }
+
+  Vec3d SceneAt(float x, float y, float depth) const {
+    const Vec3d right = Sum(eye_, (x + 0.5 - wide_ / 2.0) / scale_, right_);
+    return Sum(Sum(right, (wide_ / 2.0 - y - 0.5) / scale_, up_), depth / scale_, towards_);
+  }
+
+  // How much of an edge's line there is: 255 on it.
+  uint8_t EdgeAt(const Vec3d& point, const VoxelScene::Hit& hit) const {
+    constexpr float kLeast = 8;  // samples that a cell must be wide for its edges to show
+    if (cell_ < kLeast) return 0;
+    const Vec3d at = Sum(point, -1, scene_.CenterOf(hit.cell));
+    const float distance = static_cast<float>(rims_.Distance(at, hit.facet) * scale_),
+                line = std::clamp(0.02F * cell_, 0.5F, 3.0F);
+    return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
+  }
+
+  // Of the smooth surface.
+  Vec3f NormalAt(int x, int y) const {
+    const float here = smooth_[At(x, y)];
+    const auto slope = [&](int dx, int dy) {
+      const auto depth = [&](int sign) {
+        const int sx = std::clamp(x + sign * dx, 0, wide_ - 1), sy = std::clamp(y + sign * dy, 0, wide_ - 1);
+        const float there = smooth_[At(sx, sy)];
+        return std::abs(there - here) < 16 ? there : here;
+      };
+      return (depth(1) - depth(-1)) / 4;
+    };
+    return Unit({-slope(2, 0), slope(0, 2), 1});
+  }
+
+  // Where to look for what hides the sky: eight directions, others for each of a pixel's samples.
+  void MakeTaps() {
+    for (int phase = 0; phase < kSamples * kSamples; ++phase) {
+      for (int d = 0; d < kDirections; ++d) {
+        const float angle = (static_cast<float>(d) + static_cast<float>(phase) / (kSamples * kSamples)) *
+                            (2 * std::numbers::pi_v<float> / kDirections);
+        float distance = HollowReach();
+        for (Tap& tap : taps_[static_cast<size_t>(phase)][static_cast<size_t>(d)]) {
+          tap = {static_cast<int>(std::lround(std::cos(angle) * distance)),
+                 static_cast<int>(std::lround(std::sin(angle) * distance)), distance};
+          distance *= 0.55F;
+        }
+      }
+    }
+  }
+
+  float HollowReach() const { return 0.07F * static_cast<float>(wide_); }
+
+  // The share of the sky that is hidden, by how far things around rise over the tangent plane. Where the surface is
+  // seen from its edge, its tangent plane is not known well enough.
+  float Occlusion(int x, int y, const Vec3f& normal) const {
+    const float reach = HollowReach(), here = smooth_[At(x, y)], z = std::max(normal[2], 0.3F);
+    float sum = 0;
+    for (const auto& direction : taps_[PhaseOf(x, y)]) {
+      float horizon = 0;
+      for (const Tap& tap : direction) {
+        if (x + tap.dx < 0 || y + tap.dy < 0 || x + tap.dx >= wide_ || y + tap.dy >= wide_) continue;
+        const float there = smooth_[At(x + tap.dx, y + tap.dy)];
+        const float slope = (normal[0] * static_cast<float>(tap.dx) - normal[1] * static_cast<float>(tap.dy)) / z;
+        const float rise = there - (here - slope);
+        if (!(rise > 0)) continue;
+        const float sine = rise / std::sqrt(rise * rise + tap.distance * tap.distance);
+        horizon = std::max(horizon, Share(sine, 0.08F, 1) * Share(rise, 3 * reach, reach));
+      }
+      sum += horizon;
+    }
+    return sum / kDirections * Share(normal[2], 0.1F, 0.5F);
+  }
+
+  // Whether nothing is between the sample's surface and the light. A point `raise` above the surface stands for it, so
+  // that small cells do not shade each other.
+  bool Lit(int x, int y, const Vec3f& normal, float raise) const {
+    const Vec3d surface = SceneAt(static_cast<float>(x), static_cast<float>(y), depth_[At(x, y)]);
+    const Vec3d above = Sum(surface, raise, ToScene(normal));
+    const size_t phase = PhaseOf(x, y);
+    const double reach = fronts_[1 + phase]->Reach(above);
+    return reach <= 0 || !scene_.Cast({above, ToScene(lights_[phase]), reach}).has_value();
+  }
+
+  static size_t PhaseOf(int x, int y) { return static_cast<size_t>(x % kSamples + kSamples * (y % kSamples)); }
+
+  Rgb ShadePixel(int px, int py) const {
+    Rgb sum{};
+    for (int s = 0; s < kSamples * kSamples; ++s) {
+      const Rgb sample = Shade(px * kSamples + s % kSamples, py * kSamples + s / kSamples);
+      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kSamples * kSamples);
+    }
+    return sum;
+  }
+
+  Rgb ColorAt(size_t sample) const {
+    if (colors_.empty()) return color_;
+    const uint32_t color = colors_[sample];
+    return {linear_[color >> 16], linear_[color >> 8 & 0xFF], linear_[color & 0xFF]};
+  }
+
+  Rgb Shade(int x, int y) const {
+    const size_t at = At(x, y);
+    if (depth_[at] == kNoDepth) return kBackground;
+    const float facets = 0.2F * Share(cell_, 2, 4) + 0.65F * Share(cell_, 6, 24);
+    const Vec3f smooth = NormalAt(x, y), &facet = normals_[facet_[at]];
+    Vec3f normal;
+    for (size_t m = 0; m < 3; ++m) normal[m] = facets * facet[m] + (1 - facets) * smooth[m];
+    normal = Unit(normal);
+    float key = std::max(0.0F, Dot(normal, lights_[PhaseOf(x, y)]));
+    if (key > 0 && !Lit(x, y, smooth, cell_ < 12 ? 2.0F : 0.02F)) key = 0;
+    const float sky = 0.5F + 0.5F * normal[1], open = 1 - Occlusion(x, y, smooth);
+    const float fill = std::max(0.0F, Dot(normal, Unit({0.8F, 0.1F, 0.6F})));
+    const float value = (open * open * (0.13F + 0.22F * sky + 0.16F * fill) + 1.05F * key) *
+                        (1 - 0.45F * static_cast<float>(edge_[at]) / 255);
+    Rgb color = ColorAt(at);
+    for (float& component : color) component *= value;
+    return color;
+  }
+
+  static constexpr int kDirections = 8, kSteps = 5;
+  struct Tap {
+    int dx, dy;
+    float distance;
+  };
+
+  const VoxelScene& scene_;
+  const Cancellation cancellation_;
+  const FacetRims rims_;
+  const int side_, wide_;            // pixels, samples
+  Vec3d right_, up_, towards_;       // the view frame's axes in the scene
+  Vec3d eye_{};                      // before the middle of the picture
+  double scale_ = 1;                 // samples per unit of the scene
+  float cell_ = 1;                   // a cell's edge in samples
+  std::array<float, 256> linear_{};  // of sRGB's levels
+  Rgb color_;
+  std::vector<Vec3f> normals_;         // of the cell's facets, view frame
+  std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
+  std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
+  std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // towards the viewer, and each of them
+  std::vector<uint8_t> facet_, edge_;
+  std::vector<uint32_t> colors_;  // of the samples; none: all are color_
+  std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};
+};
+
+}  // namespace
+
+int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& options) {
+  constexpr double kLeast = 0.35;  // samples that a cell is wide, seen with its whole diagonal across the picture
+  const double samples = kFilled * options.side * kSamples * grid.voxel_size / diagonal;
+  return samples < kLeast ? static_cast<int>(std::ceil(std::log2(kLeast / samples))) : 0;
+}
+
+absl::StatusOr<std::string> DrawVoxels(const VoxelScene& scene, const PictureOptions& options) {
+  const std::vector<uint8_t> pixels = Renderer(scene, options).Draw();
+  if (options.cancellation.cancelled()) return absl::CancelledError("cancelled");
+  return EncodePng(options.side, options.side, pixels);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,19 @@
+// The output .png.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_PICTURE_OUTPUT_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_PICTURE_OUTPUT_H_
+
+#include <memory>
+
+#include "client/mesh/up_axis.h"
+#include "client/tool/output/atomic_file.h"
+#include "client/tool/output/output.h"
+
+namespace latvox::client {
+
+// The voxels in their own colors, if they carry any, or by what else they carry; of a band, its skin: see
+// client/tool/output/picture_scene.h.
+std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, UpAxis up);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_PICTURE_OUTPUT_H_

@@ -1,0 +1,51 @@
+#include "client/tool/output/picture_scene.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "client/tool/output/cell_index.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voronoi_cell.h"
+#include "client/tool/output/voxel_walk.h"
+
+namespace latvox::client {
+
+double SkinDepth(const GridTransform& grid) {
+  double longest = 0;
+  for (const CellFace& face : VoronoiCellOf(grid.basis).faces) {
+    const Vec3i& w = face.neighbor;
+    longest = std::max(longest, Length(Combine(grid.basis, {double(w[0]), double(w[1]), double(w[2])})));
+  }
+  return longest / 2;
+}
+
+std::vector<Brick> SkinOf(const BrickBatch& batch, double depth) {
+  std::vector<Brick> skin;
+  const float* distance = batch.values.data();
+  for (const Brick& brick : batch.bricks) {
+    Brick near{brick.brick_ijk, {}};
+    bool any = false;
+    ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      if (*distance++ > depth) return;
+      near.mask[WordInBrick(ijk)] |= BitInWord(ijk);
+      any = true;
+    });
+    if (any) skin.push_back(near);
+  }
+  return skin;
+}
+
+void AddBricks(std::span<const Brick> bricks, std::span<const uint32_t> colors, VoxelScene& scene) {
+  for (const Brick& brick : bricks) {
+    if (colors.empty()) {
+      scene.Add(brick);
+      continue;
+    }
+    size_t voxels = 0;
+    for (const uint64_t word : brick.mask) voxels += static_cast<size_t>(std::popcount(word));
+    scene.Add(brick, colors.first(voxels));
+    colors = colors.subspan(voxels);
+  }
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,26 @@
+// Where pixels go: the bytes of one file of one format.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_OUTPUT_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_OUTPUT_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/plane_types.h"
+#include "client/tool/curve/curve_file.h"
+
+namespace latvox::client {
+
+// Extensions that EncodePixels knows, with the dot.
+const std::vector<std::string>& PixelExtensions();
+
+// The file's bytes for the path's extension:
+//   .csv   header i,j,x,y; lattice coordinates, world position with 17 significant digits; in lexicographic order
+//   .png   picture, see client/tool/output/pixel_picture.h
+// Errors: INVALID_ARGUMENT (extension), INTERNAL (libpng).
+absl::StatusOr<std::string> EncodePixels(const std::string& path, const Drawing& drawing,
+                                         const Pixelization& pixelization);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_OUTPUT_H_

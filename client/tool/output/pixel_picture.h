@@ -1,0 +1,35 @@
+// Pictures of pixel sets.
+#ifndef LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_PICTURE_H_
+#define LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_PICTURE_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/plane_types.h"
+#include "client/tool/curve/curve_file.h"
+
+namespace latvox::client {
+
+inline constexpr int kPixelPictureSide = 1024;  // samples, of the longer one
+
+// The bytes of a PNG file, kPixelPictureSide samples on its longer side: every pixel as its Voronoi cell, a rectangle
+// or a hexagon, and the curve over it. Errors: INTERNAL (libpng).
+absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization);
+
+inline constexpr uint32_t kCellColor = 0x99B5D9;
+
+struct PictureCell {
+  Vec2i ij;
+  uint32_t color = kCellColor;  // as client/tool/output/voxel_colors.h has them
+  bool inside = false;          // a black line runs between two cells of which one is
+};
+
+// The same without a curve, of another size: what is within `low` and `high`, world coordinates.
+absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<PictureCell>& cells,
+                                      const Vec2d& low, const Vec2d& high, int longer_side);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_PICTURE_H_

@@ -1,0 +1,198 @@
+#include "client/tool/output/table_output.h"
+
+#include <array>
+#include <charconv>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/tool/output/npy_header.h"
+#include "client/tool/output/voxel_walk.h"
+
+namespace latvox::client {
+namespace {
+
+// A header, then a row for each voxel. The header holds the number of rows where the format wants it, and has the same
+// length for every number, so that it can be written again when the number is known.
+class TableOutput : public Output {
+ public:
+  TableOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns)
+      : columns_(columns), file_(std::move(file)) {}
+
+  absl::Status Begin(const Accepted& accepted) final {
+    grid_ = accepted.grid;
+    return file_->Append(Header(0));
+  }
+
+  absl::Status Add(const BrickBatch& batch) final {
+    const float* distance = batch.values.data();
+    const uint32_t* numbers = batch.attributes.data();
+    for (const Brick& brick : batch.bricks) {
+      rows_.clear();
+      ForEachVoxel(brick, [this, &distance, &numbers](const Vec3i& ijk) {
+        AppendRow(ijk, grid_.ToWorld(ijk), columns_.distances ? distance++ : nullptr, numbers, rows_);
+        numbers += columns_.attributes.size();
+        ++voxels_;
+      });
+      if (auto status = file_->Append(rows_); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Finish(const Summary&) final {
+    if (auto status = file_->WriteAtStart(Header(voxels_)); !status.ok()) return status;
+    return file_->Sync();
+  }
+
+  absl::Status Commit() final { return file_->Commit(); }
+
+ protected:
+  const TableColumns columns_;
+
+ private:
+  virtual std::string Header(uint64_t rows) const = 0;
+  // `distance`: null unless there are distances; `numbers`: one for each attribute.
+  virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
+                         std::string& rows) const = 0;
+
+  std::unique_ptr<AtomicFile> file_;
+  GridTransform grid_;
+  std::string rows_;
+  uint64_t voxels_ = 0;
+};
+
+template <class T>
+void AppendBinary(const T& value, std::string& rows) {
+  rows.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+// The three parts of a color.
+std::array<uint8_t, 3> ColorOf(uint32_t number) {
+  return {static_cast<uint8_t>(number >> 16), static_cast<uint8_t>(number >> 8), static_cast<uint8_t>(number)};
+}
+
+// Integers of 32 bits, and colors as three bytes.
+void AppendBinary(const std::vector<Attribute>& attributes, const uint32_t* numbers, std::string& rows) {
+  for (const Attribute attribute : attributes) {
+    const uint32_t number = *numbers++;
+    attribute == Attribute::kColor ? AppendBinary(ColorOf(number), rows) : AppendBinary(number, rows);
+  }
+}
+
+// One text for each attribute.
+std::string ForEach(const std::vector<Attribute>& attributes, const char* of_color,
+                    const std::function<std::string(const char* name)>& of_number) {
+  std::string text;
+  for (const Attribute attribute : attributes) {
+    text += attribute == Attribute::kColor ? of_color : of_number(NameOf(attribute));
+  }
+  return text;
+}
+
+class CsvOutput final : public TableOutput {
+ public:
+  using TableOutput::TableOutput;
+
+ private:
+  std::string Header(uint64_t) const override {
+    const auto column = [](const char* name) { return absl::StrCat(",", name); };
+    return absl::StrCat("i,j,k,x,y,z", columns_.distances ? ",distance" : "",
+                        ForEach(columns_.attributes, ",red,green,blue", column), "\n");
+  }
+
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
+                 std::string& rows) const override {
+    char text[192];
+    char* end = text;
+    for (const int32_t index : ijk) {
+      end = std::to_chars(end, text + sizeof(text), index).ptr;
+      *end++ = ',';
+    }
+    for (size_t m = 0; m < 3; ++m) {
+      // As printf's %.17g in the C locale, whatever the locale.
+      end = std::to_chars(end, text + sizeof(text), world[m], std::chars_format::general, 17).ptr;
+      *end++ = ',';
+    }
+    if (distance != nullptr) {
+      end = std::to_chars(end, text + sizeof(text), *distance, std::chars_format::general, 9).ptr;
+      *end++ = ',';
+    }
+    rows.append(text, end);
+    for (const Attribute attribute : columns_.attributes) {
+      const uint32_t number = *numbers++;
+      if (attribute == Attribute::kColor) {
+        absl::StrAppend(&rows, absl::StrJoin(ColorOf(number), ","), ",");
+      } else {
+        absl::StrAppend(&rows, number, ",");
+      }
+    }
+    rows.back() = '\n';
+  }
+};
+
+class NpyOutput final : public TableOutput {
+ public:
+  using TableOutput::TableOutput;
+
+ private:
+  std::string Header(uint64_t rows) const override {
+    if (!columns_.distances && columns_.attributes.empty()) {
+      return NpyHeader("'<i4'", std::array<uint64_t, 2>{rows, 3});
+    }
+    const auto field = [](const char* name) { return absl::StrCat(", ('", name, "', '<i4')"); };
+    const std::string type = absl::StrCat("[('ijk', '<i4', (3,))", columns_.distances ? ", ('distance', '<f4')" : "",
+                                          ForEach(columns_.attributes, ", ('color', 'u1', (3,))", field), "]");
+    return NpyHeader(type, std::array<uint64_t, 1>{rows});
+  }
+
+  void AppendRow(const Vec3i& ijk, const Vec3d&, const float* distance, const uint32_t* numbers,
+                 std::string& rows) const override {
+    AppendBinary(ijk, rows);
+    if (distance != nullptr) AppendBinary(*distance, rows);
+    AppendBinary(columns_.attributes, numbers, rows);
+  }
+};
+
+class PlyOutput final : public TableOutput {
+ public:
+  using TableOutput::TableOutput;
+
+ private:
+  std::string Header(uint64_t rows) const override {
+    const std::string count = absl::StrCat(rows);
+    const auto property = [](const char* name) { return absl::StrCat("property int ", name, "\n"); };
+    // The comment makes up for the number's length.
+    return absl::StrCat(
+        "ply\nformat binary_little_endian 1.0\ncomment latvox voxel centres", std::string(20 - count.size(), ' '),
+        "\nelement vertex ", count,
+        "\nproperty double x\nproperty double y\nproperty double z\n"
+        "property int i\nproperty int j\nproperty int k\n",
+        columns_.distances ? "property float distance\n" : "",
+        ForEach(columns_.attributes, "property uchar red\nproperty uchar green\nproperty uchar blue\n", property),
+        "end_header\n");
+  }
+
+  void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
+                 std::string& rows) const override {
+    AppendBinary(world, rows);
+    AppendBinary(ijk, rows);
+    if (distance != nullptr) AppendBinary(*distance, rows);
+    AppendBinary(columns_.attributes, numbers, rows);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
+  return std::make_unique<CsvOutput>(std::move(file), columns);
+}
+std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
+  return std::make_unique<NpyOutput>(std::move(file), columns);
+}
+std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
+  return std::make_unique<PlyOutput>(std::move(file), columns);
+}
+
+}  // namespace latvox::client

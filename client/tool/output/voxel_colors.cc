@@ -1,0 +1,84 @@
+#include "client/tool/output/voxel_colors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace latvox::client {
+namespace {
+
+// Seven of Okabe and Ito's (all but black), then five of Tol's "muted".
+constexpr uint32_t kPalette[] = {0xE69F00, 0x56B4E9, 0x009E73, 0xF0E442, 0x0072B2, 0xD55E00,
+                                 0xCC79A7, 0x332288, 0x882255, 0x999933, 0xDDCC77, 0xAA4499};
+
+// At equal steps, from the greatest distance inside to the greatest outside; from the surface outwards.
+constexpr uint32_t kRdBu[] = {0x053061, 0x2166AC, 0x4393C3, 0x92C5DE, 0xD1E5F0, 0xF7F7F7,
+                              0xFDDBC7, 0xF4A582, 0xD6604D, 0xB2182B, 0x67001F};
+constexpr uint32_t kViridis[] = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
+                                 0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
+
+// Between the map's colors; `at` from 0 to 1.
+uint32_t Between(std::span<const uint32_t> map, double at) {
+  const double place = std::clamp(at, 0.0, 1.0) * static_cast<double>(map.size() - 1);
+  const size_t first = std::min(static_cast<size_t>(place), map.size() - 2);
+  const double share = place - static_cast<double>(first);
+  uint32_t color = 0;
+  for (const int shift : {16, 8, 0}) {
+    const auto level = [&](size_t n) { return static_cast<double>(map[n] >> shift & 0xFF); };
+    color |= static_cast<uint32_t>(std::lround(level(first) + share * (level(first + 1) - level(first)))) << shift;
+  }
+  return color;
+}
+
+// Which of a voxel's numbers.
+std::optional<size_t> PlaceOf(ColorBy by, const std::vector<Attribute>& attributes) {
+  for (size_t n = 0; n < attributes.size(); ++n) {
+    if (NameOf(attributes[n]) == absl::string_view(NameOf(by))) return n;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* NameOf(ColorBy by) {
+  constexpr const char* kNames[] = {"none", "part", "material", "color", "distance"};
+  return kNames[static_cast<size_t>(by)];
+}
+
+ColorBy DefaultColorBy(const VoxelTraits& traits) {
+  for (const ColorBy by : {ColorBy::kColor, ColorBy::kMaterial, ColorBy::kPart}) {
+    if (PlaceOf(by, traits.attributes)) return by;
+  }
+  return traits.band ? ColorBy::kDistance : ColorBy::kNone;
+}
+
+uint32_t PaletteColor(uint32_t number) { return kPalette[number % std::size(kPalette)]; }
+
+uint32_t DistanceColor(float distance, const Band& band) {
+  const double share = band.width > 0 ? double{distance} / band.width : 0;
+  return band.is_signed ? Between(kRdBu, (1 + share) / 2) : Between(kViridis, share);
+}
+
+absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
+  std::vector<uint32_t> colors;
+  if (by == ColorBy::kNone) return colors;
+  if (by == ColorBy::kDistance && traits.band) {
+    for (const float distance : batch.values) colors.push_back(DistanceColor(distance, *traits.band));
+    return colors;
+  }
+  const auto place = PlaceOf(by, traits.attributes);
+  if (!place) return absl::InvalidArgumentError(absl::StrCat("the voxels have no ", NameOf(by)));
+  const size_t count = traits.attributes.size();
+  colors.reserve(batch.attributes.size() / count);
+  for (size_t n = *place; n < batch.attributes.size(); n += count) {
+    const uint32_t number = batch.attributes[n];
+    colors.push_back(by == ColorBy::kColor ? number : PaletteColor(number));
+  }
+  return colors;
+}
+
+}  // namespace latvox::client

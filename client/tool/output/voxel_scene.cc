@@ -1,0 +1,192 @@
+#include "client/tool/output/voxel_scene.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "client/tool/output/cell_index.h"
+#include "client/tool/output/vec3.h"
+#include "client/tool/output/voronoi_cell.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr int kFarthest = 8;  // bricks
+
+// Calls visit(n) for each of a mask's cells, n being which of 512.
+template <class Visit>
+void ForEachBit(const decltype(Brick::mask)& mask, const Visit& visit) {
+  for (size_t word = 0; word < mask.size(); ++word) {
+    for (uint64_t bits = mask[word]; bits != 0; bits &= bits - 1) {
+      visit(word * 64 + static_cast<size_t>(std::countr_zero(bits)));
+    }
+  }
+}
+
+// Which of a cell's voxels gives it its color, as good as by chance: the one of the lowest rank.
+uint32_t RankOf(const Vec3i& ijk) {
+  const auto u = [&](size_t m) { return static_cast<uint32_t>(ijk[m]); };
+  return (u(0) * 73856093U ^ u(1) * 19349663U ^ u(2) * 83492791U) * 2654435761U >> 24;
+}
+
+}  // namespace
+
+VoxelScene::VoxelScene(const GridTransform& grid, int shift) : shift_(shift) {
+  size_ = std::ldexp(std::cbrt(std::abs(Dot(grid.basis.a, Cross(grid.basis.b, grid.basis.c)))), shift);
+  const double scale = std::ldexp(1.0, shift) / size_;
+  basis_ = {Sum({}, scale, grid.basis.a), Sum({}, scale, grid.basis.b), Sum({}, scale, grid.basis.c)};
+  dual_ = Dual(basis_);
+  VoronoiCell cell = VoronoiCellOf(basis_);
+  for (const CellFace& face : cell.faces) {
+    const Vec3i& w = face.neighbor;
+    const Vec3d to = Combine(basis_, {double(w[0]), double(w[1]), double(w[2])});
+    const Vec3d n = Unit(to);
+    facets_.push_back({w, n, Length(to) / 2, {Dot(basis_.a, n), Dot(basis_.b, n), Dot(basis_.c, n)}});
+    if (w > Vec3i{}) sides_.push_back(facets_.back());
+  }
+  for (const Vec3d& corner : cell.corners) {
+    const Vec3d lattice = {Dot(dual_.a, corner), Dot(dual_.b, corner), Dot(dual_.c, corner)};
+    for (size_t m = 0; m < 3; ++m) reach_[m] = std::max(reach_[m], std::abs(lattice[m]));
+  }
+  corners_ = std::move(cell.corners);
+}
+
+// A brick is part of a single one of the scene.
+void VoxelScene::Add(const Brick& brick, std::span<const uint32_t> colors) {
+  Vec3i first;
+  for (size_t m = 0; m < 3; ++m) first[m] = static_cast<int32_t>((int64_t{brick.brick_ijk[m]} * 8) >> shift_);
+  if (!corner_) corner_ = {first[0] & ~63, first[1] & ~63, first[2] & ~63};
+  for (size_t m = 0; m < 3; ++m) first[m] -= (*corner_)[m];
+  const size_t number = Touch(ShiftRight(first, 3));
+  Mask& mask = masks_[number];
+  const Mask before = mask;
+  const auto set = [&](const Vec3i& cell) { mask[WordInBrick(cell)] |= BitInWord(cell); };
+  if (shift_ == 0) {
+    for (size_t x = 0; x < 8; ++x) mask[x] |= brick.mask[x];
+  } else if (shift_ >= 3) {
+    set(first);
+  } else {
+    ForEachVoxel({{}, brick.mask}, [&](const Vec3i& xyz) { set(Plus(first, ShiftRight(xyz, shift_))); });
+  }
+  if (!colors.empty()) Paint(brick, colors, first, before, number);
+}
+
+// The mask's cells have had the colors of those that were there `before`.
+void VoxelScene::Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
+                       size_t number) {
+  std::array<uint32_t, kBricks> all;
+  all.fill(UINT32_MAX);
+  colors_.resize(masks_.size());
+  std::vector<uint32_t>& ours = colors_[number];
+  const uint32_t* color = ours.data();
+  ForEachBit(before, [&](size_t cell) { all[cell] = *color++; });
+  color = colors.data();
+  const Vec3i corner = {8 * brick.brick_ijk[0], 8 * brick.brick_ijk[1], 8 * brick.brick_ijk[2]};
+  ForEachVoxel({{}, brick.mask}, [&](const Vec3i& xyz) {
+    uint32_t& cell = all[VoxelInBrick(Plus(first, ShiftRight(xyz, shift_)))];
+    cell = std::min(cell, RankOf(Plus(corner, xyz)) << 24 | *color++);
+  });
+  ours.clear();
+  ForEachBit(masks_[number], [&](size_t cell) { ours.push_back(all[cell]); });
+}
+
+size_t VoxelScene::Touch(const Vec3i& brick_ijk) {
+  for (size_t m = 0; m < 3; ++m) {
+    low_[m] = masks_.empty() ? brick_ijk[m] * 8 : std::min(low_[m], brick_ijk[m] * 8);
+    high_[m] = masks_.empty() ? brick_ijk[m] * 8 + 8 : std::max(high_[m], brick_ijk[m] * 8 + 8);
+  }
+  const auto [tile, fresh] = tile_numbers_.try_emplace(ShiftRight(brick_ijk, 3), static_cast<int32_t>(tiles_.size()));
+  if (fresh) tiles_.emplace_back().fill(-1);
+  int32_t& number = tiles_[static_cast<size_t>(tile->second)][BrickInTile(brick_ijk)];
+  if (number < 0) {
+    number = static_cast<int32_t>(masks_.size());
+    masks_.push_back({});
+  }
+  return static_cast<size_t>(number);
+}
+
+// By growing what is there by one brick in all directions, again and again. A tile's bricks and those of the tiles
+// around are 24 rows of 24 rows of 24 bits.
+void VoxelScene::Seal() {
+  constexpr int kSide = 24;
+  using Rows = std::array<std::array<uint32_t, kSide>, kSide>;
+  const auto grow = [](Rows& rows) {
+    for (auto& plane : rows) {
+      for (uint32_t& row : plane) row |= row << 1 | row >> 1;
+      for (uint32_t y = 0, before = 0; y < kSide; ++y) {
+        const uint32_t here = plane[y];
+        plane[y] |= before | (y + 1 < kSide ? plane[y + 1] : 0);
+        before = here;
+      }
+    }
+    const Rows old = rows;
+    for (size_t x = 0; x < kSide; ++x) {
+      for (size_t y = 0; y < kSide; ++y)
+        rows[x][y] |= (x > 0 ? old[x - 1][y] : 0) | (x + 1 < kSide ? old[x + 1][y] : 0);
+    }
+  };
+  const auto add = [this](const Vec3i& tile_ijk, const Vec3i& place, Rows& rows) {
+    const auto found = tile_numbers_.find(tile_ijk);
+    if (found == tile_numbers_.end()) return;
+    const Tile& tile = tiles_[static_cast<size_t>(found->second)];
+    for (int n = 0; n < kBricks; ++n) {
+      if (tile[static_cast<size_t>(n)] < 0) continue;
+      rows[static_cast<size_t>(place[0] + (n >> 6))][static_cast<size_t>(place[1] + (n >> 3 & 7))] |=
+          uint32_t{1} << (place[2] + (n & 7));
+    }
+  };
+  for (const auto& [tile_ijk, number] : tile_numbers_) {
+    Rows rows{};
+    for (int n = 0; n < 27; ++n) {
+      const Vec3i place = {n / 9, n / 3 % 3, n % 3};
+      add(Plus(tile_ijk, {place[0] - 1, place[1] - 1, place[2] - 1}), {8 * place[0], 8 * place[1], 8 * place[2]}, rows);
+    }
+    Tile& tile = tiles_[static_cast<size_t>(number)];
+    for (int far = 2; far <= kFarthest; ++far) {
+      grow(rows);
+      for (int n = 0; n < kBricks; ++n) {
+        const bool near =
+            rows[static_cast<size_t>(8 + (n >> 6))][static_cast<size_t>(8 + (n >> 3 & 7))] >> (8 + (n & 7)) & 1;
+        if (!near && tile[static_cast<size_t>(n)] < 0) tile[static_cast<size_t>(n)] = -far;
+      }
+    }
+  }
+}
+
+int32_t VoxelScene::NumberOf(const Vec3i& brick_ijk) const {
+  const auto tile = tile_numbers_.find(ShiftRight(brick_ijk, 3));
+  return tile == tile_numbers_.end() ? -1 : tiles_[static_cast<size_t>(tile->second)][BrickInTile(brick_ijk)];
+}
+
+bool VoxelScene::IsDeep(const Vec3i& brick_ijk) const {
+  Mask full;
+  full.fill(~uint64_t{0});
+  const auto is_full = [&](const Vec3i& step) {
+    const int32_t number = NumberOf(Plus(brick_ijk, step));
+    return number >= 0 && masks_[static_cast<size_t>(number)] == full;
+  };
+  if (!is_full({0, 0, 0})) return false;  // as most of a surface are
+  for (int n = 0; n < 27; ++n) {
+    if (!is_full({n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1})) return false;
+  }
+  return true;
+}
+
+bool VoxelScene::Has(const Vec3i& cell) const {
+  const int32_t number = NumberOf(ShiftRight(cell, 3));
+  return number >= 0 && HasVoxel(masks_[static_cast<size_t>(number)], cell);
+}
+
+uint32_t VoxelScene::ColorOf(const Vec3i& cell) const {
+  const auto number = static_cast<size_t>(NumberOf(ShiftRight(cell, 3)));
+  const Mask& mask = masks_[number];
+  int before = std::popcount(mask[WordInBrick(cell)] & (BitInWord(cell) - 1));
+  for (size_t word = 0; word < WordInBrick(cell); ++word) before += std::popcount(mask[word]);
+  return colors_[number][static_cast<size_t>(before)] & 0xFFFFFF;
+}
+
+Vec3d VoxelScene::CenterOf(const Vec3i& cell) const {
+  return Combine(basis_, {double(cell[0]), double(cell[1]), double(cell[2])});
+}
+
+}  // namespace latvox::client
