@@ -361,7 +361,7 @@ class Page(Case):
         view = ROOT / "client" / "view"
         with open(self.dir / "three.js", "wb") as out:
             subprocess.run([view / "bundle"], check=True, stdout=out, timeout=PATIENCE)
-        self.assertTrue(filecmp.cmp(self.dir / "three.js", view / "three.js", shallow=False), "run client/view/bundle")
+        self.assertTrue(filecmp.cmp(self.dir / "three.js", view / "three.js", shallow=False), "run client/tool/view/bundle")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 #include "client/grid/grid_content.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/atomic_file.h"
-#include "client/view/page.h"
+#include "client/tool/view/page.h"
 
 namespace latvox::client {
 namespace {

@@ -1,6 +1,6 @@
 // What the voxels of a page may be colored by.
-#ifndef LATVOX_CLIENT_VIEW_PAINTS_H_
-#define LATVOX_CLIENT_VIEW_PAINTS_H_
+#ifndef LATVOX_CLIENT_TOOL_VIEW_PAINTS_H_
+#define LATVOX_CLIENT_TOOL_VIEW_PAINTS_H_
 
 #include <string>
 #include <utility>
@@ -23,4 +23,4 @@ absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_VIEW_PAINTS_H_
+#endif  // LATVOX_CLIENT_TOOL_VIEW_PAINTS_H_

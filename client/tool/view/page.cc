@@ -1,4 +1,4 @@
-#include "client/view/page.h"
+#include "client/tool/view/page.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,7 +16,7 @@
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_walk.h"
-#include "client/view/paints.h"
+#include "client/tool/view/paints.h"
 
 // The files of this folder, as they are.
 #define LATVOX_EMBED(name, file)                                                                                       \

@@ -144,7 +144,7 @@ function painted(numbers, paints) {
 // The facets that findFacets tells, for each direction in lots. Vertices are made of the voxel, which a texture has,
 // and the corner: no instances, of which drawing in software makes a call each, and no vertex in memory.
 class Surface extends THREE.Group {
-  //   data     the page's; see client/view/page.h
+  //   data     the page's; see client/tool/view/page.h
   //   paints   red, green and blue of each voxel, or null
   //   layer    of which coordinates the cells have another color: normal and offset
   constructor(data, { cells, numbers }, paints, layer) {

@@ -1,4 +1,4 @@
-#include "client/view/paints.h"
+#include "client/tool/view/paints.h"
 
 #include <cstdint>
 #include <map>

@@ -1,6 +1,6 @@
 // Shows the voxels of the page: their Voronoi cells' facets, but for those that cannot be seen; while something moves,
 // and the device cannot draw them in time, a point for each voxel.
-// The page's data: see client/view/page.h.
+// The page's data: see client/tool/view/page.h.
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);

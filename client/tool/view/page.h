@@ -1,6 +1,6 @@
 // Pages that show voxels in a browser.
-#ifndef LATVOX_CLIENT_VIEW_PAGE_H_
-#define LATVOX_CLIENT_VIEW_PAGE_H_
+#ifndef LATVOX_CLIENT_TOOL_VIEW_PAGE_H_
+#define LATVOX_CLIENT_TOOL_VIEW_PAGE_H_
 
 #include <string>
 
@@ -28,4 +28,4 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_VIEW_PAGE_H_
+#endif  // LATVOX_CLIENT_TOOL_VIEW_PAGE_H_
