@@ -10,7 +10,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/error.h"
+#include <latvox/error.h>
 
 namespace example {
 

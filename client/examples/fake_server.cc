@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "client/client.h"
+#include <latvox/client.h>
 
 namespace lv = latvox::client;
 

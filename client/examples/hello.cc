@@ -1,7 +1,7 @@
 // The shortest way from a mesh to voxels: all of them, in memory. A mesh to begin with:
 //   latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
-#include "client/client.h"
 #include "example.h"
+#include <latvox/client.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

@@ -3,8 +3,8 @@
 #include <thread>
 #include <vector>
 
-#include "client/client.h"
 #include "example.h"
+#include <latvox/client.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

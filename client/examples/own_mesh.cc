@@ -1,7 +1,7 @@
 // A mesh of one's own instead of a file: encoded here, by latvox::mesh, and voxelized.
-#include "client/client.h"
-#include "client/mesh/encode_mesh.h"
 #include "example.h"
+#include <latvox/client.h>
+#include <latvox/mesh/encode_mesh.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

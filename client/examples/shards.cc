@@ -2,8 +2,8 @@
 #include <future>
 #include <vector>
 
-#include "client/client.h"
 #include "example.h"
+#include <latvox/client.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "client/client.h"
 #include "example.h"
+#include <latvox/client.h>
 
 namespace lv = latvox::client;
 

@@ -1,6 +1,6 @@
 // A server that proves its name, and wants a token and perhaps a certificate of the client, too.
-#include "client/client.h"
 #include "example.h"
+#include <latvox/client.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

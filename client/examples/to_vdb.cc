@@ -1,9 +1,9 @@
 // A .vdb file by the grid library: any lattice is the grid's transform, and the certificate its metadata.
 #include <optional>
 
-#include "client/client.h"
-#include "client/grid/voxel_grid.h"
 #include "example.h"
+#include <latvox/client.h>
+#include <latvox/grid/voxel_grid.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

@@ -1,4 +1,4 @@
-#include "client/grid/attribute_grids.h"
+#include "latvox/grid/attribute_grids.h"
 
 #include <bit>
 #include <new>
@@ -6,10 +6,10 @@
 
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
-#include "client/grid/openvdb_grid.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/openvdb_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/cancellation.h"
 #include "client/grid/part_file.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

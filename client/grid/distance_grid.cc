@@ -1,4 +1,4 @@
-#include "client/grid/distance_grid.h"
+#include "latvox/grid/distance_grid.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 

@@ -1,4 +1,4 @@
-#include "client/grid/grid_content.h"
+#include "latvox/grid/grid_content.h"
 
 #include <algorithm>
 #include <bit>

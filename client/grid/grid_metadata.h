@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/grid/openvdb_trees.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

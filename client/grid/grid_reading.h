@@ -16,7 +16,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "client/grid/openvdb_trees.h"
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 

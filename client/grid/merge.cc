@@ -1,4 +1,4 @@
-#include "client/grid/merge.h"
+#include "latvox/grid/merge.h"
 
 #include <memory>
 #include <utility>

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {

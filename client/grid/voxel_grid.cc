@@ -1,4 +1,4 @@
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/error.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/grid_reading.h"
 #include "client/grid/nano_file.h"
-#include "client/grid/openvdb_grid.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
+#include "latvox/error.h"
+#include "latvox/grid/openvdb_grid.h"
 
 namespace latvox::client {
 namespace {

@@ -10,9 +10,9 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
 #include "client/internal/digest.h"
-#include "client/types.h"
-#include "client/voxelize_handlers.h"
+#include "latvox/types.h"
 #include "latvox/v1/voxelizer.pb.h"
+#include "latvox/voxelize_handlers.h"
 
 namespace latvox::client {
 

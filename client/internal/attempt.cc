@@ -6,9 +6,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
-#include "client/error.h"
 #include "client/internal/channel_security.h"
 #include "client/internal/wire.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {

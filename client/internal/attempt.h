@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "client/call_options.h"
-#include "client/credentials.h"
+#include "latvox/call_options.h"
+#include "latvox/credentials.h"
 
 namespace latvox::client {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

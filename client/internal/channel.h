@@ -8,7 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/connection_options.h"
+#include "latvox/connection_options.h"
 
 namespace latvox::client {
 

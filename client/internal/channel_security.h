@@ -9,8 +9,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/call_options.h"
-#include "client/credentials.h"
+#include "latvox/call_options.h"
+#include "latvox/credentials.h"
 
 namespace latvox::client {
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/call_options.h"
-#include "client/connection_options.h"
-#include "client/mesh_id.h"
+#include "latvox/call_options.h"
+#include "latvox/connection_options.h"
+#include "latvox/mesh_id.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 
 namespace latvox::client {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -3,7 +3,7 @@
 #define LATVOX_CLIENT_INTERNAL_PLANE_WIRE_H_
 
 #include "absl/status/statusor.h"
-#include "client/plane_types.h"
+#include "latvox/plane_types.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox::client {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "client/internal/connection.h"
-#include "client/voxel_service.h"
+#include "latvox/voxel_service.h"
 
 namespace latvox::client {
 

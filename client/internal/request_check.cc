@@ -4,7 +4,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "client/error.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {

@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "client/plane_types.h"
-#include "client/types.h"
+#include "latvox/plane_types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/call_options.h"
 #include "client/internal/attempt.h"
 #include "client/internal/connection.h"
+#include "latvox/call_options.h"
 
 namespace latvox::client {
 

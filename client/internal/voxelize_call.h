@@ -10,8 +10,8 @@
 #include "client/internal/answer_check.h"
 #include "client/internal/connection.h"
 #include "client/internal/tries.h"
-#include "client/types.h"
-#include "client/voxelize_handlers.h"
+#include "latvox/types.h"
+#include "latvox/voxelize_handlers.h"
 
 namespace latvox::client {
 

@@ -1,6 +1,6 @@
 #include "client/internal/wire.h"
 
-#include "client/error.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {

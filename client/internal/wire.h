@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "absl/status/status.h"
-#include "client/mesh_id.h"
-#include "client/types.h"
+#include "latvox/mesh_id.h"
+#include "latvox/types.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox::client {

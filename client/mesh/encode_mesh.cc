@@ -1,4 +1,4 @@
-#include "client/mesh/encode_mesh.h"
+#include "latvox/mesh/encode_mesh.h"
 
 #include <cmath>
 #include <utility>

@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "client/mesh/mesh.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/types.h"
+#include "latvox/types.h"
 #include "latvox/v1/voxelizer.pb.h"
 
 namespace latvox::faults {

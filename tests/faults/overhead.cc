@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "client/client.h"
 #include "client/tool/mesh_files/input.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
+#include "latvox/client.h"
 #include "tests/bench/meshes.h"
 #include "tests/faults/commands.h"
 

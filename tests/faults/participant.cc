@@ -5,9 +5,9 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "client/error.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "latvox/error.h"
 #include "tests/faults/hostile.h"
 #include "tests/faults/raw_stream.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/time/clock.h"
-#include "client/client.h"
+#include "latvox/client.h"
 #include "tests/faults/chance.h"
 #include "tests/faults/jobs.h"
 #include "tests/faults/records.h"

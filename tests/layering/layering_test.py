@@ -117,16 +117,16 @@ class TheRules(unittest.TestCase):
             ("core", "openvdb/openvdb.h"),
             ("core", "spdlog/spdlog.h"),
             ("core", "server/wire/convert.h"),
-            ("core", "client/types.h"),
+            ("core", "client/include/latvox/types.h"),
             ("core", "tests/oracle/oracle.h"),
-            ("server", "client/types.h"),
+            ("server", "client/include/latvox/types.h"),
             ("server", "openvdb/openvdb.h"),
             ("server", "tests/oracle/oracle.h"),
             ("client", "core/lattice/lattice.h"),
             ("client", "server/wire/convert.h"),
             ("client", "tests/oracle/oracle.h"),
             ("proto", "core/lattice/lattice.h"),
-            ("deploy", "client/types.h"),
+            ("deploy", "client/include/latvox/types.h"),
         ):
             for line in (f'#include "{name}"', f"  #  include <{name}>  // why", f'int x;\n#include "{name}"\n'):
                 with self.subTest(folder=folder, line=line):

@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "client/error.h"
+#include "latvox/error.h"
 #include "tests/unit/client_fake_server.h"
 
 namespace latvox::client {

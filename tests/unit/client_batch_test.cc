@@ -9,13 +9,13 @@
 #include <map>
 
 #include "absl/strings/str_replace.h"
-#include "client/error.h"
-#include "client/grid/voxel_grid.h"
 #include "client/tool/cli/batch_options.h"
 #include "client/tool/cli/batch_results.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/job_digest.h"
 #include "client/tool/cli/line_shard.h"
+#include "latvox/error.h"
+#include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

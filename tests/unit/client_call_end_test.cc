@@ -4,9 +4,9 @@
 #include <atomic>
 #include <thread>
 
-#include "client/error.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "latvox/error.h"
 #include "tests/unit/client_fake_server.h"
 
 namespace latvox::client {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "client/error.h"
+#include "latvox/error.h"
 #include "tests/unit/client_fake_server.h"
 
 namespace latvox::client {

@@ -1,11 +1,11 @@
 #include <gmock/gmock.h>
 
-#include "client/grid/attribute_grids.h"
-#include "client/grid/distance_grid.h"
-#include "client/grid/grid_content.h"
-#include "client/grid/openvdb_grid.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/tool/output/voxel_colors.h"
+#include "latvox/grid/attribute_grids.h"
+#include "latvox/grid/distance_grid.h"
+#include "latvox/grid/grid_content.h"
+#include "latvox/grid/openvdb_grid.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

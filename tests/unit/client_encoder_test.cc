@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
-#include "client/mesh/encode_mesh.h"
 #include "client/mesh/mesh_encoder.h"
+#include "latvox/mesh/encode_mesh.h"
 
 namespace latvox::client {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "absl/time/clock.h"
-#include "client/client.h"
+#include "latvox/client.h"
 #include "tests/unit/server_meshes.h"
 #include "tests/unit/server_process.h"
 #include "tests/unit/temporary_directory.h"

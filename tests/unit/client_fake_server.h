@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "client/client.h"
 #include "client/internal/digest.h"
+#include "latvox/client.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 
 namespace latvox::client {

@@ -3,12 +3,12 @@
 #include <bit>
 #include <cmath>
 
-#include "client/error.h"
-#include "client/grid/attribute_grids.h"
-#include "client/grid/distance_grid.h"
-#include "client/grid/openvdb_grid.h"
 #include "client/grid/openvdb_trees.h"
-#include "client/grid/voxel_grid.h"
+#include "latvox/error.h"
+#include "latvox/grid/attribute_grids.h"
+#include "latvox/grid/distance_grid.h"
+#include "latvox/grid/openvdb_grid.h"
+#include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

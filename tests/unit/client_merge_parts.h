@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "client/grid/merge.h"
-#include "client/grid/openvdb_grid.h"
 #include "client/grid/openvdb_trees.h"
-#include "client/grid/voxel_grid.h"
 #include "client/internal/digest.h"
+#include "latvox/grid/merge.h"
+#include "latvox/grid/openvdb_grid.h"
+#include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

@@ -4,9 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/internal/digest.h"
-#include "client/mesh_id.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "latvox/mesh_id.h"
 
 namespace latvox::client {
 namespace {

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "client/stretched.h"
 #include "client/tool/cli/voxelize_command.h"
 #include "client/tool/cli/voxelize_options.h"
 #include "client/tool/output/vec3.h"
+#include "latvox/stretched.h"
 
 namespace latvox::client {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <cstring>
 
-#include "client/grid/voxel_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/output.h"
+#include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "absl/time/clock.h"
-#include "client/client.h"
-#include "client/error.h"
+#include "latvox/client.h"
+#include "latvox/error.h"
 #include "tests/unit/client_model_server.h"
 #include "tests/unit/client_relay.h"
 

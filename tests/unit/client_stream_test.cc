@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client/client.h"
-#include "client/error.h"
+#include "latvox/client.h"
+#include "latvox/error.h"
 #include "tests/unit/client_model_server.h"
 
 namespace latvox::client {

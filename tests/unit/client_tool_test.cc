@@ -8,13 +8,13 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "client/error.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/exit_status.h"
 #include "client/tool/cli/private_server.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/cli/voxelize_command.h"
+#include "latvox/error.h"
 #include "tests/unit/client_files.h"
 
 namespace latvox::client {

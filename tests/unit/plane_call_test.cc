@@ -7,9 +7,9 @@
 #include <limits>
 #include <thread>
 
-#include "client/client.h"
-#include "client/error.h"
 #include "core/plane/pixelize.h"
+#include "latvox/client.h"
+#include "latvox/error.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/listen/server.h"
 #include "server/wire/plane_convert.h"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "client/call_options.h"
+#include "latvox/call_options.h"
 
 namespace latvox::client {
 

@@ -3,9 +3,9 @@
 #define LATVOX_CLIENT_TOOL_CLI_BATCH_COMMAND_H_
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
 #include "client/tool/cli/batch_options.h"
 #include "client/tool/cli/report.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

@@ -17,7 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {

@@ -13,10 +13,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "client/cancellation.h"
 #include "client/tool/cli/job_line.h"
 #include "client/tool/cli/line_shard.h"
 #include "client/tool/cli/report.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

@@ -10,13 +10,13 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "client/cancellation.h"
 #include "client/tool/cli/batch_options.h"
 #include "client/tool/cli/batch_results.h"
 #include "client/tool/cli/job_file.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/cli/session.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

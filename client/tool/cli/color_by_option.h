@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/grid/grid_content.h"
 #include "client/tool/output/voxel_colors.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 

@@ -4,9 +4,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/grid/voxel_grid.h"
 #include "client/tool/cli/info_json.h"
 #include "client/tool/cli/report.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {

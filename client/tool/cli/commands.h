@@ -5,8 +5,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
 #include "client/tool/cli/session.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

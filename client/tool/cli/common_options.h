@@ -22,7 +22,7 @@
 #include "absl/strings/string_view.h"
 #include "client/mesh/up_axis.h"
 #include "client/tool/cli/session.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

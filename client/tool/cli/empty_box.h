@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
 #include "client/tool/cli/mesh_options.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

@@ -5,7 +5,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "client/error.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 

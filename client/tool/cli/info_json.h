@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 

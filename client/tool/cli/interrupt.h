@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "client/cancellation.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

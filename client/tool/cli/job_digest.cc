@@ -5,8 +5,8 @@
 
 #include "absl/strings/escaping.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/mesh_id.h"
 #include "client/tool/mesh_files/input.h"
+#include "latvox/mesh_id.h"
 
 namespace latvox::client {
 namespace {

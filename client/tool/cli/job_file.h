@@ -9,8 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client/cancellation.h"
 #include "client/tool/cli/line_shard.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

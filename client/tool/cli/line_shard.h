@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -6,11 +6,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client/grid/merge.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/output/atomic_file.h"
+#include "latvox/grid/merge.h"
 
 namespace latvox::client {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "client/plane_types.h"
 #include "client/tool/cli/session.h"
+#include "latvox/plane_types.h"
 
 namespace latvox::client {
 

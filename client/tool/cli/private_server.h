@@ -10,8 +10,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/client.h"
 #include "client/tool/output/atomic_file.h"
+#include "latvox/client.h"
 
 namespace latvox::client {
 

@@ -9,13 +9,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
-#include "client/grid/grid_content.h"
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/picture_scene.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voxel_walk.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 namespace {

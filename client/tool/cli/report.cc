@@ -5,8 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/error.h"
 #include "client/tool/cli/exit_status.h"
+#include "latvox/error.h"
 
 namespace latvox::client {
 namespace {

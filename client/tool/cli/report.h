@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/grid/merge.h"
-#include "client/plane_types.h"
 #include "client/tool/cli/exit_status.h"
 #include "client/tool/mesh_files/weld_report.h"
-#include "client/types.h"
+#include "latvox/grid/merge.h"
+#include "latvox/plane_types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

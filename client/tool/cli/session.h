@@ -7,8 +7,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/client.h"
 #include "client/tool/cli/private_server.h"
+#include "latvox/client.h"
 
 namespace latvox::client {
 

@@ -12,7 +12,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/grid/grid_content.h"
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/atomic_file.h"
@@ -21,6 +20,7 @@
 #include "client/tool/output/pixel_picture.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voxel_walk.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 namespace {

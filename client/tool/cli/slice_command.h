@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
-#include "client/plane_types.h"
 #include "client/tool/output/pixel_picture.h"
-#include "client/types.h"
+#include "latvox/cancellation.h"
+#include "latvox/plane_types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

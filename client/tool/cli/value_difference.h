@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/grid/grid_content.h"
-#include "client/types.h"
+#include "latvox/grid/grid_content.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

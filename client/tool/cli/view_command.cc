@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "client/grid/grid_content.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/view/page.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/grid/voxel_grid.h"
-#include "client/types.h"
+#include "latvox/grid/voxel_grid.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -9,8 +9,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
-#include "client/error.h"
-#include "client/grid/voxel_grid.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/empty_box.h"
@@ -19,6 +17,8 @@
 #include "client/tool/mesh_files/mesh_source.h"
 #include "client/tool/mesh_files/weld_report.h"
 #include "client/tool/output/output.h"
+#include "latvox/error.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {

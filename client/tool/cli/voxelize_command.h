@@ -8,10 +8,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
-#include "client/client.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/cli/voxelize_options.h"
+#include "latvox/cancellation.h"
+#include "latvox/client.h"
 
 namespace latvox::client {
 

@@ -7,11 +7,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "client/mesh/mesh_encoder.h"
-#include "client/stretched.h"
 #include "client/tool/cli/attributes_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
+#include "latvox/stretched.h"
 
 namespace latvox::client {
 namespace {

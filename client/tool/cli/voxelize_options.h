@@ -12,7 +12,7 @@
 #include "client/tool/cli/session.h"
 #include "client/tool/mesh_files/mesh_source.h"
 #include "client/tool/output/output.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

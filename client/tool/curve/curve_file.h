@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/plane_types.h"
+#include "latvox/plane_types.h"
 
 namespace latvox::client {
 

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client/plane_types.h"
+#include "latvox/plane_types.h"
 
 namespace latvox::client {
 

@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
-#include "client/plane_types.h"
+#include "latvox/plane_types.h"
 
 namespace latvox::client {
 

@@ -11,7 +11,7 @@
 #include "client/mesh/mesh.h"
 #include "client/mesh/up_axis.h"
 #include "client/tool/mesh_files/mesh_format.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

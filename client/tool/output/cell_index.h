@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

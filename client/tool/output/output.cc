@@ -10,16 +10,16 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/error.h"
-#include "client/grid/attribute_grids.h"
-#include "client/grid/distance_grid.h"
-#include "client/grid/voxel_grid.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
 #include "client/tool/output/picture_output.h"
 #include "client/tool/output/surface_output.h"
 #include "client/tool/output/table_output.h"
+#include "latvox/error.h"
+#include "latvox/grid/attribute_grids.h"
+#include "latvox/grid/distance_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
 #include "client/mesh/up_axis.h"
 #include "client/tool/output/voxel_scene.h"
-#include "client/types.h"
+#include "latvox/cancellation.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

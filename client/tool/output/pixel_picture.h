@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/plane_types.h"
 #include "client/tool/curve/curve_file.h"
+#include "latvox/plane_types.h"
 
 namespace latvox::client {
 

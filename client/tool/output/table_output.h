@@ -7,7 +7,7 @@
 
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/output.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

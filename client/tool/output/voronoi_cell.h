@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

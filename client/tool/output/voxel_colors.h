@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

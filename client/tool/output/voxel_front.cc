@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "client/plane_types.h"
 #include "client/tool/output/vec3.h"
+#include "latvox/plane_types.h"
 
 namespace latvox::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/tool/output/voxel_scene.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

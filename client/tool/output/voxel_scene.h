@@ -10,7 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/tool/output/voxel_walk.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

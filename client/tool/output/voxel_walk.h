@@ -4,7 +4,7 @@
 
 #include <bit>
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/grid/grid_content.h"
 #include "client/mesh/up_axis.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/grid/grid_content.h"
+#include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 

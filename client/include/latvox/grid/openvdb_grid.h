@@ -1,10 +1,10 @@
 // The OpenVDB grid within a VoxelGrid. Costs OpenVDB's headers: 2.5 seconds a file.
-#ifndef LATVOX_CLIENT_GRID_OPENVDB_GRID_H_
-#define LATVOX_CLIENT_GRID_OPENVDB_GRID_H_
+#ifndef LATVOX_LATVOX_GRID_OPENVDB_GRID_H_
+#define LATVOX_LATVOX_GRID_OPENVDB_GRID_H_
 
 #include <openvdb/openvdb.h>
 
-#include "client/grid/voxel_grid.h"
+#include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
 
@@ -15,4 +15,4 @@ struct VoxelGrid::Content {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_GRID_OPENVDB_GRID_H_
+#endif  // LATVOX_LATVOX_GRID_OPENVDB_GRID_H_

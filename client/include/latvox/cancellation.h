@@ -1,6 +1,6 @@
 // Stopping a call from anywhere.
-#ifndef LATVOX_CLIENT_CANCELLATION_H_
-#define LATVOX_CLIENT_CANCELLATION_H_
+#ifndef LATVOX_LATVOX_CANCELLATION_H_
+#define LATVOX_LATVOX_CANCELLATION_H_
 
 #include <functional>
 #include <memory>
@@ -41,4 +41,4 @@ class Cancellation {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CANCELLATION_H_
+#endif  // LATVOX_LATVOX_CANCELLATION_H_

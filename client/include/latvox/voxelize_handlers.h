@@ -1,13 +1,13 @@
 // What a voxelization tells while it runs.
-#ifndef LATVOX_CLIENT_VOXELIZE_HANDLERS_H_
-#define LATVOX_CLIENT_VOXELIZE_HANDLERS_H_
+#ifndef LATVOX_LATVOX_VOXELIZE_HANDLERS_H_
+#define LATVOX_LATVOX_VOXELIZE_HANDLERS_H_
 
 #include <functional>
 #include <optional>
 #include <string>
 
 #include "absl/status/status.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -28,4 +28,4 @@ struct VoxelizeHandlers {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_VOXELIZE_HANDLERS_H_
+#endif  // LATVOX_LATVOX_VOXELIZE_HANDLERS_H_

@@ -1,20 +1,20 @@
 // Bands of distances as OpenVDB grids. No OpenVDB header is needed to use this.
 //
-//   index space, world space, metadata   as client/grid/voxel_grid.h has them, and latvox_band_width,
+//   index space, world space, metadata   as client/include/latvox/grid/voxel_grid.h has them, and latvox_band_width,
 //                                        latvox_band_signed, latvox_band_digest
 //   active voxels                        the band
 //   values                               the distances, world units; the width (the background) elsewhere
 //
 // A signed band of a whole mesh, as wide as each basis vector is long or wider, is a level set: OpenVDB's class says
 // so, and what lies inside beyond the band has the value -width.
-#ifndef LATVOX_CLIENT_GRID_DISTANCE_GRID_H_
-#define LATVOX_CLIENT_GRID_DISTANCE_GRID_H_
+#ifndef LATVOX_LATVOX_GRID_DISTANCE_GRID_H_
+#define LATVOX_LATVOX_GRID_DISTANCE_GRID_H_
 
 #include <memory>
 #include <string>
 
 #include "absl/status/status.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -50,4 +50,4 @@ class DistanceGrid {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_GRID_DISTANCE_GRID_H_
+#endif  // LATVOX_LATVOX_GRID_DISTANCE_GRID_H_

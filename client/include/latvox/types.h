@@ -3,8 +3,8 @@
 //
 // Frames: world coordinates are x, y, z in the mesh's units; lattice coordinates are the integers i, j, k, with
 // world = origin + i*a + j*b + k*c.
-#ifndef LATVOX_CLIENT_TYPES_H_
-#define LATVOX_CLIENT_TYPES_H_
+#ifndef LATVOX_LATVOX_TYPES_H_
+#define LATVOX_LATVOX_TYPES_H_
 
 #include <array>
 #include <cstdint>
@@ -300,4 +300,4 @@ struct Limits {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_TYPES_H_
+#endif  // LATVOX_LATVOX_TYPES_H_

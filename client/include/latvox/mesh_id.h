@@ -1,6 +1,6 @@
 // What names a mesh to a server that keeps it.
-#ifndef LATVOX_CLIENT_MESH_ID_H_
-#define LATVOX_CLIENT_MESH_ID_H_
+#ifndef LATVOX_LATVOX_MESH_ID_H_
+#define LATVOX_LATVOX_MESH_ID_H_
 
 #include <array>
 #include <cstdint>
@@ -22,4 +22,4 @@ absl::StatusOr<MeshId> MeshIdOf(std::string_view mesh_drc);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_MESH_ID_H_
+#endif  // LATVOX_LATVOX_MESH_ID_H_

@@ -1,8 +1,8 @@
 // Common lattices with a scale of their own along each axis of the world.
-#ifndef LATVOX_CLIENT_STRETCHED_H_
-#define LATVOX_CLIENT_STRETCHED_H_
+#ifndef LATVOX_LATVOX_STRETCHED_H_
+#define LATVOX_LATVOX_STRETCHED_H_
 
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -16,4 +16,4 @@ Basis Stretched(NamedLattice lattice, const Vec3d& factors);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_STRETCHED_H_
+#endif  // LATVOX_LATVOX_STRETCHED_H_

@@ -1,6 +1,6 @@
 // What a client shows to a server, and wants to see of it.
-#ifndef LATVOX_CLIENT_CREDENTIALS_H_
-#define LATVOX_CLIENT_CREDENTIALS_H_
+#ifndef LATVOX_LATVOX_CREDENTIALS_H_
+#define LATVOX_LATVOX_CREDENTIALS_H_
 
 #include <string>
 
@@ -17,4 +17,4 @@ struct Credentials {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CREDENTIALS_H_
+#endif  // LATVOX_LATVOX_CREDENTIALS_H_

@@ -9,18 +9,18 @@
 //   const latvox::client::Client client(std::make_shared<FullServer>());
 //
 // client/examples/fake_server.cc is such a test, whole.
-#ifndef LATVOX_CLIENT_VOXEL_SERVICE_H_
-#define LATVOX_CLIENT_VOXEL_SERVICE_H_
+#ifndef LATVOX_LATVOX_VOXEL_SERVICE_H_
+#define LATVOX_LATVOX_VOXEL_SERVICE_H_
 
 #include <optional>
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "client/call_options.h"
-#include "client/mesh_id.h"
-#include "client/plane_types.h"
-#include "client/types.h"
-#include "client/voxelize_handlers.h"
+#include "latvox/call_options.h"
+#include "latvox/mesh_id.h"
+#include "latvox/plane_types.h"
+#include "latvox/types.h"
+#include "latvox/voxelize_handlers.h"
 
 namespace latvox::client {
 
@@ -61,4 +61,4 @@ class VoxelService {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_VOXEL_SERVICE_H_
+#endif  // LATVOX_LATVOX_VOXEL_SERVICE_H_

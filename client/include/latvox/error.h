@@ -1,6 +1,6 @@
 // What programs need to know about an error, besides its absl::Status code and its line for people.
-#ifndef LATVOX_CLIENT_ERROR_H_
-#define LATVOX_CLIENT_ERROR_H_
+#ifndef LATVOX_LATVOX_ERROR_H_
+#define LATVOX_LATVOX_ERROR_H_
 
 #include <optional>
 #include <string>
@@ -38,4 +38,4 @@ void AttachWireDetails(const std::string& serialized_rpc_status, absl::Status& s
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_ERROR_H_
+#endif  // LATVOX_LATVOX_ERROR_H_

@@ -1,4 +1,4 @@
-#include "client/stretched.h"
+#include "latvox/stretched.h"
 
 #include <cmath>
 #include <utility>

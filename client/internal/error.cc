@@ -1,4 +1,4 @@
-#include "client/error.h"
+#include "latvox/error.h"
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"

@@ -1,13 +1,13 @@
 // What every call can be told.
-#ifndef LATVOX_CLIENT_CALL_OPTIONS_H_
-#define LATVOX_CLIENT_CALL_OPTIONS_H_
+#ifndef LATVOX_LATVOX_CALL_OPTIONS_H_
+#define LATVOX_LATVOX_CALL_OPTIONS_H_
 
 #include <optional>
 #include <string>
 
 #include "absl/time/time.h"
-#include "client/cancellation.h"
-#include "client/retry_policy.h"
+#include "latvox/cancellation.h"
+#include "latvox/retry_policy.h"
 
 namespace latvox::client {
 
@@ -22,4 +22,4 @@ struct CallOptions {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CALL_OPTIONS_H_
+#endif  // LATVOX_LATVOX_CALL_OPTIONS_H_

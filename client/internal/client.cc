@@ -1,4 +1,4 @@
-#include "client/client.h"
+#include "latvox/client.h"
 
 #include <utility>
 

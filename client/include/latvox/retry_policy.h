@@ -1,6 +1,6 @@
 // How often and how soon a call is tried again.
-#ifndef LATVOX_CLIENT_RETRY_POLICY_H_
-#define LATVOX_CLIENT_RETRY_POLICY_H_
+#ifndef LATVOX_LATVOX_RETRY_POLICY_H_
+#define LATVOX_LATVOX_RETRY_POLICY_H_
 
 #include "absl/time/time.h"
 
@@ -22,4 +22,4 @@ struct RetryPolicy {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_RETRY_POLICY_H_
+#endif  // LATVOX_LATVOX_RETRY_POLICY_H_

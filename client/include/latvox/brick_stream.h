@@ -8,8 +8,8 @@
 //   Use(stream.summary());
 //
 // Leaving the loop early, or any other way in which the handle goes, cancels what is left.
-#ifndef LATVOX_CLIENT_BRICK_STREAM_H_
-#define LATVOX_CLIENT_BRICK_STREAM_H_
+#ifndef LATVOX_LATVOX_BRICK_STREAM_H_
+#define LATVOX_LATVOX_BRICK_STREAM_H_
 
 #include <cstddef>
 #include <functional>
@@ -18,9 +18,9 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "client/call_options.h"
-#include "client/types.h"
-#include "client/voxelize_handlers.h"
+#include "latvox/call_options.h"
+#include "latvox/types.h"
+#include "latvox/voxelize_handlers.h"
 
 namespace latvox::client {
 
@@ -88,4 +88,4 @@ class BrickStream::Iterator {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_BRICK_STREAM_H_
+#endif  // LATVOX_LATVOX_BRICK_STREAM_H_

@@ -13,13 +13,13 @@
 // gives a handle to take them from. The last two need the memory of some batches, however many bricks there are.
 //
 // A connection that breaks, a server that dies or drains, or is full for the moment, is no error as long as another try
-// can help (client/retry_policy.h): the call goes on after the last complete tile, on another connection or another
-// server, and whoever takes the bricks notices nothing but time.
+// can help (client/include/latvox/retry_policy.h): the call goes on after the last complete tile, on another connection
+// or another server, and whoever takes the bricks notices nothing but time.
 //
-// Errors everywhere: absl::Status with the codes that client/error.h lists; GetErrorDetails there tells field, value
-// and limit. Nothing throws, nothing logs.
-#ifndef LATVOX_CLIENT_CLIENT_H_
-#define LATVOX_CLIENT_CLIENT_H_
+// Errors everywhere: absl::Status with the codes that client/include/latvox/error.h lists; GetErrorDetails there tells
+// field, value and limit. Nothing throws, nothing logs.
+#ifndef LATVOX_LATVOX_CLIENT_H_
+#define LATVOX_LATVOX_CLIENT_H_
 
 #include <memory>
 #include <string>
@@ -27,14 +27,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/brick_stream.h"
-#include "client/call_options.h"
-#include "client/connection_options.h"
-#include "client/mesh_id.h"
-#include "client/plane_types.h"
-#include "client/types.h"
-#include "client/voxel_service.h"
-#include "client/voxelize_handlers.h"
+#include "latvox/brick_stream.h"
+#include "latvox/call_options.h"
+#include "latvox/connection_options.h"
+#include "latvox/mesh_id.h"
+#include "latvox/plane_types.h"
+#include "latvox/types.h"
+#include "latvox/voxel_service.h"
+#include "latvox/voxelize_handlers.h"
 
 namespace latvox::client {
 
@@ -53,7 +53,7 @@ class Client {
   static absl::StatusOr<Client> Connect(const std::vector<std::string>& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
 
-  // A client of something else, not null: see client/voxel_service.h.
+  // A client of something else, not null: see client/include/latvox/voxel_service.h.
   explicit Client(std::shared_ptr<VoxelService> service);
 
   Client(Client&&) noexcept;             // the other one may then be destroyed or assigned to, no more
@@ -84,8 +84,8 @@ class Client {
   absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
                                            const CallOptions& options = {}) const;
 
-  // Begins to voxelize likewise, and returns at once; see client/brick_stream.h. The bytes are the stream's: give them
-  // by std::move, or, to several streams, their MeshId.
+  // Begins to voxelize likewise, and returns at once; see client/include/latvox/brick_stream.h. The bytes are the
+  // stream's: give them by std::move, or, to several streams, their MeshId.
   BrickStream Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options = {}) const;
   // The same without the bytes, as above.
   BrickStream Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options = {}) const;
@@ -112,4 +112,4 @@ class Client {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CLIENT_H_
+#endif  // LATVOX_LATVOX_CLIENT_H_

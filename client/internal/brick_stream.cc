@@ -1,4 +1,4 @@
-#include "client/brick_stream.h"
+#include "latvox/brick_stream.h"
 
 #include <array>
 #include <condition_variable>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "client/cancellation.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 

@@ -3,8 +3,8 @@
 //   const std::vector<std::array<float, 3>> positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 //   const std::vector<std::array<uint32_t, 3>> triangles = {{0, 1, 2}};
 //   const absl::StatusOr<std::string> drc_bytes = latvox::client::EncodeMesh(positions, triangles);
-#ifndef LATVOX_CLIENT_MESH_ENCODE_MESH_H_
-#define LATVOX_CLIENT_MESH_ENCODE_MESH_H_
+#ifndef LATVOX_LATVOX_MESH_ENCODE_MESH_H_
+#define LATVOX_LATVOX_MESH_ENCODE_MESH_H_
 
 #include <array>
 #include <cstdint>
@@ -26,4 +26,4 @@ absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> pos
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_MESH_ENCODE_MESH_H_
+#endif  // LATVOX_LATVOX_MESH_ENCODE_MESH_H_

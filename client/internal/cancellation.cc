@@ -1,4 +1,4 @@
-#include "client/cancellation.h"
+#include "latvox/cancellation.h"
 
 #include <atomic>
 #include <list>

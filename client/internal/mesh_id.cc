@@ -1,4 +1,4 @@
-#include "client/mesh_id.h"
+#include "latvox/mesh_id.h"
 
 #include <openssl/evp.h>
 

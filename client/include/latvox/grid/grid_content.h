@@ -1,7 +1,7 @@
 // All that a .vdb file of latvox holds: voxels, and what they have besides their places. No OpenVDB header is needed to
 // use this.
-#ifndef LATVOX_CLIENT_GRID_GRID_CONTENT_H_
-#define LATVOX_CLIENT_GRID_GRID_CONTENT_H_
+#ifndef LATVOX_LATVOX_GRID_GRID_CONTENT_H_
+#define LATVOX_LATVOX_GRID_GRID_CONTENT_H_
 
 #include <cstdint>
 #include <optional>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/grid/voxel_grid.h"
-#include "client/types.h"
+#include "latvox/grid/voxel_grid.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -27,13 +27,14 @@ struct GridContent {
 };
 
 // Reads voxels as ReadGridFile does, with the grids "part", "material" and "color" beside them (see
-// client/grid/attribute_grids.h); or, where the file's first grid is one of floats named "distance", a band (see
-// client/grid/distance_grid.h). What the metadata do not say of a band is found in its distances. Memory: that of
-// ReadGridFile, 4 bytes for each number, and a grid at a time while it reads: see DistanceGrid, AttributeGrids. Errors:
-// as ReadGridFile; INVALID_ARGUMENT: a grid that has other voxels than the set; values that latvox does not write.
+// client/include/latvox/grid/attribute_grids.h); or, where the file's first grid is one of floats named "distance", a
+// band (see client/include/latvox/grid/distance_grid.h). What the metadata do not say of a band is found in its
+// distances. Memory: that of ReadGridFile, 4 bytes for each number, and a grid at a time while it reads: see
+// DistanceGrid, AttributeGrids. Errors: as ReadGridFile; INVALID_ARGUMENT: a grid that has other voxels than the set;
+// values that latvox does not write.
 //   values   false: distances and attributes are left out
 absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_GRID_GRID_CONTENT_H_
+#endif  // LATVOX_LATVOX_GRID_GRID_CONTENT_H_

@@ -1,5 +1,5 @@
-// Voxel sets as OpenVDB grids. No OpenVDB header is needed to use this; client/grid/openvdb_grid.h gives the grid
-// itself to programs that go on with OpenVDB.
+// Voxel sets as OpenVDB grids. No OpenVDB header is needed to use this; client/include/latvox/grid/openvdb_grid.h gives
+// the grid itself to programs that go on with OpenVDB.
 //
 //   index space     lattice coordinates ijk, on every lattice
 //   world space     the grid's affine transform: origin + i*a + j*b + k*c
@@ -8,8 +8,8 @@
 //                   latvox_closed, latvox_digest, latvox_voxel_size, latvox_basis (9 numbers), latvox_origin,
 //                   latvox_version, ...; of a solid latvox_fill ("solid"), latvox_interior_rule, latvox_with_surface,
 //                   latvox_unbalanced_lines
-#ifndef LATVOX_CLIENT_GRID_VOXEL_GRID_H_
-#define LATVOX_CLIENT_GRID_VOXEL_GRID_H_
+#ifndef LATVOX_LATVOX_GRID_VOXEL_GRID_H_
+#define LATVOX_LATVOX_GRID_VOXEL_GRID_H_
 
 #include <memory>
 #include <optional>
@@ -19,7 +19,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -59,7 +59,7 @@ class VoxelGrid {
   // the blind data "latvox". Errors: as Write.
   absl::Status WriteNano(const std::string& path) const;
 
-  struct Content;                                       // in client/grid/openvdb_grid.h
+  struct Content;                                       // in client/include/latvox/grid/openvdb_grid.h
   const Content& content() const { return *content_; }  // for programs that go on with OpenVDB
 
  private:
@@ -96,4 +96,4 @@ absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_GRID_VOXEL_GRID_H_
+#endif  // LATVOX_LATVOX_GRID_VOXEL_GRID_H_

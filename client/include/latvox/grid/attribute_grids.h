@@ -1,20 +1,20 @@
 // Voxels that carry attributes as OpenVDB grids. No OpenVDB header is needed to use this.
 //
-//   "voxels"            the set, as client/grid/voxel_grid.h has it
+//   "voxels"            the set, as client/include/latvox/grid/voxel_grid.h has it
 //   "part", "material"  a grid of 32-bit integers each; of OpenVDB's own programs, vdb_ax reads their values
 //   "color"             a grid of three floats from 0 to 1: red, green, blue
 //
 // All have the same transform, metadata (with latvox_attributes, their names, and latvox_attributes_digest) and active
 // voxels; elsewhere numbers are -1, and colors 0.
-#ifndef LATVOX_CLIENT_GRID_ATTRIBUTE_GRIDS_H_
-#define LATVOX_CLIENT_GRID_ATTRIBUTE_GRIDS_H_
+#ifndef LATVOX_LATVOX_GRID_ATTRIBUTE_GRIDS_H_
+#define LATVOX_LATVOX_GRID_ATTRIBUTE_GRIDS_H_
 
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/types.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -49,4 +49,4 @@ class AttributeGrids {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_GRID_ATTRIBUTE_GRIDS_H_
+#endif  // LATVOX_LATVOX_GRID_ATTRIBUTE_GRIDS_H_

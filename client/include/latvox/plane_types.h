@@ -1,10 +1,10 @@
-// What a pixelization asks for and what it answers, as plain values; see client/types.h, and Pixelize in
+// What a pixelization asks for and what it answers, as plain values; see client/include/latvox/types.h, and Pixelize in
 // proto/latvox/v1/voxelizer.proto.
 //
 // Frames: world coordinates are x, y in the polylines' units; lattice coordinates are the integers i, j, with
 // world = origin + i*a + j*b.
-#ifndef LATVOX_CLIENT_PLANE_TYPES_H_
-#define LATVOX_CLIENT_PLANE_TYPES_H_
+#ifndef LATVOX_LATVOX_PLANE_TYPES_H_
+#define LATVOX_LATVOX_PLANE_TYPES_H_
 
 #include <array>
 #include <cstdint>
@@ -91,4 +91,4 @@ struct Pixelization {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_PLANE_TYPES_H_
+#endif  // LATVOX_LATVOX_PLANE_TYPES_H_

@@ -1,6 +1,6 @@
 // Parts of a voxelization, joined. No OpenVDB header is needed to use this.
-#ifndef LATVOX_CLIENT_GRID_MERGE_H_
-#define LATVOX_CLIENT_GRID_MERGE_H_
+#ifndef LATVOX_LATVOX_GRID_MERGE_H_
+#define LATVOX_LATVOX_GRID_MERGE_H_
 
 #include <cstdint>
 #include <functional>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cancellation.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 
@@ -39,4 +39,4 @@ absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, con
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_GRID_MERGE_H_
+#endif  // LATVOX_LATVOX_GRID_MERGE_H_

@@ -1,4 +1,4 @@
-#include "client/voxel_service.h"
+#include "latvox/voxel_service.h"
 
 #include "absl/strings/str_cat.h"
 

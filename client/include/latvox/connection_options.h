@@ -1,9 +1,9 @@
 // How a Client connects.
-#ifndef LATVOX_CLIENT_CONNECTION_OPTIONS_H_
-#define LATVOX_CLIENT_CONNECTION_OPTIONS_H_
+#ifndef LATVOX_LATVOX_CONNECTION_OPTIONS_H_
+#define LATVOX_LATVOX_CONNECTION_OPTIONS_H_
 
 #include "absl/time/time.h"
-#include "client/credentials.h"
+#include "latvox/credentials.h"
 
 namespace latvox::client {
 
@@ -18,4 +18,4 @@ struct ConnectionOptions {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_CONNECTION_OPTIONS_H_
+#endif  // LATVOX_LATVOX_CONNECTION_OPTIONS_H_
