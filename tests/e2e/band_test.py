@@ -92,7 +92,7 @@ class Band(Case):
         self.assertLessEqual(inside, voxels.keys())
         self.assertLessEqual(voxels.keys(), around)
 
-    # OpenVDB smooths its distances here, by up to a fifth of a voxel; tests/unit/core_band_openvdb_test.cc has them
+    # OpenVDB smooths its distances here, by up to a fifth of a voxel; tests/unit/core/band/band_openvdb_test.cc has them
     # unsmoothed.
     def test_on_cubes_it_is_the_level_set_that_openvdb_makes(self):
         vertices, triangles = torus(48, 24)

@@ -1,0 +1,279 @@
+#include <gmock/gmock.h>
+
+#include <bit>
+#include <cmath>
+
+#include "client/grid/openvdb_trees.h"
+#include "latvox/error.h"
+#include "latvox/grid/attribute_grids.h"
+#include "latvox/grid/distance_grid.h"
+#include "latvox/grid/openvdb_grid.h"
+#include "latvox/grid/voxel_grid.h"
+#include "tests/unit/client/files.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Pair;
+
+class Grid : public FilesTest {};
+
+const GridTransform kBcc = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, -2, 3}, 0.15874010519681994};
+const GridTransform kSkew = {{{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}}, {0.1, 0.2, 0.3}, 0.39};
+const GridTransform kCubes = {{{0.25, 0, 0}, {0, 0.25, 0}, {0, 0, 0.25}}, {-1, 0, 1}, 0.25};
+
+// Each of the 512 voxels of a brick alone.
+TEST_F(Grid, EveryBitOfAMaskIsTheVoxelThatTheContractSays) {
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        VoxelGrid grid(kBcc);
+        Brick brick{{-3, 0, 5}, {}};
+        brick.mask[static_cast<size_t>(x)] = uint64_t{1} << (y << 3 | z);
+        ASSERT_TRUE(grid.Add({{&brick, 1}, 1}).ok());
+        const openvdb::BoolGrid& vdb = *grid.content().grid;
+        ASSERT_EQ(vdb.activeVoxelCount(), 1u);
+        const openvdb::Coord ijk(-24 + x, y, 40 + z);
+        ASSERT_TRUE(vdb.tree().isValueOn(ijk));
+        ASSERT_TRUE(vdb.tree().getValue(ijk));
+      }
+    }
+  }
+}
+
+TEST_F(Grid, ActiveVoxelsAreTheBitsOfAllBricksAndInactiveOnesAreFalse) {
+  VoxelGrid grid(kBcc);
+  std::vector<Brick> bricks;
+  uint64_t bits = 0;
+  for (int n = 0; n < 100; ++n) {
+    Brick brick{{n % 5, n / 5 % 5, n / 25}, {}};
+    for (uint64_t& word : brick.mask) word = 0x9E3779B97F4A7C15 * (++bits);
+    bricks.push_back(brick);
+  }
+  bits = 0;
+  for (const Brick& brick : bricks) {
+    for (const uint64_t word : brick.mask) bits += static_cast<uint64_t>(__builtin_popcountll(word));
+  }
+  ASSERT_TRUE(grid.Add({bricks, 1}).ok());
+  EXPECT_EQ(grid.CountActiveVoxels(), bits);
+  EXPECT_EQ(grid.content().grid->tree().leafCount(), bricks.size());
+  for (auto value = grid.content().grid->cbeginValueAll(); value; ++value) {
+    ASSERT_EQ(value.isValueOn(), value.getValue());
+  }
+}
+
+TEST_F(Grid, IndexToWorldIsTheSamplingMatrixOnEveryLattice) {
+  for (const GridTransform& transform : {kBcc, kSkew, kCubes}) {
+    const VoxelGrid grid(transform);
+    for (const Vec3i& ijk : {Vec3i{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-7, 11, 1000}}) {
+      const openvdb::Vec3d world =
+          grid.content().grid->transform().indexToWorld(openvdb::Coord(ijk[0], ijk[1], ijk[2]));
+      const Vec3d expected = transform.ToWorld(ijk);
+      for (int m = 0; m < 3; ++m) {
+        EXPECT_NEAR(world[m], expected[static_cast<size_t>(m)], 1e-12 * (1 + std::abs(world[m])));
+      }
+    }
+  }
+}
+
+TEST_F(Grid, FilesKeepVoxelsTransformAndCertificate) {
+  VoxelGrid grid(kSkew);
+  Brick brick{{-1, 2, 3}, {}};
+  brick.mask[4] = 3;
+  ASSERT_TRUE(grid.Add({{&brick, 1}, 1}).ok());
+  Certificate certificate;
+  certificate.lattice = "basis";
+  certificate.separability = 1;
+  certificate.digest = "0123456789abcdef0123456789abcdef";
+  grid.SetCertificate(certificate);
+  ASSERT_TRUE(grid.Write(Path("g.vdb")).ok());
+  const auto info = ReadGridFileInfo(Path("g.vdb"));
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->name, "voxels");
+  EXPECT_EQ(info->value_type, "bool");
+  EXPECT_EQ(info->active_voxels, 2u);
+  EXPECT_EQ(info->active_box, (IndexBox{{-4, 16, 24}, {-3, 17, 26}}));
+  EXPECT_EQ(info->transform.basis, kSkew.basis);
+  EXPECT_EQ(info->transform.origin, kSkew.origin);
+  EXPECT_THAT(info->metadata, Contains(Pair("latvox_lattice", "basis")));
+  EXPECT_THAT(info->metadata, Contains(Pair("latvox_separability", "1")));
+  EXPECT_THAT(info->metadata, Contains(Pair("latvox_digest", certificate.digest)));
+  const auto digest = ReadGridFileDigest(Path("g.vdb"));
+  ASSERT_TRUE(digest.ok()) << digest.status();
+  EXPECT_EQ(*digest, certificate.digest);
+}
+
+// A shell of six voxels around one that is not in the band.
+TEST_F(Grid, DistancesAreALevelSetWhereTheyHaveTwoSides) {
+  Brick brick{{0, 0, -1}, {}};
+  std::vector<float> values;
+  for (const auto& [x, y, z] : std::vector<Vec3i>{{2, 3, 4}, {3, 2, 4}, {3, 3, 3}, {3, 3, 5}, {3, 4, 4}, {4, 3, 4}}) {
+    brick.mask[static_cast<size_t>(x)] |= uint64_t{1} << (y << 3 | z);
+    values.push_back(-0.125F - 0.015625F * static_cast<float>(values.size()));
+  }
+  Certificate certificate;
+  certificate.band = BandCertificate{0.25, true, "0123"};
+  for (const auto& [width, whole] : {std::pair{0.25, true}, {0.25, false}, {0.2, true}}) {
+    DistanceGrid grid(kCubes, width, /*is_signed=*/true, whole);
+    ASSERT_TRUE(grid.Add({{&brick, 1}, 1, values}).ok());
+    grid.SetCertificate(certificate);
+    ASSERT_TRUE(grid.Write(Path("d.vdb")).ok());
+    openvdb::io::File file(Path("d.vdb"));
+    file.open();
+    const auto read = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("distance"));
+    const bool level_set = whole && width == 0.25;
+    EXPECT_EQ(read->getGridClass(), level_set ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
+    EXPECT_EQ(read->background(), static_cast<float>(width));
+    EXPECT_EQ(read->activeVoxelCount(), 6u);
+    EXPECT_EQ(read->tree().getValue({2, 3, -4}), -0.125F);
+    EXPECT_EQ(read->tree().getValue({4, 3, -4}), -0.203125F);
+    EXPECT_EQ(read->tree().getValue({3, 3, -4}), static_cast<float>(level_set ? -width : width));
+    EXPECT_EQ(read->getMetadata<openvdb::DoubleMetadata>("latvox_band_width")->value(), 0.25);
+    EXPECT_EQ(read->getMetadata<openvdb::StringMetadata>("latvox_band_digest")->value(), "0123");
+    EXPECT_TRUE(read->transform().indexToWorld(openvdb::Vec3d(4, 0, 4)).eq(openvdb::Vec3d(0, 0, 2)));
+  }
+}
+
+TEST_F(Grid, AttributesAreGridsOfTheSameVoxels) {
+  const Brick brick{{0, 0, -1}, {0, 0, uint64_t{5} << 28, 0, uint64_t{7} << 28}};  // (2, 3, -4) and on
+  const std::vector<uint32_t> numbers{7, 0xFF8001, 0, 0x000100, 0x7FFFFFFF, 0, 1, 2, 3, 4};
+  AttributeGrids grids(kBcc, {Attribute::kPart, Attribute::kColor});
+  ASSERT_TRUE(grids.Add({{&brick, 1}, 1, {}, numbers}).ok());
+  Certificate certificate;
+  certificate.attributes = AttributeCertificate{{Attribute::kPart, Attribute::kColor}, "0123"};
+  grids.SetCertificate(certificate);
+  ASSERT_TRUE(grids.Write(Path("a.vdb")).ok());
+  openvdb::io::File file(Path("a.vdb"));
+  file.open();
+  const auto voxels = openvdb::gridPtrCast<openvdb::BoolGrid>(file.readGrid("voxels"));
+  const auto parts = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("part"));
+  const auto colors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid("color"));
+  ASSERT_TRUE(voxels && parts && colors);
+  EXPECT_TRUE(parts->tree().hasSameTopology(colors->tree()));
+  EXPECT_EQ(voxels->activeVoxelCount(), 5u);
+  EXPECT_EQ(parts->activeVoxelCount(), 5u);
+  EXPECT_EQ(parts->transform(), voxels->transform());
+  EXPECT_EQ(colors->transform(), voxels->transform());
+  EXPECT_EQ(parts->tree().getValue({2, 3, -4}), 7);
+  EXPECT_EQ(parts->tree().getValue({2, 3, -2}), 0);
+  EXPECT_EQ(parts->tree().getValue({4, 3, -4}), 0x7FFFFFFF);
+  EXPECT_EQ(parts->tree().getValue({4, 3, -2}), 3);
+  EXPECT_EQ(parts->tree().getValue({2, 3, -3}), -1);
+  EXPECT_EQ(colors->tree().getValue({2, 3, -4}), openvdb::Vec3s(1, 128.0F / 255, 1.0F / 255));
+  EXPECT_EQ(colors->tree().getValue({2, 3, -2}), openvdb::Vec3s(0, 1.0F / 255, 0));
+  EXPECT_EQ(colors->tree().getValue({2, 3, -3}), openvdb::Vec3s(0, 0, 0));
+  for (const openvdb::GridBase::Ptr& grid : openvdb::GridPtrVec{voxels, parts, colors}) {
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_attributes")->value(), "part,color");
+    EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("latvox_attributes_digest")->value(), "0123");
+  }
+}
+
+TEST_F(Grid, AGridWithoutACertificateHasNoDigest) {
+  ASSERT_TRUE(VoxelGrid(kBcc).Write(Path("g.vdb")).ok());
+  const auto digest = ReadGridFileDigest(Path("g.vdb"));
+  ASSERT_TRUE(digest.ok()) << digest.status();
+  EXPECT_EQ(*digest, "");
+}
+
+TEST_F(Grid, WhatIsNoGridFileIsAnErrorThatNamesIt) {
+  EXPECT_EQ(ReadGridFileInfo(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ReadGridFileDigest(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
+  for (const std::string& bytes : {std::string(), std::string("this is no grid"), std::string(1000, '\0')}) {
+    const auto info = ReadGridFileInfo(Write("bad.vdb", bytes));
+    EXPECT_EQ(info.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(info.status().message()), HasSubstr("bad.vdb"));
+    EXPECT_EQ(ReadGridFileDigest(Path("bad.vdb")).status().code(), absl::StatusCode::kInvalidArgument);
+  }
+}
+
+TEST_F(Grid, WritingToNowhereIsAnErrorThatNamesThePath) {
+  const absl::Status status = VoxelGrid(kBcc).Write(Path("missing/g.vdb"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("missing/g.vdb"));
+}
+
+TEST_F(Grid, AFullDiskIsAnErrorThatNamesThePath) {
+  const absl::Status status = VoxelGrid(kBcc).Write("/dev/full");
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnknown);
+  EXPECT_THAT(std::string(status.message()), testing::AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
+}
+
+// On both sides of the limit, for a scale, which OpenVDB tests by itself, and for other matrices.
+TEST_F(Grid, VoxelsTooSmallForATransformAreAnErrorAndOthersAreWritten) {
+  for (const GridTransform& unit : {kBcc, kSkew, kCubes}) {
+    for (const double size : {1.43e-5, 1.45e-5, 1e-7, 1e-3}) {
+      GridTransform transform = unit;
+      const auto& [a, b, c] = unit.basis;
+      const double volume = std::abs(openvdb::Mat3d(a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]).det());
+      for (Vec3d* step : {&transform.basis.a, &transform.basis.b, &transform.basis.c}) {
+        for (double& x : *step) x *= size / std::cbrt(volume);
+      }
+      transform.voxel_size = size;
+      const absl::Status status = CheckGridTransform(transform);
+      ASSERT_EQ(status.ok(), size > 1.44225e-5) << size << ": " << status;
+      if (status.ok()) {
+        ASSERT_TRUE(VoxelGrid(transform).Write(Path("g.vdb")).ok());
+        const auto info = ReadGridFileInfo(Path("g.vdb"));
+        ASSERT_TRUE(info.ok()) << info.status();
+        EXPECT_EQ(info->transform.basis, transform.basis);
+        EXPECT_EQ(info->transform.origin, transform.origin);
+      } else {
+        EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+        EXPECT_EQ(GetErrorDetails(status).field, "voxel_size");
+        EXPECT_EQ(GetErrorDetails(status).limit, "1.44225e-05");
+        EXPECT_THAT(std::string(status.message()), HasSubstr("1.44225e-05"));
+      }
+    }
+  }
+}
+
+TEST_F(Grid, FilesAreReadBackBrickByBrick) {
+  VoxelGrid grid(kSkew);
+  std::vector<Brick> bricks = {{{3, -1, 0}, {1, 2, 3, 4, 5, 6, 7, 8}}, {{-600, 0, 7}, {0, 0, 0, 0, 0, 0, 0, 1}}};
+  ASSERT_TRUE(grid.Add({bricks, 1}).ok());
+  ASSERT_TRUE(grid.Write(Path("o.vdb")).ok());
+  const auto file = ReadGridFile(Path("o.vdb"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_EQ(file->bricks.size(), 2u);
+  for (size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(file->bricks[n].brick_ijk, bricks[1 - n].brick_ijk);
+    EXPECT_EQ(file->bricks[n].mask, bricks[1 - n].mask);
+  }
+  EXPECT_EQ(file->info.active_voxels, 14u);
+  EXPECT_NEAR(file->info.transform.basis.c[2], 0.5, 1e-15);
+}
+
+TEST_F(Grid, OtherThanBooleanVoxelsAreRefused) {
+  openvdb::initialize();
+  const auto refusal = [&](const openvdb::GridBase::Ptr& grid) {
+    openvdb::io::File(Path("o.vdb")).write({grid});
+    return std::string(ReadGridFile(Path("o.vdb")).status().message());
+  };
+  const auto numbers = openvdb::FloatGrid::create();
+  numbers->setName("density");
+  EXPECT_THAT(refusal(numbers), HasSubstr("the grid \"density\" is a Tree_float_5_4_3, not a Tree_bool_5_4_3"));
+  const auto vast = openvdb::BoolGrid::create();
+  vast->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(4095)), true);
+  EXPECT_THAT(refusal(vast), HasSubstr("o.vdb: has active tiles of 68719476736 voxels, more than 2147483648"));
+}
+
+TEST_F(Grid, TilesOfOtherProgramsAreReadAsTheirVoxels) {
+  openvdb::initialize();
+  const auto solid = openvdb::BoolGrid::create();
+  solid->fill(openvdb::CoordBBox(openvdb::Coord(-8), openvdb::Coord(9)), true);
+  ASSERT_GT(solid->tree().activeTileCount(), 0u);
+  openvdb::io::File(Path("o.vdb")).write({solid});
+  const auto file = ReadGridFile(Path("o.vdb"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_EQ(file->bricks.size(), 27u);
+  size_t voxels = 0;
+  for (const Brick& brick : file->bricks) {
+    for (const uint64_t word : brick.mask) voxels += static_cast<size_t>(std::popcount(word));
+  }
+  EXPECT_EQ(voxels, 18u * 18 * 18);
+  EXPECT_EQ(file->info.active_voxels, voxels);
+}
+
+}  // namespace
+}  // namespace latvox::client

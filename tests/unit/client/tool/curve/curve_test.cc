@@ -1,0 +1,225 @@
+// Drawings: what is read, exactly, and what is refused, by name.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "client/tool/curve/curve_file.h"
+#include "client/tool/curve/svg_curves.h"
+#include "client/tool/curve/svg_path.h"
+#include "client/tool/curve/text_curves.h"
+#include "client/tool/output/pixel_output.h"
+#include "tests/unit/client/files.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+Polyline Open(std::vector<Vec2d> points) { return {std::move(points), false}; }
+Polyline Closed(std::vector<Vec2d> points) { return {std::move(points), true}; }
+
+std::vector<Polyline> Text(absl::string_view text) {
+  auto polylines = ParseText(text);
+  EXPECT_TRUE(polylines.ok()) << polylines.status();
+  return polylines.value_or(std::vector<Polyline>{});
+}
+
+std::vector<Polyline> Svg(absl::string_view elements) {
+  auto polylines = ParseSvg(absl::StrCat("<svg>\n", elements, "\n</svg>"));
+  EXPECT_TRUE(polylines.ok()) << polylines.status();
+  return polylines.value_or(std::vector<Polyline>{});
+}
+
+std::string SvgError(absl::string_view elements) {
+  const auto status = ParseSvg(absl::StrCat("<svg>\n", elements, "\n</svg>")).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << elements;
+  return std::string{status.message()};
+}
+
+std::vector<Polyline> Path(const std::string& data) { return Svg("<path d=\"" + data + "\"/>"); }
+
+TEST(TextCurves, EachLineIsAPolyline) {
+  EXPECT_THAT(Text("0,0 1,-2.5\t+3e-1,.5 z\r\n"
+                   "\n"
+                   "  # a comment\n"
+                   "1,2 # another\n"
+                   "0.1,1e-400 7.,8 Z"),
+              ElementsAre(Closed({{0, 0}, {1, -2.5}, {0.3, 0.5}}), Open({{1, 2}}), Closed({{0.1, 0}, {7, 8}})));
+  EXPECT_THAT(Text(""), IsEmpty());
+}
+
+TEST(TextCurves, RefusalsNameLineAndText) {
+  const auto refuses = [](const std::string& text, const std::string& says) {
+    const auto status = ParseText(text).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+  };
+  refuses("0,0\n1;2\n", "line 2: \"1;2\"");
+  refuses("0,0 1", "\"1\" is not a point");
+  refuses("0, 0", "\"0,\" is not a point");
+  refuses("1,2,3", "\"1,2,3\" is not a point");
+  refuses("nan,0", "\"nan,0\"");
+  refuses("0,inf", "\"0,inf\"");
+  refuses("0,-1e999", "\"0,-1e999\"");
+  refuses("+-1,0", "\"+-1,0\"");
+  refuses("0x1,0", "\"0x1,0\"");
+  refuses("z", "without points");
+  refuses("1,2 z 3,4", "\"3,4\" after the closing z");
+  refuses(std::string("1,2\0", 4), "is not a point");
+}
+
+TEST(SvgCurves, ReadsEveryShape) {
+  EXPECT_THAT(Svg("<polyline points='0,0 1 2,3-4'/><polygon points=' 0 0,1 0 1 1 '/><line x2='3' y1='-1'/>"
+                  "<rect x='1' y='2' width='3' height='4'/><rect width='0' height='1'/>"),
+              ElementsAre(Open({{0, 0}, {1, 2}, {3, -4}}), Closed({{0, 0}, {1, 0}, {1, 1}}), Open({{0, -1}, {3, 0}}),
+                          Closed({{1, 2}, {4, 2}, {4, 6}, {1, 6}})));
+}
+
+TEST(SvgCurves, ReadsPathsOfLines) {
+  EXPECT_THAT(Path("M1 2L3,4 5 6"), ElementsAre(Open({{1, 2}, {3, 4}, {5, 6}})));
+  EXPECT_THAT(Path("m1 2 3 4l-1-1"), ElementsAre(Open({{1, 2}, {4, 6}, {3, 5}})));
+  EXPECT_THAT(Path("M0 0H2 3V4h-1v-.5.25z"),
+              ElementsAre(Closed({{0, 0}, {2, 0}, {3, 0}, {3, 4}, {2, 4}, {2, 3.5}, {2, 3.75}})));
+  EXPECT_THAT(Path("M1 1h1zm5 5h1M0 0M9 9V0"),
+              ElementsAre(Closed({{1, 1}, {2, 1}}), Open({{6, 6}, {7, 6}}), Open({{9, 9}, {9, 0}})));
+  EXPECT_THAT(Path("M1 1h1zv2"), ElementsAre(Closed({{1, 1}, {2, 1}}), Open({{1, 1}, {1, 3}})));
+  EXPECT_THAT(Path(" "), IsEmpty());
+}
+
+TEST(SvgCurves, TransformsComposeFromTheOutside) {
+  EXPECT_THAT(
+      Svg("<g transform='translate(10) scale(2,3)'><g><line x2='1' y2='1' transform='translate(1,1)'/></g></g>"),
+      ElementsAre(Open({{12, 3}, {14, 6}})));
+  EXPECT_THAT(Svg("<line x1='1' y1='2' x2='3' y2='4' transform='matrix(0 1 -1 0 5 6), scale(2)'/>"),
+              ElementsAre(Open({{1, 8}, {-3, 12}})));
+}
+
+TEST(SvgCurves, PassesOverWhatDrawsNothing) {
+  const auto polylines = ParseSvg(
+      "<?xml version='1.0'?><!DOCTYPE svg><!-- c --><svg:svg xmlns:svg='http://www.w3.org/2000/svg' width='5mm'>"
+      "<svg:defs><circle/></svg:defs><title>t</title><inkscape:page/>text<svg:g><svg:line x2='1'/></svg:g></svg:svg>");
+  ASSERT_TRUE(polylines.ok()) << polylines.status();
+  EXPECT_THAT(*polylines, ElementsAre(Open({{0, 0}, {1, 0}})));
+}
+
+TEST(SvgCurves, RefusalsNameLineAndElement) {
+  for (const char* element : {"circle", "ellipse", "text", "use", "image", "svg", "symbol"}) {
+    EXPECT_THAT(SvgError(absl::StrCat("<g>\n<", element, "/></g>")),
+                StartsWith(absl::StrCat("line 3: <", element, "> is not one of")));
+  }
+  for (const char* command : {"A1 1 0 0 0 2 2", "S1 1 2 2", "t3 4", "X"}) {
+    EXPECT_THAT(SvgError(absl::StrCat("<path d='M0 0", command, "'/>")),
+                HasSubstr(absl::StrCat("path command \"", std::string(command, 1), "\" is not one of M L H V Z C Q")));
+  }
+  EXPECT_THAT(SvgError("<path d='L0 0'/>"), HasSubstr("<path> path data has \"L0\" where M"));
+  EXPECT_THAT(SvgError("<path d='M0 0C1 2 3'/>"), HasSubstr("path data ends where a finite number"));
+  EXPECT_THAT(SvgError("<path d='M0 0L1,,2'/>"), HasSubstr("path data has \",2\" where a finite number"));
+  EXPECT_THAT(SvgError("<path d='M0 0L1 1e999'/>"), HasSubstr("\"1e999\""));
+  EXPECT_THAT(SvgError("<path d='M0 0 z 1'/>"), HasSubstr("\"1\" where a command"));
+  for (const char* transform :
+       {"rotate(45)", "skewX(1)", "scale()", "matrix(1,2)", "scale", "translate(1", "scale(a)"}) {
+    EXPECT_THAT(SvgError(absl::StrCat("<g transform='", transform, "'/>")),
+                HasSubstr(absl::StrCat("line 2: <g> transform \"", transform)));
+  }
+  EXPECT_THAT(SvgError("<rect width='1' height='1' ry='2'/>"), HasSubstr("<rect> with round corners"));
+  EXPECT_THAT(SvgError("<rect width='-1' height='1'/>"), HasSubstr("<rect> has a negative size"));
+  EXPECT_THAT(SvgError("<line x1='50%'/>"), HasSubstr("<line> x1 \"50%\""));
+  EXPECT_THAT(SvgError("<polygon points='1 2 3'/>"), HasSubstr("<polygon> points"));
+  EXPECT_THAT(SvgError("<line x2='1e300' transform='scale(1e300)'/>"), HasSubstr("not finite"));
+  EXPECT_THAT(SvgError("<line x2='1'>"), HasSubstr("is not XML"));
+  std::string deep;
+  for (int n = 0; n < 300; ++n) deep += "<g>";
+  for (int n = 0; n < 300; ++n) deep += "</g>";
+  EXPECT_THAT(SvgError(deep), HasSubstr("the limit is 256"));
+}
+
+// Distance of p from the segment a, b.
+double Distance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
+  const double x = b[0] - a[0], y = b[1] - a[1], square = x * x + y * y;
+  const double t = square == 0 ? 0 : std::clamp(((p[0] - a[0]) * x + (p[1] - a[1]) * y) / square, 0.0, 1.0);
+  return std::hypot(p[0] - a[0] - t * x, p[1] - a[1] - t * y);
+}
+
+TEST(Flatten, StaysWithinTheToleranceOfEveryCurve) {
+  const std::vector<std::string> curves = {"M0 0Q50 100 100 0", "M0 0C0 100 100 100 100 0",
+                                           "M0 0C200 100 -100 100 100 0", "M0 0C100 0 0 0 0 0", "M3 4q0 0 0 0"};
+  for (const std::string& data : curves) {
+    std::vector<Outline> outlines;
+    ASSERT_TRUE(ParsePathData(data, outlines).ok());
+    const Outline& outline = outlines.at(0);
+    const OutlinePiece& piece = outline.pieces.at(0);
+    for (const double tolerance : {10.0, 0.1, 1e-4}) {
+      const Polyline polyline = Flatten(outline, tolerance);
+      EXPECT_EQ(polyline.points.front(), outline.start);
+      EXPECT_EQ(polyline.points.back(), piece.end());
+      size_t chord = 0;
+      for (int n = 0; n <= 5000; ++n) {
+        const double t = n / 5000.0, s = 1 - t;
+        const auto& [p, q, r] = piece.control;
+        Vec2d at;
+        for (size_t m = 0; m < 2; ++m) {
+          const double a = outline.start[m];
+          at[m] = piece.degree == 2 ? s * s * a + 2 * s * t * p[m] + t * t * q[m]
+                                    : s * s * s * a + 3 * s * s * t * p[m] + 3 * s * t * t * q[m] + t * t * t * r[m];
+        }
+        const size_t chords = polyline.points.size() - 1;
+        chord = std::min(chords - 1, static_cast<size_t>(t * static_cast<double>(chords)));
+        EXPECT_LE(Distance(at, polyline.points[chord], polyline.points[chord + 1]), tolerance * 1.000001) << data;
+      }
+    }
+  }
+}
+
+TEST(Flatten, TakesNoMorePointsThanATenfoldToleranceJustifies) {
+  std::vector<Outline> outlines;
+  ASSERT_TRUE(ParsePathData("M0 0C0 55 45 100 100 100", outlines).ok());
+  const size_t coarse = Flatten(outlines[0], 1).points.size(), fine = Flatten(outlines[0], 0.01).points.size();
+  EXPECT_LE(fine, 10 * coarse);
+  EXPECT_LE(fine, 80u);
+}
+
+class CurveFile : public FilesTest {};
+
+TEST_F(CurveFile, TheExtensionDecidesAndErrorsNameTheFile) {
+  const auto text = ReadCurveFile(Write("a.TXT", "0,0 1,1\n"));
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_FALSE(text->y_down);
+  const auto svg = ReadCurveFile(Write("a.svg", "<svg><polyline points='0,0 1,1'/></svg>"));
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_TRUE(svg->y_down);
+  EXPECT_EQ(svg->polylines, text->polylines);
+  const auto says = [](const std::string& path) { return std::string{ReadCurveFile(path).status().message()}; };
+  EXPECT_THAT(says(Write("b.pdf", "x")), HasSubstr("b.pdf: drawing format \".pdf\""));
+  EXPECT_THAT(says(Write("b.txt", "x")), HasSubstr("b.txt: line 1"));
+  EXPECT_THAT(says(Write("c.svg", "<svg/>")), HasSubstr("c.svg: the drawing has no curve"));
+  EXPECT_THAT(says(Path("missing.svg")), HasSubstr("missing.svg: no such file"));
+}
+
+TEST(PixelOutput, CsvHoldsCoordinatesAndPositionsWithSeventeenDigits) {
+  Pixelization pixelization;
+  pixelization.grid = {{{0.1, 0}, {0.05, 0.2}}, {1, -2}, 0.1414};
+  pixelization.pixels = {{-3, 7}, {0, 0}};
+  EXPECT_EQ(*EncodePixels("a.csv", {}, pixelization), "i,j,x,y\n-3,7,1.05,-0.59999999999999987\n0,0,1,-2\n");
+  EXPECT_THAT(std::string(EncodePixels("a.bmp", {}, pixelization).status().message()), HasSubstr(".csv .png"));
+}
+
+TEST(PixelOutput, PngIsAPictureOfAnyCurveOnAnyLattice) {
+  const Drawing drawing{{Open({{0, 0}}), Closed({{0, 0}, {5, 3}, {1e-3, 3}})}, false};
+  Pixelization pixelization;
+  for (const PlaneBasis& basis :
+       {PlaneBasis{}, PlaneBasis{{1, 0}, {7.5, 0.9}}, PlaneBasis{{1e-6, 0}, {0, 1e-6}}, PlaneBasis{{40, 0}, {0, 40}}}) {
+    pixelization.grid = {basis, {0, 0}, std::sqrt(std::abs(basis.a[0] * basis.b[1]))};
+    for (const auto& pixels : {std::vector<Vec2i>{}, {{0, 0}, {3, 2}}}) {
+      pixelization.pixels = pixels;
+      const auto png = EncodePixels("a.png", drawing, pixelization);
+      ASSERT_TRUE(png.ok()) << png.status();
+      EXPECT_THAT(*png, StartsWith("\x89PNG\r\n"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latvox::client

@@ -1,0 +1,195 @@
+#include "client/tool/output/output.h"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <cstring>
+
+#include "client/tool/output/atomic_file.h"
+#include "latvox/grid/voxel_grid.h"
+#include "tests/unit/client/files.h"
+
+namespace latvox::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class OutputFile : public FilesTest {
+ protected:
+  // BCC, so that axes are not orthogonal; two bricks, one of negative coordinates; voxels (0,0,0), (7,7,7), (-8,2,3).
+  static Accepted MakeAccepted() {
+    Accepted accepted;
+    accepted.grid = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, 2, 3}, 0.15874010519681994};
+    accepted.index_box = IndexBox{{-8, 0, 0}, {8, 8, 8}};
+    accepted.mesh.min = {0, 1, 2};
+    accepted.mesh.max = {4, 4, 4};
+    return accepted;
+  }
+
+  static std::vector<Brick> MakeBricks() {
+    Brick low{{-1, 0, 0}, {}}, high{{0, 0, 0}, {}};
+    low.mask[0] = uint64_t{1} << (2 << 3 | 3);
+    high.mask[0] = 1;
+    high.mask[7] = uint64_t{1} << 63;
+    return {low, high};
+  }
+
+  // Everything but Commit.
+  std::unique_ptr<Output> Fill(const std::string& name) const {
+    auto output = OpenOutput(Path(name));
+    EXPECT_TRUE(output.ok()) << output.status();
+    Accepted accepted = MakeAccepted();
+    if (name.ends_with("vox")) accepted.grid.basis = {{0.2, 0, 0}, {0, 0.2, 0}, {0, 0, 0.2}};  // formats of cubes
+    EXPECT_TRUE((*output)->Begin(accepted).ok());
+    const std::vector<Brick> bricks = MakeBricks();
+    EXPECT_TRUE((*output)->Add({bricks, 1}).ok());
+    EXPECT_TRUE((*output)->Finish({}).ok());
+    return *std::move(output);
+  }
+};
+
+TEST_F(OutputFile, CsvHoldsCoordinatesAndPositionsWithSeventeenDigits) {
+  ASSERT_TRUE(Fill("o.csv")->Commit().ok());
+  std::string expected = "i,j,k,x,y,z\n";
+  const GridTransform grid = MakeAccepted().grid;
+  for (const Vec3i& ijk : {Vec3i{-8, 2, 3}, {0, 0, 0}, {7, 7, 7}}) {
+    const Vec3d p = grid.ToWorld(ijk);
+    char line[200];
+    std::snprintf(line, sizeof(line), "%d,%d,%d,%.17g,%.17g,%.17g\n", ijk[0], ijk[1], ijk[2], p[0], p[1], p[2]);
+    expected += line;
+  }
+  EXPECT_EQ(Read("o.csv"), expected);
+  EXPECT_THAT(expected, HasSubstr("\n0,0,0,1,2,3\n"));
+  EXPECT_THAT(expected, HasSubstr("7,7,7,3.1000000000000005,"));
+}
+
+TEST_F(OutputFile, NpyIsAnArrayOfShapeVoxelsByThree) {
+  ASSERT_TRUE(Fill("o.npy")->Commit().ok());
+  const std::string npy = Read("o.npy");
+  EXPECT_THAT(npy, StartsWith(std::string("\x93NUMPY\x01\x00\x76\x00", 10) +
+                              "{'descr': '<i4', 'fortran_order': False, 'shape': (3, 3), }"));
+  ASSERT_EQ(npy.size(), 128u + 3 * 12);
+  EXPECT_EQ(npy[127], '\n');
+  std::array<int32_t, 9> values;
+  std::memcpy(values.data(), npy.data() + 128, sizeof(values));
+  EXPECT_THAT(values, ElementsAre(-8, 2, 3, 0, 0, 0, 7, 7, 7));
+}
+
+TEST_F(OutputFile, PlyHoldsAsManyPointsAsItDeclares) {
+  ASSERT_TRUE(Fill("o.ply")->Commit().ok());
+  const std::string ply = Read("o.ply");
+  EXPECT_THAT(ply, HasSubstr("\nelement vertex 3\n"));
+  const size_t header = ply.find("end_header\n") + 11;
+  ASSERT_EQ(ply.size(), header + 3 * 36);
+  std::array<double, 3> position;
+  std::array<int32_t, 3> ijk;
+  std::memcpy(position.data(), ply.data() + header + 36, 24);
+  std::memcpy(ijk.data(), ply.data() + header + 60, 12);
+  EXPECT_THAT(position, ElementsAre(1, 2, 3));
+  EXPECT_THAT(ijk, ElementsAre(0, 0, 0));
+}
+
+TEST_F(OutputFile, TablesOfABandHoldDistances) {
+  VoxelizeRequest request;
+  request.band = Band{.width = 2};
+  const std::vector<Brick> bricks = MakeBricks();
+  const std::vector<float> values{0.1F, 2, -1.5F};
+  for (const char* name : {"o.csv", "o.npy", "o.ply"}) {
+    auto output = OpenOutput(Path(name), request);
+    ASSERT_TRUE(output.ok()) << output.status();
+    ASSERT_TRUE((*output)->Begin(MakeAccepted()).ok());
+    ASSERT_TRUE((*output)->Add({bricks, 1, values}).ok());
+    ASSERT_TRUE((*output)->Finish({}).ok());
+    ASSERT_TRUE((*output)->Commit().ok());
+  }
+  EXPECT_THAT(Read("o.csv"), StartsWith("i,j,k,x,y,z,distance\n-8,2,3,"));
+  EXPECT_THAT(Read("o.csv"), HasSubstr(",0.100000001\n0,0,0,1,2,3,2\n7,7,7,"));
+  const std::string npy = Read("o.npy"), ply = Read("o.ply");
+  EXPECT_THAT(npy, HasSubstr("{'descr': [('ijk', '<i4', (3,)), ('distance', '<f4')], 'fortran_order': False, "
+                             "'shape': (3,), }"));
+  ASSERT_EQ(npy.size(), 128u + 3 * 16);
+  EXPECT_THAT(ply, HasSubstr("property int k\nproperty float distance\nend_header\n"));
+  for (size_t n = 0; n < 3; ++n) {
+    float in_npy, in_ply;
+    std::memcpy(&in_npy, &npy[npy.size() - 16 * (3 - n) + 12], 4);
+    std::memcpy(&in_ply, &ply[ply.size() - 40 * (3 - n) + 36], 4);
+    EXPECT_EQ(in_npy, values[n]);
+    EXPECT_EQ(in_ply, values[n]);
+  }
+  EXPECT_THAT(std::string(OpenOutput(Path("o.glb"), request).status().message()),
+              HasSubstr("\".glb\" is not one of .vdb .csv .npy .ply .png"));
+}
+
+TEST_F(OutputFile, PngIsAPicture) {
+  ASSERT_TRUE(Fill("o.png")->Commit().ok());
+  EXPECT_THAT(Read("o.png"), StartsWith("\x89PNG\r\n"));
+}
+
+TEST_F(OutputFile, VdbHoldsTheVoxels) {
+  ASSERT_TRUE(Fill("o.vdb")->Commit().ok());
+  const auto info = ReadGridFileInfo(Path("o.vdb"));
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->active_voxels, 3u);
+  EXPECT_EQ(info->active_box, (IndexBox{{-8, 0, 0}, {8, 8, 8}}));
+}
+
+TEST_F(OutputFile, NothingIsThereBeforeCommitAndNothingIsLeftWithoutIt) {
+  for (const std::string& extension : OutputExtensions()) {
+    const std::string fresh = "fresh" + extension, old = "old" + extension;
+    Write(old, "old");
+    {
+      const auto first = Fill(fresh), second = Fill(old);
+      EXPECT_FALSE(std::filesystem::exists(Path(fresh)));
+      EXPECT_EQ(Read(old), "old");
+    }
+    EXPECT_THAT(Names(), ElementsAre(old));
+    EXPECT_EQ(Read(old), "old");
+    ASSERT_TRUE(Fill(old)->Commit().ok());
+    EXPECT_THAT(Names(), ElementsAre(old));
+    EXPECT_NE(Read(old), "old");
+    std::filesystem::remove(Path(old));
+  }
+}
+
+TEST_F(OutputFile, PlacesThatCannotBeWrittenAreFoundOnOpening) {
+  EXPECT_THAT(std::string(OpenOutput(Path("missing/o.csv")).status().message()), HasSubstr("missing/o.csv"));
+  std::filesystem::create_directory(Path("dir.csv"));
+  EXPECT_THAT(std::string(OpenOutput(Path("dir.csv")).status().message()), HasSubstr("is a directory"));
+  ASSERT_EQ(mkfifo(Path("pipe.csv").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/null", Path("null.csv"));
+  for (const char* name : {"pipe.csv", "null.csv"}) {
+    EXPECT_EQ(OpenOutput(Path(name)).status(),
+              absl::FailedPreconditionError(Path(name) + ": cannot be written (is not a regular file)"));
+  }
+  EXPECT_THAT(std::string(OpenOutput(Path("o.xyz")).status().message()), HasSubstr(".xyz"));
+}
+
+TEST_F(OutputFile, ATemporaryFileThatVanishesIsAnErrorThatNamesTheTarget) {
+  const auto file = AtomicFile::Create(Path("x.csv"));
+  ASSERT_TRUE(file.ok());
+  std::filesystem::remove((*file)->temporary());
+  EXPECT_THAT(std::string((*file)->Sync().message()), HasSubstr("x.csv"));
+  EXPECT_THAT(std::string((*file)->Commit().message()), HasSubstr("x.csv"));
+}
+
+TEST_F(OutputFile, ReplacingASymbolicLinkChangesTheFileThatItLeadsTo) {
+  Write("real.csv", "old");
+  std::filesystem::create_symlink("real.csv", Path("link.csv"));
+  ASSERT_TRUE(Fill("link.csv")->Commit().ok());
+  EXPECT_TRUE(std::filesystem::is_symlink(Path("link.csv")));
+  EXPECT_THAT(Read("real.csv"), StartsWith("i,j,k"));
+}
+
+TEST_F(OutputFile, FilesHaveTheModeOfTheUmask) {
+  const mode_t old = umask(027);
+  ASSERT_TRUE(Fill("o.csv")->Commit().ok());
+  umask(old);
+  struct stat status;
+  ASSERT_EQ(stat(Path("o.csv").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0640u);
+}
+
+}  // namespace
+}  // namespace latvox::client

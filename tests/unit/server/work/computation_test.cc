@@ -1,0 +1,316 @@
+// A call's steps, without a channel: uploads, computations, and the messages that bricks are filled into.
+#include "server/work/computation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/time/clock.h"
+#include "server/base/errors.h"
+#include "server/calls/mesh_upload.h"
+#include "server/wire/brick_batch.h"
+#include "server/wire/convert.h"
+#include "tests/unit/server/environment.h"
+#include "tests/unit/server/meshes.h"
+#include "tests/unit/server/thread_decoder.h"
+
+namespace latvox {
+namespace {
+
+TileBricks Tile(int32_t i, size_t bricks, double progress) {
+  TileBricks tile;
+  tile.tile_ijk = {i, 0, 0};
+  for (size_t n = 0; n < bricks; ++n) {
+    Brick brick{{8 * i, -1, static_cast<int32_t>(n)}, {}};
+    brick.mask[n % 8] = 0x0123456789abcdef + n;
+    tile.bricks.push_back(brick);
+  }
+  tile.progress = progress;
+  return tile;
+}
+
+TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
+  BrickBatcher batcher(BrickEncoding::kMasks);
+  EXPECT_TRUE(batcher.empty());
+  batcher.Add(Tile(-2, 3, 0.5));
+  EXPECT_FALSE(batcher.empty());
+  const v1::BrickBatch batch = batcher.Take();
+  EXPECT_TRUE(batcher.empty());
+  EXPECT_THAT(batch.brick_ijk(), ::testing::ElementsAre(-16, -1, 0, -16, -1, 1, -16, -1, 2));
+  ASSERT_EQ(batch.masks().size(), 3 * 64);
+  const std::string second = batch.masks().substr(64 + 8, 8);
+  EXPECT_EQ(second, std::string("\xf0\xcd\xab\x89\x67\x45\x23\x01", 8));
+  EXPECT_EQ(batch.progress(), 0.5);
+}
+
+TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyteAfterThreeSmallOnes) {
+  BrickBatcher batcher(BrickEncoding::kMasks);
+  int batches = 0;
+  for (int n = 0; n < 200; ++n) {
+    batcher.Add(Tile(n, 512, n / 200.0));
+    if (!batcher.full()) continue;
+    const size_t bytes = batcher.Take().ByteSizeLong();
+    EXPECT_GE(bytes, batches < 3 ? (64 << 10) << batches : 256 << 10);
+    EXPECT_LE(bytes, batches < 3 ? (128 << 10) << batches : 1 << 20);
+    ++batches;
+  }
+  EXPECT_GT(batches, 5);
+}
+
+TEST(BrickBatcher, NeverTakesProgressBack) {
+  BrickBatcher batcher(BrickEncoding::kMasks);
+  double last = 0;
+  for (const double progress : {0.3, 0.2, 0.9, 0.1, 1.5, 0.4}) {
+    batcher.Add(Tile(0, 1, progress));
+    const double told = batcher.Take().progress();
+    EXPECT_GE(told, last);
+    EXPECT_LE(told, 1);
+    last = told;
+  }
+}
+
+TEST(MeshUpload, HandsOverPiecesOfAnySizeInOrder) {
+  std::string all;
+  for (const size_t piece : {1u, 70000u, 5u, 65536u, 0u, 3u, 200000u}) {
+    MeshUpload upload(0, 1 << 30);
+    all.clear();
+    for (int n = 0; n < 20; ++n) {
+      std::string bytes(n % 3 == 0 ? piece : 10, static_cast<char>('a' + n));
+      all += bytes;
+      ASSERT_TRUE(upload.Append(std::move(bytes)).ok());
+    }
+    EXPECT_EQ(upload.size(), all.size());
+    EXPECT_EQ(std::string(std::move(upload).Take()), all);
+  }
+}
+
+TEST(MeshUpload, HoldsTheLengthAgainstLimitAndDeclaration) {
+  MeshUpload limited(0, 10);
+  EXPECT_TRUE(limited.Append("0123456789").ok());
+  EXPECT_TRUE(limited.CheckComplete().ok());
+  const absl::Status over = limited.Append("x");
+  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(over.message(), "mesh_bytes 11 exceeds 10");
+
+  MeshUpload declared(5, 10);
+  EXPECT_TRUE(declared.Append("0123").ok());
+  EXPECT_EQ(declared.CheckComplete().message(), "mesh_bytes 5 was declared, but only 4 bytes came");
+  EXPECT_TRUE(declared.Append("4").ok());
+  EXPECT_TRUE(declared.CheckComplete().ok());
+  EXPECT_EQ(declared.Append("5").message(), "mesh_bytes 5 was declared, but at least 6 bytes came");
+  EXPECT_EQ(MeshUpload(0, 10).CheckComplete().message(), "mesh: no bytes came");
+}
+
+TEST(MeshUpload, TakesTheTimeFromTheSpecificationToTheLastByte) {
+  MeshUpload upload(0, 10);
+  EXPECT_EQ(upload.milliseconds(), std::nullopt);
+  absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_TRUE(upload.Append("x").ok());
+  const double one_piece = upload.milliseconds().value();
+  EXPECT_GE(one_piece, 5);
+  absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_EQ(upload.milliseconds(), one_piece);
+  EXPECT_TRUE(upload.Append("y").ok());
+  EXPECT_GE(upload.milliseconds().value(), one_piece + 5);
+}
+
+v1::VoxelizeSpec GoodSpec() {
+  v1::VoxelizeSpec spec;
+  spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
+  spec.set_resolution(64);
+  return spec;
+}
+
+const auto kNever = [] { return false; };
+
+// Sends `bytes` through the computation's first step, and waits for its end.
+absl::Status Decode(Computation& computation, std::string bytes) {
+  MeshUpload upload(0, 1 << 30);
+  EXPECT_TRUE(upload.Append(std::move(bytes)).ok());
+  if (absl::Status status = computation.TakeMesh(std::move(upload)); !status.ok()) return status;
+  std::promise<absl::Status> decoded;
+  computation.Decode([&](const absl::Status& status) { decoded.set_value(status); });
+  return decoded.get_future().get();
+}
+
+// The bricks of every message, and the summary, of a computation that is paused after every `stride` messages.
+std::vector<v1::VoxelizeResponse> Compute(const JobSpec& spec, int stride) {
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder);
+  Computation computation(spec, "id", environment.shared());
+  EXPECT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
+  std::vector<v1::VoxelizeResponse> messages;
+  const auto deliver = [&](v1::VoxelizeResponse&& message) {
+    messages.push_back(std::move(message));
+    return static_cast<int>(messages.size()) % stride != 0;
+  };
+  EXPECT_TRUE(computation.Start(deliver).ok());
+  for (;;) {
+    const absl::StatusOr<bool> done = computation.Advance(deliver, kNever);
+    EXPECT_TRUE(done.ok()) << done.status();
+    if (!done.ok() || *done) return messages;
+  }
+}
+
+TEST(Computation, GivesTheSameBricksHoweverOftenItIsPaused) {
+  const JobSpec spec = *JobSpecFromProto(GoodSpec(), {});
+  std::vector<std::string> digests;
+  for (const int stride : {1, 2, 1000}) {
+    const auto messages = Compute(spec, stride);
+    ASSERT_TRUE(messages.front().has_accepted() && messages.back().has_summary());
+    digests.push_back(messages.back().summary().certificate().digest());
+    uint64_t bricks = 0;
+    for (const auto& message : messages) bricks += message.bricks().masks().size() / 64;
+    EXPECT_EQ(messages.back().summary().bricks(), bricks);
+  }
+  EXPECT_THAT(digests, ::testing::Each(digests.front()));
+}
+
+// Else, it could be refused when it has been accepted.
+TEST(Computation, ReservesBeforehandWhatVerificationKeeps) {
+  const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
+  ThreadDecoder decoder;
+  for (const auto named : {v1::NAMED_LATTICE_CARTESIAN, v1::NAMED_LATTICE_BCC, v1::NAMED_LATTICE_FCC}) {
+    uint64_t without = 0;
+    for (const bool verify : {false, true}) {
+      TestEnvironment environment(decoder);
+      v1::VoxelizeSpec spec = GoodSpec();
+      spec.mutable_lattice()->set_named(named);
+      spec.set_verify(verify);
+      Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+      ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
+      ASSERT_TRUE(computation.Start(ignore).ok());
+      const uint64_t reserved = environment.memory.reserved();
+      for (bool done = false; !done;) {
+        const absl::StatusOr<bool> advanced = computation.Advance([](v1::VoxelizeResponse&&) { return false; }, kNever);
+        ASSERT_TRUE(advanced.ok()) << advanced.status();
+        EXPECT_EQ(environment.memory.reserved(), reserved);
+        done = *advanced;
+      }
+      if (verify) {
+        EXPECT_GT(reserved, without);
+      }
+      without = reserved;
+    }
+  }
+}
+
+TEST(Computation, ReservesWhatThinningTakesWhereTrianglesFillAVolume) {
+  ThreadDecoder decoder;
+  const auto reserved = [&](int copies, bool minimal) {
+    TestEnvironment environment(decoder);
+    v1::VoxelizeSpec spec = GoodSpec();
+    spec.set_minimal(minimal);
+    TriangleMesh mesh = Sphere(20);
+    const auto once = mesh.triangles;
+    for (int n = 1; n < copies; ++n) mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+    Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+    EXPECT_TRUE(Decode(computation, EncodeDraco(mesh, {.method = DracoMethod::kSequential})).ok());
+    EXPECT_TRUE(computation.Start([](v1::VoxelizeResponse&&) { return true; }).ok());
+    return environment.memory.reserved();
+  };
+  constexpr uint64_t kMebibyte = 1 << 20;
+  EXPECT_LT(reserved(1, true), reserved(1, false) + 10 * kMebibyte);
+  EXPECT_GT(reserved(40, true), reserved(40, false) + 40 * kMebibyte);
+}
+
+class CountingDecoder final : public MeshDecoder {
+ public:
+  std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) override {
+    ++decodes;
+    return decoder_.Start(std::move(mesh), limits, std::move(reserve), std::move(done));
+  }
+  int decodes = 0;
+
+ private:
+  ThreadDecoder decoder_;
+};
+
+TEST(Computation, DecodesAMeshTwiceAtMost) {
+  const std::string bytes = EncodeDraco(Sphere(20), {});
+  v1::VoxelizeSpec spec = GoodSpec();
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  spec.set_mesh_sha256(std::string(digest.begin(), digest.end()));
+  const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
+  CountingDecoder decoder;
+  TestEnvironment environment(decoder);
+  std::vector<std::string> digests;
+  for (const int decodes : {1, 2, 2, 2}) {  // the second time, it is worth keeping
+    Computation computation(*JobSpecFromProto(spec, {}), "id", environment.shared());
+    ASSERT_TRUE(Decode(computation, bytes).ok());
+    EXPECT_EQ(decoder.decodes, decodes);
+    ASSERT_TRUE(computation.Start(ignore).ok());
+    ASSERT_TRUE(computation
+                    .Advance(
+                        [&](v1::VoxelizeResponse&& message) {
+                          if (message.has_summary()) digests.push_back(message.summary().certificate().digest());
+                          return true;
+                        },
+                        kNever)
+                    .ok());
+    computation.Free();
+    EXPECT_EQ(environment.memory.reserved(), 0);
+  }
+  EXPECT_EQ(digests.size(), 4);
+  EXPECT_THAT(digests, ::testing::Each(digests.front()));
+}
+
+TEST(Computation, LeavesAKeptMeshOverTheCallersLimitsToTheDecoder) {
+  const std::string bytes = EncodeDraco(Sphere(20), {});
+  v1::VoxelizeSpec spec = GoodSpec();
+  const MeshDigest digest = DigestOf(absl::Cord(bytes));
+  spec.set_mesh_sha256(std::string(digest.begin(), digest.end()));
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder);
+  environment.meshes.Put(digest, absl::Cord(bytes));
+  environment.meshes.KeepDecoded(digest, {}, DecodedMesh{Sphere(20), 0, ExtentOf(Sphere(20))});
+  CallEnvironment narrow = environment.shared();
+  narrow.limits.max_triangles = 10;
+  Computation computation(*JobSpecFromProto(spec, {}), "id", narrow);
+  EXPECT_THAT(std::string(Decode(computation, bytes).message()), ::testing::HasSubstr("mesh.triangles"));
+}
+
+TEST(Computation, IsCancelledBeforeEachOfItsSteps) {
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder);
+  const auto ignore = [](v1::VoxelizeResponse&&) { return true; };
+  for (const int steps : {0, 1, 2}) {
+    Computation computation(*JobSpecFromProto(GoodSpec(), {}), "id", environment.shared());
+    if (steps == 0) computation.Cancel();
+    absl::Status status = Decode(computation, EncodeDraco(Sphere(20), {}));
+    if (steps > 0) {
+      ASSERT_TRUE(status.ok()) << status;
+      if (steps == 1) computation.Cancel();
+      status = computation.Start(ignore);
+    }
+    if (steps > 1) {
+      ASSERT_TRUE(status.ok()) << status;
+      computation.Cancel();
+      status = computation.Advance(ignore, kNever).status();
+    }
+    EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << steps;
+  }
+}
+
+TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder);
+  v1::VoxelizeSpec proto = GoodSpec();
+  proto.set_voxel_size(1e-6);
+  Computation computation(*JobSpecFromProto(proto, {}), "id", environment.shared());
+  ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
+  const absl::Status status = computation.Start([](v1::VoxelizeResponse&&) { return true; });
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(CauseOf(status)->reason, "BAD_SPEC");
+  EXPECT_EQ(CauseOf(status)->field, "voxel_size");
+  EXPECT_EQ(CauseOf(status)->limit, "131072");
+  EXPECT_EQ(CauseOf(status)->limit_name, "max_extent");
+}
+
+}  // namespace
+}  // namespace latvox

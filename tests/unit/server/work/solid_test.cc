@@ -1,0 +1,163 @@
+// Fill, from the specification to the certificate: what is taken, refused, limited, and said in the end.
+#include <gtest/gtest.h>
+
+#include <future>
+#include <string>
+#include <vector>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "server/base/errors.h"
+#include "server/wire/convert.h"
+#include "server/work/computation.h"
+#include "tests/unit/server/environment.h"
+#include "tests/unit/server/meshes.h"
+#include "tests/unit/server/thread_decoder.h"
+
+namespace latvox {
+namespace {
+
+v1::VoxelizeSpec SolidSpec() {
+  v1::VoxelizeSpec spec;
+  spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
+  spec.set_resolution(64);
+  spec.set_encoding(v1::BRICK_ENCODING_PACKED);
+  spec.mutable_fill()->set_mode(v1::FILL_MODE_SOLID);
+  return spec;
+}
+
+std::string FieldOf(const absl::Status& status) {
+  google::rpc::Status details;
+  google::rpc::ErrorInfo info;
+  EXPECT_TRUE(details.ParseFromString(ToGrpcStatus(status).error_details()));
+  EXPECT_TRUE(details.details_size() > 0 && details.details(0).UnpackTo(&info));
+  return info.reason() + " " + info.metadata().at("field");
+}
+
+TEST(Fill, IsReadFromTheSpecification) {
+  v1::VoxelizeSpec proto = SolidSpec();
+  const auto solid = [&] { return JobSpecFromProto(proto, {})->options.solid; };
+  ASSERT_TRUE(solid());
+  EXPECT_TRUE(solid()->rule == InteriorRule::kParity && solid()->surface && !solid()->force_open);
+  proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
+  proto.mutable_fill()->set_without_surface(true);
+  proto.mutable_fill()->set_force_open(true);
+  EXPECT_TRUE(solid()->rule == InteriorRule::kWinding && !solid()->surface && solid()->force_open);
+  for (const auto mode : {v1::FILL_MODE_UNSPECIFIED, v1::FILL_MODE_SURFACE}) {
+    proto.mutable_fill()->set_mode(mode);
+    EXPECT_FALSE(solid());
+  }
+}
+
+TEST(Fill, IsRefusedByItsField) {
+  const auto refusal = [](const auto& spoil) {
+    v1::VoxelizeSpec proto = SolidSpec();
+    spoil(proto);
+    const absl::Status status = JobSpecFromProto(proto, {}).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    return FieldOf(status);
+  };
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_mode(static_cast<v1::FillMode>(3)); }), "BAD_SPEC fill.mode");
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_rule(static_cast<v1::InteriorRule>(3)); }),
+            "BAD_SPEC fill.rule");
+  EXPECT_EQ(refusal([](auto& s) { s.set_verify(true); }), "BAD_SPEC verify");
+  EXPECT_EQ(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); }), "BAD_SPEC fill.mode");
+}
+
+// Of the whole computation: its status, its messages, and the memory that it held before its bricks.
+struct Outcome {
+  absl::Status status;
+  std::vector<v1::VoxelizeResponse> messages;
+  uint64_t memory = 0;
+  const v1::Summary& summary() const { return messages.back().summary(); }
+};
+
+Outcome Compute(const v1::VoxelizeSpec& proto, const TriangleMesh& mesh, const Limits& limits = {}) {
+  ThreadDecoder decoder;
+  TestEnvironment environment(decoder, limits);
+  Computation computation(*JobSpecFromProto(proto, {}), "id", environment.shared());
+  Outcome outcome;
+  MeshUpload upload(0, 1 << 30);
+  EXPECT_TRUE(upload.Append(EncodeDraco(mesh, {})).ok());
+  EXPECT_TRUE(computation.TakeMesh(std::move(upload)).ok());
+  std::promise<absl::Status> decoded;
+  computation.Decode([&](const absl::Status& status) { decoded.set_value(status); });
+  EXPECT_TRUE(decoded.get_future().get().ok());
+  const auto deliver = [&](v1::VoxelizeResponse&& message) {
+    outcome.messages.push_back(std::move(message));
+    return true;
+  };
+  outcome.status = computation.Start(deliver);
+  outcome.memory = environment.memory.reserved();
+  while (outcome.status.ok()) {
+    const absl::StatusOr<bool> done = computation.Advance(deliver, [] { return false; });
+    outcome.status = done.status();
+    if (!done.ok() || *done) break;
+  }
+  return outcome;
+}
+
+TEST(Fill, IsInTheCertificate) {
+  v1::VoxelizeSpec proto = SolidSpec();
+  const Outcome solid = Compute(proto, Sphere(20));
+  ASSERT_TRUE(solid.status.ok()) << solid.status;
+  const v1::Certificate& certificate = solid.summary().certificate();
+  EXPECT_EQ(certificate.fill().rule(), "parity");
+  EXPECT_TRUE(certificate.fill().with_surface() && certificate.tunnel_free() && certificate.minimal());
+  proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
+  proto.mutable_fill()->set_without_surface(true);
+  const Outcome inside = Compute(proto, Sphere(20));
+  ASSERT_TRUE(inside.status.ok()) << inside.status;
+  EXPECT_EQ(inside.summary().certificate().fill().rule(), "winding");
+  EXPECT_FALSE(inside.summary().certificate().fill().with_surface());
+  EXPECT_FALSE(inside.summary().certificate().tunnel_free() || inside.summary().certificate().minimal());
+  proto.clear_fill();
+  const Outcome surface = Compute(proto, Sphere(20));
+  EXPECT_FALSE(surface.summary().certificate().has_fill());
+  EXPECT_GT(solid.summary().voxels(), inside.summary().voxels());
+  EXPECT_LT(solid.summary().voxels(), inside.summary().voxels() + surface.summary().voxels());
+}
+
+TEST(Fill, OfAMeshThatIsNotClosedIsABadMeshBeforeAnythingIsDelivered) {
+  TriangleMesh mesh = Sphere(20);
+  mesh.triangles.resize(mesh.triangles.size() - 300);
+  v1::VoxelizeSpec proto = SolidSpec();
+  const Outcome refused = Compute(proto, mesh);
+  EXPECT_EQ(refused.status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(FieldOf(refused.status), "BAD_MESH mesh");
+  EXPECT_TRUE(refused.messages.empty());
+  proto.mutable_fill()->set_force_open(true);
+  const Outcome forced = Compute(proto, mesh);
+  ASSERT_TRUE(forced.status.ok()) << forced.status;
+  EXPECT_GT(forced.summary().certificate().fill().unbalanced_lines(), 0U);
+  EXPECT_FALSE(forced.summary().certificate().closed());
+  // All crossings of its lines are kept, and counted.
+  EXPECT_GT(forced.memory, Compute(SolidSpec(), Sphere(20)).memory);
+}
+
+TEST(Fill, CountsAgainstTheLimitOfVoxels) {
+  v1::VoxelizeSpec proto = SolidSpec();
+  const uint64_t limit = 50000;  // more than the surface has
+  EXPECT_EQ(Compute(proto, Sphere(20), {.max_voxels = limit}).status.code(), absl::StatusCode::kResourceExhausted);
+  proto.clear_fill();
+  EXPECT_TRUE(Compute(proto, Sphere(20), {.max_voxels = limit}).status.ok());
+}
+
+// A solid's bricks are full, but for those at its surface. They take the bytes that the format's description tells.
+TEST(Fill, PacksFullBricks) {
+  v1::VoxelizeSpec proto = SolidSpec();
+  proto.set_resolution(400);
+  for (const auto encoding : {v1::BRICK_ENCODING_MASKS, v1::BRICK_ENCODING_PACKED, v1::BRICK_ENCODING_PACKED_ZSTD}) {
+    proto.set_encoding(encoding);
+    const Outcome solid = Compute(proto, Sphere(20));
+    ASSERT_TRUE(solid.status.ok()) << solid.status;
+    size_t bytes = 0;
+    for (const auto& message : solid.messages) bytes += message.bricks().ByteSizeLong();
+    const double each = static_cast<double>(bytes) / static_cast<double>(solid.summary().bricks());
+    RecordProperty(std::to_string(encoding), std::to_string(each));
+    EXPECT_LT(each, encoding == v1::BRICK_ENCODING_MASKS ? 77 : encoding == v1::BRICK_ENCODING_PACKED ? 10 : 10);
+  }
+}
+
+}  // namespace
+}  // namespace latvox

@@ -1,0 +1,158 @@
+// Lanes: what runs where, at which priority, and until when.
+#include "server/work/work_queue.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <thread>
+
+namespace latvox {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kThreads = 3;
+constexpr int kNiceness = 4;
+
+int Niceness() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
+
+struct Seen {
+  std::set<pid_t> threads;
+  std::set<int> niceness;
+};
+
+// The threads of a parallel algorithm within a task, of which each part waits until as many have come as the lane has.
+Seen SeeParallelTask(Lane& lane) {
+  std::promise<Seen> promise;
+  lane.Enqueue([&] {
+    std::mutex mu;
+    Seen seen;
+    std::atomic<int> there = 0;
+    const auto patience = std::chrono::steady_clock::now() + 10s;
+    const auto look = [&](int) {
+      {
+        const std::lock_guard lock(mu);
+        seen.threads.insert(gettid());
+        seen.niceness.insert(Niceness());
+      }
+      ++there;
+      while (there < lane.threads() && std::chrono::steady_clock::now() < patience) std::this_thread::yield();
+    };
+    oneapi::tbb::parallel_for(0, lane.threads(), look, oneapi::tbb::simple_partitioner());
+    promise.set_value(seen);
+  });
+  return promise.get_future().get();
+}
+
+TEST(Lane, AllThreadsOfANiceOneHaveItsPriorityAndOthersKeepTheirs) {
+  const oneapi::tbb::global_control enough_workers(oneapi::tbb::global_control::max_allowed_parallelism, kThreads + 1);
+  Lane quick(kThreads, 0), bulk(kThreads, kNiceness);
+  EXPECT_FALSE(quick.nice());
+  EXPECT_TRUE(bulk.nice());
+  const int own = Niceness();
+  std::set<pid_t> quick_threads, bulk_threads;
+  for (int round = 0; round < 20; ++round) {
+    const Seen in_bulk = SeeParallelTask(bulk), in_quick = SeeParallelTask(quick);
+    EXPECT_EQ(in_bulk.niceness, std::set{own + kNiceness});
+    EXPECT_EQ(in_quick.niceness, std::set{own});
+    EXPECT_EQ(in_bulk.threads.size(), kThreads);
+    EXPECT_EQ(in_quick.threads.size(), kThreads);
+    bulk_threads.insert(in_bulk.threads.begin(), in_bulk.threads.end());
+    quick_threads.insert(in_quick.threads.begin(), in_quick.threads.end());
+  }
+  EXPECT_EQ(bulk_threads.size(), kThreads);
+  for (const pid_t thread : quick_threads) EXPECT_FALSE(bulk_threads.contains(thread));
+}
+
+TEST(Lane, OneThreadIsAllThatANiceLaneOfOneHas) {
+  std::promise<void> go_on;
+  std::set<pid_t> threads;
+  std::atomic<int> ran = 0;
+  {
+    Lane bulk(1, kNiceness);
+    bulk.Enqueue([&] {
+      go_on.get_future().wait();
+      threads.insert(gettid());
+      ++ran;
+    });
+    for (int n = 0; n < 20; ++n) {
+      bulk.Enqueue([&] {
+        threads.insert(gettid());
+        ++ran;
+      });
+    }
+    std::this_thread::sleep_for(20ms);
+    go_on.set_value();
+  }
+  EXPECT_EQ(ran, 21);
+  EXPECT_EQ(threads.size(), 1);
+}
+
+// Threads that a thread of lower priority starts would keep it.
+TEST(Lane, WhatIsDoneOrdinarilyHasTheProcesssPriority) {
+  const int own = Niceness();
+  Lane quick(1, 0), bulk(1, kNiceness);
+  for (Lane* lane : {&quick, &bulk}) {
+    std::promise<int> niceness;
+    lane->Enqueue([&] { DoOrdinarily(*lane, quick, [&] { niceness.set_value(Niceness()); }); });
+    EXPECT_EQ(niceness.get_future().get(), own);
+  }
+}
+
+// Each end of a task is a chance to fall asleep over the next one.
+TEST(Lane, NoTaskIsForgotten) {
+  for (const int niceness : {0, kNiceness}) {
+    for (const int threads : {1, kThreads}) {
+      Lane lane(threads, niceness);
+      for (int round = 0; round < 2000; ++round) {
+        std::promise<void> done;
+        lane.Enqueue([&] { done.set_value(); });
+        ASSERT_EQ(done.get_future().wait_for(30s), std::future_status::ready) << round;
+      }
+    }
+  }
+}
+
+TEST(Lane, EndsOnceItsTasksHaveRun) {
+  for (const int niceness : {0, kNiceness}) {
+    std::atomic<int> ran = 0;
+    const auto held = std::make_shared<int>(0);
+    {
+      Lane lane(2, niceness);
+      for (int n = 0; n < 100; ++n) {
+        lane.Enqueue([&ran, &lane, held] {
+          std::this_thread::sleep_for(100us);
+          lane.Enqueue([&ran, held] { ++ran; });
+        });
+      }
+    }
+    EXPECT_EQ(ran, 100);
+    EXPECT_EQ(held.use_count(), 1);
+  }
+}
+
+TEST(Lane, SaysWhetherTasksWait) {
+  std::promise<void> began, go_on;
+  Lane lane(1, kNiceness);
+  lane.Enqueue([&] {
+    began.set_value();
+    go_on.get_future().wait();
+  });
+  began.get_future().wait();
+  EXPECT_FALSE(lane.contended());
+  lane.Enqueue([] {});
+  EXPECT_TRUE(lane.contended());
+  go_on.set_value();
+}
+
+}  // namespace
+}  // namespace latvox
