@@ -38,7 +38,7 @@ bool MayComeWithin(const TriangleDistance& triangle, const Vec3d& x, double squa
 void AttributeScan::Find(const AttributeContext& context, std::span<const uint32_t> triangles, TileBricks& tile) {
   Number(tile, context.mesh.base_ijk, context.carried.plan.most);
   for (const uint32_t number : triangles) {
-    if (context.cancelled) return;
+    if (context.stop.Stopped()) return;
     Add(context, number);
     if (offers_.size() > kMostOffers) Settle(context);
   }
@@ -118,7 +118,7 @@ void AttributeScan::Settle(const AttributeContext& context) {
   size_t voxel = 0;
   for (int32_t row = 0; row < static_cast<int32_t>(kRows); ++row) {
     for (uint64_t bits = rows_[static_cast<size_t>(row)]; bits != 0; bits &= bits - 1, ++voxel) {
-      if (context.cancelled) return;
+      if (context.stop.Stopped()) return;
       if (last_[voxel] == kNone) continue;
       const Vec3i at{row >> kTileBits, row & (kTileSide - 1), std::countr_zero(bits)};
       settled_[voxel] = Nearest(context, (tile_min_ + at) * kLatticeUnit, voxel);
@@ -179,7 +179,7 @@ AttributeScan::Candidate AttributeScan::Nearest(const AttributeContext& context,
   };
   std::optional<Candidate> nearest;
   ForEachCandidate(context, point, voxel, [&](const Candidate& other) {
-    if (nearest && context.cancelled) return;
+    if (nearest && context.stop.Stopped()) return;
     const int order = nearest ? compare(other, *nearest) : -1;
     if (order < 0 || (order == 0 && other.corner.square < nearest->corner.square)) {
       nearest = other;
@@ -199,7 +199,7 @@ void AttributeScan::CutOut(const AttributeContext& context, TileBricks& tile) {
   for (const Brick& brick : tile.bricks) {
     const Vec3i corner = (brick.brick_ijk - tile.tile_ijk * kBrickSide) * kBrickSide;
     for (int32_t x = 0; x < kBrickSide; ++x) {
-      if (context.cancelled) return;
+      if (context.stop.Stopped()) return;
       for (uint64_t bits = brick.mask[static_cast<size_t>(x)]; bits != 0; bits &= bits - 1) {
         const int yz = std::countr_zero(bits);
         const Vec3i at = corner + Vec3i{x, yz >> kBrickBits, yz & (kBrickSide - 1)};

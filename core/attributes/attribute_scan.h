@@ -3,7 +3,6 @@
 #define LATVOX_CORE_ATTRIBUTES_ATTRIBUTE_SCAN_H_
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "core/attributes/attributes.h"
 #include "core/attributes/plan.h"
 #include "core/band/triangle_distance.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
 
@@ -20,7 +20,7 @@ namespace latvox {
 struct AttributeContext {
   const SnappedMesh& mesh;
   const CarriedAttributes carried;
-  const std::atomic<bool>& cancelled;
+  StopSignal stop;
 };
 
 // A thread's own, from tile to tile: up to 8 MiB, and 60 bytes for each voxel of a tile.

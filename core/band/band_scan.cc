@@ -38,7 +38,7 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
   std::fill(best_.begin(), best_.end(), high_);
   const IndexBox tile = Intersection({tile_min_, tile_min_ + Vec3i{kTileSide, kTileSide, kTileSide}}, context.region);
   for (const uint32_t t : triangles) {
-    if (context.cancelled) return {};
+    if (context.stop.Stopped()) return {};
     const auto& [a, b, c] = context.mesh.triangles[t];
     const Triangle triangle{context.mesh.vertices_lat[a], context.mesh.vertices_lat[b], context.mesh.vertices_lat[c]};
     const IndexBox box = VoxelsNear(triangle, context.plan.margin, tile);
@@ -46,7 +46,7 @@ TileBricks BandScan::Scan(const BandContext& context, const Vec3i& tile_ijk, std
   }
   if (context.inside) {
     const bool corner = context.inside->IsInside(tile_min_);
-    FindInside(context.mesh, triangles, tile_min_, corner, context.cancelled, inside_);
+    FindInside(context.mesh, triangles, tile_min_, corner, context.stop, inside_);
   }
   TileBricks out{tile_ijk + Shifted(context.mesh.base_ijk, kTileBits), {}};
   for (int32_t n = 0; n < 512; ++n) {
@@ -67,7 +67,7 @@ void BandScan::Add(const BandContext& context, const Triangle& corners, const In
   const Rows rows{triangle.radius() * triangle.radius(), slack, std::sqrt(high_ + slack), step, Dot(step, step),
                   Dot(step, triangle.unit_normal())};
   ForEachRowNear(corners, context.plan.margin, box, [&](int32_t i, int32_t j, int32_t first, int32_t end) {
-    if (!context.cancelled) ScanRow(context, triangle, rows, {i, j, first}, end);
+    if (!context.stop.Stopped()) ScanRow(context, triangle, rows, {i, j, first}, end);
   });
 }
 

@@ -2,7 +2,6 @@
 #ifndef LATVOX_CORE_BAND_BAND_SCAN_H_
 #define LATVOX_CORE_BAND_BAND_SCAN_H_
 
-#include <atomic>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "core/band/inside.h"
 #include "core/band/plan.h"
 #include "core/band/triangle_distance.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
 
@@ -21,7 +21,7 @@ struct BandContext {
   BandPlan plan;
   IndexBox region;                          // local voxels outside are not delivered
   const std::optional<CornerLines> inside;  // of a signed band
-  const std::atomic<bool>& cancelled;
+  StopSignal stop;
 };
 
 // A thread's own, from tile to tile: 2 MiB.

@@ -40,9 +40,9 @@ std::pair<int32_t, int32_t> TileCorners(int32_t low, int32_t high) {
 
 }  // namespace
 
-CornerLines::CornerLines(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
+CornerLines::CornerLines(const SnappedMesh& mesh, StopSignal stop) {
   for (const std::array<uint32_t, 3>& indices : mesh.triangles) {
-    if (cancelled) return;
+    if (stop.Stopped()) return;
     const Triangle triangle = CornersOf(mesh, indices);
     const auto range = [&](size_t m) { return std::minmax({triangle[0][m], triangle[1][m], triangle[2][m]}); };
     const auto [low_i, high_i] = range(0);
@@ -51,14 +51,14 @@ CornerLines::CornerLines(const SnappedMesh& mesh, const std::atomic<bool>& cance
     const auto [first_j, last_j] = TileCorners(low_j, high_j);
     if (first_i > last_i || first_j > last_j) continue;
     const auto [low_k, high_k] = range(2);
-    for (int32_t i = first_i * kTileSide; i <= last_i * kTileSide && !cancelled; i += kTileSide) {
+    for (int32_t i = first_i * kTileSide; i <= last_i * kTileSide && !stop.Stopped(); i += kTileSide) {
       for (int32_t j = first_j * kTileSide; j <= last_j * kTileSide; j += kTileSide) {
         const IndexBox line{{i, j, (low_k >> kSubvoxelBits) - 1}, {i + 1, j + 1, (high_k >> kSubvoxelBits) + 3}};
         ForEachEdge(triangle, 2, line, [&](const Vec3i& ijk) { crossings_[{i, j}].push_back(ijk[2]); });
       }
     }
   }
-  for (auto& [line, after] : crossings_) Sort(after, cancelled);
+  for (auto& [line, after] : crossings_) Sort(after, stop);
 }
 
 bool CornerLines::IsInside(const Vec3i& tile_min) const {
@@ -71,7 +71,7 @@ bool CornerLines::IsInside(const Vec3i& tile_min) const {
 // Along i from the corner, from these points along j, and from those along k. Edges that lead out of the tile are left
 // out by the shift in ParityBelow, as their lower end is the last voxel, or comes before the first.
 void FindInside(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Vec3i& tile_min, bool corner_inside,
-                const std::atomic<bool>& cancelled, TileMask& inside) {
+                StopSignal stop, TileMask& inside) {
   uint64_t along_i = 0;
   std::array<uint64_t, kTileSide> along_j{};
   inside.fill(0);
@@ -80,7 +80,7 @@ void FindInside(const SnappedMesh& mesh, std::span<const uint32_t> triangles, co
     if (at >= 0) bits ^= uint64_t{1} << at;
   };
   for (const uint32_t t : triangles) {
-    if (cancelled) return;
+    if (stop.Stopped()) return;
     const Triangle triangle = CornersOf(mesh, mesh.triangles[t]);
     ForEachEdge(triangle, 0, box({kTileSide, 1, 1}), [&](const Vec3i& ijk) { cross(ijk[0] - tile_min[0], along_i); });
     ForEachEdge(triangle, 1, box({kTileSide, kTileSide, 1}), [&](const Vec3i& ijk) {

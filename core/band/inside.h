@@ -8,13 +8,13 @@
 #define LATVOX_CORE_BAND_INSIDE_H_
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/stop_signal.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 
@@ -25,7 +25,7 @@ namespace latvox {
 class CornerLines {
  public:
   // Returns early, without meaning, once cancelled.
-  CornerLines(const SnappedMesh& mesh, const std::atomic<bool>& cancelled);
+  CornerLines(const SnappedMesh& mesh, StopSignal stop);
 
   // Whether a tile's low corner lies inside; tile_min is local.
   bool IsInside(const Vec3i& tile_min) const;
@@ -42,7 +42,7 @@ using TileMask = std::array<uint64_t, size_t{kTileSide} * kTileSide>;
 //   corner_inside   whether the tile's low corner is
 //   triangles       all that meet the tile; more do no harm
 void FindInside(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Vec3i& tile_min, bool corner_inside,
-                const std::atomic<bool>& cancelled, TileMask& inside);
+                StopSignal stop, TileMask& inside);
 
 }  // namespace latvox
 

@@ -8,16 +8,15 @@ namespace latvox {
 namespace {
 
 std::optional<AttributeContext> MakeContext(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried,
-                                            const std::atomic<bool>& cancelled) {
+                                            StopSignal stop) {
   if (!carried) return std::nullopt;
-  return AttributeContext{mesh, *std::move(carried), cancelled};
+  return AttributeContext{mesh, *std::move(carried), stop};
 }
 
 }  // namespace
 
-AttributeTiles::AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried,
-                               const std::atomic<bool>& cancelled)
-    : context_(MakeContext(mesh, std::move(carried), cancelled)) {}
+AttributeTiles::AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, StopSignal stop)
+    : context_(MakeContext(mesh, std::move(carried), stop)) {}
 
 Vec3i AttributeTiles::AtLeastReach(Vec3i margin) const {
   if (!context_) return margin;

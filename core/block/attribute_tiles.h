@@ -2,13 +2,13 @@
 #ifndef LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_
 #define LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "core/attributes/attribute_scan.h"
 #include "core/attributes/plan.h"
+#include "core/base/stop_signal.h"
 #include "core/block/scan_pool.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
@@ -20,7 +20,7 @@ class AttributeTiles {
  public:
   //   carried   nullopt: none
   // The other two must outlive it.
-  AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, const std::atomic<bool>& cancelled);
+  AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, StopSignal stop);
 
   bool wanted() const { return context_.has_value(); }
 

@@ -19,19 +19,19 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 
 // A closed mesh is balanced on every line; of one that is not, all lines are looked at.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
-                                                             const IndexBox& region, const std::atomic<bool>& cancelled,
+                                                             const IndexBox& region, StopSignal stop,
                                                              uint64_t& unbalanced_lines) {
   const bool parity = solid.rule == InteriorRule::kParity;
-  const bool has_inside = parity ? closed : IsOriented(mesh, cancelled);
-  unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, solid.rule, cancelled);
-  if (!has_inside && !solid.force_open && !cancelled) {
+  const bool has_inside = parity ? closed : IsOriented(mesh, stop);
+  unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, solid.rule, stop);
+  if (!has_inside && !solid.force_open && !stop.Stopped()) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "mesh: it is not closed%s, and %d lattice lines along k end unbalanced; force_open fills the others",
         closed ? " with one orientation, as the rule winding asks" : "", unbalanced_lines));
   }
-  std::unique_ptr<const Interior> interior = has_inside ? MakeClosedInterior(mesh, solid.rule, region, cancelled)
-                                                        : MakeOpenInterior(mesh, solid.rule, region, cancelled);
-  if (cancelled) return absl::CancelledError("voxelization cancelled");
+  std::unique_ptr<const Interior> interior = has_inside ? MakeClosedInterior(mesh, solid.rule, region, stop)
+                                                        : MakeOpenInterior(mesh, solid.rule, region, stop);
+  if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
   return interior;
 }
 
@@ -44,12 +44,12 @@ bool HasAxes(const std::vector<Frame>& frames) {
 SolidTiles::SolidTiles() : bits_(LayoutOf({}).Words()) {}
 
 // Each tile gets the triangles whose bounding boxes meet the box around its lattice points.
-void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, const std::atomic<bool>& cancelled) {
+void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop) {
   constexpr int kTileUnitBits = kSubvoxelBits + kTileBits;
   triangles_.resize(size_t{1} << 3 * node.level);
   for (std::vector<uint32_t>& list : triangles_) list.clear();
   for (const uint32_t t : node.triangles) {
-    if (cancelled) return;
+    if (stop.Stopped()) return;
     const auto& [a, b, c] = mesh.triangles[t];
     const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
     Vec3i first, last;

@@ -2,12 +2,12 @@
 #ifndef LATVOX_CORE_BLOCK_SOLID_TILES_H_
 #define LATVOX_CORE_BLOCK_SOLID_TILES_H_
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/stop_signal.h"
 #include "core/block/tile_scan.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
@@ -23,7 +23,7 @@ namespace latvox {
 //   region   local voxels, of which the interior is wanted
 // Errors: INVALID_ARGUMENT if the mesh has no inside and solid.force_open is not set; CANCELLED.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
-                                                             const IndexBox& region, const std::atomic<bool>& cancelled,
+                                                             const IndexBox& region, StopSignal stop,
                                                              uint64_t& unbalanced_lines);
 
 // Whether the frames include those along the three axes of lattice coordinates: then triangles that touch no line along
@@ -36,7 +36,7 @@ class SolidTiles {
   SolidTiles();
 
   // Begins a node.
-  void Sort(const SnappedMesh& mesh, const TileNode& node, const std::atomic<bool>& cancelled);
+  void Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop);
 
   // The bricks of the node's tile of that number, in Morton order, as TileScan::CutOut has them.
   //   tile_ijk   where it is, local

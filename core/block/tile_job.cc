@@ -36,9 +36,9 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, const Inter
                    BlockScan& scan, std::vector<TileBricks>& tiles) {
   surface = surface && (!node.triangles.empty() || node.edges > 0);
   if (surface) FindSurface(context, node, scan.surface);
-  if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.cancelled);
+  if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.stop);
   const int32_t count = 1 << 3 * node.level;
-  for (int32_t n = 0; n < count && !context.cancelled; ++n) {
+  for (int32_t n = 0; n < count && !context.stop.Stopped(); ++n) {
     Vec3i step{};  // Morton order, i most significant
     for (int bit = 0; bit < node.level; ++bit) {
       for (size_t m = 0; m < 3; ++m) step[m] |= (n >> (3 * bit + 2 - static_cast<int>(m)) & 1) << bit;

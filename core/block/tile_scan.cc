@@ -59,7 +59,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
                  [&](uint32_t t) { return context.is_tiny[t] == 0; });
     triangles_ = others_;
   }
-  if (context.cancelled) return;
+  if (context.stop.Stopped()) return;
   rim_only_.clear();
   size_t end = 0;
   do {
@@ -68,7 +68,7 @@ void TileScan::Scan(const TileContext& context, const TileNode& node, int32_t ha
     Use(candidates_.nearer.view());
     surface_.SetAll(candidates_.nearer.view());
     AddRim(context);
-  } while (end < triangles_.size() && !context.cancelled);
+  } while (end < triangles_.size() && !context.stop.Stopped());
 }
 
 // Calls f(crossings) with all edges of tiny triangles from voxels of the box, batch by batch.
@@ -107,7 +107,7 @@ void TileScan::UsePlanes(const NumberRange& voxels) {
 void TileScan::CoverAll(const TileContext& context) {
   NumberRange used;
   for (const uint32_t t : triangles_) {
-    if (context.cancelled) break;
+    if (context.stop.Stopped()) break;
     const auto& [a, b, c] = context.mesh.triangles[t];
     const auto& v = context.mesh.vertices_lat;
     context.supercover->ForEachRun({v[a], v[b], v[c]}, box_, [&](const Vec3i& first, int32_t count) {
@@ -125,15 +125,15 @@ void TileScan::CoverAll(const TileContext& context) {
 size_t TileScan::Gather(const TileContext& context, size_t begin) {
   constexpr size_t kEnough = size_t{1} << 20;
   candidates_.Clear();
-  return begin + FindCandidates(context.mesh, triangles_.subspan(begin), context.frames, box_, layout_,
-                                context.cancelled, kEnough, candidates_);
+  return begin + FindCandidates(context.mesh, triangles_.subspan(begin), context.frames, box_, layout_, context.stop,
+                                kEnough, candidates_);
 }
 
 // Calls f() with the candidates of each part of the triangles at hand.
 template <class F>
 void TileScan::ForEachPart(const TileContext& context, F&& f) {
   if (!in_parts_) return f();
-  for (size_t end = 0; end < triangles_.size() && !context.cancelled;) {
+  for (size_t end = 0; end < triangles_.size() && !context.stop.Stopped();) {
     end = Gather(context, end);
     f();
   }
@@ -145,7 +145,7 @@ void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, boo
   constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
   StarEdges stars[kBatch];
   VoxelTriangle batch[kBatch];
-  for (size_t n = 0; n < pairs_.size() && !context.cancelled;) {
+  for (size_t n = 0; n < pairs_.size() && !context.stop.Stopped();) {
     size_t size = 0;
     for (; n < pairs_.size() && size < kBatch; ++n) {
       batch[size] = pairs_[n];
@@ -159,7 +159,7 @@ void TileScan::ForEachStar(const TileContext& context, const TileBits& bits, boo
 // Most candidates of a triangle's rim are voxels that its neighbours have set.
 void TileScan::AddRim(const TileContext& context) {
   pairs_.clear();
-  if (context.cancelled) return;
+  if (context.stop.Stopped()) return;
   surface_.Find(candidates_.rim.view(), false, positions_);
   AppendPairs(candidates_, candidates_.rim, positions_, &Candidates::Run::rim_end, pairs_);
   added_.clear();
@@ -218,7 +218,7 @@ void TileScan::FindRest(const TileContext& context) {
     inner_.nearer.Keep(positions_.view());
     inner_.farther.Keep(positions_.view());
   }
-  if (context.cancelled) return;
+  if (context.stop.Stopped()) return;
   const IndexBox complete = Shrunk(box_, context.reach);
   const auto add = [&](uint32_t voxel) {
     if ((any_tiny && essential_.Test(voxel)) || rest_.Test(voxel) || !complete.Contains(layout_.VoxelAt(voxel))) return;
@@ -323,7 +323,7 @@ void TileScan::AskPairs(const TileContext& context) {
 void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> members) {
   const IndexBox complete = Shrunk(box_, context.reach);
   for (const uint32_t voxel : members) {
-    if (context.cancelled) return;
+    if (context.stop.Stopped()) return;
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(layout_.StepOf(scan.frame.q));
       for (const uint32_t neighbour : {voxel + step, voxel - step}) {
@@ -345,17 +345,17 @@ void TileScan::AddBorder(const TileContext& context, std::span<const uint32_t> m
 // Of what FindRest leaves, the triangles at hand decide. What lies beyond the border matters seldom.
 bool TileScan::Thin(const TileContext& context) {
   // Where many triangles meet in few voxels, each of these takes a while.
-  if (!context.cancelled) FindRest(context);
-  if (!context.cancelled) AskRest(context);
-  if (context.cancelled) return true;
+  if (!context.stop.Stopped()) FindRest(context);
+  if (!context.stop.Stopped()) AskRest(context);
+  if (context.stop.Stopped()) return true;
   std::vector<uint32_t> doubtful;
   std::copy_if(maybe_.begin(), maybe_.end(), std::back_inserter(doubtful), [&](uint32_t n) { return rest_.Test(n); });
   const IndexBox known = Shrunk(box_, context.reach * 2);
-  bool decided = latvox::Thin(layout_, doubtful, rest_, edges_, known, block_, surface_, context.cancelled);
+  bool decided = latvox::Thin(layout_, doubtful, rest_, edges_, known, block_, surface_, context.stop);
   if (!decided) {
     AddBorder(context, doubtful);
     AskRest(context);
-    decided = latvox::Thin(layout_, doubtful, rest_, edges_, box_, block_, surface_, context.cancelled);
+    decided = latvox::Thin(layout_, doubtful, rest_, edges_, box_, block_, surface_, context.stop);
   }
   for (const uint32_t voxel : maybe_) rest_.Clear(voxel);
   return decided;

@@ -3,11 +3,11 @@
 #define LATVOX_CORE_BLOCK_TILE_SCAN_H_
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/digitize/principal_scan.h"
 #include "core/scan/candidates.h"
@@ -36,7 +36,7 @@ struct TileContext {
   // Which triangles these are, if nodes list them, too, else empty.
   const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered
-  const std::atomic<bool>& cancelled;
+  StopSignal stop;
 
   // How far, per axis, triangles may lie outside of a tile and still matter to it, in voxels: at first, and at all.
   Vec3i NearMargin() const { return reach * (minimal ? kNearHalo + 1 : 1); }

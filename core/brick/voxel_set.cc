@@ -36,9 +36,9 @@ void VoxelSet::Add(const Brick& brick) {
   size_ += CountVoxels(mask);
 }
 
-void VoxelSet::Add(const VoxelSet& other, const std::atomic<bool>& cancelled) {
+void VoxelSet::Add(const VoxelSet& other, StopSignal stop) {
   for (const auto& [brick_ijk, index] : other.index_) {
-    if (cancelled) return;
+    if (stop.Stopped()) return;
     Add({brick_ijk, other.masks_[index]});
   }
 }
@@ -58,13 +58,13 @@ std::optional<uint64_t> VoxelSet::Find(const Vec3i& ijk) const {
   return uint64_t{entry->second} << 9 | place.bit;
 }
 
-std::vector<Brick> VoxelSet::Bricks(const std::atomic<bool>& cancelled) const {
+std::vector<Brick> VoxelSet::Bricks(StopSignal stop) const {
   std::vector<std::pair<Vec3i, uint32_t>> places(index_.begin(), index_.end());
-  Sort(places, cancelled);
+  Sort(places, stop);
   std::vector<Brick> bricks;
   bricks.reserve(places.size());
   for (const auto& [brick_ijk, index] : places) {
-    if (cancelled) break;
+    if (stop.Stopped()) break;
     bricks.push_back({brick_ijk, masks_[index]});
   }
   return bricks;

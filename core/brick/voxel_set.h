@@ -2,14 +2,13 @@
 #ifndef LATVOX_CORE_BRICK_VOXEL_SET_H_
 #define LATVOX_CORE_BRICK_VOXEL_SET_H_
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <tuple>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 
 namespace latvox {
@@ -18,7 +17,7 @@ namespace latvox {
 class VoxelSet {
  public:
   void Add(const Brick& brick);
-  void Add(const VoxelSet& other, const std::atomic<bool>& cancelled = kNeverCancelled);
+  void Add(const VoxelSet& other, StopSignal stop = {});
   void Insert(const Vec3i& ijk);
 
   bool Contains(const Vec3i& ijk) const { return Find(ijk).has_value(); }
@@ -29,7 +28,7 @@ class VoxelSet {
   size_t words() const { return masks_.size() * std::tuple_size_v<BrickMask>; }
 
   // All bricks, in lexicographic order of brick_ijk, whatever order they were added in.
-  std::vector<Brick> Bricks(const std::atomic<bool>& cancelled = kNeverCancelled) const;
+  std::vector<Brick> Bricks(StopSignal stop = {}) const;
 
  private:
   BrickMask& MaskOf(const Vec3i& brick_ijk);

@@ -15,11 +15,10 @@
 #define LATVOX_CORE_DIGITIZE_CROSSING_H_
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <utility>
 
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/base/vec.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
@@ -105,7 +104,7 @@ inline Span RangeOver(const IndexBox& box, const Vec3i& row) {
 // cancelled.
 template <class Emit>
 void ForEachCrossing(const Triangle& triangle, const Frame& frame, const IndexBox& box, Emit&& emit,
-                     const std::atomic<bool>& cancelled = kNeverCancelled) {
+                     StopSignal stop = {}) {
   using namespace crossing_internal;
   std::array<Vec3l, 3> v;
   for (size_t n = 0; n < 3; ++n) v[n] = {triangle[n][0], triangle[n][1], triangle[n][2]};
@@ -146,7 +145,7 @@ void ForEachCrossing(const Triangle& triangle, const Frame& frame, const IndexBo
   const int64_t denominator = along * kLatticeUnit;
   const Division step = FloorDivision(-Wide{n_a} * kLatticeUnit, denominator);
 
-  for (int64_t row = b.first; row <= b.last && !cancelled; ++row) {
+  for (int64_t row = b.first; row <= b.last && !stop.Stopped(); ++row) {
     Span span = a;
     for (const ProjectedEdge& edge : edges) edge.Clip(row, span);
     if (span.first > span.last) continue;

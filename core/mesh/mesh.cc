@@ -59,16 +59,16 @@ absl::Status Complain(const TriangleMesh& mesh) {
 
 }  // namespace
 
-absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
+absl::Status Validate(const TriangleMesh& mesh, StopSignal stop) {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // vertices or triangles a task
   std::atomic<bool> valid = true;
   oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
-    if (!cancelled && !AreFinite({&mesh.vertices[part.begin()], part.size()})) valid = false;
+    if (!stop.Stopped() && !AreFinite({&mesh.vertices[part.begin()], part.size()})) valid = false;
   });
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
-    if (!cancelled && !AreBelow(mesh.vertices.size(), {&mesh.triangles[part.begin()], part.size()})) valid = false;
+    if (!stop.Stopped() && !AreBelow(mesh.vertices.size(), {&mesh.triangles[part.begin()], part.size()})) valid = false;
   });
   return valid ? absl::OkStatus() : Complain(mesh);
 }

@@ -3,12 +3,11 @@
 #define LATVOX_CORE_MESH_MESH_H_
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/base/uninitialized.h"
 #include "core/base/vec.h"
 
@@ -30,7 +29,7 @@ struct Bounds {
 
 // INVALID_ARGUMENT, naming the element, for a mesh without triangles, an index out of range or a vertex that is not
 // finite.
-absl::Status Validate(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
+absl::Status Validate(const TriangleMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox
 

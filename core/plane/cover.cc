@@ -25,17 +25,17 @@ uint32_t IndexOf(const std::vector<Vec2i>& pixels, const Vec2i& ij) {
 
 // By pixel. Edges without an end in the set are counted instead.
 std::vector<Incidence> IncidencesOf(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
-                                    uint64_t& uncovered, const std::atomic<bool>& cancelled) {
+                                    uint64_t& uncovered, StopSignal stop) {
   std::vector<Incidence> incidences;
   uncovered = 0;
   for (const PlaneEdge& edge : edges) {
-    if (cancelled) break;
+    if (stop.Stopped()) break;
     const uint32_t low = IndexOf(pixels, edge.low), high = IndexOf(pixels, edge.high);
     if (low != kOutside) incidences.push_back({low, high});
     if (high != kOutside) incidences.push_back({high, low});
     if (low == kOutside && high == kOutside) ++uncovered;
   }
-  Sort(incidences, cancelled);
+  Sort(incidences, stop);
   return incidences;
 }
 
@@ -55,12 +55,12 @@ void ForEachPixel(const std::vector<Incidence>& incidences, const std::vector<bo
 }  // namespace
 
 PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames,
-                             const std::atomic<bool>& cancelled) {
+                             StopSignal stop) {
   PlaneCrossings crossings;
   // Memory follows the distinct crossings, not the segments: duplicates leave before the lists double.
   size_t limit = 1 << 20;
   for (const Segment& segment : segments) {
-    if (cancelled) return {};
+    if (stop.Stopped()) return {};
     for (const PlaneFrame& frame : frames) {
       ForEachCrossing(segment, frame, [&](const Vec2i& nearer, const Vec2i& farther) {
         crossings.edges.push_back({std::min(nearer, farther), std::max(nearer, farther)});
@@ -68,20 +68,20 @@ PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::ve
       });
     }
     if (crossings.edges.size() < limit) continue;
-    SortUnique(crossings.edges, cancelled);
-    SortUnique(crossings.nearer, cancelled);
+    SortUnique(crossings.edges, stop);
+    SortUnique(crossings.nearer, stop);
     limit = std::max(limit, 2 * crossings.edges.size());
   }
-  SortUnique(crossings.edges, cancelled);
-  SortUnique(crossings.nearer, cancelled);
+  SortUnique(crossings.edges, stop);
+  SortUnique(crossings.nearer, stop);
   return crossings;
 }
 
-void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, const std::atomic<bool>& cancelled) {
+void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, StopSignal stop) {
   uint64_t uncovered;
-  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, uncovered, cancelled);
+  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, uncovered, stop);
   std::vector<bool> member(pixels.size(), true);
-  for (int32_t parity = 0; parity < 4 && !cancelled; ++parity) {
+  for (int32_t parity = 0; parity < 4 && !stop.Stopped(); ++parity) {
     ForEachPixel(incidences, member, [&](uint32_t pixel, bool essential) {
       const Vec2i& ij = pixels[pixel];
       if (((ij[0] & 1) << 1 | (ij[1] & 1)) == parity && !essential) member[pixel] = false;
@@ -94,10 +94,9 @@ void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, const
   pixels.resize(kept);
 }
 
-PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
-                   const std::atomic<bool>& cancelled) {
+PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels, StopSignal stop) {
   PlaneVerdict verdict;
-  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, verdict.tunnels, cancelled);
+  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, verdict.tunnels, stop);
   ForEachPixel(incidences, std::vector<bool>(pixels.size(), true), [&](uint32_t, bool essential) {
     if (!essential) ++verdict.redundant;
   });

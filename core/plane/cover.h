@@ -5,12 +5,11 @@
 #ifndef LATVOX_CORE_PLANE_COVER_H_
 #define LATVOX_CORE_PLANE_COVER_H_
 
-#include <atomic>
 #include <compare>
 #include <cstdint>
 #include <vector>
 
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/plane/lattice2.h"
 #include "core/plane/polyline.h"
 
@@ -29,15 +28,14 @@ struct PlaneCrossings {
 
 // Crossings of all segments with the lattice edges along all frames, in local pixels.
 PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames,
-                             const std::atomic<bool>& cancelled = kNeverCancelled);
+                             StopSignal stop = {});
 
 // For each of the four parity classes (i&1)<<1 | (j&1) in ascending order, removes every pixel of the class whose
 // crossed edges all have their other end in the set. No two pixels of a class are neighbours, so the order within a
 // class does not matter; a pixel that its pass keeps stays essential, since the set only shrinks. What is left covers
 // every edge that was covered, and has no redundant pixel.
 //   edges, pixels   sorted, without duplicates
-void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels,
-          const std::atomic<bool>& cancelled = kNeverCancelled);
+void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, StopSignal stop = {});
 
 struct PlaneVerdict {
   uint64_t tunnels = 0;    // crossed edges without an end in the set
@@ -45,8 +43,7 @@ struct PlaneVerdict {
 };
 
 // Any set of pixels against the crossed edges; both sorted, without duplicates.
-PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
-                   const std::atomic<bool>& cancelled = kNeverCancelled);
+PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels, StopSignal stop = {});
 
 }  // namespace latvox
 

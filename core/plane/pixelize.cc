@@ -24,15 +24,14 @@ absl::Status CheckBruteForceCost(const std::vector<Segment>& segments, const Pla
 
 // Not thinned. Precondition: the points are pixels if the algorithm wants that.
 std::vector<Vec2i> Digitize(const std::vector<Segment>& segments, const PlaneLattice& lattice,
-                            const PixelizeOptions& options, const std::atomic<bool>& cancelled,
-                            std::vector<Vec2i> nearer) {
+                            const PixelizeOptions& options, StopSignal stop, std::vector<Vec2i> nearer) {
   switch (options.algorithm) {
     case LineAlgorithm::kBruteForce:
-      return BruteForceLines(segments, lattice, options.separability, cancelled);
+      return BruteForceLines(segments, lattice, options.separability, stop);
     case LineAlgorithm::kIncremental:
-      return IncrementalLines(segments, lattice, options.separability, cancelled);
+      return IncrementalLines(segments, lattice, options.separability, stop);
     case LineAlgorithm::kIbanez:
-      return IbanezLines(segments, lattice, options.separability, cancelled);
+      return IbanezLines(segments, lattice, options.separability, stop);
     case LineAlgorithm::kCrossing:
       break;
   }
@@ -73,7 +72,7 @@ absl::StatusOr<PlaneGrid> ResolvePlaneGrid(const PlaneLattice& lattice, const Pl
 }
 
 absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, const PlaneGrid& grid,
-                                        const PixelizeOptions& options, const std::atomic<bool>& cancelled) {
+                                        const PixelizeOptions& options, StopSignal stop) {
   const int k = options.separability;
   if (k < 0 || k > 1) return OutOfRange("separability", k, "0 or 1");
   if (auto status = Validate(polylines); !status.ok()) return status;
@@ -87,12 +86,12 @@ absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, 
     if (auto status = CheckBruteForceCost(segments, grid.lattice, k); !status.ok()) return status;
   }
 
-  PlaneCrossings crossings = FindCrossings(segments, grid.lattice.frames(k), cancelled);
+  PlaneCrossings crossings = FindCrossings(segments, grid.lattice.frames(k), stop);
   PixelizeResult result;
-  result.pixels = Digitize(segments, grid.lattice, options, cancelled, std::move(crossings.nearer));
-  if (options.minimal) Thin(crossings.edges, result.pixels, cancelled);
-  const PlaneVerdict verdict = Judge(crossings.edges, result.pixels, cancelled);
-  if (cancelled) return absl::CancelledError("pixelization cancelled");
+  result.pixels = Digitize(segments, grid.lattice, options, stop, std::move(crossings.nearer));
+  if (options.minimal) Thin(crossings.edges, result.pixels, stop);
+  const PlaneVerdict verdict = Judge(crossings.edges, result.pixels, stop);
+  if (stop.Stopped()) return absl::CancelledError("pixelization cancelled");
   result.crossed_edges = crossings.edges.size();
   result.tunnels = verdict.tunnels;
   result.redundant = verdict.redundant;

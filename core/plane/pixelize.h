@@ -2,13 +2,12 @@
 #ifndef LATVOX_CORE_PLANE_PIXELIZE_H_
 #define LATVOX_CORE_PLANE_PIXELIZE_H_
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/plane/lattice2.h"
 #include "core/plane/polyline.h"
 
@@ -65,8 +64,7 @@ struct PixelizeResult {
 // algorithm (its cost). Also CANCELLED, soon, once that is set.
 // Memory: in proportion to the crossed edges, and to the pixels before thinning.
 absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, const PlaneGrid& grid,
-                                        const PixelizeOptions& options,
-                                        const std::atomic<bool>& cancelled = kNeverCancelled);
+                                        const PixelizeOptions& options, StopSignal stop = {});
 
 }  // namespace latvox
 

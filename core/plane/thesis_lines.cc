@@ -81,8 +81,8 @@ PixelBox BoxAround(const Segment& segment, const PlaneLattice& lattice, double r
   return box;
 }
 
-void BruteForceLine(const Segment& segment, const PlaneLattice& lattice, int k, double r,
-                    const std::atomic<bool>& cancelled, std::vector<Vec2i>& pixels) {
+void BruteForceLine(const Segment& segment, const PlaneLattice& lattice, int k, double r, StopSignal stop,
+                    std::vector<Vec2i>& pixels) {
   const Vec2l a = Wide(segment.a_lat), b = Wide(segment.b_lat), normal = NormalOf(segment);
   int64_t twice_t = 0;  // of the integer normal, in units of 1/kLatticeUnit
   for (const PlaneFrame& frame : lattice.frames(k)) {
@@ -91,7 +91,7 @@ void BruteForceLine(const Segment& segment, const PlaneLattice& lattice, int k, 
   const Vec2d along = ToWorld(lattice, b - a, kLatticeUnit);
   const double r2 = r * r * kTie, length2 = Dot(along, along);
   const PixelBox box = BoxAround(segment, lattice, r);
-  for (int64_t i = box.min[0]; i <= box.max[0] && !cancelled; ++i) {
+  for (int64_t i = box.min[0]; i <= box.max[0] && !stop.Stopped(); ++i) {
     for (int64_t j = box.min[1]; j <= box.max[1]; ++j) {
       const Vec2l z{i * kLatticeUnit, j * kLatticeUnit};
       const Vec2d from_a = ToWorld(lattice, z - a, kLatticeUnit), from_b = ToWorld(lattice, z - b, kLatticeUnit);
@@ -145,11 +145,11 @@ std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const P
 }
 
 std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
-                                   const std::atomic<bool>& cancelled) {
+                                   StopSignal stop) {
   const double r = LargestInterfaceDistance(lattice, k);
   std::vector<Vec2i> pixels;
-  for (const Segment& segment : segments) BruteForceLine(segment, lattice, k, r, cancelled, pixels);
-  SortUnique(pixels, cancelled);
+  for (const Segment& segment : segments) BruteForceLine(segment, lattice, k, r, stop, pixels);
+  SortUnique(pixels, stop);
   return pixels;
 }
 
@@ -165,10 +165,10 @@ uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice
 }
 
 std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
-                                    const std::atomic<bool>& cancelled) {
+                                    StopSignal stop) {
   std::vector<Vec2i> pixels;
   for (const Segment& segment : segments) {
-    if (cancelled) return {};
+    if (stop.Stopped()) return {};
     if (segment.a_lat == segment.b_lat) {
       pixels.push_back(ToPixel(segment.a_lat));
       continue;
@@ -179,7 +179,7 @@ std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const 
     LineWalk walk(framed, frame, first);
     for (int64_t a = first; a <= last; ++a, walk.Next()) pixels.push_back(walk.nearer());
   }
-  SortUnique(pixels, cancelled);
+  SortUnique(pixels, stop);
   return pixels;
 }
 
@@ -205,14 +205,14 @@ std::vector<Vec2i> IbanezLine(const Vec2i& from, const Vec2i& to, const PlaneLat
 }
 
 std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
-                               const std::atomic<bool>& cancelled) {
+                               StopSignal stop) {
   std::vector<Vec2i> pixels;
   for (const Segment& segment : segments) {
-    if (cancelled) return {};
+    if (stop.Stopped()) return {};
     const std::vector<Vec2i> line = IbanezLine(ToPixel(segment.a_lat), ToPixel(segment.b_lat), lattice, k);
     pixels.insert(pixels.end(), line.begin(), line.end());
   }
-  SortUnique(pixels, cancelled);
+  SortUnique(pixels, stop);
   return pixels;
 }
 

@@ -4,11 +4,10 @@
 #ifndef LATVOX_CORE_PLANE_THESIS_LINES_H_
 #define LATVOX_CORE_PLANE_THESIS_LINES_H_
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/plane/lattice2.h"
 #include "core/plane/polyline.h"
 
@@ -26,7 +25,7 @@ std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const P
 // pixel's foot lies between the ends is decided in doubles, where an error cannot matter: within t <= R of an end it is
 // in the disc.
 std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
-                                   const std::atomic<bool>& cancelled = kNeverCancelled);
+                                   StopSignal stop = {});
 
 // The number of pixels that BruteForceLines will test.
 uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
@@ -40,14 +39,14 @@ uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice
 //       edge's middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer.
 // Precondition: both ends of every segment are pixels (RoundToPixels).
 std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
-                                    const std::atomic<bool>& cancelled = kNeverCancelled);
+                                    StopSignal stop = {});
 
 // The line of Ibanez, Hamitouche and Roux (section 4.6, reference 26): from one end to the other by steps between
 // (1-k)-neighbours, each time the one of two that stays nearer to the segment; Bresenham's octant is the cone between
 // the two steps. In the plane a curve of (1-k)-steps is what k-steps cannot pass, and the set is IncrementalLines'.
 // Precondition: as IncrementalLines.
 std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
-                               const std::atomic<bool>& cancelled = kNeverCancelled);
+                               StopSignal stop = {});
 
 // One such line, in order from one pixel to the other, both included.
 std::vector<Vec2i> IbanezLine(const Vec2i& from, const Vec2i& to, const PlaneLattice& lattice, int k);

@@ -25,10 +25,9 @@ namespace {
 
 // One triangle and line at a time: what the lanes below are tested against.
 size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                  const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, size_t enough,
-                  Candidates& out) {
+                  const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
   size_t n = 0;
-  for (; n < triangles.size() && out.size() < enough && !cancelled; ++n) {
+  for (; n < triangles.size() && out.size() < enough && !stop.Stopped(); ++n) {
     const uint32_t t = triangles[n];
     const auto& [v0, v1, v2] = mesh.triangles[t];
     const OrientedTriangle triangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]});
@@ -59,9 +58,8 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                   const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, size_t enough,
-                   Candidates& out) {
-  return FindScalar(mesh, triangles, frames, box, layout, cancelled, enough, out);
+                   const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
+  return FindScalar(mesh, triangles, frames, box, layout, stop, enough, out);
 }
 #else
 
@@ -247,8 +245,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
 }
 
 size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
-                   const IndexBox& box, const BitsLayout& layout, const std::atomic<bool>& cancelled, size_t enough,
-                   Candidates& out) {
+                   const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
   const Target target{box.max - box.min, layout, static_cast<int32_t>(layout.NumberOf(box.min))};
   const Vec3i low = box.min * kLatticeUnit;
   const Scan scan{mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), low,
@@ -258,7 +255,7 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
   constexpr size_t kForBoxes = 8;  // candidates of a triangle, for which boxes may pay
   bool boxes_too = *std::max_element(target.size.begin(), target.size.end()) <= TriangleBoxes::kMostSide;
   size_t done = 0;
-  for (size_t window = 0; done < triangles.size() && out.size() < enough && !cancelled; ++window) {
+  for (size_t window = 0; done < triangles.size() && out.size() < enough && !stop.Stopped(); ++window) {
     // Each has up to some 50,000 candidates, or hardly any.
     const size_t step = std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kFewest, LinesOrder::kMost) /
                         kTriangleLanes * kTriangleLanes;
@@ -266,7 +263,7 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
     auto some = left.first(std::min(step, left.size()));
     const bool sort = (order.pays() || window % kTryAgain == 0) && some.size() > kTriangleLanes;
     if (sort) some = order.Sort(scan, left, some.size());
-    for (size_t n = 0; n < some.size() && !cancelled; n += kTriangleLanes) {
+    for (size_t n = 0; n < some.size() && !stop.Stopped(); n += kTriangleLanes) {
       if (!sort) PrefetchCorners(mesh, left.subspan(n));
       const auto lanes = some.subspan(n, std::min(kTriangleLanes, some.size() - n));
       ScanSome(scan, lanes, boxes_too, out);
@@ -297,9 +294,9 @@ HWY_EXPORT(FindInLanes);
 
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
-                      const std::atomic<bool>& cancelled, size_t enough, Candidates& candidates) {
-  if (SimdIsScalar()) return FindScalar(mesh, triangles, frames, box, layout, cancelled, enough, candidates);
-  return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, cancelled, enough, candidates);
+                      StopSignal stop, size_t enough, Candidates& candidates) {
+  if (SimdIsScalar()) return FindScalar(mesh, triangles, frames, box, layout, stop, enough, candidates);
+  return HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, triangles, frames, box, layout, stop, enough, candidates);
 }
 
 }  // namespace latvox

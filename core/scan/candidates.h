@@ -16,12 +16,12 @@
 #ifndef LATVOX_CORE_SCAN_CANDIDATES_H_
 #define LATVOX_CORE_SCAN_CANDIDATES_H_
 
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/base/bytes_of.h"
+#include "core/base/stop_signal.h"
 #include "core/digitize/principal_scan.h"
 #include "core/scan/triangle_boxes.h"
 #include "core/snap/snap.h"
@@ -76,7 +76,7 @@ struct Candidates {
 // early, and what it returns means nothing.
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
-                      const std::atomic<bool>& cancelled, size_t enough, Candidates& candidates);
+                      StopSignal stop, size_t enough, Candidates& candidates);
 
 }  // namespace latvox
 

@@ -22,10 +22,10 @@ using Part = oneapi::tbb::blocked_range<size_t>;
 constexpr size_t kGrain = 4096;  // vertices or triangles a task
 
 // 1 for each vertex that a triangle uses, else 0.
-std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
+std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, StopSignal stop) {
   std::vector<uint8_t> used(mesh.vertices.size());
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
-    if (cancelled) return;
+    if (stop.Stopped()) return;
     // Bytes may alias anything, pointers to them included; hence the copies. And they are not read first: whether a
     // mark is set already is hard to predict.
     uint8_t* const marks = used.data();
@@ -41,11 +41,10 @@ std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, const std::atomic<bo
 class BlockRanges {
  public:
   // Of the vertices that `used` marks; of all if it is empty. Keeps references to the mesh and the map.
-  BlockRanges(const TriangleMesh& mesh, const LatticeMap& map, const std::vector<uint8_t>& used,
-              const std::atomic<bool>& cancelled)
+  BlockRanges(const TriangleMesh& mesh, const LatticeMap& map, const std::vector<uint8_t>& used, StopSignal stop)
       : mesh_(mesh), map_(map), ranges_((mesh.vertices.size() + kBlock - 1) / kBlock) {
     oneapi::tbb::parallel_for(Part(0, ranges_.size(), kGrain / kBlock), [&](const Part& part) {
-      for (size_t b = part.begin(); b < part.end() && !cancelled; ++b) ranges_[b] = RangeOfBlock(b * kBlock, used);
+      for (size_t b = part.begin(); b < part.end() && !stop.Stopped(); ++b) ranges_[b] = RangeOfBlock(b * kBlock, used);
     });
     for (const LatticeRange& range : ranges_) all_.Add(range);
   }
@@ -93,7 +92,7 @@ class BlockRanges {
 // Whether triangles are seen to use all of these vertices, by looking at as many triangles as the mesh has. Each vertex
 // is looked for where, in a sample, the nearest numbers are, and then farther and farther from there: most meshes
 // number vertices as their triangles come, at least in parts.
-bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, const std::atomic<bool>& cancelled) {
+bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, StopSignal stop) {
   constexpr size_t kMostSamples = 4096, kLeastGap = 256, kStep = 2048;
   const std::span triangles(mesh.triangles);
   struct Nearest {
@@ -118,7 +117,7 @@ bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, c
   size_t searched = 0;  // triangles
   const auto is_found_from = [&](size_t center, uint32_t vertex) {
     size_t below = center, above = center;  // what lies between has been searched
-    while ((below > 0 || above < triangles.size()) && searched <= triangles.size() && !cancelled) {
+    while ((below > 0 || above < triangles.size()) && searched <= triangles.size() && !stop.Stopped()) {
       const size_t lower = below - std::min(below, kStep), upper = std::min(above + kStep, triangles.size());
       if (is_used(lower, below, vertex) || is_used(above, upper, vertex)) return true;
       searched += (below - lower) + (upper - above);
@@ -137,22 +136,22 @@ bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, c
 
 // To mark used vertices takes a pass over all triangles, and is hardly ever needed: where used ones attain every
 // extreme, the others change nothing.
-LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled) {
-  const BlockRanges ranges(mesh, map, {}, cancelled);
-  if (cancelled) return {};
-  const auto of_used = [&] { return BlockRanges(mesh, map, UsedVertices(mesh, cancelled), cancelled).all(); };
+LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, StopSignal stop) {
+  const BlockRanges ranges(mesh, map, {}, stop);
+  if (stop.Stopped()) return {};
+  const auto of_used = [&] { return BlockRanges(mesh, map, UsedVertices(mesh, stop), stop).all(); };
   std::array<uint32_t, 6> extreme;
   for (size_t n = 0; n < 6; ++n) {
     const auto vertex = ranges.VertexAt(n < 3 ? &LatticeRange::min : &LatticeRange::max, n % 3);
     if (!vertex) return of_used();
     extreme[n] = *vertex;
   }
-  return AreSeenUsed(mesh, extreme, cancelled) ? ranges.all() : of_used();
+  return AreSeenUsed(mesh, extreme, stop) ? ranges.all() : of_used();
 }
 
-Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
+Bounds BoundsOf(const TriangleMesh& mesh, StopSignal stop) {
   const LatticeMap world{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}};
-  const LatticeRange range = RangeOf(mesh, world, cancelled);
+  const LatticeRange range = RangeOf(mesh, world, stop);
   return {range.min + Vec3d{}, range.max + Vec3d{}};  // no -0, which lanes may order otherwise than a scalar does
 }
 

@@ -2,9 +2,7 @@
 #ifndef LATVOX_CORE_SNAP_MESH_RANGE_H_
 #define LATVOX_CORE_SNAP_MESH_RANGE_H_
 
-#include <atomic>
-
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/mesh/mesh.h"
 #include "core/snap/lattice_map.h"
 
@@ -12,10 +10,10 @@ namespace latvox {
 
 // The range of the vertices that triangles use; once cancelled, it means nothing. Precondition: Validate(mesh), unless
 // cancelled.
-LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, const std::atomic<bool>& cancelled);
+LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, StopSignal stop);
 
 // The same in world coordinates.
-Bounds BoundsOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
+Bounds BoundsOf(const TriangleMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox
 

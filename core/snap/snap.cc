@@ -3,7 +3,6 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include <atomic>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -55,10 +54,10 @@ struct Rounding {
 };
 
 absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lattice, const Vec3d& origin,
-                                    const Vec3i& reach, const std::atomic<bool>& cancelled) {
+                                    const Vec3i& reach, StopSignal stop) {
   const LatticeMap map{lattice.inverse(), origin};
-  const LatticeRange range = RangeOf(mesh, map, cancelled);
-  if (cancelled) return absl::CancelledError("voxelization cancelled");
+  const LatticeRange range = RangeOf(mesh, map, stop);
+  if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
   if (auto status = CheckRange(range, lattice.voxel_size()); !status.ok()) return status;
   Rounding rounding{map, range, {}, {}};
   for (size_t m = 0; m < 3; ++m) {
@@ -76,9 +75,9 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
 
 // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
 //   out   may be where the vertices are
-void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out, const std::atomic<bool>& cancelled) {
+void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out, StopSignal stop) {
   oneapi::tbb::parallel_for(Part(0, vertices.size(), kGrain), [&](const Part& part) {
-    if (cancelled) return;
+    if (stop.Stopped()) return;
     RoundVertices(rounding.map, rounding.range, rounding.base_ijk, &vertices[part.begin()], part.size(),
                   out + part.begin());
   });
@@ -88,24 +87,24 @@ void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out
 
 // Vertices are rounded where they are: to get other memory for them takes longer than to round them.
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
-                                 const std::atomic<bool>& cancelled) {
+                                 StopSignal stop) {
   static_assert(sizeof(Vec3i) == sizeof(Vec3f));
   static_assert(alignof(Vec3i) == alignof(Vec3f));
-  auto rounding = RoundingOf(mesh, lattice, origin, reach, cancelled);
+  auto rounding = RoundingOf(mesh, lattice, origin, reach, stop);
   if (!rounding.ok()) return rounding.status();
   auto taken = std::make_shared<TriangleMesh>(std::move(mesh));
   auto* const out = reinterpret_cast<Vec3i*>(taken->vertices.data());
-  Round(*rounding, taken->vertices, out, cancelled);
+  Round(*rounding, taken->vertices, out, stop);
   return SnappedMesh{
       rounding->base_ijk, {taken, {out, taken->vertices.size()}}, {taken, taken->triangles}, rounding->box};
 }
 
 absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const Lattice& lattice, const Vec3d& origin,
-                                 const Vec3i& reach, const std::atomic<bool>& cancelled) {
-  auto rounding = RoundingOf(*mesh, lattice, origin, reach, cancelled);
+                                 const Vec3i& reach, StopSignal stop) {
+  auto rounding = RoundingOf(*mesh, lattice, origin, reach, stop);
   if (!rounding.ok()) return rounding.status();
   PaddedVector<Vec3i> vertices_lat(mesh->vertices.size());
-  Round(*rounding, mesh->vertices, vertices_lat.data(), cancelled);
+  Round(*rounding, mesh->vertices, vertices_lat.data(), stop);
   return SnappedMesh{rounding->base_ijk, std::move(vertices_lat), {mesh, mesh->triangles}, rounding->box};
 }
 

@@ -8,14 +8,13 @@
 #define LATVOX_CORE_SNAP_SNAP_H_
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/base/cancelled.h"
 #include "core/base/shared_array.h"
+#include "core/base/stop_signal.h"
 #include "core/base/uninitialized.h"
 #include "core/base/vec.h"
 #include "core/brick/brick.h"
@@ -68,9 +67,9 @@ inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: Validate(mesh).
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
-                                 const std::atomic<bool>& cancelled = kNeverCancelled);
+                                 StopSignal stop = {});
 absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const Lattice& lattice, const Vec3d& origin,
-                                 const Vec3i& reach, const std::atomic<bool>& cancelled = kNeverCancelled);
+                                 const Vec3i& reach, StopSignal stop = {});
 
 }  // namespace latvox
 

@@ -43,11 +43,10 @@ struct Square {
 
 class LineCount {
  public:
-  LineCount(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled)
-      : mesh_(mesh), rule_(rule), cancelled_(cancelled) {}
+  LineCount(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop) : mesh_(mesh), rule_(rule), stop_(stop) {}
 
   uint64_t Unbalanced(const Square& square, const std::vector<uint32_t>& triangles) const {
-    if (triangles.empty() || cancelled_) return 0;
+    if (triangles.empty() || stop_.Stopped()) return 0;
     if (square.level == 0) return CountLines(square, triangles);
     return oneapi::tbb::parallel_reduce(
         oneapi::tbb::blocked_range<int32_t>(0, 4), uint64_t{0},
@@ -77,7 +76,7 @@ class LineCount {
         const auto [low, high] = std::minmax({v[0][m], v[1][m], v[2][m]});
         return low <= span.last * kLatticeUnit && high >= span.first * kLatticeUnit;
       };
-      return !cancelled_ && meets(0, lines.a) && meets(1, lines.b);
+      return !stop_.Stopped() && meets(0, lines.a) && meets(1, lines.b);
     });
     return near;
   }
@@ -85,7 +84,7 @@ class LineCount {
   uint64_t CountLines(const Square& square, const std::vector<uint32_t>& triangles) const {
     std::array<int32_t, size_t{kTileSide} * kTileSide> sums{};
     for (const uint32_t t : triangles) {
-      if (cancelled_) return 0;
+      if (stop_.Stopped()) return 0;
       ForEachAxisCrossing<kSubvoxelBits>(TriangleAt(t), 2, square.Lines(),
                                          [&](int32_t a, int32_t b, int32_t, int32_t turn) {
                                            sums[static_cast<size_t>((a - square.a) * kTileSide + b - square.b)] += turn;
@@ -97,17 +96,17 @@ class LineCount {
 
   const SnappedMesh& mesh_;
   const InteriorRule rule_;
-  const std::atomic<bool>& cancelled_;
+  StopSignal stop_;
 };
 
 }  // namespace
 
-bool IsOriented(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
+bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
   constexpr size_t kGrain = 4096;  // triangles a task
   const EdgeSum sum = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
       [&](const Part& part, EdgeSum so_far) {
-        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
+        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
           const auto& [a, b, c] = mesh.triangles[t];
           const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
           AddEdge(va, vb, so_far);
@@ -122,13 +121,13 @@ bool IsOriented(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
   return sum == EdgeSum{};
 }
 
-uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, const std::atomic<bool>& cancelled) {
+uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop) {
   std::vector<uint32_t> triangles(mesh.triangles.size());
   std::iota(triangles.begin(), triangles.end(), 0);
   // Vertices lie above 0; the box reaches beyond them.
   int level = 0;
   while ((kTileSide << level) < std::max(mesh.box.max[0], mesh.box.max[1])) ++level;
-  return LineCount(mesh, rule, cancelled).Unbalanced({0, 0, level}, triangles);
+  return LineCount(mesh, rule, stop).Unbalanced({0, 0, level}, triangles);
 }
 
 }  // namespace latvox

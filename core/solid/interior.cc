@@ -31,12 +31,12 @@ Triangle TriangleAt(const SnappedMesh& mesh, uint32_t t) {
 
 class ClosedInterior : public Interior {
  public:
-  ClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region, const std::atomic<bool>& cancelled)
+  ClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region, StopSignal stop)
       : mesh_(mesh),
         rule_(rule),
-        cancelled_(cancelled),
+        stop_(stop),
         first_tile_(Shifted(region.min, kTileBits)),
-        corners_(FindLineCrossings<kCornerBits>(mesh, region, cancelled)) {
+        corners_(FindLineCrossings<kCornerBits>(mesh, region, stop)) {
     // Sums over whole lines are even, or 0 (of kWinding): none concerns the lines after it.
     sums_.reserve(corners_.size());
     int32_t sum = 0;
@@ -60,7 +60,7 @@ class ClosedInterior : public Interior {
     std::array<int32_t, kTileSide> along_i{};
     along_i[0] = at_corner;
     for (const uint32_t t : triangles) {
-      if (cancelled_) return;
+      if (stop_.Stopped()) return;
       Add(TriangleAt(mesh_, t), low, along_i, rows);
     }
     FinishStarts(along_i, rows);
@@ -151,7 +151,7 @@ class ClosedInterior : public Interior {
 
   const SnappedMesh& mesh_;
   const InteriorRule rule_;
-  const std::atomic<bool>& cancelled_;
+  StopSignal stop_;
   const Vec3i first_tile_;               // of the region
   const std::vector<uint64_t> corners_;  // of lines through the tiles' corners, in tiles
   std::vector<int32_t> sums_;            // up to each of them, included
@@ -159,8 +159,8 @@ class ClosedInterior : public Interior {
 
 class OpenInterior : public Interior {
  public:
-  OpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region, const std::atomic<bool>& cancelled)
-      : rule_(rule), crossings_(FindLineCrossings<kSubvoxelBits>(mesh, region, cancelled)) {}
+  OpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region, StopSignal stop)
+      : rule_(rule), crossings_(FindLineCrossings<kSubvoxelBits>(mesh, region, stop)) {}
 
   bool MayHold(const Vec3i& tile_ijk, int level) const override {
     const Vec3i low = tile_ijk * kTileSide;
@@ -213,13 +213,13 @@ class OpenInterior : public Interior {
 };
 
 std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
-                                             const std::atomic<bool>& cancelled) {
-  return std::make_unique<ClosedInterior>(mesh, rule, region, cancelled);
+                                             StopSignal stop) {
+  return std::make_unique<ClosedInterior>(mesh, rule, region, stop);
 }
 
 std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
-                                           const std::atomic<bool>& cancelled) {
-  return std::make_unique<OpenInterior>(mesh, rule, region, cancelled);
+                                           StopSignal stop) {
+  return std::make_unique<OpenInterior>(mesh, rule, region, stop);
 }
 
 }  // namespace latvox

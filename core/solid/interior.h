@@ -10,14 +10,13 @@
 #ifndef LATVOX_CORE_SOLID_INTERIOR_H_
 #define LATVOX_CORE_SOLID_INTERIOR_H_
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/bytes_of.h"
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
 #include "core/solid/solid.h"
@@ -55,16 +54,16 @@ class Interior {
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;
 };
 
-// Both keep references to the mesh and to `cancelled`. What they make, and what is found, means nothing once they are
+// Both keep a reference to the mesh, and the signal. What they make, and what is found, means nothing once they are
 // cancelled.
 //   region   local voxels: others are not asked for
 //
 // Precondition: the mesh is closed (kParity) or oriented (kWinding).
 std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
-                                             const std::atomic<bool>& cancelled = kNeverCancelled);
+                                             StopSignal stop = {});
 // Of any mesh. Memory: kBytesPerLineCrossing for each crossing of a line along k.
 std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
-                                           const std::atomic<bool>& cancelled = kNeverCancelled);
+                                           StopSignal stop = {});
 
 // Twice, as arrays grow, and once more, while they are gathered.
 inline constexpr uint64_t kBytesPerLineCrossing = 24;

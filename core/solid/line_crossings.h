@@ -6,12 +6,12 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/snap/snap.h"
 #include "core/solid/axis_crossing.h"
 
@@ -49,8 +49,7 @@ class LineCrossing {
 };
 
 // Joins the parts, ascending. By slabs, so that it ends soon once cancelled; then the result means nothing.
-inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_t>>&& parts,
-                                                 const std::atomic<bool>& cancelled) {
+inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_t>>&& parts, StopSignal stop) {
   // Where each slab's next crossing goes; in the end, where it ends.
   std::vector<size_t> next(LineCrossing::kSlabs + 1);
   for (const auto& part : parts) {
@@ -59,12 +58,12 @@ inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_
   std::partial_sum(next.begin(), next.end(), next.begin());
   std::vector<uint64_t> all(next.back());
   for (auto& part : parts) {
-    if (cancelled) return all;
+    if (stop.Stopped()) return all;
     for (const uint64_t crossing : part) all[next[LineCrossing::Slab(crossing)]++] = crossing;
     part = std::vector<uint64_t>();  // {} would keep its memory
   }
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, LineCrossing::kSlabs), [&](const auto& slabs) {
-    for (size_t n = slabs.begin(); n < slabs.end() && !cancelled; ++n) {
+    for (size_t n = slabs.begin(); n < slabs.end() && !stop.Stopped(); ++n) {
       std::sort(all.data() + (n == 0 ? 0 : next[n - 1]), all.data() + next[n]);
     }
   });
@@ -74,8 +73,7 @@ inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_
 // Those with the lines whose coordinates are multiples of 2^kUnitBits lattice units, of which there is one below or at
 // each voxel (local) of the region on i and j; ascending. Ends soon once cancelled; then the result means nothing.
 template <int kUnitBits>
-std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region,
-                                        const std::atomic<bool>& cancelled) {
+std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSignal stop) {
   constexpr size_t kChunk = 1 << 14;  // triangles a task
   constexpr int kVoxelBits = kUnitBits - kSubvoxelBits;
   const AxisLines lines{{region.min[0] >> kVoxelBits, (region.max[0] - 1) >> kVoxelBits},
@@ -90,7 +88,7 @@ std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox&
         const Triangle triangle{mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
         const auto [low, high] = std::minmax({triangle[0][1], triangle[1][1], triangle[2][1]});
         const int64_t last = std::min(int64_t{high >> kUnitBits}, lines.b.last);
-        for (int64_t j = std::max(int64_t{low >> kUnitBits}, lines.b.first); j <= last && !cancelled; j += kRows) {
+        for (int64_t j = std::max(int64_t{low >> kUnitBits}, lines.b.first); j <= last && !stop.Stopped(); j += kRows) {
           ForEachAxisCrossing<kUnitBits>(triangle, 2, {lines.a, {j, std::min(j + kRows - 1, last)}},
                                          [&](int32_t i, int32_t line_j, int32_t above, int32_t turn) {
                                            parts[n].push_back(LineCrossing::Make(i, line_j, above, turn));
@@ -99,7 +97,7 @@ std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox&
       }
     }
   });
-  return SortedLineCrossings(std::move(parts), cancelled);
+  return SortedLineCrossings(std::move(parts), stop);
 }
 
 }  // namespace latvox

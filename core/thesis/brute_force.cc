@@ -75,15 +75,14 @@ Range BoxAround(const std::array<Vec3d, 3>& v, const Vec3d& ball) {
 
 }  // namespace
 
-void BruteForceTriangle(const Triangle& triangle, const Neighborhood& neighborhood, const std::atomic<bool>& cancelled,
-                        EmitVoxel emit) {
+void BruteForceTriangle(const Triangle& triangle, const Neighborhood& neighborhood, StopSignal stop, EmitVoxel emit) {
   const std::array<Vec3d, 3> v{ToVoxels(triangle[0]), ToVoxels(triangle[1]), ToVoxels(triangle[2])};
   const Slab slab(v, neighborhood);
   const std::array<Tube, 3> tubes{Tube(neighborhood, v[0], v[1]), Tube(neighborhood, v[1], v[2]),
                                   Tube(neighborhood, v[2], v[0])};
   const Range box = BoxAround(v, neighborhood.ball);
   for (int32_t i = box.low[0]; i <= box.high[0]; ++i) {
-    for (int32_t j = box.low[1]; j <= box.high[1] && !cancelled; ++j) {
+    for (int32_t j = box.low[1]; j <= box.high[1] && !stop.Stopped(); ++j) {
       for (int32_t k = box.low[2]; k <= box.high[2]; ++k) {
         const Vec3i z{i, j, k};
         const Vec3d point = ToDouble(z);

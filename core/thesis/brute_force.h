@@ -3,8 +3,7 @@
 #ifndef LATVOX_CORE_THESIS_BRUTE_FORCE_H_
 #define LATVOX_CORE_THESIS_BRUTE_FORCE_H_
 
-#include <atomic>
-
+#include "core/base/stop_signal.h"
 #include "core/digitize/crossing.h"
 #include "core/thesis/neighborhood.h"
 
@@ -18,9 +17,8 @@ namespace latvox {
 // A triangle without area has no L_p.
 //
 // It walks the triangle's bounding box in lattice coordinates with a margin of two voxels, more if R needs it on a skew
-// basis: O(D^3) for a triangle D voxels long (figure 4.5). Stops early once *cancelled is true.
-void BruteForceTriangle(const Triangle& triangle, const Neighborhood& neighborhood, const std::atomic<bool>& cancelled,
-                        EmitVoxel emit);
+// basis: O(D^3) for a triangle D voxels long (figure 4.5). Ends early once stopped.
+void BruteForceTriangle(const Triangle& triangle, const Neighborhood& neighborhood, StopSignal stop, EmitVoxel emit);
 
 }  // namespace latvox
 

@@ -89,24 +89,24 @@ Vec<int64_t, 3> NormalOf(const VoxelTriangle& triangle) {
   return FirstNonzeroIsPositive(normal) ? normal : -normal;
 }
 
-void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames,
-                         const std::atomic<bool>& cancelled, EmitVoxel emit) {
+void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames, StopSignal stop,
+                         EmitVoxel emit) {
   const ProjectedPlane plane(triangle, frames);
-  for (ActiveEdgeTable row = plane.Scan(); !row.done() && !cancelled; row.NextRow()) {
+  for (ActiveEdgeTable row = plane.Scan(); !row.done() && !stop.Stopped(); row.NextRow()) {
     for (int64_t i = row.first(); i <= row.last(); ++i) {
       emit(plane.VoxelAt(i, row.j(), plane.OffsetAt(i, row.j())));
     }
   }
 }
 
-void OptimizedIncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames,
-                                  const std::atomic<bool>& cancelled, EmitVoxel emit) {
+void OptimizedIncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames, StopSignal stop,
+                                  EmitVoxel emit) {
   const ProjectedPlane plane(triangle, frames);
   const double step_i = plane.StepOfOffset(0), step_j = plane.StepOfOffset(1);
   ActiveEdgeTable row = plane.Scan();
   int64_t previous = row.first();
   double start = plane.OffsetAt(row.first(), row.j());
-  for (; !row.done() && !cancelled; row.NextRow()) {
+  for (; !row.done() && !stop.Stopped(); row.NextRow()) {
     start += static_cast<double>(row.first() - previous) * step_i;
     previous = row.first();
     double offset = start;

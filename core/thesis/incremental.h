@@ -4,9 +4,9 @@
 #define LATVOX_CORE_THESIS_INCREMENTAL_H_
 
 #include <array>
-#include <atomic>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/thesis/neighborhood.h"
 
 namespace latvox {
@@ -25,17 +25,17 @@ Vec<int64_t, 3> NormalOf(const VoxelTriangle& triangle);
 // Emits, for each lattice line along the principal direction that meets the triangle or its border, the line's voxel
 // nearest to the plane (eqs 4.4-4.7): that is Theorem 4's voxel, with -t < d <= t. Halves go to the end with d = +t.
 //   frames   of N_k
-// Stops early once *cancelled is true. Precondition: the triangle has area.
-void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames,
-                         const std::atomic<bool>& cancelled, EmitVoxel emit);
+// Ends early once stopped. Precondition: the triangle has area.
+void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames, StopSignal stop,
+                         EmitVoxel emit);
 
 // The same with the offset k kept up by additions (figure 4.8): one addition a voxel instead of eq. 4.7. Rounding
 // accumulates, so halves may go to either end.
 //
 // Eqs 4.8-4.11 lack a sign: by eq. 4.6 k falls where P'.N rises, so the increments are
 //   dk_i = -N[1]/N[3],  dk_j = -N[2]/N[3].
-void OptimizedIncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames,
-                                  const std::atomic<bool>& cancelled, EmitVoxel emit);
+void OptimizedIncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames, StopSignal stop,
+                                  EmitVoxel emit);
 
 }  // namespace latvox
 

@@ -22,17 +22,17 @@ using oneapi::tbb::blocked_range;
 
 // Collects what `task(n, emit)` emits for n in 0 .. count-1, in parallel.
 template <class Task>
-VoxelSet Collect(size_t count, const Vec3i& base_ijk, const std::atomic<bool>& cancelled, const Task& task) {
+VoxelSet Collect(size_t count, const Vec3i& base_ijk, StopSignal stop, const Task& task) {
   oneapi::tbb::enumerable_thread_specific<VoxelSet> parts;
   oneapi::tbb::parallel_for(blocked_range<size_t>(0, count), [&](const blocked_range<size_t>& range) {
     VoxelSet& part = parts.local();
     const auto emit = [&](const Vec3i& local) { part.Insert(local + base_ijk); };
-    for (size_t n = range.begin(); n < range.end() && !cancelled; ++n) task(n, emit);
+    for (size_t n = range.begin(); n < range.end() && !stop.Stopped(); ++n) task(n, emit);
   });
   VoxelSet all;
   for (VoxelSet& part : parts) {
     if (all.size() < part.size()) std::swap(all, part);
-    all.Add(part, cancelled);
+    all.Add(part, stop);
   }
   return all;
 }
@@ -49,9 +49,9 @@ struct EdgeUse {
 // The mesh on the lattice: vertices rounded, and welded where that brings them together.
 class RoundedMesh {
  public:
-  RoundedMesh(const SnappedMesh& mesh, const Lattice& lattice, const std::atomic<bool>& cancelled)
-      : rounded_(RoundedVertices(mesh, lattice, cancelled)), points_(rounded_), triangles_(mesh.triangles) {
-    SortUnique(points_, cancelled);
+  RoundedMesh(const SnappedMesh& mesh, const Lattice& lattice, StopSignal stop)
+      : rounded_(RoundedVertices(mesh, lattice, stop)), points_(rounded_), triangles_(mesh.triangles) {
+    SortUnique(points_, stop);
   }
 
   size_t triangles() const { return triangles_.size(); }
@@ -62,9 +62,9 @@ class RoundedMesh {
   const Vec3i& PointAt(uint32_t number) const { return points_[number]; }
 
   // The edges of all triangles with area, sorted.
-  std::vector<EdgeUse> Edges(const std::atomic<bool>& cancelled) const {
+  std::vector<EdgeUse> Edges(StopSignal stop) const {
     std::vector<EdgeUse> edges;
-    for (size_t t = 0; t < triangles_.size() && !cancelled; ++t) {
+    for (size_t t = 0; t < triangles_.size() && !stop.Stopped(); ++t) {
       const VoxelTriangle v = At(t);
       if (NormalOf(v) == Vec<int64_t, 3>{}) continue;
       const std::array<uint32_t, 3> number{NumberOf(v[0]), NumberOf(v[1]), NumberOf(v[2])};
@@ -73,7 +73,7 @@ class RoundedMesh {
         edges.push_back({low, high, static_cast<uint32_t>(t)});
       }
     }
-    Sort(edges, cancelled);
+    Sort(edges, stop);
     return edges;
   }
 
@@ -86,18 +86,16 @@ class RoundedMesh {
   const SharedArray<std::vector<std::array<uint32_t, 3>>> triangles_;
 };
 
-VoxelSet BruteForce(const SnappedMesh& mesh, const Neighborhood& neighborhood, const std::atomic<bool>& cancelled) {
-  return Collect(mesh.triangles.size(), mesh.base_ijk, cancelled, [&](size_t n, EmitVoxel emit) {
+VoxelSet BruteForce(const SnappedMesh& mesh, const Neighborhood& neighborhood, StopSignal stop) {
+  return Collect(mesh.triangles.size(), mesh.base_ijk, stop, [&](size_t n, EmitVoxel emit) {
     const auto& [v0, v1, v2] = mesh.triangles[n];
-    BruteForceTriangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]}, neighborhood, cancelled,
-                       emit);
+    BruteForceTriangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]}, neighborhood, stop, emit);
   });
 }
 
-VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhood& neighborhood,
-               const std::atomic<bool>& cancelled) {
-  const std::vector<EdgeUse> edges = mesh.Edges(cancelled);
-  return Collect(edges.size(), base_ijk, cancelled, [&](size_t n, EmitVoxel emit) {
+VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhood& neighborhood, StopSignal stop) {
+  const std::vector<EdgeUse> edges = mesh.Edges(stop);
+  return Collect(edges.size(), base_ijk, stop, [&](size_t n, EmitVoxel emit) {
     if (n > 0 && edges[n].SameEdge(edges[n - 1])) return;
     std::vector<Vec<int64_t, 3>> normals;
     for (size_t use = n; use < edges.size() && edges[use].SameEdge(edges[n]); ++use) {
@@ -107,33 +105,31 @@ VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhoo
   });
 }
 
-VoxelSet Incremental(const SnappedMesh& snapped, const Neighborhood& neighborhood, bool optimized,
-                     const std::atomic<bool>& cancelled) {
-  const RoundedMesh mesh(snapped, neighborhood.lattice, cancelled);
+VoxelSet Incremental(const SnappedMesh& snapped, const Neighborhood& neighborhood, bool optimized, StopSignal stop) {
+  const RoundedMesh mesh(snapped, neighborhood.lattice, stop);
   // Lines separate nothing: seams do. So they take all of the lattice's steps, which gives the fewest voxels.
   const LineTracer tracer(Neighborhood(neighborhood.lattice, 0));
-  VoxelSet voxels = Collect(mesh.triangles(), snapped.base_ijk, cancelled, [&](size_t n, EmitVoxel emit) {
+  VoxelSet voxels = Collect(mesh.triangles(), snapped.base_ijk, stop, [&](size_t n, EmitVoxel emit) {
     const VoxelTriangle triangle = mesh.At(n);
     if (NormalOf(triangle) == Vec<int64_t, 3>{}) {
       DegenerateTriangle(triangle, tracer, emit);
     } else if (optimized) {
-      OptimizedIncrementalTriangle(triangle, neighborhood.frames, cancelled, emit);
+      OptimizedIncrementalTriangle(triangle, neighborhood.frames, stop, emit);
     } else {
-      IncrementalTriangle(triangle, neighborhood.frames, cancelled, emit);
+      IncrementalTriangle(triangle, neighborhood.frames, stop, emit);
     }
   });
-  if (!cancelled) voxels.Add(Seams(mesh, snapped.base_ijk, neighborhood, cancelled), cancelled);
+  if (!stop.Stopped()) voxels.Add(Seams(mesh, snapped.base_ijk, neighborhood, stop), stop);
   return voxels;
 }
 
 }  // namespace
 
-std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice,
-                                   const std::atomic<bool>& cancelled) {
+std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice, StopSignal stop) {
   std::vector<Vec3i> rounded(mesh.vertices_lat.size());
   constexpr size_t kGrain = 1024;
   oneapi::tbb::parallel_for(blocked_range<size_t>(0, rounded.size(), kGrain), [&](const blocked_range<size_t>& range) {
-    for (size_t n = range.begin(); n < range.end() && !cancelled; ++n) {
+    for (size_t n = range.begin(); n < range.end() && !stop.Stopped(); ++n) {
       rounded[n] = NearestLatticePoint(lattice, ToDouble(mesh.vertices_lat[n]) * (1.0 / kLatticeUnit));
     }
   });
@@ -155,20 +151,20 @@ Vec3i ThesisReach(const Lattice& lattice, int k, Algorithm algorithm) {
 }
 
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const SnappedMesh& mesh, const Lattice& lattice, int k, Algorithm algorithm,
-                                          const std::atomic<bool>& cancelled) {
+                                          StopSignal stop) {
   const Neighborhood neighborhood(lattice, k);
   VoxelSet voxels = algorithm == Algorithm::kBruteForce
-                        ? BruteForce(mesh, neighborhood, cancelled)
-                        : Incremental(mesh, neighborhood, algorithm == Algorithm::kOptimizedIncremental, cancelled);
-  if (cancelled) return absl::CancelledError("voxelization cancelled");
+                        ? BruteForce(mesh, neighborhood, stop)
+                        : Incremental(mesh, neighborhood, algorithm == Algorithm::kOptimizedIncremental, stop);
+  if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
   return voxels;
 }
 
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const TriangleMesh& mesh, const Grid& grid, int k, Algorithm algorithm,
-                                          const std::atomic<bool>& cancelled) {
+                                          StopSignal stop) {
   const auto snapped = Snap(mesh, grid.lattice, grid.origin, ThesisReach(grid.lattice, k, algorithm));
   if (!snapped.ok()) return snapped.status();
-  return VoxelizeByThesis(*snapped, grid.lattice, k, algorithm, cancelled);
+  return VoxelizeByThesis(*snapped, grid.lattice, k, algorithm, stop);
 }
 
 }  // namespace latvox

@@ -2,11 +2,10 @@
 #ifndef LATVOX_CORE_THESIS_THESIS_H_
 #define LATVOX_CORE_THESIS_THESIS_H_
 
-#include <atomic>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/voxel_set.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
@@ -24,18 +23,17 @@ namespace latvox {
 //                 separating for the rounded surface, not for the mesh.
 //   k             0, 1 or 2
 // Parallel over triangles in the oneTBB arena of the calling thread; the set does not depend on it. Memory: the set,
-// and 12 bytes for each edge of a triangle. Errors: CANCELLED once *cancelled is true. Precondition: algorithm is not
+// and 12 bytes for each edge of a triangle. Errors: CANCELLED once stopped. Precondition: algorithm is not
 // kExact.
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const SnappedMesh& mesh, const Lattice& lattice, int k, Algorithm algorithm,
-                                          const std::atomic<bool>& cancelled);
+                                          StopSignal stop);
 
 // The same from world coordinates. Further errors: as Snap. Precondition: Validate(mesh).
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const TriangleMesh& mesh, const Grid& grid, int k, Algorithm algorithm,
-                                          const std::atomic<bool>& cancelled);
+                                          StopSignal stop);
 
 // The nearest lattice points of the mesh's vertices, local.
-std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice,
-                                   const std::atomic<bool>& cancelled = kNeverCancelled);
+std::vector<Vec3i> RoundedVertices(const SnappedMesh& mesh, const Lattice& lattice, StopSignal stop = {});
 
 // For Snap: per axis, twice the distance from the mesh beyond which the algorithm sets no voxel.
 Vec3i ThesisReach(const Lattice& lattice, int k, Algorithm algorithm);

@@ -9,12 +9,12 @@ namespace latvox {
 // An unsure voxel may have left by the time of a later pass; in earlier ones it is still there. What may be doubtful
 // and is not listed is unsure.
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedEdges& edges,
-          const IndexBox& known, const IndexBox& wanted, TileBits& set, const std::atomic<bool>& cancelled) {
+          const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop) {
   constexpr uint32_t kListed = CrossedEdges::kListed, kUnsure = CrossedEdges::kUnsure;
   std::array<std::vector<uint32_t>, kParityClasses> passes;
   constexpr size_t kAhead = 16;  // about what memory brings at a time
   for (size_t n = 0; n < doubtful.size(); ++n) {
-    if (cancelled) return true;
+    if (stop.Stopped()) return true;
     const uint32_t voxel = doubtful[n];
     edges.Prefetch(doubtful[std::min(n + kAhead, doubtful.size() - 1)]);
     uint32_t& word = edges.At(voxel);
@@ -25,7 +25,7 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
   std::vector<uint32_t> removed;
   for (uint32_t parity = 0; parity < kParityClasses; ++parity) {
     for (const uint32_t voxel : passes[parity]) {
-      if (cancelled) return true;
+      if (stop.Stopped()) return true;
       const uint32_t word = edges.Get(voxel);
       bool keep = false, may_keep = (word & kUnsure) != 0;
       edges.ForEach(voxel, word, [&](uint32_t other, uint32_t flip) {

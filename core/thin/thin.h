@@ -13,11 +13,10 @@
 #ifndef LATVOX_CORE_THIN_THIN_H_
 #define LATVOX_CORE_THIN_THIN_H_
 
-#include <atomic>
 #include <cstdint>
 #include <span>
 
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/thin/crossed_edges.h"
 #include "core/tile/tile_bits.h"
@@ -36,8 +35,7 @@ namespace latvox {
 //   wanted    local voxels, within `known`; there, what may be doubtful is in `doubtful`
 // Once cancelled, it returns true soon, and the set means nothing.
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedEdges& edges,
-          const IndexBox& known, const IndexBox& wanted, TileBits& set,
-          const std::atomic<bool>& cancelled = kNeverCancelled);
+          const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop = {});
 
 // See Thin.
 inline constexpr int32_t kThinHalo = kParityClasses;

@@ -66,7 +66,7 @@ class ChunkPass {
 }  // namespace
 
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
+                          const IndexBox& box, StopSignal stop, TileEdges& edges,
                           UninitializedVector<uint8_t>* is_tiny) {
   const size_t count = mesh.triangles.size();
   const Vec3i origin = TinyCrossings::Origin(edges);
@@ -84,7 +84,7 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
     std::optional<TinyCrossings> tiny;
     if (find_tiny) tiny.emplace(frames, box, edges);
     ChunkPass pass(mesh, forms, fineness.few_touch, origin, tiny ? &*tiny : nullptr, marks);
-    for (size_t n = numbers.begin(); n < numbers.end() && !cancelled; ++n) {
+    for (size_t n = numbers.begin(); n < numbers.end() && !stop.Stopped(); ++n) {
       chunks[n] = pass.Do(n * kChunk, std::min((n + 1) * kChunk, count));
     }
   });

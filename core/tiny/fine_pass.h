@@ -2,10 +2,10 @@
 #ifndef LATVOX_CORE_TINY_FINE_PASS_H_
 #define LATVOX_CORE_TINY_FINE_PASS_H_
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/base/uninitialized.h"
 #include "core/digitize/principal_scan.h"
 #include "core/snap/snap.h"
@@ -28,7 +28,7 @@ struct FineTriangles {
 //             then tiny ones that lines may meet are kept, too, as Sift says
 // Once the job is cancelled, parts are missing.
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, const std::atomic<bool>& cancelled, TileEdges& edges,
+                          const IndexBox& box, StopSignal stop, TileEdges& edges,
                           UninitializedVector<uint8_t>* is_tiny);
 
 }  // namespace latvox

@@ -8,6 +8,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -154,7 +155,7 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
     SetTriangles(node, part(triangles, n), part(triangles, n + 1), chunks[n]);
     FindHits(grid, max_hits, total_hits, chunks[n]);
   });
-  if (cancelled_) return std::vector<TileNode>{};
+  if (stop_.Stopped()) return std::vector<TileNode>{};
   if (total_hits > max_hits) return std::nullopt;
 
   std::vector<uint32_t> sizes(2 * cells);
@@ -189,7 +190,7 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
     }
   });
   ForEachOf(count, [&](size_t n) {
-    if (!cancelled_) Fill(lists.data(), chunks[n]);
+    if (!stop_.Stopped()) Fill(lists.data(), chunks[n]);
   });
   return children;
 }
@@ -231,7 +232,7 @@ void TileTree::FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_
   size_t size = 0, reported = 0;
   const auto may_go_on = [&] {
     total += size - std::exchange(reported, size);
-    return total <= max_hits && !cancelled_;
+    return total <= max_hits && !stop_.Stopped();
   };
   const auto make_room = [&](size_t room) {
     if (chunk.hits.size() - size >= room) return true;
@@ -249,7 +250,7 @@ void TileTree::FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_
     if (chunk.ids == nullptr) std::iota(all_ids.begin(), all_ids.end(), chunk.Triangle(block));
     grid.Encode(mesh_, vertices_, {ids, in_block}, codes);
     for (size_t n = 0;; ++n) {
-      if (cancelled_ || !make_room(CellGrid::kMostHits * in_block)) return;
+      if (stop_.Stopped() || !make_room(CellGrid::kMostHits * in_block)) return;
       CellHit* end = chunk.hits.data() + size;
       n = CellGrid::FewHits(codes, n, end);
       size = static_cast<size_t>(end - chunk.hits.data());

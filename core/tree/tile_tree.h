@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
 #include "core/tile/tile_edges.h"
@@ -39,16 +40,10 @@ class TileTree {
   // leaf_level  log2 of the side of the smallest nodes in tiles
   // near, far   margins, voxels per axis, by which a tile's interest exceeds it, near <= far
   // region      tiles outside (local voxels) are left out
-  // cancelled   once set, calls return soon, with nothing
+  // stop        once stopped, calls return soon, with nothing
   TileTree(const SnappedMesh& mesh, int leaf_level, const Vec3i& near, const Vec3i& far, const IndexBox& region,
-           const std::atomic<bool>& cancelled)
-      : mesh_(mesh),
-        leaf_level_(leaf_level),
-        near_(near),
-        far_(far),
-        region_(region),
-        cancelled_(cancelled),
-        vertices_(mesh) {}
+           StopSignal stop)
+      : mesh_(mesh), leaf_level_(leaf_level), near_(near), far_(far), region_(region), stop_(stop), vertices_(mesh) {}
 
   void SetLeafLevel(int level) { leaf_level_ = level; }
 
@@ -92,7 +87,7 @@ class TileTree {
   bool keep_empty_ = false;
   Vec3i near_, far_;
   IndexBox region_;
-  const std::atomic<bool>& cancelled_;
+  StopSignal stop_;
   PaddedVertices vertices_;
 };
 

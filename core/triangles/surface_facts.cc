@@ -290,13 +290,13 @@ SurfaceFacts SurfaceSums::Facts() const {
   return {degenerate, closed};
 }
 
-SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled) {
+SurfaceFacts FactsOf(const SnappedMesh& mesh, StopSignal stop) {
   constexpr size_t kGrain = 4096;  // triangles a task
   using Part = oneapi::tbb::blocked_range<size_t>;
   const SurfaceSums sums = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), SurfaceSums{},
       [&](const Part& part, SurfaceSums s) {
-        if (!cancelled) s.Add(mesh, part.begin(), part.size());
+        if (!stop.Stopped()) s.Add(mesh, part.begin(), part.size());
         return s;
       },
       [](SurfaceSums a, const SurfaceSums& b) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/stop_signal.h"
 #include "core/snap/snap.h"
 #include "core/triangles/corner_list.h"
 
@@ -36,7 +37,7 @@ struct SurfaceSums {
 // `closed` welds by position, which codecs' duplicated vertices do not disturb. It is never denied to a mesh that is
 // closed; one that is not gets it with a probability of 2^-126 at most, as far as hashes of positions pass for random.
 // They are fixed: a mesh could be made to be taken for closed.
-SurfaceFacts FactsOf(const SnappedMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
+SurfaceFacts FactsOf(const SnappedMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox
 

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <iterator>
@@ -33,14 +34,14 @@ class EdgeList {
   void Add(EdgeList&& more) { std::move(more.pieces_.begin(), more.pieces_.end(), std::back_inserter(pieces_)); }
 
   // How many there are, each counted once. Empties the list.
-  size_t Count(const std::atomic<bool>& cancelled) {
+  size_t Count(StopSignal stop) {
     std::vector<uint64_t> edges;
     edges.reserve(pieces_.size() * kPiece);
     for (auto& piece : pieces_) {
-      if (!cancelled) edges.insert(edges.end(), piece.begin(), piece.end());
+      if (!stop.Stopped()) edges.insert(edges.end(), piece.begin(), piece.end());
       piece = std::vector<uint64_t>();  // {} would keep its memory
     }
-    SortUnique(edges, cancelled);
+    SortUnique(edges, stop);
     return edges.size();
   }
 
@@ -52,7 +53,7 @@ class EdgeList {
 }  // namespace
 
 absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
-                                 const std::atomic<bool>& cancelled) {
+                                 StopSignal stop) {
   constexpr int32_t kFar = 1 << 28;  // a box that leaves nothing out
   constexpr IndexBox kEverywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
   constexpr size_t kGrain = 256;
@@ -63,7 +64,7 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
   oneapi::tbb::parallel_for(
       blocked_range<size_t>(0, mesh.triangles.size(), kGrain), [&](const blocked_range<size_t>& part) {
         EdgeList& uncovered = found.local();
-        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
+        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
           const auto& [v0, v1, v2] = mesh.triangles[t];
           const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
           size_t direction = 0;
@@ -76,14 +77,14 @@ absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Fram
             }
           };
           for (; direction < frames.size(); ++direction) {
-            ForEachCrossing(triangle, frames[direction], kEverywhere, judge, cancelled);
+            ForEachCrossing(triangle, frames[direction], kEverywhere, judge, stop);
           }
         }
       });
   EdgeList uncovered;
   for (EdgeList& some : found) uncovered.Add(std::move(some));
-  const size_t tunnels = uncovered.Count(cancelled);  // triangles may cross the same edge
-  if (cancelled) return absl::CancelledError("verification cancelled");
+  const size_t tunnels = uncovered.Count(stop);  // triangles may cross the same edge
+  if (stop.Stopped()) return absl::CancelledError("verification cancelled");
 
   uint64_t kept = 0;
   for (const auto& word : essential) kept += static_cast<uint64_t>(std::popcount(word.load(std::memory_order_relaxed)));

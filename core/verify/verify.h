@@ -2,11 +2,11 @@
 #ifndef LATVOX_CORE_VERIFY_VERIFY_H_
 #define LATVOX_CORE_VERIFY_VERIFY_H_
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/voxel_set.h"
 #include "core/lattice/lattice.h"
 #include "core/snap/snap.h"
@@ -19,9 +19,9 @@ struct Verdict {
 };
 
 // Scans the whole mesh in every direction, triangle by triangle, and holds each crossed edge against `voxels`.
-// Errors: CANCELLED once *cancelled is true.
+// Errors: CANCELLED once stopped.
 absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
-                                 const std::atomic<bool>& cancelled);
+                                 StopSignal stop);
 
 }  // namespace latvox
 

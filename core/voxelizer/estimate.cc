@@ -42,13 +42,13 @@ double VolumeAround(const Corners& at, double size) {
 }
 
 template <class F>
-double SumOver(const TriangleMesh& mesh, const std::atomic<bool>& cancelled, const F& f) {
+double SumOver(const TriangleMesh& mesh, StopSignal stop, const F& f) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles a task
   return oneapi::tbb::parallel_deterministic_reduce(
       Part(0, mesh.triangles.size(), kGrain), 0.0,
       [&](const Part& part, double sum) {
-        for (size_t t = part.begin(); t < part.end() && !cancelled; ++t) {
+        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
           const auto& [a, b, c] = mesh.triangles[t];
           sum += f({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
         }
@@ -81,20 +81,19 @@ double EstimateInterior(const MeshExtent& extent, double size, bool closed) {
 
 }  // namespace
 
-MeshExtent ExtentOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled) {
-  const double twice_area = SumOver(mesh, cancelled, [](const Corners& corners) { return TwiceAreaOf(corners); });
-  return {BoundsOf(mesh, cancelled), twice_area / 2};
+MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop) {
+  const double twice_area = SumOver(mesh, stop, [](const Corners& corners) { return TwiceAreaOf(corners); });
+  return {BoundsOf(mesh, stop), twice_area / 2};
 }
 
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
-                      const VoxelizeOptions& options, const std::atomic<bool>& cancelled) {
+                      const VoxelizeOptions& options, StopSignal stop) {
   const double size = grid.lattice.voxel_size();
   const auto grown = [&](const Corners& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
   };
-  if (options.algorithm != Algorithm::kExact) return SumOver(mesh, cancelled, grown);
-  double voxels =
-      options.cover == Cover::kSupercover ? SumOver(mesh, cancelled, grown) : 2 * extent.area / (size * size);
+  if (options.algorithm != Algorithm::kExact) return SumOver(mesh, stop, grown);
+  double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, stop, grown) : 2 * extent.area / (size * size);
   if (options.band) voxels *= WidthOf(*options.band, grid.lattice) / size;  // without what neighbouring triangles share
   if (options.solid) {
     voxels += EstimateInterior(extent, size, !options.solid->force_open);
@@ -106,7 +105,7 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 
 // A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full. Slivers
 // meet more lines than their area tells: no more than their box of i and j holds, nor than it has rows and columns.
-double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const std::atomic<bool>& cancelled) {
+double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop) {
   const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
   const Mat3d& inverse = grid.lattice.inverse();
   const auto lines_along = [&](const Corners& at, size_t m) {
@@ -118,28 +117,27 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, const s
     const auto [low, high] = std::minmax({coordinate(at.a), coordinate(at.b), coordinate(at.c)});
     return std::max(std::floor(high) - std::ceil(low) + 1, 0.0);
   };
-  return SumOver(mesh, cancelled, [&](const Corners& corners) {
+  return SumOver(mesh, stop, [&](const Corners& corners) {
     const double rows = lines_along(corners, 0), columns = lines_along(corners, 1);
     return TwiceAreaOf(corners) * step / (size * size * size) + std::min(rows * columns, rows + columns);
   });
 }
 
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
-                      const std::atomic<bool>& cancelled) {
+                      StopSignal stop) {
   constexpr double kVisitsPerTriangle = 40;  // of 15 ns, which a voxel takes otherwise
   if (options.cover == Cover::kSupercover || options.attributes != 0) {
     return voxels + kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   }
   if (options.band) {
     const double size = grid.lattice.voxel_size(), width = WidthOf(*options.band, grid.lattice);
-    const double volume =
-        SumOver(mesh, cancelled, [&](const Corners& corners) { return VolumeWithin(corners, width); });
+    const double volume = SumOver(mesh, stop, [&](const Corners& corners) { return VolumeWithin(corners, width); });
     const double visits = volume / (size * size * size);
     return options.shard ? visits / options.shard->count : visits;
   }
   if (options.algorithm != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();
-  return SumOver(mesh, cancelled, [&](const Corners& corners) { return VolumeAround(corners, size); });
+  return SumOver(mesh, stop, [&](const Corners& corners) { return VolumeAround(corners, size); });
 }
 
 }  // namespace latvox

@@ -2,9 +2,7 @@
 #ifndef LATVOX_CORE_VOXELIZER_ESTIMATE_H_
 #define LATVOX_CORE_VOXELIZER_ESTIMATE_H_
 
-#include <atomic>
-
-#include "core/base/cancelled.h"
+#include "core/base/stop_signal.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
 #include "core/voxelizer/voxelizer.h"
@@ -18,7 +16,7 @@ struct MeshExtent {
 };
 
 // A pass over the vertices and one over the triangles, or two. Precondition: Validate(mesh) is OK.
-MeshExtent ExtentOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled = kNeverCancelled);
+MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as
 // often. A surface of area A has between A / h^2 and 2 A / h^2 voxels, h the voxel size, for all the common lattices
@@ -29,7 +27,7 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, const std::atomic<bool>& cancelled
 // triangles. Precondition: Validate(mesh) is OK.
 //   extent   the mesh's
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
-                      const VoxelizeOptions& options, const std::atomic<bool>& cancelled = kNeverCancelled);
+                      const VoxelizeOptions& options, StopSignal stop = {});
 
 // Estimates how many lattice points a job looks at, as often as it does: a band's those within its width of each
 // triangle, of a shard its part, brute force all those in the boxes around triangles, which takes one pass, as above; a
@@ -37,12 +35,11 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 // where voxels carry attributes, the distance to it; the others about those that they find.
 //   voxels   what EstimateVoxels has told
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
-                      const std::atomic<bool>& cancelled = kNeverCancelled);
+                      StopSignal stop = {});
 
 // Estimates how many crossings lattice lines along k have with the whole mesh: twice as many as if it faced them
 // everywhere, and what slivers have besides. One pass, as above.
-double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid,
-                             const std::atomic<bool>& cancelled = kNeverCancelled);
+double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop = {});
 
 }  // namespace latvox
 

@@ -6,6 +6,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -43,7 +44,7 @@ class ExactJob final : public VoxelizeJob {
   ExactJob(SnappedMesh mesh, std::vector<Frame> frames, std::unique_ptr<const Supercover> supercover,
            const std::optional<BandPlan>& band, std::optional<CarriedAttributes> attributes,
            const VoxelizeOptions& options, const IndexBox& region, const std::optional<WorldBox>& bounds,
-           const std::atomic<bool>& cancelled)
+           StopSignal stop)
       : mesh_(std::move(mesh)),
         frames_(std::move(frames)),
         scan_frames_(MakeScanFrames(frames_)),
@@ -59,39 +60,39 @@ class ExactJob final : public VoxelizeJob {
                  edges_,
                  is_tiny_,
                  region,
-                 cancelled_},
-        attributes_(mesh_, std::move(attributes), cancelled_),
+                 stop_.Signal()},
+        attributes_(mesh_, std::move(attributes), stop_.Signal()),
         tree_(mesh_, 0, attributes_.AtLeastReach(band ? band->reach : context_.NearMargin()),
-              attributes_.AtLeastReach(band ? band->reach : context_.FarMargin()), region, cancelled_),
-        fine_(SortOut(options, cancelled)),
+              attributes_.AtLeastReach(band ? band->reach : context_.FarMargin()), region, stop_.Signal()),
+        fine_(SortOut(options, stop)),
         bounds_(bounds),
-        facts_(FactsOfJob(mesh_, fine_ ? fine_->facts : FactsOf(mesh_, cancelled), region, bounds)),
+        facts_(FactsOfJob(mesh_, fine_ ? fine_->facts : FactsOf(mesh_, stop), region, bounds)),
         solid_(options.solid),
-        band_(MakeBandContext(band, region, cancelled)),
+        band_(MakeBandContext(band, region, stop)),
         shard_(options.shard.value_or(Shard{})),
-        span_(SpanOf(options, mesh_, frames_, region, bounds, cancelled)) {
+        span_(SpanOf(options, mesh_, frames_, region, bounds, stop)) {
     if (band) facts_.band_width = band->width;
   }
 
   ~ExactJob() override {
-    if (!cancelled_) scans_.Leave();
+    if (!stop_.Stopped()) scans_.Leave();
   }
   ExactJob(const ExactJob&) = delete;
   ExactJob& operator=(const ExactJob&) = delete;
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
-  void Cancel() override { cancelled_ = true; }
+  void Cancel() override { stop_.Stop(); }
   absl::Status Prepare() override;
   absl::StatusOr<bool> Advance(const Sink& sink) override;
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
-    return Validate(mesh_, frames_, voxels, cancelled_);
+    return Validate(mesh_, frames_, voxels, stop_.Signal());
   }
 
  private:
-  std::optional<FineTriangles> SortOut(const VoxelizeOptions& options, const std::atomic<bool>& cancelled);
+  std::optional<FineTriangles> SortOut(const VoxelizeOptions& options, StopSignal stop);
   std::optional<BandContext> MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
-                                             const std::atomic<bool>& cancelled) const;
+                                             StopSignal stop) const;
   bool IsUnit(const TileNode& node) const;
   bool IsSmall(const TileNode& node) const;
   uint64_t NumberOf(const Vec3i& tile_ijk) const;
@@ -108,7 +109,7 @@ class ExactJob final : public VoxelizeJob {
   const std::vector<Frame> frames_;
   const std::vector<ScanFrame> scan_frames_;
   const std::unique_ptr<const Supercover> supercover_;
-  std::atomic<bool> cancelled_ = false;
+  StopSource stop_;
   const Fineness fineness_;
   TileEdges edges_;
   UninitializedVector<uint8_t> is_tiny_;
@@ -141,20 +142,20 @@ int BlockLevel(int tree_level) {
 }
 
 // Of a fine mesh, facts and crossings of tiny triangles are found in one pass.
-std::optional<FineTriangles> ExactJob::SortOut(const VoxelizeOptions& options, const std::atomic<bool>& cancelled) {
+std::optional<FineTriangles> ExactJob::SortOut(const VoxelizeOptions& options, StopSignal stop) {
   if (!fineness_.few_touch && !fineness_.most_tiny) return std::nullopt;
   const Vec3i margin = context_.FarMargin();
   const IndexBox around{context_.region.min - margin, context_.region.max + margin};
   const bool list_tiny = options.solid || attributes_.wanted();
-  return SortOutFine(mesh_, scan_frames_, fineness_, around, cancelled, edges_, list_tiny ? &is_tiny_ : nullptr);
+  return SortOutFine(mesh_, scan_frames_, fineness_, around, stop, edges_, list_tiny ? &is_tiny_ : nullptr);
 }
 
 std::optional<BandContext> ExactJob::MakeBandContext(const std::optional<BandPlan>& plan, const IndexBox& region,
-                                                     const std::atomic<bool>& cancelled) const {
+                                                     StopSignal stop) const {
   if (!plan) return std::nullopt;
   std::optional<CornerLines> lines;
-  if (plan->is_signed && facts_.closed) lines.emplace(mesh_, cancelled);
-  return BandContext{mesh_, *plan, region, std::move(lines), cancelled_};
+  if (plan->is_signed && facts_.closed) lines.emplace(mesh_, stop);
+  return BandContext{mesh_, *plan, region, std::move(lines), stop_.Signal()};
 }
 
 // A band's tile has up to a megabyte of values, and one with attributes up to three.
@@ -177,7 +178,7 @@ bool ExactJob::IsSmall(const TileNode& node) const {
 
 absl::Status ExactJob::Prepare() {
   if (!solid_ || interior_) return absl::OkStatus();
-  auto interior = MakeInterior(mesh_, *solid_, facts_.closed, context_.region, cancelled_, facts_.unbalanced_lines);
+  auto interior = MakeInterior(mesh_, *solid_, facts_.closed, context_.region, context_.stop, facts_.unbalanced_lines);
   if (!interior.ok()) return interior.status();
   interior_ = *std::move(interior);
   tree_.KeepEmpty();
@@ -219,7 +220,7 @@ std::optional<TileNode> ExactJob::NextUnit() {
     oneapi::tbb::this_task_arena::isolate([&] { todo_ = Top(); });
     std::reverse(todo_.begin(), todo_.end());
   }
-  while (!todo_.empty() && !cancelled_) {
+  while (!todo_.empty() && !stop_.Stopped()) {
     if (IsLeftOut(todo_.back())) {
       todo_.pop_back();
       continue;
@@ -257,7 +258,7 @@ void ExactJob::SplitNext() {
 }
 
 void ExactJob::Process(const TileNode& node, Unit& out) const {
-  if (cancelled_ || IsLeftOut(node)) return;
+  if (stop_.Stopped() || IsLeftOut(node)) return;
   if (!tree_.IsLeaf(node)) {
     for (const TileNode& child : tree_.Children(node)) Process(child, out);
     return;
@@ -326,11 +327,11 @@ absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
               }) & oneapi::tbb::make_filter<FinishedUnit, void>(filter_mode::serial_in_order, [&](FinishedUnit unit) {
                 bool paused = false;
                 for (size_t n = 0; n < unit.tiles.size(); ++n) {
-                  if (!cancelled_) Deliver(std::move(unit.tiles[n]), unit.totals[n], sink, paused);
+                  if (!stop_.Stopped()) Deliver(std::move(unit.tiles[n]), unit.totals[n], sink, paused);
                 }
                 if (paused) stop = true;
               }));
-  if (cancelled_) return absl::CancelledError("voxelization cancelled");
+  if (stop_.Stopped()) return absl::CancelledError("voxelization cancelled");
   return todo_.empty();
 }
 
@@ -341,9 +342,9 @@ std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Fr
                                           const std::optional<BandPlan>& band,
                                           std::optional<CarriedAttributes> attributes, const VoxelizeOptions& options,
                                           const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                          const std::atomic<bool>& cancelled) {
+                                          StopSignal stop) {
   return std::make_unique<ExactJob>(std::move(mesh), frames, std::move(supercover), band, std::move(attributes),
-                                    options, region, bounds, cancelled);
+                                    options, region, bounds, stop);
 }
 
 }  // namespace latvox

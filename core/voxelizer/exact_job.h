@@ -2,13 +2,13 @@
 #ifndef LATVOX_CORE_VOXELIZER_EXACT_JOB_H_
 #define LATVOX_CORE_VOXELIZER_EXACT_JOB_H_
 
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/attributes/plan.h"
 #include "core/band/band_scan.h"
+#include "core/base/stop_signal.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 #include "core/supercover/supercover.h"
@@ -28,7 +28,7 @@ std::unique_ptr<VoxelizeJob> MakeExactJob(SnappedMesh mesh, const std::vector<Fr
                                           const std::optional<BandPlan>& band,
                                           std::optional<CarriedAttributes> attributes, const VoxelizeOptions& options,
                                           const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                          const std::atomic<bool>& cancelled);
+                                          StopSignal stop);
 
 }  // namespace latvox
 

@@ -166,13 +166,13 @@ TileSpan CellWeights::SpanOf(const Shard& shard) const {
 }
 
 TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region,
-                const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled) {
+                const std::optional<WorldBox>& bounds, StopSignal stop) {
   if (shard.count == 1) return {};
   CellWeights weights(mesh, frames, region, bounds);
   constexpr size_t kGrain = 1024;  // triangles a task
   using Part = oneapi::tbb::blocked_range<size_t>;
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
-    if (!cancelled) weights.AddTriangles(part.begin(), part.end());
+    if (!stop.Stopped()) weights.AddTriangles(part.begin(), part.end());
   });
   return weights.SpanOf(shard);
 }
@@ -180,8 +180,8 @@ TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<F
 }  // namespace
 
 TileSpan SpanOf(const VoxelizeOptions& options, const SnappedMesh& mesh, const std::vector<Frame>& frames,
-                const IndexBox& region, const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled) {
-  TileSpan span = options.shard ? SpanOf(*options.shard, mesh, frames, region, bounds, cancelled) : TileSpan{};
+                const IndexBox& region, const std::optional<WorldBox>& bounds, StopSignal stop) {
+  TileSpan span = options.shard ? SpanOf(*options.shard, mesh, frames, region, bounds, stop) : TileSpan{};
   if (options.resume_after) {
     const Vec3i low = Shifted(mesh.box.min + mesh.base_ijk, kTileBits);
     span.begin = std::max(span.begin, TileNumber(*options.resume_after - low) + 1);

@@ -2,10 +2,10 @@
 #ifndef LATVOX_CORE_VOXELIZER_SHARD_H_
 #define LATVOX_CORE_VOXELIZER_SHARD_H_
 
-#include <atomic>
 #include <optional>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/brick/tile_order.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
@@ -26,10 +26,10 @@ namespace latvox {
 //   frames      of options.separability
 //   region      local voxels: tiles outside cost nothing
 //   bounds      nor does what is outside of these
-//   cancelled   once set, the result comes soon, and means nothing
+//   stop        once stopped, the result comes soon, and means nothing
 // Precondition: as VoxelizeJob::Create checks.
 TileSpan SpanOf(const VoxelizeOptions& options, const SnappedMesh& mesh, const std::vector<Frame>& frames,
-                const IndexBox& region, const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled);
+                const IndexBox& region, const std::optional<WorldBox>& bounds, StopSignal stop);
 
 }  // namespace latvox
 

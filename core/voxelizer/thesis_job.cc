@@ -1,6 +1,5 @@
 #include "core/voxelizer/thesis_job.h"
 
-#include <atomic>
 #include <utility>
 #include <vector>
 
@@ -17,20 +16,20 @@ namespace {
 // The set within `region` (ijk) and `bounds` as tiles; low_tile is the first of the order; those outside of `span` are
 // left out.
 std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                const Vec3i& low_tile, const TileSpan& span, const std::atomic<bool>& cancelled) {
+                                const Vec3i& low_tile, const TileSpan& span, StopSignal stop) {
   const auto tile_of = [](const Brick& brick) { return Shifted(brick.brick_ijk, kTileBits - kBrickBits); };
-  std::vector<Brick> bricks = voxels.Bricks(cancelled);
+  std::vector<Brick> bricks = voxels.Bricks(stop);
   std::vector<std::pair<uint64_t, size_t>> order;  // of bricks: first that of their tiles, then the one they have
-  for (size_t n = 0; n < bricks.size() && !cancelled; ++n) {
+  for (size_t n = 0; n < bricks.size() && !stop.Stopped(); ++n) {
     ClipBrick(region, bricks[n]);
     if (CountVoxels(bricks[n].mask) == 0) continue;
     const uint64_t number = TileNumber(tile_of(bricks[n]) - low_tile);
     if (span.Contains(number)) order.emplace_back(number, n);
   }
-  Sort(order, cancelled);
+  Sort(order, stop);
   std::vector<TileBricks> tiles;
   for (const auto& [number, n] : order) {
-    if (cancelled) return {};
+    if (stop.Stopped()) return {};
     const Brick& brick = bricks[n];
     const Vec3i tile_ijk = tile_of(brick);
     if (tiles.empty() || tiles.back().tile_ijk != tile_ijk) tiles.push_back({tile_ijk, {}});
@@ -50,39 +49,39 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
 class ThesisJob : public VoxelizeJob {
  public:
   ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region,
-            const std::optional<WorldBox>& bounds, const std::atomic<bool>& cancelled)
+            const std::optional<WorldBox>& bounds, StopSignal stop)
       : mesh_(std::move(mesh)),
         lattice_(lattice),
         options_(options),
         bounds_(bounds),
-        facts_(FactsOfJob(mesh_, FactsOf(mesh_, cancelled), region, bounds)),
-        span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, bounds, cancelled)) {}
+        facts_(FactsOfJob(mesh_, FactsOf(mesh_, stop), region, bounds)),
+        span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, bounds, stop)) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
-  void Cancel() override { cancelled_ = true; }
+  void Cancel() override { stop_.Stop(); }
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
-    return Validate(mesh_, lattice_.frames(options_.separability), voxels, cancelled_);
+    return Validate(mesh_, lattice_.frames(options_.separability), voxels, stop_.Signal());
   }
 
   absl::StatusOr<bool> Advance(const Sink& sink) override {
     if (!computed_) {
       if (auto status = Compute(); !status.ok()) return status;
     }
-    for (bool paused = false; !paused && delivered_ < tiles_.size() && !cancelled_; ++delivered_) {
+    for (bool paused = false; !paused && delivered_ < tiles_.size() && !stop_.Stopped(); ++delivered_) {
       totals_.Add(tiles_[delivered_]);
       paused = !sink(std::move(tiles_[delivered_]));
     }
-    if (cancelled_) return absl::CancelledError("voxelization cancelled");
+    if (stop_.Stopped()) return absl::CancelledError("voxelization cancelled");
     return delivered_ == tiles_.size();
   }
 
  private:
   absl::Status Compute() {
     if (facts_.index_box) {
-      const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, cancelled_);
+      const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, stop_.Signal());
       if (!voxels.ok()) return voxels.status();
-      tiles_ = TilesOf(*voxels, *facts_.index_box, bounds_, facts_.first_tile_ijk, span_, cancelled_);
+      tiles_ = TilesOf(*voxels, *facts_.index_box, bounds_, facts_.first_tile_ijk, span_, stop_.Signal());
     }
     computed_ = true;
     return absl::OkStatus();
@@ -91,7 +90,7 @@ class ThesisJob : public VoxelizeJob {
   const SnappedMesh mesh_;
   const Lattice lattice_;
   const VoxelizeOptions options_;
-  std::atomic<bool> cancelled_ = false;
+  StopSource stop_;
   bool computed_ = false;
   std::vector<TileBricks> tiles_;  // in canonical order; moved away once delivered
   size_t delivered_ = 0;
@@ -105,8 +104,8 @@ class ThesisJob : public VoxelizeJob {
 
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                           const std::atomic<bool>& cancelled) {
-  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region, bounds, cancelled);
+                                           StopSignal stop) {
+  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region, bounds, stop);
 }
 
 }  // namespace latvox

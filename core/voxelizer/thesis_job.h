@@ -2,10 +2,10 @@
 #ifndef LATVOX_CORE_VOXELIZER_THESIS_JOB_H_
 #define LATVOX_CORE_VOXELIZER_THESIS_JOB_H_
 
-#include <atomic>
 #include <memory>
 #include <optional>
 
+#include "core/base/stop_signal.h"
 #include "core/snap/snap.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
@@ -19,7 +19,7 @@ namespace latvox {
 // Memory: the whole set. Precondition: options.algorithm is not kExact.
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                           const std::atomic<bool>& cancelled);
+                                           StopSignal stop);
 
 }  // namespace latvox
 

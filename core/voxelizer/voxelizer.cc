@@ -123,7 +123,7 @@ std::vector<uint32_t> AttributesOf(const std::shared_ptr<const TriangleMesh>& me
 //   Mesh   a TriangleMesh, or shared
 template <class Mesh>
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid, const VoxelizeOptions& options,
-                                                     const std::atomic<bool>& cancelled) {
+                                                     StopSignal stop) {
   if (options.separability < 0 || options.separability > 2) {
     return OutOfRange("separability", options.separability, "0, 1 or 2");
   }
@@ -145,8 +145,8 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
                       : *supercover ? (*supercover)->Reach()
                       : exact       ? ReachOf(frames)
                                     : ThesisReach(grid.lattice, options.separability, options.algorithm);
-  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, cancelled);
-  if (cancelled) return Cancelled();
+  auto snapped = Snap(std::move(mesh), grid.lattice, grid.origin, reach, stop);
+  if (stop.Stopped()) return Cancelled();
   if (!snapped.ok()) return snapped.status();
   std::optional<WorldBox> bounds;
   if (options.bounds) bounds.emplace(grid, *options.bounds);
@@ -160,11 +160,11 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
     job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), options,
-                       region, bounds, cancelled);
+                       region, bounds, stop);
   } else {
-    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, cancelled);
+    job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, stop);
   }
-  if (cancelled) return Cancelled();
+  if (stop.Stopped()) return Cancelled();
   if (options.band && options.band->is_signed && !job->facts().closed) {
     return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
   }
@@ -232,23 +232,22 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
 }
 
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh mesh, const Grid& grid,
-                                                                 const VoxelizeOptions& options,
-                                                                 const std::atomic<bool>& cancelled) {
-  if (auto status = Validate(mesh, cancelled); !status.ok()) return status;
-  return CreateFromValid(std::move(mesh), grid, options, cancelled);
+                                                                 const VoxelizeOptions& options, StopSignal stop) {
+  if (auto status = Validate(mesh, stop); !status.ok()) return status;
+  return CreateFromValid(std::move(mesh), grid, options, stop);
 }
 
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::CreateFromValid(TriangleMesh mesh, const Grid& grid,
                                                                           const VoxelizeOptions& options,
-                                                                          const std::atomic<bool>& cancelled) {
-  return MakeJob(std::move(mesh), grid, options, cancelled);
+                                                                          StopSignal stop) {
+  return MakeJob(std::move(mesh), grid, options, stop);
 }
 
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::CreateFromValid(std::shared_ptr<const TriangleMesh> mesh,
                                                                           const Grid& grid,
                                                                           const VoxelizeOptions& options,
-                                                                          const std::atomic<bool>& cancelled) {
-  return MakeJob(std::move(mesh), grid, options, cancelled);
+                                                                          StopSignal stop) {
+  return MakeJob(std::move(mesh), grid, options, stop);
 }
 
 }  // namespace latvox

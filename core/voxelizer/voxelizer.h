@@ -2,13 +2,13 @@
 #ifndef LATVOX_CORE_VOXELIZER_VOXELIZER_H_
 #define LATVOX_CORE_VOXELIZER_VOXELIZER_H_
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
 
 #include "absl/status/statusor.h"
 #include "core/band/band.h"
+#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
@@ -94,19 +94,18 @@ class VoxelizeJob {
   // cross are found by the same pass, most of the work; they are kept from then on. Errors: INVALID_ARGUMENT naming
   // field, value and limit: mesh (see Validate), extent, position, separability, region, bounds, shard, resume_after,
   // solid, band, cover, attributes (each with another algorithm than kExact), basis (of a supercover; see IntegerCell).
-  // Also CANCELLED, soon, once `cancelled` is set, which concerns Create alone.
+  // Also CANCELLED, soon, once `stop` is stopped, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
-                                                             const VoxelizeOptions& options,
-                                                             const std::atomic<bool>& cancelled = kNeverCancelled);
+                                                             const VoxelizeOptions& options, StopSignal stop = {});
   // The same of a mesh that was validated as it came: Validate takes a tenth of the time of a job with fine triangles.
   // The job takes the mesh over, for its memory; or it shares the mesh with others, and copies its attributes alone.
   // Precondition: Validate(mesh) is OK, unless cancelled.
-  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(
-      TriangleMesh mesh, const Grid& grid, const VoxelizeOptions& options,
-      const std::atomic<bool>& cancelled = kNeverCancelled);
-  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(
-      std::shared_ptr<const TriangleMesh> mesh, const Grid& grid, const VoxelizeOptions& options,
-      const std::atomic<bool>& cancelled = kNeverCancelled);
+  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(TriangleMesh mesh, const Grid& grid,
+                                                                      const VoxelizeOptions& options,
+                                                                      StopSignal stop = {});
+  static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(std::shared_ptr<const TriangleMesh> mesh,
+                                                                      const Grid& grid, const VoxelizeOptions& options,
+                                                                      StopSignal stop = {});
   virtual ~VoxelizeJob() = default;
 
   virtual const JobFacts& facts() const = 0;

@@ -42,7 +42,7 @@ void PixelizeReactor::Work() {
 
 void PixelizeReactor::Compute() {
   absl::StatusOr<v1::PixelizeResponse> response =
-      PixelizePolylines(request_, environment_.limits, memory_, cancelled_, facts_);
+      PixelizePolylines(request_, environment_.limits, memory_, stop_.Signal(), facts_);
   const absl::Status computed = response.status();
   if (response.ok()) {
     response_ = *std::move(response);
@@ -66,7 +66,7 @@ void PixelizeReactor::End(const absl::Status& status) {
     const std::lock_guard lock(mu_);
     if (finishing_ || !status_.ok()) return;
     status_ = status;
-    cancelled_ = true;
+    stop_.Stop();
     if (computing_) return;
     finishing_ = true;
     finished_ = Clock::now();

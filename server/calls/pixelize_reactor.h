@@ -5,7 +5,6 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -14,6 +13,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/base/stop_signal.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/access/call_origin.h"
 #include "server/calls/call.h"
@@ -68,7 +68,7 @@ class PixelizeReactor final : public grpc::ServerUnaryReactor,
   MemoryReservation memory_;
   uint64_t bytes_out_ = 0;
 
-  std::atomic<bool> cancelled_ = false;
+  StopSource stop_;
   std::mutex mu_;
   // All below is guarded by mu_.
   std::optional<double> queue_ms_;

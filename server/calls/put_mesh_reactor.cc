@@ -127,7 +127,7 @@ void PutMeshReactor::Work() {
 
 absl::Status PutMeshReactor::Store() {
   const absl::Cord mesh = (*std::exchange(upload_, std::nullopt)).Take();
-  const std::optional<MeshDigest> digest = DigestOf(mesh, cancelled_);
+  const std::optional<MeshDigest> digest = DigestOf(mesh, stop_.Signal());
   if (!digest) return absl::CancelledError("the request was cancelled");
   if (*digest != digest_) return WrongMeshDigest();
   environment_.meshes.Put(digest_, mesh);
@@ -140,7 +140,7 @@ void PutMeshReactor::End(const absl::Status& status) {
     const std::lock_guard lock(mu_);
     if (finishing_ || !status_.ok()) return;
     status_ = status;
-    cancelled_ = true;
+    stop_.Stop();
     if (working_) return;
     finishing_ = true;
     finished_ = Clock::now();

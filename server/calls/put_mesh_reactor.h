@@ -5,7 +5,6 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -14,6 +13,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/base/stop_signal.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/access/call_origin.h"
 #include "server/calls/call.h"
@@ -75,7 +75,7 @@ class PutMeshReactor final : public grpc::ServerReadReactor<v1::PutMeshRequest>,
   MemoryReservation memory_;
   bool sent_too_little_ = false;
   uint64_t bytes_in_ = 0;
-  std::atomic<bool> cancelled_ = false;  // for the task
+  StopSource stop_;  // for the task
 
   std::mutex mu_;
   // All below is guarded by mu_.

@@ -12,17 +12,14 @@
 
 namespace latvox {
 
-MeshDigest DigestOf(const absl::Cord& bytes) {
-  static const std::atomic<bool> never = false;
-  return *DigestOf(bytes, never);
-}
+MeshDigest DigestOf(const absl::Cord& bytes) { return *DigestOf(bytes, StopSignal()); }
 
-std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, const std::atomic<bool>& cancelled) {
+std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, StopSignal stop) {
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
   // None of these can fail but for want of memory.
   bool ok = context != nullptr && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
   for (const absl::string_view chunk : bytes.Chunks()) {
-    if (cancelled) return std::nullopt;
+    if (stop.Stopped()) return std::nullopt;
     ok = ok && EVP_DigestUpdate(context.get(), chunk.data(), chunk.size()) == 1;
   }
   MeshDigest digest;

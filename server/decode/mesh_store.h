@@ -3,7 +3,6 @@
 #define LATVOX_SERVER_DECODE_MESH_STORE_H_
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <list>
@@ -17,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "absl/strings/string_view.h"
+#include "core/base/stop_signal.h"
 #include "server/base/mesh_attributes.h"
 #include "server/decode/mesh_decoder.h"
 
@@ -27,8 +27,8 @@ using MeshDigest = std::array<uint8_t, 32>;
 
 MeshDigest DigestOf(const absl::Cord& bytes);
 
-// The same; nullopt soon after `cancelled` is set.
-std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, const std::atomic<bool>& cancelled);
+// The same; nullopt soon after `stop` is stopped.
+std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, StopSignal stop);
 
 // More than some milliseconds' worth of digesting.
 inline constexpr uint64_t kLargeMeshBytes = uint64_t{4} << 20;

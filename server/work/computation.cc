@@ -72,12 +72,12 @@ Computation::Computation(JobSpec spec, std::string request_id, const CallEnviron
       batcher_(spec_.encoding) {}
 
 absl::Status Computation::CheckCancelled() const {
-  return cancelled_ ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
+  return stop_.Stopped() ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
 }
 
 void Computation::Cancel() {
-  cancelled_ = true;
-  // Either this sees the decode or the job, or Decode or CreateJob, which set them first, see cancelled_.
+  stop_.Stop();
+  // Either this sees the decode or the job, or Decode or CreateJob, which set them first, see stop_.
   if (VoxelizeJob* job = running_) job->Cancel();
   const std::lock_guard lock(decoding_mu_);
   if (decoding_) decoding_->Cancel();
@@ -104,7 +104,7 @@ absl::Status Computation::TakeMesh(MeshUpload upload) {
       return BadSpec(absl::StrCat("mesh_bytes ", spec_.mesh_bytes, " was declared, but the mesh has ", mesh_bytes_),
                      "mesh_bytes", absl::StrCat(spec_.mesh_bytes), absl::StrCat(mesh_bytes_));
     }
-    const std::optional<MeshDigest> digest = DigestOf(mesh_, cancelled_);
+    const std::optional<MeshDigest> digest = DigestOf(mesh_, stop_.Signal());
     if (!digest) return CheckCancelled();
     if (*digest != *spec_.mesh_digest) return WrongMeshDigest();
     mesh_comes_again_ = environment_.meshes.Put(*spec_.mesh_digest, mesh_);
@@ -125,7 +125,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
         facts_.decode_ms = MillisecondsSince(decode_began_);
         decoded(TakeDecoded(std::move(mesh)));
       });
-  if (cancelled_) decoding_->Cancel();
+  if (stop_.Stopped()) decoding_->Cancel();
 }
 
 // What is over this caller's limits is left to the decoder to refuse.
@@ -153,7 +153,7 @@ uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
 uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
   const std::optional<Solid>& solid = spec_.options.solid;
   if (!solid) return 0;
-  const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_, cancelled_) : 0;
+  const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
   const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
   return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
 }
@@ -216,8 +216,8 @@ absl::Status Computation::TakeEstimate(double voxels, double visits) {
 
 // Finds its extent, and lets the store keep it if it comes again: most meshes come once.
 void Computation::ShareIfItComesAgain() {
-  decoded_.extent = ExtentOf(decoded_.mesh, cancelled_);
-  if (!mesh_comes_again_ || cancelled_) return;
+  decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
+  if (!mesh_comes_again_ || stop_.Stopped()) return;
   kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, std::move(decoded_));
 }
 
@@ -232,13 +232,13 @@ absl::Status Computation::CreateJob() {
   absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
   grid_ = *std::move(grid);
-  const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.options, cancelled_);
-  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, cancelled_);
+  const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.options, stop_.Signal());
+  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, stop_.Signal());
   job_bytes_ += BytesOfSolid(decoded.mesh) + BytesOfThinning(voxels);
   VoxelizeOptions options = spec_.options;
   if (spec_.verify) options.resume_after.reset();  // all is to be verified
-  auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, options, cancelled_)
-                  : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, options, cancelled_);
+  auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, options, stop_.Signal())
+                  : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, options, stop_.Signal());
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();

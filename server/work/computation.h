@@ -14,6 +14,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/stop_signal.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/calls/mesh_upload.h"
@@ -98,7 +99,7 @@ class Computation {
   const CallEnvironment environment_;
   MemoryReservation memory_;
 
-  std::atomic<bool> cancelled_ = false;
+  StopSource stop_;
   std::mutex decoding_mu_;
   std::shared_ptr<MeshDecoder::Decoding> decoding_;  // for Cancel; guarded by decoding_mu_
   std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel

@@ -22,8 +22,8 @@ namespace {
 // segments, snapped twice; of crossings, the lists while they grow, and then the incidences.
 constexpr uint64_t kBytesPerPoint = 128, kBytesPerPolyline = 256, kBytesPerCrossing = 64;
 
-absl::Status CheckCancelled(const std::atomic<bool>& cancelled) {
-  return cancelled ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
+absl::Status CheckCancelled(StopSignal stop) {
+  return stop.Stopped() ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
 }
 
 // An upper estimate: a segment meets the lattice lines of a direction at most once more than it is long between them.
@@ -49,17 +49,17 @@ absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits
 }
 
 absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limits& limits, MemoryReservation& memory,
-                                            const std::atomic<bool>& cancelled, PixelizationFacts& facts) {
+                                            StopSignal stop, PixelizationFacts& facts) {
   if (absl::Status status = Validate(spec.polylines); !status.ok()) return WithCauseOfCore(status);
   const auto grid = ResolvePlaneGrid(spec.lattice, spec.density, spec.origin, BoundsOf(spec.polylines));
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec.fields);
   if (absl::Status status = Admit(spec, *grid, limits, memory); !status.ok()) return status;
-  if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
-  const auto result = Pixelize(spec.polylines, *grid, spec.options, cancelled);
+  if (absl::Status status = CheckCancelled(stop); !status.ok()) return status;
+  const auto result = Pixelize(spec.polylines, *grid, spec.options, stop);
   if (!result.ok()) return WithCauseOfCore(result.status(), spec.fields);
   facts.pixels = result->pixels.size();
   if (facts.pixels > limits.max_pixels()) return LimitExceeded("pixels", facts.pixels, limits.max_pixels());
-  if (absl::Status status = CheckCancelled(cancelled); !status.ok()) return status;
+  if (absl::Status status = CheckCancelled(stop); !status.ok()) return status;
   return PixelsToProto(spec, *grid, *result);
 }
 
@@ -91,7 +91,7 @@ bool LastsLong(const v1::PixelizeRequest& request) {
 }
 
 absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
-                                                       MemoryReservation& memory, const std::atomic<bool>& cancelled,
+                                                       MemoryReservation& memory, StopSignal stop,
                                                        PixelizationFacts& facts) {
   const auto began = std::chrono::steady_clock::now();
   auto response = WithoutExceptions([&]() -> absl::StatusOr<v1::PixelizeResponse> {
@@ -103,7 +103,7 @@ absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest
     if (!spec.ok()) return spec.status();
     facts.lattice = std::string{spec->lattice.name()};
     facts.separability = spec->options.separability;
-    return Answer(*spec, limits, memory, cancelled, facts);
+    return Answer(*spec, limits, memory, stop, facts);
   });
   facts.pixelize_ms = MillisecondsSince(began);
   if (response.ok()) response->set_pixelize_ms(facts.pixelize_ms);

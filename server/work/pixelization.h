@@ -2,11 +2,11 @@
 #ifndef LATVOX_SERVER_WORK_PIXELIZATION_H_
 #define LATVOX_SERVER_WORK_PIXELIZATION_H_
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/base/stop_signal.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/base/limits.h"
 #include "server/work/memory_budget.h"
@@ -28,7 +28,7 @@ bool LastsLong(const v1::PixelizeRequest& request);
 // Errors: as the contract; CANCELLED; INTERNAL; RESOURCE_EXHAUSTED also if memory runs out, or the budget's. `facts`
 // are kept either way.
 absl::StatusOr<v1::PixelizeResponse> PixelizePolylines(const v1::PixelizeRequest& request, const Limits& limits,
-                                                       MemoryReservation& memory, const std::atomic<bool>& cancelled,
+                                                       MemoryReservation& memory, StopSignal stop,
                                                        PixelizationFacts& facts);
 
 }  // namespace latvox

@@ -4,7 +4,6 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <functional>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/simd.h"
+#include "core/base/stop_signal.h"
 #include "core/snap/mesh_range.h"
 #include "core/snap/snap.h"
 #include "core/tree/tile_tree.h"
@@ -85,8 +85,7 @@ size_t CountTiles(const TileTree& tree, const std::vector<TileNode>& nodes) {
 
 void Tree(benchmark::State& state, const Scene& scene) {
   const SnappedMesh mesh = SnappedOf(scene);
-  const std::atomic<bool> cancelled = false;
-  const TileTree tree(mesh, 0, kReach, kReach, mesh.box, cancelled);
+  const TileTree tree(mesh, 0, kReach, kReach, mesh.box, StopSignal());
   size_t tiles = 0;
   for (auto _ : state) tiles = CountTiles(tree, tree.Top());
   state.counters["tiles"] = static_cast<double>(tiles);

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "core/base/stop_signal.h"
 #include "server/work/pixelization.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -11,11 +12,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (request.algorithm() == latvox::v1::LINE_ALGORITHM_BRUTE_FORCE) return 0;
   latvox::Limits limits;
   limits.max_message_bytes = 1 << 16;
-  const std::atomic<bool> cancelled = false;
   latvox::PixelizationFacts facts;
   latvox::MemoryBudget budget(limits.memory_budget_bytes);
   latvox::MemoryReservation memory(budget);
-  const auto response = latvox::PixelizePolylines(request, limits, memory, cancelled, facts);
+  const auto response = latvox::PixelizePolylines(request, limits, memory, StopSignal(), facts);
   if (!response.ok()) return 0;
   if (response->tunnels() != 0 || response->ByteSizeLong() > limits.max_message_bytes) std::abort();
   if ((!request.has_minimal() || request.minimal()) && response->redundant() != 0) std::abort();

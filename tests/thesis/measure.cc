@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/base/stop_signal.h"
 #include "core/digitize/crossing.h"
 #include "core/thesis/brute_force.h"
 #include "core/thesis/incremental.h"
@@ -15,8 +16,6 @@
 
 namespace latvox::thesis {
 namespace {
-
-const std::atomic<bool> kNotCancelled = false;
 
 // Collects voxels with the planes they belong to, one plane a triangle.
 class Listing {
@@ -106,7 +105,7 @@ void ListBruteForce(const Neighborhood& neighborhood, Listing& listing) {
   for (uint32_t t = 0; t < listing.triangles(); ++t) {
     const Triangle triangle = listing.TriangleAt(t);
     listing.SetPlane(t, WideNormal(triangle));
-    BruteForceTriangle(triangle, neighborhood, kNotCancelled, [&](const Vec3i& z) { listing.Add(z); });
+    BruteForceTriangle(triangle, neighborhood, StopSignal(), [&](const Vec3i& z) { listing.Add(z); });
   }
 }
 
@@ -117,7 +116,7 @@ void ListIncremental(const std::vector<Vec3i>& rounded, const Neighborhood& neig
   for (uint32_t t = 0; t < listing.triangles(); ++t) {
     const VoxelTriangle triangle = listing.VoxelTriangleAt(t, rounded);
     listing.SetPlane(t, NormalOf(triangle));
-    (optimized ? OptimizedIncrementalTriangle : IncrementalTriangle)(triangle, listing.frames(), kNotCancelled, emit);
+    (optimized ? OptimizedIncrementalTriangle : IncrementalTriangle)(triangle, listing.frames(), StopSignal(), emit);
     for (size_t n = 0; n < 3; ++n) edges[std::minmax(triangle[n], triangle[(n + 1) % 3])].push_back(t);
   }
   for (const auto& [edge, triangles] : edges) {
@@ -181,8 +180,8 @@ Measurement Measure(const Experiment& experiment, double degrees, Algorithm algo
   measured.displaced = flood.DisplacedVolume();
   measured.minimality = MeasureMinimality(listing.Take(), flood);
   RequireSameSize(measured.minimality.voxels, voxels.size());
-  measured.given = Validate(snapped, frames, voxels, kNotCancelled).value();
-  measured.rounded = Validate(Rounded(snapped, lattice), frames, voxels, kNotCancelled).value();
+  measured.given = Validate(snapped, frames, voxels, StopSignal()).value();
+  measured.rounded = Validate(Rounded(snapped, lattice), frames, voxels, StopSignal()).value();
   return measured;
 }
 

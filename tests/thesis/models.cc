@@ -3,13 +3,12 @@
 #include <chrono>
 
 #include "absl/strings/str_format.h"
+#include "core/base/stop_signal.h"
 #include "core/snap/mesh_range.h"
 #include "tests/thesis/measure.h"
 
 namespace latvox::thesis {
 namespace {
-
-const std::atomic<bool> kNotCancelled = false;
 
 Grid GridFor(const TriangleMesh& mesh, const ModelCase& model_case) {
   const Bounds bounds = BoundsOf(mesh);
@@ -46,8 +45,8 @@ ModelResult MeasureModel(const TriangleMesh& mesh, const ModelCase& model_case, 
   const VoxelSet voxels = VoxelsBy(algorithm, mesh, grid, k);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   result.voxels = voxels.size();
-  result.given = Validate(snapped, frames, voxels, kNotCancelled).value();
-  result.rounded = Validate(Rounded(snapped, grid.lattice), frames, voxels, kNotCancelled).value();
+  result.given = Validate(snapped, frames, voxels, StopSignal()).value();
+  result.rounded = Validate(Rounded(snapped, grid.lattice), frames, voxels, StopSignal()).value();
   return result;
 }
 

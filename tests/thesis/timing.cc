@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/stop_signal.h"
 #include "core/thesis/brute_force.h"
 #include "core/thesis/incremental.h"
 #include "core/thesis/seams.h"
@@ -17,8 +18,6 @@
 
 namespace latvox::thesis {
 namespace {
-
-const std::atomic<bool> kNotCancelled = false;
 
 double ProcessorSeconds() {
   timespec now;
@@ -87,7 +86,7 @@ void TimeIncremental(const SnappedMesh& mesh, const Neighborhood& neighborhood, 
   const auto emit = [&](const Vec3i& z) { volume.Set(z); };
   const auto scan = [&] {
     for (const VoxelTriangle& triangle : triangles) {
-      (optimized ? OptimizedIncrementalTriangle : IncrementalTriangle)(triangle, neighborhood.frames, kNotCancelled,
+      (optimized ? OptimizedIncrementalTriangle : IncrementalTriangle)(triangle, neighborhood.frames, StopSignal(),
                                                                        emit);
     }
   };
@@ -104,7 +103,7 @@ void TimeBruteForce(const SnappedMesh& mesh, const Neighborhood& neighborhood, T
   timing.array_seconds = LeastSeconds([&] {
     for (const auto& [v0, v1, v2] : mesh.triangles) {
       const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
-      BruteForceTriangle(triangle, neighborhood, kNotCancelled, [&](const Vec3i& z) { volume.Set(z); });
+      BruteForceTriangle(triangle, neighborhood, StopSignal(), [&](const Vec3i& z) { volume.Set(z); });
     }
   });
   timing.array_voxels = volume.Count();

@@ -7,6 +7,7 @@
 #include <limits>
 #include <thread>
 
+#include "core/base/stop_signal.h"
 #include "core/plane/pixelize.h"
 #include "latvox/client.h"
 #include "latvox/error.h"
@@ -232,11 +233,10 @@ v1::PixelizeRequest GoodProto() {
 
 // With a budget of its own.
 absl::StatusOr<v1::PixelizeResponse> PixelizeAlone(const v1::PixelizeRequest& request, PixelizationFacts& facts,
-                                                   bool is_cancelled = false) {
-  const std::atomic<bool> cancelled = is_cancelled;
+                                                   StopSignal stop = {}) {
   MemoryBudget budget(Limits().memory_budget_bytes);
   MemoryReservation memory(budget);
-  return PixelizePolylines(request, {}, memory, cancelled, facts);
+  return PixelizePolylines(request, {}, memory, stop, facts);
 }
 
 struct BadRequest {
@@ -309,33 +309,34 @@ TEST(PixelizePolylines, HoldsLongCurvesAgainstTheLimitBeforeItDigitizes) {
 TEST(PixelizePolylines, ReservesWhatItTakesBeforeItTakesIt) {
   v1::PixelizeRequest request = GoodProto();
   request.mutable_polylines(0)->set_xy(2, 50000);
-  const std::atomic<bool> cancelled = false;
   PixelizationFacts facts;
   MemoryBudget budget(uint64_t{1} << 30), small(uint64_t{1} << 20);
   MemoryReservation memory(budget), too_little(small);
-  ASSERT_TRUE(PixelizePolylines(request, {}, memory, cancelled, facts).ok());
+  ASSERT_TRUE(PixelizePolylines(request, {}, memory, StopSignal(), facts).ok());
   EXPECT_GT(memory.bytes(), 50000 * sizeof(Vec2i) * 3) << "both ends of an edge, and the nearer one";
 
-  const absl::Status never = PixelizePolylines(request, {}, too_little, cancelled, facts).status();
+  const absl::Status never = PixelizePolylines(request, {}, too_little, StopSignal(), facts).status();
   EXPECT_EQ(never.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(client::GetErrorDetails(never).field, "memory");
   EXPECT_EQ(client::GetErrorDetails(never).reason, "LIMIT_EXCEEDED");
   request.mutable_polylines(0)->mutable_xy()->Resize(20000, 1);
-  EXPECT_EQ(client::GetErrorDetails(PixelizePolylines(request, {}, too_little, cancelled, facts).status()).field,
+  EXPECT_EQ(client::GetErrorDetails(PixelizePolylines(request, {}, too_little, StopSignal(), facts).status()).field,
             "memory")
       << "points count by themselves";
 
   MemoryReservation others(budget);
   memory.Shrink(0);
   ASSERT_TRUE(others.Grow(budget.total() - (1 << 10)).ok());
-  const absl::Status later = PixelizePolylines(request, {}, memory, cancelled, facts).status();
+  const absl::Status later = PixelizePolylines(request, {}, memory, StopSignal(), facts).status();
   EXPECT_EQ(client::GetErrorDetails(later).reason, "MEMORY_IN_USE");
   EXPECT_NE(client::GetErrorDetails(later).retry_after, std::nullopt);
 }
 
 TEST(PixelizePolylines, IsCancelledBeforeItDigitizes) {
   PixelizationFacts facts;
-  EXPECT_EQ(PixelizeAlone(GoodProto(), facts, true).status().code(), absl::StatusCode::kCancelled);
+  StopSource stopped;
+  stopped.Stop();
+  EXPECT_EQ(PixelizeAlone(GoodProto(), facts, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
 }
 
 // Answers with what it is made with.

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/base/sort.h"
+#include "core/base/stop_signal.h"
 #include "core/plane/cover.h"
 #include "core/plane/thesis_lines.h"
 #include "tests/unit/core/plane_exact.h"
@@ -53,7 +54,7 @@ TEST(Pixelize, CountsTunnelsAndRedundantPixelsOfADamagedSetExactly) {
         if (random() % 4 != 0) damaged.push_back(ij);
         if (random() % 4 == 0) damaged.push_back(ij + Vec2i{1, 2});
       }
-      SortUnique(damaged, kNeverCancelled);
+      SortUnique(damaged, StopSignal());
       plane_oracle::Edges edges;
       for (const PlaneEdge& edge : crossings.edges) edges.insert({ToOracle(edge.low), ToOracle(edge.high)});
       const auto pixels = ToOracle(damaged);

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/base/sort.h"
+#include "core/base/stop_signal.h"
 #include "core/plane/cover.h"
 #include "core/plane/pixelize.h"
 #include "core/plane/thesis_lines.h"
@@ -77,7 +78,7 @@ TEST(IbanezLine, StepsBetweenNeighborsFromEndToEndAndEqualsTheIncrementalLine) {
         EXPECT_EQ(line.back(), to);
         for (size_t n = 1; n < line.size(); ++n) EXPECT_TRUE(steps.contains(line[n] - line[n - 1])) << l.name;
         const size_t length = line.size();
-        SortUnique(line, kNeverCancelled);
+        SortUnique(line, StopSignal());
         EXPECT_EQ(line.size(), length) << "no pixel twice";
         EXPECT_EQ(line, IncrementalLines({segment}, l.lattice, k)) << l.name << " k " << k;
       }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cfloat>
 #include <cmath>
 #include <memory>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "core/snap/mesh_range.h"
 #include "tests/unit/core/simd.h"
 
@@ -298,8 +298,9 @@ TEST(Snap, TheRangeIsThatOfUsedVerticesHoweverTheyAreNumbered) {
 }
 
 TEST(Snap, SaysSoWhereItWasCancelled) {
-  const std::atomic<bool> cancelled = true;
-  EXPECT_TRUE(absl::IsCancelled(Snap(Sheet(), Cartesian(), {0, 0, 0}, {1, 1, 1}, cancelled).status()));
+  StopSource source;
+  source.Stop();
+  EXPECT_TRUE(absl::IsCancelled(Snap(Sheet(), Cartesian(), {0, 0, 0}, {1, 1, 1}, source.Signal()).status()));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "core/base/stop_signal.h"
 #include "core/thesis/active_edge_table.h"
 #include "core/thesis/brute_force.h"
 #include "core/thesis/degenerate.h"
@@ -16,8 +17,6 @@ namespace latvox {
 namespace {
 
 using oracle::Int3;
-
-const std::atomic<bool> kNotCancelled = false;
 
 std::vector<int> DistinctK(const Lattice& lattice) {
   std::vector<int> ks{0};
@@ -44,7 +43,7 @@ std::set<Int3> BruteForceIn(const oracle::Triangle& t, const Neighborhood& neigh
     for (size_t m = 0; m < 3; ++m) triangle[n][m] = static_cast<int32_t>(t[n][m]);
   }
   std::set<Int3> voxels;
-  BruteForceTriangle(triangle, neighborhood, kNotCancelled, [&](const Vec3i& z) {
+  BruteForceTriangle(triangle, neighborhood, StopSignal(), [&](const Vec3i& z) {
     if (box.Contains(ToOracle(z))) voxels.insert(ToOracle(z));
   });
   return voxels;
@@ -97,7 +96,7 @@ TEST(BruteForce, OfAPointIsTheClosedBallOfRadiusR) {
         if (std::sqrt(Dot(d, d)) <= neighborhood.radius * (1 + 1e-12)) expected.insert(ToOracle(z));
       }
       std::set<Int3> voxels;
-      BruteForceTriangle({point, point, point}, neighborhood, kNotCancelled,
+      BruteForceTriangle({point, point, point}, neighborhood, StopSignal(),
                          [&](const Vec3i& z) { voxels.insert(ToOracle(z)); });
       EXPECT_EQ(voxels, expected) << l.name << " k " << k;
     }
@@ -113,7 +112,7 @@ TEST(BruteForce, HoldsBothEndsOfAnEdgeOfLengthTwoRHalvedByAVertex) {
         if (std::sqrt(Dot(step, step)) < 2 * neighborhood.radius * (1 - 1e-9)) continue;
         const Vec3i half = frame.q * (kLatticeUnit / 2);
         std::set<Vec3i> voxels;
-        BruteForceTriangle({half, half, half}, neighborhood, kNotCancelled, [&](const Vec3i& z) { voxels.insert(z); });
+        BruteForceTriangle({half, half, half}, neighborhood, StopSignal(), [&](const Vec3i& z) { voxels.insert(z); });
         EXPECT_TRUE(voxels.contains(Vec3i{}) && voxels.contains(frame.q)) << l.name << " k " << k;
       }
     }
@@ -215,7 +214,7 @@ TEST(Incremental, HasExactlyTheTheoremsVoxelOnEveryLineAlongThePrincipalDirectio
         }
         EXPECT_EQ(expected.size(), lines.size());
         std::set<Int3> voxels;
-        IncrementalTriangle(triangle, frames, kNotCancelled, [&](const Vec3i& z) {
+        IncrementalTriangle(triangle, frames, StopSignal(), [&](const Vec3i& z) {
           EXPECT_TRUE(voxels.insert(ToOracle(z)).second) << "a voxel set twice";
         });
         ASSERT_EQ(voxels, expected) << l.name << " k " << k << " seed " << kSeed;
@@ -235,8 +234,8 @@ TEST(OptimizedIncremental, DiffersFromIncrementalOnlyInVoxelsExactlyHalfWay) {
         const Frame& frame = PrincipalFrame(frames, normal);
         const int64_t two_t = std::abs(Dot(normal, frame.q));
         std::map<ActiveEdgeTable::Point, Vec3i> plain, optimized;
-        IncrementalTriangle(triangle, frames, kNotCancelled, [&](const Vec3i& z) { plain[LineOf(frame, z)] = z; });
-        OptimizedIncrementalTriangle(triangle, frames, kNotCancelled, [&](const Vec3i& z) {
+        IncrementalTriangle(triangle, frames, StopSignal(), [&](const Vec3i& z) { plain[LineOf(frame, z)] = z; });
+        OptimizedIncrementalTriangle(triangle, frames, StopSignal(), [&](const Vec3i& z) {
           EXPECT_TRUE(optimized.emplace(LineOf(frame, z), z).second) << "two voxels on a line";
         });
         ASSERT_EQ(plain.size(), optimized.size());

@@ -13,6 +13,7 @@
 #include <set>
 #include <vector>
 
+#include "core/base/stop_signal.h"
 #include "tests/unit/core/simd.h"
 #include "tests/unit/dose.h"
 
@@ -20,8 +21,6 @@ namespace latvox {
 namespace {
 
 constexpr int32_t kTileUnits = kTileSide * kLatticeUnit;
-const std::atomic<bool> kNotCancelled = false;
-
 using Corners = std::array<Vec3i, 3>;
 
 struct Margins {
@@ -135,7 +134,7 @@ std::vector<TileNode> Tiles(const TileTree& tree) {
 }
 
 std::vector<TileNode> Tiles(const SnappedMesh& mesh, const Margins& margins, const IndexBox& region) {
-  return Tiles(TileTree(mesh, 0, margins.near, margins.far, region, kNotCancelled));
+  return Tiles(TileTree(mesh, 0, margins.near, margins.far, region, StopSignal()));
 }
 
 uint64_t Morton(const Vec3i& tile_ijk, const Vec3i& low) {
@@ -290,7 +289,7 @@ TEST(TileTree, HoldsOnePathOfALargeLattice) {
   constexpr int32_t kMost = kMaxExtent * kLatticeUnit - 1;
   const SnappedMesh mesh =
       MeshOf({{{{0, 0, 0}, {kMost, 5, 7}, {9, kMost, kMost}}}, {{{0, 0, 9}, {0, kMost, 0}, {kMost, 9, 0}}}});
-  const TileTree tree(mesh, 0, {3, 3, 3}, {9, 9, 9}, mesh.box, kNotCancelled);
+  const TileTree tree(mesh, 0, {3, 3, 3}, {9, 9, 9}, mesh.box, StopSignal());
   std::vector<TileNode> todo = tree.Top();
   std::reverse(todo.begin(), todo.end());
   size_t most = 0, nodes = 0;
@@ -309,10 +308,10 @@ TEST(TileTree, HoldsOnePathOfALargeLattice) {
 TEST(TileTree, GivesNothingOnceCancelled) {
   std::mt19937 random(41);
   const SnappedMesh mesh = MeshOf(RandomTriangles(random, 100, 900, 500));
-  std::atomic<bool> cancelled = false;
-  const TileTree tree(mesh, 0, {3, 3, 3}, {9, 9, 9}, mesh.box, cancelled);
+  StopSource source;
+  const TileTree tree(mesh, 0, {3, 3, 3}, {9, 9, 9}, mesh.box, source.Signal());
   EXPECT_FALSE(tree.Top().empty());
-  cancelled = true;
+  source.Stop();
   EXPECT_TRUE(tree.Top().empty());
 }
 

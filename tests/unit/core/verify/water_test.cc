@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/stop_signal.h"
 #include "core/thesis/incremental.h"
 #include "core/thesis/seams.h"
 #include "core/verify/bcc_indexing.h"
@@ -16,8 +17,6 @@
 
 namespace latvox {
 namespace {
-
-const std::atomic<bool> kNotCancelled = false;
 
 // ---- BCC numbering --------------------------------------------------------------------------------------------------
 
@@ -149,7 +148,7 @@ TEST(Water, TetrahedraByEveryAlgorithmAreWatertight) {
 // ---- The incremental algorithms with seams --------------------------------------------------------------------------
 
 uint64_t TunnelsOf(const SnappedMesh& mesh, const Experiment& experiment, const VoxelSet& voxels) {
-  return Validate(mesh, experiment.grid.lattice.frames(experiment.k), voxels, kNotCancelled)->tunnels;
+  return Validate(mesh, experiment.grid.lattice.frames(experiment.k), voxels, StopSignal())->tunnels;
 }
 
 TEST(Incremental, HasNoTunnelInTheRoundedTetrahedronButSomeInTheGivenOne) {
@@ -192,7 +191,7 @@ TEST(Seams, AreNeeded) {
       VoxelSet voxels;
       for (const auto& [v0, v1, v2] : snapped.triangles) {
         const auto at = [&](uint32_t v) { return RoundedVertices(snapped, experiment.grid.lattice)[v]; };
-        IncrementalTriangle({at(v0), at(v1), at(v2)}, experiment.grid.lattice.frames(experiment.k), kNotCancelled,
+        IncrementalTriangle({at(v0), at(v1), at(v2)}, experiment.grid.lattice.frames(experiment.k), StopSignal(),
                             [&](const Vec3i& z) { voxels.Insert(z + snapped.base_ijk); });
       }
       tunnels += TunnelsOf(rounded, experiment, voxels);
@@ -245,7 +244,7 @@ std::vector<PlaneVoxel> PlaneVoxels(const SnappedMesh& snapped, const Experiment
     const VoxelTriangle triangle{rounded[v0], rounded[v1], rounded[v2]};
     normals.push_back(NormalOf(triangle));
     const auto emit = [&](const Vec3i& z) { add(z, t); };
-    (optimized ? OptimizedIncrementalTriangle : IncrementalTriangle)(triangle, frames, kNotCancelled, emit);
+    (optimized ? OptimizedIncrementalTriangle : IncrementalTriangle)(triangle, frames, StopSignal(), emit);
     for (size_t n = 0; n < 3; ++n) edges[std::minmax(triangle[n], triangle[(n + 1) % 3])].push_back(t);
   }
   const Neighborhood neighborhood(experiment.grid.lattice, experiment.k);

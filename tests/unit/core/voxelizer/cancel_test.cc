@@ -8,11 +8,14 @@
 #include <chrono>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/base/sort.h"
+#include "core/base/stop_signal.h"
 #include "core/plane/pixelize.h"
 #include "core/voxelizer/voxelizer.h"
 #include "tests/unit/core/exact.h"
@@ -118,9 +121,9 @@ struct Pixelizing {
   std::vector<Polyline> polylines;
   PlaneGrid grid;
   PixelizeOptions options;
-  std::atomic<bool> cancelled = false;
-  void Run() { Pixelize(polylines, grid, options, cancelled).IgnoreError(); }
-  void Cancel() { cancelled = true; }
+  StopSource source;
+  void Run() { Pixelize(polylines, grid, options, source.Signal()).IgnoreError(); }
+  void Cancel() { source.Stop(); }
 };
 
 TEST(Cancelling, StopsLongCurvesWithEveryAlgorithm) {
@@ -142,14 +145,16 @@ TEST(Cancelling, SortingIsThatOfTheLibraryAndStops) {
     for (uint32_t& number : numbers) number = static_cast<uint32_t>(random() % 100000);
     std::vector<uint32_t> expected = numbers, unsorted = numbers;
     std::sort(expected.begin(), expected.end());
-    Sort(numbers, kNeverCancelled);
+    Sort(numbers, StopSignal());
     EXPECT_EQ(numbers, expected);
     expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
     std::vector<uint32_t> unique = unsorted;
-    SortUnique(unique, kNeverCancelled);
+    SortUnique(unique, StopSignal());
     EXPECT_EQ(unique, expected);
     const std::vector<uint32_t> before = unsorted;
-    Sort(unsorted, std::atomic<bool>(true));
+    StopSource stopped;
+    stopped.Stop();
+    Sort(unsorted, stopped.Signal());
     EXPECT_EQ(unsorted, before);
   }
 }
@@ -162,22 +167,22 @@ TEST(Cancelling, SortingStopsWithinAPieceAndLosesNothing) {
   for (uint32_t& number : unsorted) number = static_cast<uint32_t>(random() % 100000);
   std::vector<uint32_t> expected = unsorted;
   std::sort(expected.begin(), expected.end());
-  std::atomic<bool> cancelled = false;
+  std::optional<StopSource> source(std::in_place);
   uint64_t compared = 0, last = ~uint64_t{0};
   const auto less = [&](uint32_t a, uint32_t b) {
-    if (++compared == last) cancelled = true;
+    if (++compared == last) source->Stop();
     return a < b;
   };
   std::vector<uint32_t> numbers = unsorted;
-  Sort(numbers, cancelled, less);
+  Sort(numbers, source->Signal(), less);
   EXPECT_EQ(numbers, expected);
   const uint64_t whole = compared;
   for (const double part : {0.1, 0.5, 0.8, 0.9, 0.95, 0.98}) {
     numbers = unsorted;
-    cancelled = false;
+    source.emplace();
     compared = 0;
     last = static_cast<uint64_t>(part * static_cast<double>(whole));
-    Sort(numbers, cancelled, less);
+    Sort(numbers, source->Signal(), less);
     EXPECT_LT(compared - last, part < 0.85 ? kToSortAPiece : kSortedPiece + 1) << part;
     EXPECT_NE(numbers, expected);
     std::sort(numbers.begin(), numbers.end());

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "core/base/stop_signal.h"
 #include "core/block/tile_job.h"
 #include "core/brick/tile_order.h"
 #include "core/snap/snap.h"
@@ -201,7 +202,7 @@ TEST(Shards, SpansFollowEachOtherInHugeLattices) {
   for (const float radius : {10.0F, 4000.0F, 32000.0F}) {
     const SnappedMesh mesh = *Snap(Sphere(20, radius), lattice, {0, 0, 0}, ReachOf(frames));
     const auto span_of = [&](uint32_t index, uint32_t count) {
-      return SpanOf({.shard = Shard{index, count}}, mesh, frames, mesh.box, std::nullopt, kNeverCancelled);
+      return SpanOf({.shard = Shard{index, count}}, mesh, frames, mesh.box, std::nullopt, StopSignal());
     };
     for (const uint32_t count : Dose<std::vector<uint32_t>>({3, 1000, kMaxShards}, {1000})) {
       EXPECT_EQ(span_of(0, count).begin, 0U);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "core/base/stop_signal.h"
 #include "core/snap/mesh_range.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/thesis_meshes.h"
@@ -33,8 +34,7 @@ TEST(ThesisJob, DeliversTheWholeSetInCanonicalOrderOnceForAnyThreads) {
   for (NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
     const Grid grid = GridFor(name, 1.0 / 180);
     for (Algorithm algorithm : kThesis) {
-      const std::atomic<bool> cancelled = false;
-      const VoxelSet expected = *VoxelizeByThesis(mesh, grid, 0, algorithm, cancelled);
+      const VoxelSet expected = *VoxelizeByThesis(mesh, grid, 0, algorithm, StopSignal());
       std::optional<Digest> digest;
       for (int threads : {1, 3}) {
         const Result result = Voxelize(mesh, grid, {.algorithm = algorithm}, threads);
@@ -195,8 +195,7 @@ TEST(ThesisJob, BunnyByEveryAlgorithm) {
         EXPECT_TRUE(algorithm != Algorithm::kBruteForce || verdict.tunnels == 0);
         // Against the surface that the incremental algorithms voxelize.
         const SnappedMesh snapped = *Snap(*bunny, grid.lattice, grid.origin, {2, 2, 2});
-        const std::atomic<bool> cancelled = false;
-        const Verdict rounded = *Validate(Rounded(snapped, grid.lattice), grid.lattice.frames(k), voxels, cancelled);
+        const Verdict rounded = *Validate(Rounded(snapped, grid.lattice), grid.lattice.frames(k), voxels, StopSignal());
         EXPECT_TRUE(algorithm != Algorithm::kIncremental || rounded.tunnels == 0);
         std::printf(
             "%-10s k %d %-21s %7zu voxels %6zu tunnels %6zu redundant; rounded: %6zu tunnels %6zu redundant; %.0f ms\n",

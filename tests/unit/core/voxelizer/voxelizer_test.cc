@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/stop_signal.h"
 #include "core/voxelizer/estimate.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/sphere.h"
@@ -239,20 +240,21 @@ TEST(Pipeline, CancelEndsAdvanceFromAnotherThreadAndFromTheSink) {
 TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
   const TriangleMesh mesh = Sphere(400, 100);  // 640,000 triangles
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
-  std::atomic<bool> cancelled = true;
-  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {}, cancelled).status().code(), absl::StatusCode::kCancelled);
+  StopSource stopped;
+  stopped.Stop();
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {}, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
   // What is not valid has not been looked at by then.
   const TriangleMesh no_vertices{.vertices = {}, .triangles = {{0, 0, 0}}};
-  EXPECT_EQ(VoxelizeJob::Create(no_vertices, grid, {}, cancelled).status().code(), absl::StatusCode::kCancelled);
-  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.algorithm = Algorithm::kIncremental}, cancelled).status().code(),
+  EXPECT_EQ(VoxelizeJob::Create(no_vertices, grid, {}, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.algorithm = Algorithm::kIncremental}, stopped.Signal()).status().code(),
             absl::StatusCode::kCancelled);
   for (int n = 0; n < 20; ++n) {
-    cancelled = false;
-    std::thread canceller([&cancelled, n] {
+    StopSource source;
+    std::thread canceller([&source, n] {
       std::this_thread::sleep_for(std::chrono::microseconds(300 * n));
-      cancelled = true;
+      source.Stop();
     });
-    const auto job = VoxelizeJob::Create(mesh, grid, {}, cancelled);
+    const auto job = VoxelizeJob::Create(mesh, grid, {}, source.Signal());
     canceller.join();
     EXPECT_TRUE(job.ok() || job.status().code() == absl::StatusCode::kCancelled);
   }
