@@ -59,7 +59,7 @@ absl::Status Complain(const TriangleMesh& mesh) {
 
 }  // namespace
 
-absl::Status Validate(const TriangleMesh& mesh, StopSignal stop) {
+absl::Status CheckMesh(const TriangleMesh& mesh, StopSignal stop) {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // vertices or triangles a task

@@ -29,7 +29,7 @@ struct Bounds {
 
 // INVALID_ARGUMENT, naming the element, for a mesh without triangles, an index out of range or a vertex that is not
 // finite.
-absl::Status Validate(const TriangleMesh& mesh, StopSignal stop = {});
+absl::Status CheckMesh(const TriangleMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox
 

@@ -65,7 +65,7 @@ inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 // memory: vertices are rounded where they are; or shares its triangles. Once cancelled, what it returns means nothing.
 //   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
-// Precondition: Validate(mesh).
+// Precondition: CheckMesh(mesh).
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  StopSignal stop = {});
 absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const Lattice& lattice, const Vec3d& origin,

@@ -28,7 +28,7 @@ namespace latvox {
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const SnappedMesh& mesh, const Lattice& lattice, int k, Algorithm algorithm,
                                           StopSignal stop);
 
-// The same from world coordinates. Further errors: as Snap. Precondition: Validate(mesh).
+// The same from world coordinates. Further errors: as Snap. Precondition: CheckMesh(mesh).
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const TriangleMesh& mesh, const Grid& grid, int k, Algorithm algorithm,
                                           StopSignal stop);
 

@@ -52,8 +52,8 @@ class EdgeList {
 
 }  // namespace
 
-absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
-                                 StopSignal stop) {
+absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
+                                     StopSignal stop) {
   constexpr int32_t kFar = 1 << 28;  // a box that leaves nothing out
   constexpr IndexBox kEverywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
   constexpr size_t kGrain = 256;

@@ -20,8 +20,8 @@ struct Verdict {
 
 // Scans the whole mesh in every direction, triangle by triangle, and holds each crossed edge against `voxels`.
 // Errors: CANCELLED once stopped.
-absl::StatusOr<Verdict> Validate(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
-                                 StopSignal stop);
+absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
+                                     StopSignal stop);
 
 }  // namespace latvox
 

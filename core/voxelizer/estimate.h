@@ -15,7 +15,7 @@ struct MeshExtent {
   double area = 0;  // of all triangles, world units squared
 };
 
-// A pass over the vertices and one over the triangles, or two. Precondition: Validate(mesh) is OK.
+// A pass over the vertices and one over the triangles, or two. Precondition: CheckMesh(mesh) is OK.
 MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 
 // Estimates how many voxels a job finds: about as many as it delivers, but those that several triangles share count as
@@ -24,7 +24,7 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 // some for every triangle, too, however small. The inside of a solid is taken for as large as it can be: a ball with
 // that surface, or the mesh's bounding box, which is all that bounds that of a mesh that is not closed. The thesis's
 // algorithms have some along the edges of triangles without area, too, whatever the region. Up to one pass over the
-// triangles. Precondition: Validate(mesh) is OK.
+// triangles. Precondition: CheckMesh(mesh) is OK.
 //   extent   the mesh's
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
                       const VoxelizeOptions& options, StopSignal stop = {});

@@ -86,7 +86,7 @@ class ExactJob final : public VoxelizeJob {
   absl::Status Prepare() override;
   absl::StatusOr<bool> Advance(const Sink& sink) override;
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
-    return Validate(mesh_, frames_, voxels, stop_.Signal());
+    return CountTunnels(mesh_, frames_, voxels, stop_.Signal());
   }
 
  private:

@@ -61,7 +61,7 @@ class ThesisJob : public VoxelizeJob {
   const JobTotals& totals() const override { return totals_; }
   void Cancel() override { stop_.Stop(); }
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
-    return Validate(mesh_, lattice_.frames(options_.separability), voxels, stop_.Signal());
+    return CountTunnels(mesh_, lattice_.frames(options_.separability), voxels, stop_.Signal());
   }
 
   absl::StatusOr<bool> Advance(const Sink& sink) override {

@@ -233,7 +233,7 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density,
 
 absl::StatusOr<std::unique_ptr<VoxelizeJob>> VoxelizeJob::Create(TriangleMesh mesh, const Grid& grid,
                                                                  const VoxelizeOptions& options, StopSignal stop) {
-  if (auto status = Validate(mesh, stop); !status.ok()) return status;
+  if (auto status = CheckMesh(mesh, stop); !status.ok()) return status;
   return CreateFromValid(std::move(mesh), grid, options, stop);
 }
 

@@ -92,14 +92,14 @@ class VoxelizeJob {
  public:
   // Snaps the mesh, and states its facts. Of a fine one, whose triangles are smaller than voxels, the edges that these
   // cross are found by the same pass, most of the work; they are kept from then on. Errors: INVALID_ARGUMENT naming
-  // field, value and limit: mesh (see Validate), extent, position, separability, region, bounds, shard, resume_after,
+  // field, value and limit: mesh (see CheckMesh), extent, position, separability, region, bounds, shard, resume_after,
   // solid, band, cover, attributes (each with another algorithm than kExact), basis (of a supercover; see IntegerCell).
   // Also CANCELLED, soon, once `stop` is stopped, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options, StopSignal stop = {});
-  // The same of a mesh that was validated as it came: Validate takes a tenth of the time of a job with fine triangles.
+  // The same of a mesh that was validated as it came: CheckMesh takes a tenth of the time of a job with fine triangles.
   // The job takes the mesh over, for its memory; or it shares the mesh with others, and copies its attributes alone.
-  // Precondition: Validate(mesh) is OK, unless cancelled.
+  // Precondition: CheckMesh(mesh) is OK, unless cancelled.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(TriangleMesh mesh, const Grid& grid,
                                                                       const VoxelizeOptions& options,
                                                                       StopSignal stop = {});

@@ -83,7 +83,7 @@ class MeshReceiver {
   // Takes the next frame; `frame` is aligned to 4 bytes. Not after anything but kMore.
   Progress Take(FrameKind kind, absl::string_view frame);
 
-  // After kDone: the mesh, which Validate accepts and which is within the limits, or the process's error.
+  // After kDone: the mesh, which CheckMesh accepts and which is within the limits, or the process's error.
   absl::StatusOr<DecodedMesh> result() &&;
 
  private:

@@ -17,7 +17,7 @@
 namespace latvox {
 
 struct DecodedMesh {
-  TriangleMesh mesh;               // Validate(mesh) is OK; with the attributes that were wanted
+  TriangleMesh mesh;               // CheckMesh(mesh) is OK; with the attributes that were wanted
   uint32_t quantization_bits = 0;  // of POSITION; 0: not quantized
   MeshExtent extent = {};          // ExtentOf(mesh), once a job has asked for it: for all jobs that get a kept mesh
 };

@@ -24,7 +24,7 @@ constexpr int kUsage = 2, kBadInput = 3;
 absl::StatusOr<TriangleMesh> MeshOf(const Arguments& arguments) {
   auto mesh = MeshNamed(arguments.mesh);
   if (!mesh.ok()) return mesh.status();
-  if (auto status = Validate(*mesh); !status.ok()) return status;
+  if (auto status = CheckMesh(*mesh); !status.ok()) return status;
   return Subdivided(*std::move(mesh), arguments.subdivide);
 }
 

@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   const std::string rest = data.ConsumeRemainingBytesAsString();
   if (!proto.ParseFromString(rest)) return 0;
   const auto spec = latvox::JobSpecFromProto(proto, latvox::Limits());
-  if (!spec.ok() || !latvox::Validate(mesh).ok()) return 0;
+  if (!spec.ok() || !latvox::CheckMesh(mesh).ok()) return 0;
   // The others promise neither separation nor a first tile soon.
   if (spec->options.algorithm != latvox::Algorithm::kExact) return 0;
   const auto grid = latvox::ResolveGrid(spec->lattice, spec->density, spec->origin, latvox::BoundsOf(mesh));

@@ -180,8 +180,8 @@ Measurement Measure(const Experiment& experiment, double degrees, Algorithm algo
   measured.displaced = flood.DisplacedVolume();
   measured.minimality = MeasureMinimality(listing.Take(), flood);
   RequireSameSize(measured.minimality.voxels, voxels.size());
-  measured.given = Validate(snapped, frames, voxels, StopSignal()).value();
-  measured.rounded = Validate(Rounded(snapped, lattice), frames, voxels, StopSignal()).value();
+  measured.given = CountTunnels(snapped, frames, voxels, StopSignal()).value();
+  measured.rounded = CountTunnels(Rounded(snapped, lattice), frames, voxels, StopSignal()).value();
   return measured;
 }
 

@@ -45,8 +45,8 @@ ModelResult MeasureModel(const TriangleMesh& mesh, const ModelCase& model_case, 
   const VoxelSet voxels = VoxelsBy(algorithm, mesh, grid, k);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   result.voxels = voxels.size();
-  result.given = Validate(snapped, frames, voxels, StopSignal()).value();
-  result.rounded = Validate(Rounded(snapped, grid.lattice), frames, voxels, StopSignal()).value();
+  result.given = CountTunnels(snapped, frames, voxels, StopSignal()).value();
+  result.rounded = CountTunnels(Rounded(snapped, grid.lattice), frames, voxels, StopSignal()).value();
   return result;
 }
 

@@ -32,25 +32,25 @@ Vec3i GlobalUnits(const SnappedMesh& mesh, size_t vertex) {
 
 TEST(Mesh, ValidationNamesTheElement) {
   TriangleMesh mesh = OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  EXPECT_TRUE(Validate(mesh).ok());
+  EXPECT_TRUE(CheckMesh(mesh).ok());
   mesh.vertices.push_back({0, NAN, 0});
   for (const float x : {NAN, -NAN, INFINITY, -INFINITY}) {
     mesh.vertices.back()[1] = x;
-    EXPECT_EQ(Validate(mesh).message(), "mesh: vertex 3 is not finite");
+    EXPECT_EQ(CheckMesh(mesh).message(), "mesh: vertex 3 is not finite");
   }
   for (const float x : {FLT_MAX, -FLT_MAX, FLT_TRUE_MIN, -0.0F}) {
     mesh.vertices.back()[1] = x;
-    EXPECT_TRUE(Validate(mesh).ok()) << x;
+    EXPECT_TRUE(CheckMesh(mesh).ok()) << x;
   }
   mesh.vertices.pop_back();
   mesh.triangles.push_back({0, 1, 3});
-  EXPECT_EQ(Validate(mesh).message(), "mesh: triangle 1 uses vertex 3 of 3");
+  EXPECT_EQ(CheckMesh(mesh).message(), "mesh: triangle 1 uses vertex 3 of 3");
   mesh.triangles.back() = {0, UINT32_MAX, 1};
-  EXPECT_EQ(Validate(mesh).message(), "mesh: triangle 1 uses vertex 4294967295 of 3");
+  EXPECT_EQ(CheckMesh(mesh).message(), "mesh: triangle 1 uses vertex 4294967295 of 3");
   mesh.vertices.clear();
-  EXPECT_EQ(Validate(mesh).message(), "mesh: triangle 0 uses vertex 0 of 0");
+  EXPECT_EQ(CheckMesh(mesh).message(), "mesh: triangle 0 uses vertex 0 of 0");
   mesh.triangles.clear();
-  EXPECT_EQ(Validate(mesh).message(), "mesh: it has no triangles");
+  EXPECT_EQ(CheckMesh(mesh).message(), "mesh: it has no triangles");
 }
 
 TEST(Mesh, BoundsIgnoreVerticesThatNoTriangleUses) {

@@ -148,7 +148,7 @@ TEST(Water, TetrahedraByEveryAlgorithmAreWatertight) {
 // ---- The incremental algorithms with seams --------------------------------------------------------------------------
 
 uint64_t TunnelsOf(const SnappedMesh& mesh, const Experiment& experiment, const VoxelSet& voxels) {
-  return Validate(mesh, experiment.grid.lattice.frames(experiment.k), voxels, StopSignal())->tunnels;
+  return CountTunnels(mesh, experiment.grid.lattice.frames(experiment.k), voxels, StopSignal())->tunnels;
 }
 
 TEST(Incremental, HasNoTunnelInTheRoundedTetrahedronButSomeInTheGivenOne) {

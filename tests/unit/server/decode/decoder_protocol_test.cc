@@ -131,7 +131,7 @@ TEST(MeshReceiver, GivesOnlyMeshesThatCoreAcceptsWhateverComes) {
     ++done;
     const auto result = std::move(receiver).result();
     ASSERT_TRUE(result.ok());
-    EXPECT_TRUE(Validate(result->mesh).ok()) << Validate(result->mesh);
+    EXPECT_TRUE(CheckMesh(result->mesh).ok()) << CheckMesh(result->mesh);
   }
   EXPECT_GT(done, Dose(1000, 150));
 }

@@ -57,7 +57,7 @@ std::vector<std::array<Vec3f, 3>> TriangleSoup(const TriangleMesh& mesh) {
 // What a status may look like, whatever the bytes.
 void ExpectClean(const absl::StatusOr<DecodedMesh>& result) {
   if (result.ok()) {
-    EXPECT_TRUE(Validate(result->mesh).ok()) << Validate(result->mesh);
+    EXPECT_TRUE(CheckMesh(result->mesh).ok()) << CheckMesh(result->mesh);
     return;
   }
   EXPECT_TRUE(result.status().code() == absl::StatusCode::kInvalidArgument ||
