@@ -68,7 +68,7 @@ void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal 
 
 // Without a margin, a tile's rows lie in its bits one after the other.
 TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, size_t number,
-                              const Vec3i& tile_ijk, TileScan* surface) {
+                              const Vec3i& tile_ijk, BlockVoxels* surface) {
   interior.Find(tile_ijk, triangles_[number], rows_);
   if (surface != nullptr) {
     surface->AddRows(tile_ijk, rows_.view());

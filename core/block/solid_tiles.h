@@ -8,13 +8,15 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/stop_signal.h"
-#include "core/block/tile_scan.h"
+#include "core/block/block_voxels.h"
+#include "core/block/tile_context.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/snap/snap.h"
 #include "core/solid/interior.h"
 #include "core/solid/solid.h"
 #include "core/tile/tile_bits.h"
+#include "core/tree/tile_tree.h"
 
 namespace latvox {
 
@@ -38,11 +40,11 @@ class SolidTiles {
   // Begins a node.
   void Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop);
 
-  // The bricks of the node's tile of that number, in Morton order, as TileScan::CutOut has them.
+  // The bricks of the node's tile of that number, in Morton order, as BlockVoxels::CutOut has them.
   //   tile_ijk   where it is, local
-  //   surface    null, or a scan of the node, which the interior is added to
+  //   surface    null, or those of the node's surface, which the interior is added to
   TileBricks CutOut(const TileContext& context, const Interior& interior, size_t number, const Vec3i& tile_ijk,
-                    TileScan* surface);
+                    BlockVoxels* surface);
 
   // Of memory.
   size_t Bytes() const;

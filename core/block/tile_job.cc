@@ -19,14 +19,14 @@ namespace {
 
 // Nearly all blocks can be thinned knowing kNearHalo steps around them; the rest are done again with all that may
 // matter.
-void FindSurface(const TileContext& context, const TileNode& node, TileScan& scan) {
-  scan.Scan(context, node, context.minimal ? kNearHalo : 0, node.triangles);
-  std::vector<uint32_t> all;
-  if (context.minimal && !scan.Thin(context)) {
+void FindSurface(const TileContext& context, const TileNode& node, BlockScan& scan) {
+  const int32_t halo = context.minimal ? kNearHalo : 0;
+  const ScannedSurface near = scan.surface.Scan(context, node, halo, node.triangles);
+  if (context.minimal && !scan.thinner.Thin(context, near)) {
+    std::vector<uint32_t> all;
     std::merge(node.triangles.begin(), node.triangles.end(), node.fringe.begin(), node.fringe.end(),
                std::back_inserter(all));
-    scan.Scan(context, node, kThinHalo, all);
-    scan.Thin(context);
+    scan.thinner.Thin(context, scan.surface.Scan(context, node, kThinHalo, all));
   }
 }
 
@@ -35,7 +35,7 @@ void FindSurface(const TileContext& context, const TileNode& node, TileScan& sca
 void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
                    BlockScan& scan, std::vector<TileBricks>& tiles) {
   surface = surface && (!node.triangles.empty() || node.edges > 0);
-  if (surface) FindSurface(context, node, scan.surface);
+  if (surface) FindSurface(context, node, scan);
   if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.stop);
   const int32_t count = 1 << 3 * node.level;
   for (int32_t n = 0; n < count && !context.stop.Stopped(); ++n) {
@@ -44,9 +44,9 @@ void DigitizeBlock(const TileContext& context, const TileNode& node, const Inter
       for (size_t m = 0; m < 3; ++m) step[m] |= (n >> (3 * bit + 2 - static_cast<int>(m)) & 1) << bit;
     }
     const Vec3i tile_ijk = node.tile_ijk + step;
-    TileBricks tile = interior == nullptr ? scan.surface.CutOut(context, tile_ijk)
+    TileBricks tile = interior == nullptr ? scan.surface.voxels().CutOut(context, tile_ijk)
                                           : scan.solid.CutOut(context, *interior, static_cast<size_t>(n), tile_ijk,
-                                                              surface ? &scan.surface : nullptr);
+                                                              surface ? &scan.surface.voxels() : nullptr);
     if (tile.bricks.empty()) continue;
     tile.progress = std::min(1.0, node.progress + node.share * (n + 1) / count);
     tiles.push_back(std::move(tile));

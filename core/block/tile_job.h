@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "core/block/solid_tiles.h"
-#include "core/block/tile_scan.h"
+#include "core/block/surface_scan.h"
+#include "core/block/thinner.h"
+#include "core/block/tile_context.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
 #include "core/tree/tile_tree.h"
@@ -17,10 +19,11 @@ Vec3i ReachOf(const std::vector<Frame>& frames);
 
 // What a thread needs for one block, from block to block.
 struct BlockScan {
-  TileScan surface;
+  SurfaceScan surface;
+  Thinner thinner;
   SolidTiles solid;
 
-  size_t Bytes() const { return surface.Bytes() + solid.Bytes(); }
+  size_t Bytes() const { return surface.Bytes() + thinner.Bytes() + solid.Bytes(); }
 };
 
 // Appends the node's tiles that have voxels, in global coordinates and in the canonical order; once the job is

@@ -1,0 +1,65 @@
+// Where a block of tiles is scanned, and how its voxels are numbered.
+#ifndef LATVOX_CORE_BLOCK_BLOCK_BOX_H_
+#define LATVOX_CORE_BLOCK_BLOCK_BOX_H_
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/block/tile_context.h"
+#include "core/brick/brick.h"
+#include "core/scan/stars.h"
+#include "core/tile/tile_bits.h"
+#include "core/tile/tile_edges.h"
+#include "core/tree/tile_tree.h"
+
+namespace latvox {
+
+struct BlockBox {
+  IndexBox block{}, box{};  // the node's voxels, and with the halo
+  BitsLayout layout{{}, {}};
+  std::array<int32_t, kMaxDirections> steps{};  // of layout, along the frames
+
+  BlockBox() = default;
+  // The box of `halo` steps around the node.
+  BlockBox(const TileContext& context, const TileNode& node, int32_t halo) {
+    const Vec3i low = node.tile_ijk * kTileSide;
+    const int32_t side = kTileSide << node.level;
+    block = {low, low + Vec3i{side, side, side}};
+    box = {block.min - context.reach * halo, block.max + context.reach * halo};
+    layout = BitsLayout(low, context.reach * (halo + 1), side);
+    for (size_t n = 0; n < context.frames.size(); ++n) steps[n] = layout.StepOf(context.frames[n].frame.q);
+  }
+
+  // The box without so many voxels, per axis, on every side.
+  IndexBox Shrunk(const Vec3i& by) const { return {box.min + by, box.max - by}; }
+
+  // Calls f(farther end, direction, forward) for the edges of a star, until that returns false; returns whether it
+  // never did.
+  template <class F>
+  bool ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
+    for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
+      const auto n = static_cast<size_t>(std::countr_zero(bits));
+      const bool forward = (star.forward >> n & 1) != 0;
+      if (!f(voxel + static_cast<uint32_t>(forward ? steps[n] : -steps[n]), n, forward)) return false;
+    }
+    return true;
+  }
+
+  // Calls f(crossings) with all edges of tiny triangles from voxels of the box, batch by batch.
+  template <class F>
+  void ForEachTinyBatch(const TileContext& context, F&& f) const {
+    if (context.edges.empty()) return;
+    std::array<int32_t, kPackedDirections> packed{};
+    for (size_t n = 0; n < kMaxPairs; ++n) {
+      packed[2 * n] = -steps[n];
+      packed[2 * n + 1] = steps[n];
+    }
+    context.edges.ForEachBatch(block, box, layout, packed, f);
+  }
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BLOCK_BLOCK_BOX_H_

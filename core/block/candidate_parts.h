@@ -1,0 +1,54 @@
+// The candidates of a block's triangles, all at once or part by part.
+#ifndef LATVOX_CORE_BLOCK_CANDIDATE_PARTS_H_
+#define LATVOX_CORE_BLOCK_CANDIDATE_PARTS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/block/block_box.h"
+#include "core/block/tile_context.h"
+#include "core/scan/candidates.h"
+
+namespace latvox {
+
+// Many large triangles in one block would fill the memory. Their candidates are found part by part, and found again
+// each time that thinning asks for them. Candidates of few triangles are one part, which is kept.
+class CandidateParts {
+ public:
+  // Begins a block.
+  //   triangles   must live until the block is done
+  void Reset(std::span<const uint32_t> triangles) {
+    triangles_ = triangles;
+    kept_ = false;
+    candidates_.Clear();
+  }
+
+  // Calls f(candidates) with each part: of a block's first call also if it has no triangles. Leaves parts out once the
+  // job is cancelled.
+  template <class F>
+  void ForEach(const TileContext& context, const BlockBox& where, F&& f) {
+    constexpr size_t kEnough = size_t{1} << 20;
+    if (kept_) return f(candidates_);
+    size_t end = 0;
+    do {
+      const size_t begin = end;
+      candidates_.Clear();
+      end += FindCandidates(context.mesh, triangles_.subspan(begin), context.frames, where.box, where.layout,
+                            context.stop, kEnough, candidates_);
+      kept_ = begin == 0 && end >= triangles_.size();
+      f(candidates_);
+    } while (end < triangles_.size() && !context.stop.Stopped());
+  }
+
+  size_t Bytes() const { return candidates_.Bytes(); }
+
+ private:
+  std::span<const uint32_t> triangles_;
+  Candidates candidates_;
+  bool kept_ = false;  // whether they are those of all triangles
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BLOCK_CANDIDATE_PARTS_H_

@@ -1,0 +1,50 @@
+// Pairs of a voxel and a triangle that is asked for the edges that it crosses there.
+#ifndef LATVOX_CORE_BLOCK_STAR_BATCHES_H_
+#define LATVOX_CORE_BLOCK_STAR_BATCHES_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/block/tile_context.h"
+#include "core/scan/candidates.h"
+#include "core/scan/stars.h"
+#include "core/tile/tile_bits.h"
+
+namespace latvox {
+
+// Replaces `pairs` by the voxels at `positions` of one of the candidates' lists, with the triangles that put them
+// there.
+//   end   the member of Candidates::Run for that list
+inline void FindPairs(const Candidates& candidates, const NumberList& voxels, const NumberList& positions,
+                      uint32_t Candidates::Run::*end, std::vector<VoxelTriangle>& pairs) {
+  pairs.clear();
+  auto run = candidates.runs.begin();
+  for (const uint32_t n : positions.view()) {
+    while ((*run).*end <= n) ++run;
+    pairs.push_back({voxels[n] & kNumberMask, candidates.TriangleAt(*run, voxels[n] >> kNumberBits)});
+  }
+}
+
+// Calls f(voxel, star) for all pairs whose voxel is, or is not, in `bits` when their turn comes.
+template <class F>
+void ForEachStar(const TileContext& context, const BitsLayout& layout, std::span<const VoxelTriangle> pairs,
+                 const TileBits& bits, bool in_set, F&& f) {
+  constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
+  StarEdges stars[kBatch];
+  VoxelTriangle batch[kBatch];
+  for (size_t n = 0; n < pairs.size() && !context.stop.Stopped();) {
+    size_t size = 0;
+    for (; n < pairs.size() && size < kBatch; ++n) {
+      batch[size] = pairs[n];
+      size += bits.Test(pairs[n].voxel) == in_set ? 1 : 0;
+    }
+    FindStarEdges(context.mesh, context.frames, layout, {batch, size}, stars);
+    for (size_t m = 0; m < size; ++m) f(batch[m].voxel, stars[m]);
+  }
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BLOCK_STAR_BATCHES_H_

@@ -1,0 +1,75 @@
+#include "core/block/surface_scan.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "core/base/bytes_of.h"
+#include "core/block/star_batches.h"
+
+namespace latvox {
+
+ScannedSurface SurfaceScan::Scan(const TileContext& context, const TileNode& node, int32_t halo,
+                                 std::span<const uint32_t> triangles) {
+  voxels_.Reset(BlockBox(context, node, halo));
+  candidates_.Reset({});
+  rim_only_.clear();
+  if (context.supercover != nullptr) {
+    CoverAll(context, triangles);
+    return {voxels_, candidates_, rim_only_};
+  }
+  voxels_.where().ForEachTinyBatch(context, [this](const Crossings& some) { voxels_.Add(some.nearer.view()); });
+  candidates_.Reset(context.is_tiny.empty() ? triangles : WithoutTiny(context, triangles));
+  if (!context.stop.Stopped()) {
+    candidates_.ForEach(context, voxels_.where(), [&](const Candidates& candidates) {
+      voxels_.Add(candidates.nearer.view());
+      AddRim(context, candidates);
+    });
+  }
+  return {voxels_, candidates_, rim_only_};
+}
+
+void SurfaceScan::CoverAll(const TileContext& context, std::span<const uint32_t> triangles) {
+  const BlockBox& where = voxels_.where();
+  NumberRange covered;
+  for (const uint32_t t : triangles) {
+    if (context.stop.Stopped()) break;
+    const auto& [a, b, c] = context.mesh.triangles[t];
+    const auto& v = context.mesh.vertices_lat;
+    context.supercover->ForEachRun({v[a], v[b], v[c]}, where.box, [&](const Vec3i& first, int32_t count) {
+      const uint32_t number = where.layout.NumberOf(first), size = static_cast<uint32_t>(count);
+      covered.Add({number, number + size - 1});
+      voxels_.bits().SetRun(number, size);
+    });
+  }
+  voxels_.MarkPlanesDirty(covered);
+}
+
+std::span<const uint32_t> SurfaceScan::WithoutTiny(const TileContext& context, std::span<const uint32_t> triangles) {
+  others_.clear();
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(others_),
+               [&](uint32_t t) { return context.is_tiny[t] == 0; });
+  return others_;
+}
+
+// Most candidates of a triangle's rim are voxels that its neighbours have set.
+void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidates) {
+  if (context.stop.Stopped()) return;
+  TileBits& surface = voxels_.bits();
+  surface.Find(candidates.rim.view(), false, positions_);
+  FindPairs(candidates, candidates.rim, positions_, &Candidates::Run::rim_end, pairs_);
+  added_.clear();
+  ForEachStar(context, voxels_.where().layout, pairs_, surface, false, [&](uint32_t voxel, const StarEdges& star) {
+    if (star.nearer == 0 || surface.Test(voxel)) return;
+    surface.Set(voxel);
+    added_.push_back(voxel);
+    rim_only_.push_back({voxel, star});
+  });
+  voxels_.MarkDirty(added_);
+}
+
+size_t SurfaceScan::Bytes() const {
+  return voxels_.Bytes() + BytesOf(others_) + candidates_.Bytes() + BytesOf(rim_only_) + positions_.Bytes() +
+         BytesOf(pairs_) + BytesOf(added_);
+}
+
+}  // namespace latvox

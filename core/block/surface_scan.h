@@ -1,0 +1,65 @@
+// The surface's voxels in a box, from the triangles around it.
+#ifndef LATVOX_CORE_BLOCK_SURFACE_SCAN_H_
+#define LATVOX_CORE_BLOCK_SURFACE_SCAN_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/block/block_voxels.h"
+#include "core/block/candidate_parts.h"
+#include "core/block/tile_context.h"
+#include "core/scan/stars.h"
+#include "core/tile/tile_bits.h"
+#include "core/tree/tile_tree.h"
+
+namespace latvox {
+
+// A voxel with the edges for which a triangle put it into the surface.
+struct RimVoxel {
+  uint32_t voxel;
+  StarEdges star;
+};
+
+// What a scan hands on to be thinned; all of it is the scan's, until the next.
+struct ScannedSurface {
+  BlockVoxels& voxels;
+  CandidateParts& candidates;          // of the triangles that are not tiny
+  std::span<const RimVoxel> rim_only;  // members that no triangle crosses along its principal direction
+};
+
+// What a thread allocates for one node serves it for the next.
+class SurfaceScan {
+ public:
+  // Finds all voxels of the surface in the box of `halo` steps around the node.
+  //   triangles   all that come within half a step of the box, except those whose edges the context has; more do no
+  //               harm. Must live until the node is done
+  // Leaves part of it undone once the job is cancelled.
+  ScannedSurface Scan(const TileContext& context, const TileNode& node, int32_t halo,
+                      std::span<const uint32_t> triangles);
+
+  // Of the last scan.
+  BlockVoxels& voxels() { return voxels_; }
+
+  // Of memory.
+  size_t Bytes() const;
+
+ private:
+  void CoverAll(const TileContext& context, std::span<const uint32_t> triangles);
+  std::span<const uint32_t> WithoutTiny(const TileContext& context, std::span<const uint32_t> triangles);
+  void AddRim(const TileContext& context, const Candidates& candidates);
+
+  BlockVoxels voxels_;
+  std::vector<uint32_t> others_;  // the triangles that are not tiny
+  CandidateParts candidates_;
+  std::vector<RimVoxel> rim_only_;
+  // Of AddRim.
+  NumberList positions_;
+  std::vector<VoxelTriangle> pairs_;
+  std::vector<uint32_t> added_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BLOCK_SURFACE_SCAN_H_

@@ -1,0 +1,207 @@
+#include "core/block/thinner.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "core/base/bytes_of.h"
+#include "core/block/star_batches.h"
+#include "core/thin/thin.h"
+
+namespace latvox {
+namespace {
+
+// Whether a voxel is known not to belong to the surface.
+bool IsOutside(const BlockVoxels& voxels, uint32_t voxel) {
+  return !voxels.bits().Test(voxel) && voxels.where().box.Contains(voxels.where().layout.VoxelAt(voxel));
+}
+
+}  // namespace
+
+// Of what FindUndecided leaves, the triangles at hand decide. What lies beyond the border matters seldom.
+bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
+  // Where many triangles meet in few voxels, each of these takes a while.
+  if (!context.stop.Stopped()) FindUndecided(context, scanned);
+  if (!context.stop.Stopped()) Ask(context, scanned);
+  if (context.stop.Stopped()) return true;
+  std::vector<uint32_t> doubtful;
+  std::copy_if(list_.begin(), list_.end(), std::back_inserter(doubtful),
+               [&](uint32_t n) { return undecided_.Test(n); });
+  const BlockBox& where = scanned.voxels.where();
+  const IndexBox known = where.Shrunk(context.reach * 2);
+  TileBits& surface = scanned.voxels.bits();
+  bool decided = latvox::Thin(where.layout, doubtful, undecided_, edges_, known, where.block, surface, context.stop);
+  if (!decided) {
+    AddBorder(context, scanned.voxels, doubtful);
+    Ask(context, scanned);
+    decided = latvox::Thin(where.layout, doubtful, undecided_, edges_, where.box, where.block, surface, context.stop);
+  }
+  for (const uint32_t voxel : list_) undecided_.Clear(voxel);
+  return decided;
+}
+
+// An edge whose farther end lies outside of the surface shows its nearer end essential; the edges at hand, along
+// principal directions and of tiny triangles, do so for nearly all voxels. Those with neighbours outside of the box, of
+// which nothing is known, are left out.
+void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& scanned) {
+  const BlockBox& where = scanned.voxels.where();
+  const TileBits& surface = scanned.voxels.bits();
+  undecided_.Resize(where.layout.Words());  // empty
+  list_.clear();
+  const bool any_tiny = !context.edges.empty();
+  inner_.Clear();
+  if (any_tiny) FindInnerAndEssential(context, scanned);
+  if (context.stop.Stopped()) return;
+  const IndexBox complete = where.Shrunk(context.reach);
+  const auto add = [&](uint32_t voxel) {
+    if ((any_tiny && essential_.Test(voxel)) || undecided_.Test(voxel)) return;
+    if (!complete.Contains(where.layout.VoxelAt(voxel))) return;
+    undecided_.Set(voxel);
+    list_.push_back(voxel);
+  };
+  for (const uint32_t voxel : inner_.nearer.view()) add(voxel);
+  scanned.candidates.ForEach(context, where, [&](const Candidates& candidates) {
+    surface.Find(candidates.farther.view(), true, positions_);
+    constexpr size_t kAhead = 16;  // about what memory brings at a time
+    const auto nearer = [&](size_t n) { return candidates.nearer[positions_[n]] & kNumberMask; };
+    for (size_t n = 0; n < positions_.size(); ++n) {
+      undecided_.Prefetch(nearer(std::min(n + kAhead, positions_.size() - 1)));
+      add(nearer(n));
+    }
+  });
+  const auto in_surface = [&](uint32_t end, size_t, bool) { return surface.Test(end); };
+  for (const auto& [voxel, star] : scanned.rim_only) {
+    if (where.ForEachEnd(voxel, star, in_surface)) add(voxel);
+  }
+  if (any_tiny) essential_.ClearRange(scanned.voxels.dirty());
+}
+
+// Of tiny triangles, all edges are at hand: first of all, these show most voxels essential; nearly all others of such a
+// voxel's edges are in the same batch, or in later ones.
+void Thinner::FindInnerAndEssential(const TileContext& context, const ScannedSurface& scanned) {
+  const BlockBox& where = scanned.voxels.where();
+  const TileBits& surface = scanned.voxels.bits();
+  essential_.Resize(where.layout.Words());  // empty
+  where.ForEachTinyBatch(context, [&](const Crossings& some) {
+    inside_.Clear();
+    outward_.Clear();
+    surface.Separate(some.farther.view(), some.nearer.view(), inside_.farther, inside_.nearer, outward_);
+    essential_.SetAll(outward_.view());
+    AddInner(inside_, essential_, false);
+  });
+  essential_.Find(inner_.nearer.view(), false, positions_);
+  inner_.nearer.Keep(positions_.view());
+  inner_.farther.Keep(positions_.view());
+}
+
+// Adds to inner_ those of the edges whose nearer ends are in `bits`, or are not.
+void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set) {
+  bits.Find(some.nearer.view(), in_set, positions_);
+  inner_.nearer.Reserve(positions_.size());
+  inner_.farther.Reserve(positions_.size());
+  for (const uint32_t n : positions_.view()) {
+    inner_.nearer.Add(some.nearer[n]);
+    inner_.farther.Add(some.farther[n]);
+  }
+}
+
+// Asks all triangles at undecided voxels: those that prove essential leave, edges between the others are recorded.
+void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
+  const BlockBox& where = scanned.voxels.where();
+  edges_.Reset(where.layout);
+  for (const ScanFrame& scan : context.frames) edges_.AddDirection(where.layout, scan.frame.q);
+  scanned.candidates.ForEach(context, where,
+                             [&](const Candidates& candidates) { AskCandidates(context, scanned.voxels, candidates); });
+  for (size_t n = 0; n < inner_.nearer.size(); ++n) {
+    const uint32_t end = inner_.nearer[n], other = inner_.farther[n];
+    if (undecided_.Test(end) && undecided_.Test(other)) edges_.Add(end, other);
+  }
+}
+
+// Voxels that one list's triangles prove essential spare those of the next.
+void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, const Candidates& candidates) {
+  if (FindPairsByBoxes(voxels.where(), candidates)) return AskPairs(context, voxels);
+  FindInUndecided(candidates.nearer);
+  for (const uint32_t n : positions_.view()) {
+    if (IsOutside(voxels, candidates.farther[n] & kNumberMask)) undecided_.Clear(candidates.nearer[n] & kNumberMask);
+  }
+  FindPairs(candidates, candidates.nearer, positions_, &Candidates::Run::crossed_end, pairs_);
+  AskPairs(context, voxels);
+  FindInUndecided(candidates.rim);
+  FindPairs(candidates, candidates.rim, positions_, &Candidates::Run::rim_end, pairs_);
+  AskPairs(context, voxels);
+}
+
+// Finds pairs_ of undecided voxels by the triangles' boxes, if that seems to take less than to find the voxels among
+// all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no edges.
+bool Thinner::FindPairsByBoxes(const BlockBox& where, const Candidates& candidates) {
+  const size_t triangles = candidates.triangles.size();
+  if (candidates.boxes.size() != triangles) return false;
+  UpdateList();
+  // What takes as long as so many candidates: to compare a voxel with a triangle's box, and the stars more.
+  constexpr double kPerBox = 0.3, kPerVoxel = 100;
+  if (static_cast<double>(list_.size()) * (static_cast<double>(triangles) * kPerBox + kPerVoxel) >
+      static_cast<double>(candidates.size())) {
+    return false;
+  }
+  // Boxes say little of large triangles askew.
+  constexpr size_t kUsual = 3, kPerPair = 100;
+  const size_t most = kUsual * list_.size() + candidates.size() / kPerPair;
+  return candidates.boxes.FindPairs(where.layout, where.box.min, candidates.triangles, list_, most, pairs_);
+}
+
+// Takes voxels that have left undecided_ out of list_.
+void Thinner::UpdateList() {
+  std::erase_if(list_, [&](uint32_t voxel) { return !undecided_.Test(voxel); });
+}
+
+// Finds the positions of the undecided voxels of a list.
+void Thinner::FindInUndecided(const NumberList& voxels) {
+  UpdateList();
+  undecided_.FindFew(voxels.view(), list_, positions_);
+}
+
+// Asks the triangles of pairs_ whose voxels are undecided when their turn comes.
+void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
+  const BlockBox& where = voxels.where();
+  const TileBits& surface = voxels.bits();
+  ForEachStar(context, where.layout, pairs_, undecided_, true, [&](uint32_t z, const StarEdges& star) {
+    const bool may_leave = where.ForEachEnd(z, star, [&](uint32_t end, size_t direction, bool forward) {
+      if (!surface.Test(end)) return !where.box.Contains(where.layout.VoxelAt(end));  // beyond, nothing is known
+      if (undecided_.Test(end)) edges_.Add(z, direction, forward);
+      return true;
+    });
+    if (!may_leave) undecided_.Clear(z);
+  });
+}
+
+// Adds those neighbours of members that have neighbours outside of the box.
+void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::span<const uint32_t> members) {
+  const BlockBox& where = voxels.where();
+  const IndexBox complete = where.Shrunk(context.reach);
+  for (const uint32_t voxel : members) {
+    if (context.stop.Stopped()) return;
+    for (const ScanFrame& scan : context.frames) {
+      const auto step = static_cast<uint32_t>(where.layout.StepOf(scan.frame.q));
+      for (const uint32_t neighbour : {voxel + step, voxel - step}) {
+        if (!voxels.bits().Test(neighbour) || undecided_.Test(neighbour)) continue;
+        if (complete.Contains(where.layout.VoxelAt(neighbour))) continue;
+        undecided_.Set(neighbour);
+        list_.push_back(neighbour);
+      }
+    }
+  }
+  inner_.Clear();
+  where.ForEachTinyBatch(context, [this](const Crossings& some) { AddInner(some, undecided_, true); });
+  // That an edge leads out of the box shows nothing.
+  for (size_t n = 0; n < inner_.nearer.size(); ++n) {
+    if (IsOutside(voxels, inner_.farther[n])) undecided_.Clear(inner_.nearer[n]);
+  }
+}
+
+size_t Thinner::Bytes() const {
+  size_t bytes = undecided_.Bytes() + BytesOf(list_) + essential_.Bytes() + inside_.Bytes() + outward_.Bytes();
+  bytes += inner_.Bytes() + positions_.Bytes() + BytesOf(pairs_);
+  return bytes + edges_.Bytes();
+}
+
+}  // namespace latvox
