@@ -1,6 +1,5 @@
 #include "core/block/attribute_tiles.h"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -17,12 +16,6 @@ std::optional<AttributeContext> MakeContext(const SnappedMesh& mesh, std::option
 
 AttributeTiles::AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, StopSignal stop)
     : context_(MakeContext(mesh, std::move(carried), stop)) {}
-
-Vec3i AttributeTiles::AtLeastReach(Vec3i margin) const {
-  if (!context_) return margin;
-  for (size_t m = 0; m < 3; ++m) margin[m] = std::max(margin[m], context_->carried.plan.reach[m]);
-  return margin;
-}
 
 void AttributeTiles::Add(std::span<const uint32_t> triangles, std::span<TileBricks> tiles) const {
   if (!context_) return;

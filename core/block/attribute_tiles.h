@@ -22,11 +22,6 @@ class AttributeTiles {
   // The other two must outlive it.
   AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, StopSignal stop);
 
-  bool wanted() const { return context_.has_value(); }
-
-  // A margin of the tree's that is wide enough for them, too: voxels per axis.
-  Vec3i AtLeastReach(Vec3i margin) const;
-
   // Finds those of each of the tiles, which lie in a node with these triangles.
   void Add(std::span<const uint32_t> triangles, std::span<TileBricks> tiles) const;
 

@@ -159,15 +159,15 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   }
   std::unique_ptr<VoxelizeJob> job;
   if (exact) {
-    job = MakeExactJob(*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), options,
-                       region, bounds, stop);
+    auto plan = MakeExactPlan(
+        {*std::move(snapped), frames, *std::move(supercover), *band, *std::move(attributes), region, bounds}, options,
+        stop);
+    if (!plan.ok()) return plan.status();
+    job = MakeExactJob(*std::move(plan));
   } else {
     job = MakeThesisJob(*std::move(snapped), grid.lattice, options, region, bounds, stop);
   }
   if (stop.Stopped()) return Cancelled();
-  if (options.band && options.band->is_signed && !job->facts().closed) {
-    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
-  }
   return job;
 }
 

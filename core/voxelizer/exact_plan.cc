@@ -1,0 +1,84 @@
+#include "core/voxelizer/exact_plan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/block/solid_tiles.h"
+#include "core/block/tile_job.h"
+#include "core/tiny/fine_pass.h"
+#include "core/tiny/fineness.h"
+#include "core/triangles/surface_facts.h"
+#include "core/voxelizer/job_facts.h"
+#include "core/voxelizer/shard.h"
+
+namespace latvox {
+namespace {
+
+Vec3i Largest(Vec3i a, const Vec3i& b) {
+  for (size_t m = 0; m < 3; ++m) a[m] = std::max(a[m], b[m]);
+  return a;
+}
+
+void SetMargins(ExactPlan& plan) {
+  const ExactInput& input = plan.input;
+  plan.reach = input.supercover ? input.supercover->Margin() : ReachOf(input.frames);
+  const TileContext context = plan.Context({});
+  plan.near_margin = input.band ? input.band->reach : context.NearMargin();
+  plan.far_margin = input.band ? input.band->reach : context.FarMargin();
+  if (!input.attributes) return;
+  plan.near_margin = Largest(plan.near_margin, input.attributes->plan.reach);
+  plan.far_margin = Largest(plan.far_margin, input.attributes->plan.reach);
+}
+
+// The interior asks lines along an axis; and what meets no line may still be the nearest to a voxel, whose attributes
+// it then has.
+bool NeedsAllTriangles(const ExactPlan& plan) {
+  return (plan.solid && !HasAxes(plan.input.frames)) || plan.input.attributes;
+}
+
+// Finds the edges of tiny triangles, which triangles are left, and the mesh's facts.
+SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
+  const ExactInput& input = plan.input;
+  const bool may_be_fine = !input.supercover && !input.band;
+  const Fineness fineness = may_be_fine ? FinenessOf(input.mesh, plan.scan_frames) : Fineness{};
+  if (!fineness.few_touch && !fineness.most_tiny) return FactsOf(input.mesh, creation);
+  const Vec3i margin = plan.Context({}).FarMargin();
+  const IndexBox around{input.region.min - margin, input.region.max + margin};
+  plan.is_fine = true;
+  const bool list_tiny = plan.solid || input.attributes;
+  FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.edges,
+                                   list_tiny ? &plan.is_tiny : nullptr);
+  if (!NeedsAllTriangles(plan)) plan.kept = std::move(fine.kept);
+  return fine.facts;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const VoxelizeOptions& options,
+                                                         StopSignal creation) {
+  auto plan = std::make_unique<ExactPlan>();
+  plan->input = std::move(asked);
+  const ExactInput& input = plan->input;
+  plan->scan_frames = MakeScanFrames(input.frames);
+  plan->solid = options.solid;
+  plan->minimal = options.minimal && !input.supercover;
+  plan->edges = std::make_unique<TileEdges>(Shifted(input.mesh.box.min, kTileBits),
+                                            plan->minimal ? ReachOf(input.frames) * kNearHalo : Vec3i{});
+  SetMargins(*plan);
+  plan->has_large_tiles = input.band || input.attributes;
+  const SurfaceFacts surface = SortOut(*plan, creation);
+  plan->facts = FactsOfJob(input.mesh, surface, input.region, input.bounds);
+  if (input.band) {
+    plan->facts.band_width = input.band->width;
+    if (input.band->is_signed && surface.closed) plan->corner_lines.emplace(input.mesh, creation);
+  }
+  plan->shard = options.shard.value_or(Shard{});
+  plan->span = SpanOf(options, input.mesh, input.frames, input.region, input.bounds, creation);
+  if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
+  if (input.band && input.band->is_signed && !surface.closed) {
+    return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");
+  }
+  return plan;
+}
+
+}  // namespace latvox

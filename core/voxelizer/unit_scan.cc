@@ -1,0 +1,64 @@
+#include "core/voxelizer/unit_scan.h"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+
+namespace latvox {
+namespace {
+
+std::optional<BandContext> MakeBandContext(ExactPlan& plan, StopSignal job) {
+  if (!plan.input.band) return std::nullopt;
+  return BandContext{plan.input.mesh, *plan.input.band, plan.input.region, std::move(plan.corner_lines), job};
+}
+
+// Leaves out what is not within the bounds, of the tiles from `first` on.
+void Clip(const WorldBox& bounds, size_t first, std::vector<TileBricks>& tiles) {
+  for (size_t n = first; n < tiles.size(); ++n) bounds.Clip(tiles[n]);
+  std::erase_if(tiles, [](const TileBricks& tile) { return tile.bricks.empty(); });
+}
+
+}  // namespace
+
+UnitScan::UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal job)
+    : plan_(plan),
+      units_(units),
+      context_(plan.Context(job)),
+      attributes_(plan.input.mesh, std::move(plan.input.attributes), job),
+      band_(MakeBandContext(plan, job)) {}
+
+std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior) const {
+  std::vector<TileBricks> tiles;
+  Process(unit, interior, tiles);
+  return tiles;
+}
+
+void UnitScan::Process(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const {
+  if (context_.stop.Stopped() || units_.IsLeftOut(node)) return;
+  if (!units_.tree().IsLeaf(node)) {
+    for (const TileNode& child : units_.tree().Children(node)) Process(child, interior, out);
+    return;
+  }
+  const size_t first = out.size();
+  ScanLeaf(node, interior, out);
+  if (plan_.input.bounds) Clip(*plan_.input.bounds, first, out);
+  std::erase_if(out, [this](const TileBricks& tile) { return !units_.IsInSpan(tile.tile_ijk); });
+  attributes_.Add(node.triangles, std::span(out).subspan(first));
+}
+
+void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const {
+  if (band_) {
+    std::unique_ptr<BandScan> scan = band_scans_.Take();
+    TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
+    band_scans_.Give(std::move(scan));
+    tile.progress = std::min(1.0, node.progress + node.share);
+    if (!tile.bricks.empty()) out.push_back(std::move(tile));
+    return;
+  }
+  std::unique_ptr<BlockScan> scan = scans_.Take();
+  DigitizeBlock(context_, node, interior, !plan_.solid || plan_.solid->surface, *scan, out);
+  scans_.Give(std::move(scan));
+}
+
+}  // namespace latvox

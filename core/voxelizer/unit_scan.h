@@ -1,0 +1,53 @@
+// Digitizes units of parallel work.
+#ifndef LATVOX_CORE_VOXELIZER_UNIT_SCAN_H_
+#define LATVOX_CORE_VOXELIZER_UNIT_SCAN_H_
+
+#include <optional>
+#include <vector>
+
+#include "core/attributes/plan.h"
+#include "core/band/band_scan.h"
+#include "core/band/inside.h"
+#include "core/base/stop_signal.h"
+#include "core/block/attribute_tiles.h"
+#include "core/block/scan_pool.h"
+#include "core/block/tile_context.h"
+#include "core/block/tile_job.h"
+#include "core/brick/brick.h"
+#include "core/solid/interior.h"
+#include "core/tree/tile_tree.h"
+#include "core/voxelizer/exact_plan.h"
+#include "core/voxelizer/unit_scheduler.h"
+
+namespace latvox {
+
+// Threads: Scan, any.
+class UnitScan {
+ public:
+  //   plan    must outlive it, as must `units`; its attributes and corner lines are given away
+  //   job     once stopped, tiles are missing
+  UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal job);
+
+  // The unit's tiles that are delivered, in canonical order, in global coordinates.
+  //   interior   null, or of a solid
+  std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior) const;
+
+  // Leaves the memory of blocks to later jobs. Precondition: the job was not stopped, and no Scan is at work.
+  void LeaveMemory() const { scans_.Leave(); }
+
+ private:
+  void Process(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const;
+  void ScanLeaf(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const;
+
+  const ExactPlan& plan_;
+  const UnitScheduler& units_;
+  const TileContext context_;
+  const AttributeTiles attributes_;
+  const std::optional<BandContext> band_;
+  mutable ScanPool<BlockScan> scans_;
+  mutable ScanPool<BandScan> band_scans_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_UNIT_SCAN_H_

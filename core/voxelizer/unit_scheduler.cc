@@ -1,0 +1,127 @@
+#include "core/voxelizer/unit_scheduler.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/brick/tile_order.h"
+
+namespace latvox {
+namespace {
+
+// A subtree becomes one unit of parallel work when it is this small: enough to keep the serial part of the pipeline
+// small, little enough to keep threads busy and memory bounded.
+constexpr int kMaxUnitLevel = 2;  // 4^3 tiles
+constexpr size_t kMaxUnitTriangles = 4096;
+constexpr int kMaxSolidUnitLevel = 1;  // tiles may be full, of 512 bricks each
+
+// Tiles are digitized by blocks of 2^3, which share what lies between them (larger blocks' bits would not fit a core's
+// cache), unless that leaves too few blocks for the threads at hand: a surface meets some 2 * 4^n of 8^n blocks.
+int BlockLevel(int tree_level) {
+  constexpr int kBlocksPerThread = 4;  // IsSmall has the last ones of these taken apart
+  const int threads = oneapi::tbb::this_task_arena::max_concurrency();
+  return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
+}
+
+// No thread may be long at the last unit while the others have nothing to do: guided self-scheduling [Polychronopoulos
+// and Kuck 1987], with units of up to twice a thread's part of what is left, for tiles by themselves take longer.
+bool IsSmall(const TileNode& node) {
+  constexpr double kRounding = 1e-9;  // of shares and their sums
+  const int threads = oneapi::tbb::this_task_arena::max_concurrency();
+  return node.level == 0 || threads == 1 || node.share * threads <= 2 * (1 - node.progress) + kRounding;
+}
+
+}  // namespace
+
+UnitScheduler::UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job)
+    : plan_(plan),
+      job_(job),
+      tile_base_(Shifted(plan.input.mesh.base_ijk, kTileBits)),
+      tree_(plan.input.mesh, 0, plan.near_margin, plan.far_margin, plan.input.region, job),
+      kept_(std::move(kept)) {
+  if (plan.is_fine) tree_.AddEdges(*plan.edges);
+}
+
+void UnitScheduler::AddInterior(const Interior& interior) {
+  interior_ = &interior;
+  tree_.KeepEmpty();
+}
+
+// A band's tile has up to a megabyte of values, and one with attributes up to three.
+bool UnitScheduler::IsUnit(const TileNode& node) const {
+  if (plan_.has_large_tiles) return tree_.IsLeaf(node);
+  const int max_level = interior_ != nullptr ? kMaxSolidUnitLevel : kMaxUnitLevel;
+  if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() + node.edges > kMaxUnitTriangles)) {
+    return false;
+  }
+  return IsSmall(node);
+}
+
+// A tile's place in the canonical order.
+uint64_t UnitScheduler::NumberOf(const Vec3i& tile_ijk) const {
+  return TileNumber(tile_ijk - plan_.facts.first_tile_ijk);
+}
+
+bool UnitScheduler::IsLeftOut(const TileNode& node) const {
+  if (node.triangles.empty() && node.edges == 0 &&
+      !(interior_ != nullptr && interior_->MayHold(node.tile_ijk, node.level))) {
+    return true;
+  }
+  if (const auto& bounds = plan_.input.bounds) {
+    const Vec3i low = (node.tile_ijk + tile_base_) * kTileSide;
+    const int32_t side = kTileSide << node.level;
+    if (bounds->Misses({low, low + Vec3i{side, side, side}})) return true;
+  }
+  return !plan_.span.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
+}
+
+// The pipeline waits for this: hence large nodes are split by many threads, and many nodes at a time.
+std::optional<TileNode> UnitScheduler::Next() {
+  if (!std::exchange(started_, true)) {
+    if (!plan_.input.band) tree_.SetLeafLevel(BlockLevel(tree_.level()));
+    // Isolated, lest the thread that waits here take up a unit meanwhile.
+    oneapi::tbb::this_task_arena::isolate([&] { todo_ = tree_.Top(std::exchange(kept_, std::nullopt)); });
+    std::reverse(todo_.begin(), todo_.end());
+  }
+  while (!todo_.empty() && !job_.Stopped()) {
+    if (IsLeftOut(todo_.back())) {
+      todo_.pop_back();
+      continue;
+    }
+    if (IsUnit(todo_.back())) {
+      TileNode node = std::move(todo_.back());
+      todo_.pop_back();
+      return node;
+    }
+    SplitNext();
+  }
+  return std::nullopt;
+}
+
+// Puts the children of the next nodes, as many as there are threads, in their place, where nodes are no units.
+void UnitScheduler::SplitNext() {
+  const size_t count = std::min(todo_.size(), static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
+  const size_t kept = todo_.size() - count;
+  std::vector<std::vector<TileNode>> parts(count);
+  oneapi::tbb::this_task_arena::isolate([&] {  // as in Next
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
+      for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
+        TileNode& node = todo_[kept + n];
+        if (IsLeftOut(node)) continue;
+        if (IsUnit(node)) {
+          parts[n].push_back(std::move(node));
+        } else {
+          parts[n] = tree_.Children(node);
+        }
+      }
+    });
+  });
+  todo_.resize(kept);
+  for (std::vector<TileNode>& part : parts) std::move(part.rbegin(), part.rend(), std::back_inserter(todo_));
+}
+
+}  // namespace latvox

@@ -1,0 +1,57 @@
+// Takes the tree of tiles apart into units of parallel work.
+#ifndef LATVOX_CORE_VOXELIZER_UNIT_SCHEDULER_H_
+#define LATVOX_CORE_VOXELIZER_UNIT_SCHEDULER_H_
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/stop_signal.h"
+#include "core/brick/brick.h"
+#include "core/solid/interior.h"
+#include "core/tree/tile_tree.h"
+#include "core/voxelizer/exact_plan.h"
+
+namespace latvox {
+
+// Gives units in the canonical order of their tiles. Threads: Next and AddInterior, one at a time; the rest, any.
+class UnitScheduler {
+ public:
+  //   plan   must outlive it
+  //   kept   that of the plan, taken from it: its memory is free once the tree's top is known
+  //   job    once stopped, there are no further units
+  UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job);
+
+  // From now on, tiles that no triangle comes near to count, too, if they may hold points of the interior. Must be
+  // called before Next, and outlived by the interior.
+  void AddInterior(const Interior& interior);
+
+  // The next unit; nullopt if none is left.
+  std::optional<TileNode> Next();
+  bool Done() const { return todo_.empty(); }  // once Next was called
+
+  // Whether none of a node's tiles is delivered.
+  bool IsLeftOut(const TileNode& node) const;
+  // Whether a tile in global coordinates is within the part that is delivered.
+  bool IsInSpan(const Vec3i& tile_ijk) const { return plan_.span.Contains(NumberOf(tile_ijk)); }
+
+  const TileTree& tree() const { return tree_; }
+
+ private:
+  bool IsUnit(const TileNode& node) const;
+  uint64_t NumberOf(const Vec3i& tile_ijk) const;
+  void SplitNext();
+
+  const ExactPlan& plan_;
+  const StopSignal job_;
+  const Vec3i tile_base_;
+  TileTree tree_;
+  std::optional<std::vector<uint32_t>> kept_;
+  const Interior* interior_ = nullptr;
+  bool started_ = false;
+  std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_VOXELIZER_UNIT_SCHEDULER_H_
