@@ -9,7 +9,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kLattices[] = {"cartesian", "bcc", "fcc", "hexagonal"};
 constexpr const char* kAlgorithms[] = {"exact", "brute-force", "incremental", "optimized-incremental"};
 
 template <class Box>
@@ -60,7 +59,7 @@ Json RequestJson(const VoxelizeRequest& request) {
       for (const double number : step) json["basis"].push_back(number);
     }
   } else {
-    json["lattice"] = kLattices[static_cast<size_t>(std::get<NamedLattice>(request.lattice))];
+    json["lattice"] = NameOf(std::get<NamedLattice>(request.lattice));
   }
   if (request.voxel_size) json["voxel_size"] = *request.voxel_size;
   if (request.resolution) json["resolution"] = *request.resolution;

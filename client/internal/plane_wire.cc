@@ -24,14 +24,9 @@ v1::Vector2 ToProto(const Vec2d& v) {
 
 Vec2d FromProto(const v1::Vector2& v) { return {v.x(), v.y()}; }
 
+static_assert(v1::NamedPlaneLattice_MAX == kNamedPlaneLattices.size());
 v1::NamedPlaneLattice ToProto(NamedPlaneLattice lattice) {
-  switch (lattice) {
-    case NamedPlaneLattice::kSquare:
-      return v1::NAMED_PLANE_LATTICE_SQUARE;
-    case NamedPlaneLattice::kHexagonal:
-      return v1::NAMED_PLANE_LATTICE_HEXAGONAL;
-  }
-  return v1::NAMED_PLANE_LATTICE_UNSPECIFIED;
+  return static_cast<v1::NamedPlaneLattice>(static_cast<int>(lattice) + 1);
 }
 
 v1::LineAlgorithm ToProto(LineAlgorithm algorithm) {

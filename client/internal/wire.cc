@@ -25,19 +25,8 @@ Vec3d FromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 Shard FromProto(const v1::Shard& shard) { return {shard.index(), shard.count()}; }
 Vec3i FromProto(const v1::Ijk& v) { return {v.i(), v.j(), v.k()}; }
 
-v1::NamedLattice ToProto(NamedLattice lattice) {
-  switch (lattice) {
-    case NamedLattice::kCartesian:
-      return v1::NAMED_LATTICE_CARTESIAN;
-    case NamedLattice::kBcc:
-      return v1::NAMED_LATTICE_BCC;
-    case NamedLattice::kFcc:
-      return v1::NAMED_LATTICE_FCC;
-    case NamedLattice::kHexagonal:
-      return v1::NAMED_LATTICE_HEXAGONAL;
-  }
-  return v1::NAMED_LATTICE_UNSPECIFIED;
-}
+static_assert(v1::NamedLattice_MAX == kNamedLattices.size());
+v1::NamedLattice ToProto(NamedLattice lattice) { return static_cast<v1::NamedLattice>(static_cast<int>(lattice) + 1); }
 
 v1::Algorithm ToProto(Algorithm algorithm) {
   switch (algorithm) {

@@ -13,11 +13,15 @@ using Vec = std::array<T, D>;
 using Vec3d = Vec<double, 3>;
 using Vec3f = Vec<float, 3>;
 using Vec3i = Vec<int32_t, 3>;
+using Vec2d = Vec<double, 2>;
+using Vec2i = Vec<int32_t, 2>;
+using Vec2l = Vec<int64_t, 2>;
 
 // A matrix as its columns: m[c][r].
 template <class T, size_t D>
 using Mat = std::array<Vec<T, D>, D>;
 using Mat3d = Mat<double, 3>;
+using Mat2d = Mat<double, 2>;
 
 template <class T, size_t D>
 constexpr Vec<T, D> operator+(Vec<T, D> a, const Vec<T, D>& b) {
@@ -76,6 +80,22 @@ constexpr T Determinant(const Mat<T, 3>& m) {
 template <class T>
 constexpr T Determinant(const Mat<T, 2>& m) {
   return m[0][0] * m[1][1] - m[0][1] * m[1][0];
+}
+
+// m^-1, which has infinite or NaN entries if m is singular.
+constexpr Mat3d Inverse(const Mat3d& m) {
+  const double det = Determinant(m);
+  const std::array<Vec3d, 3> rows{Cross(m[1], m[2]), Cross(m[2], m[0]), Cross(m[0], m[1])};
+  Mat3d inverse{};
+  for (size_t c = 0; c < 3; ++c) {
+    for (size_t r = 0; r < 3; ++r) inverse[c][r] = rows[r][c] / det;
+  }
+  return inverse;
+}
+
+constexpr Mat2d Inverse(const Mat2d& m) {
+  const double det = Determinant(m);
+  return {{{m[1][1] / det, -m[0][1] / det}, {-m[1][0] / det, m[0][0] / det}}};
 }
 
 // m * v.

@@ -8,10 +8,13 @@
 namespace latvox {
 
 // Where lattice points lie in the world: world = origin + V * ijk.
-struct Grid {
-  Lattice lattice;
-  Vec3d origin;
+template <size_t D>
+struct BasicGrid {
+  BasicLattice<D> lattice;
+  Vec<double, D> origin;
 };
+using Grid = BasicGrid<3>;
+using PlaneGrid = BasicGrid<2>;
 
 }  // namespace latvox
 

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/lattice/common_denominator.h"
+#include "core/lattice/small_vectors.h"
 
 namespace latvox {
 namespace {
@@ -18,8 +19,6 @@ using Wide = __int128;
 constexpr int64_t kMinSquare = 4096;
 
 constexpr std::array<std::array<size_t, 2>, kMaxZones> kPairs{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-
-int AbsoluteSum(const Vec3i& v) { return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]); }
 
 struct Selling {
   std::array<Vec3i, kMaxZones> e;

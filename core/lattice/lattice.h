@@ -1,6 +1,7 @@
-// Three-dimensional lattices: bases, neighbours, scan directions.
+// Lattices in two and three dimensions: bases, neighbours, scan directions.
 //
-// A lattice is { V*ijk : ijk in Z^3 }; the columns of the sampling matrix V are its basis vectors (thesis section 2.1).
+// A lattice is { V*ijk : ijk in Z^D }; the columns of the sampling matrix V are its basis vectors (thesis section 2.1).
+// Points in space are called voxels, and those in the plane pixels (section 3.1, figure 3.2).
 #ifndef LATVOX_CORE_LATTICE_LATTICE_H_
 #define LATVOX_CORE_LATTICE_LATTICE_H_
 
@@ -11,56 +12,63 @@
 #include "absl/status/statusor.h"
 #include "core/base/vec.h"
 #include "core/lattice/frame.h"
+#include "core/lattice/named.h"
 #include "core/lattice/neighbors.h"
 
 namespace latvox {
 
-enum class NamedLattice { kCartesian, kBcc, kFcc, kHexagonal };
-
-class Lattice {
+template <size_t D>
+class BasicLattice {
  public:
-  // The named lattice, scaled so that voxel_size() is 1. Columns up to scale:
-  //   kCartesian   (1,0,0) (0,1,0) (0,0,1)
-  //   kBcc         (2,0,0) (0,2,0) (1,1,1)       thesis eq. 4.3
-  //   kFcc         (1,1,0) (1,0,1) (0,1,1)
-  //   kHexagonal   (1,0,0) (1/2,sqrt(3)/2,0) (0,0,1)
-  static Lattice Named(NamedLattice name);
+  // The named lattice, scaled so that a cell's volume is 1.
+  static BasicLattice Named(LatticeName<D> lattice);
 
   // The lattice with columns V, world units. Errors: INVALID_ARGUMENT if an entry is not finite, if V is singular, or
-  // if it is too skew, which is to say that a frame needs a row with an absolute sum over kMaxFrameRow; the message
-  // then gives a basis of the same lattice that is not.
-  static absl::StatusOr<Lattice> FromBasis(const Mat3d& basis);
+  // if V is too skew: a frame would exceed the bounds in frame.h. The message then gives a basis of the same lattice
+  // that is not too skew.
+  static absl::StatusOr<BasicLattice> FromBasis(const Mat<double, D>& basis);
 
-  // The same lattice scaled uniformly to voxel_size. Precondition: voxel_size is finite and > 0.
-  absl::StatusOr<Lattice> Scaled(double voxel_size) const;
+  // The same lattice scaled uniformly to this voxel_size or pixel_size. Precondition: the size is finite and > 0.
+  absl::StatusOr<BasicLattice> Scaled(double size) const;
 
-  const Mat3d& basis() const { return basis_; }      // V, world units
-  const Mat3d& inverse() const { return inverse_; }  // V^-1, by columns
+  const Mat<double, D>& basis() const { return basis_; }      // V, world units
+  const Mat<double, D>& inverse() const { return inverse_; }  // V^-1, by columns
 
-  // "cartesian", "bcc", "fcc" or "hexagonal"; "stretched-" and one of these, of a basis that is theirs but for other
-  // scales along the axes; or "basis". Named within kSymmetryTolerance, and by the basis as it stands: another one of
-  // the same lattice, or a turned one, is "basis".
+  // The name of a named lattice, or "basis". In space a basis has a name too, whoever gave it: that of the named
+  // lattice whose basis it is up to scale, or "stretched-" and that name if its scales along the axes differ. Bases
+  // are compared as they stand, within kSymmetryTolerance: another basis of the same lattice, or a turned one, is
+  // "basis".
   std::string_view name() const { return name_; }
 
-  double voxel_size() const;  // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2
+  // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2.
+  double voxel_size() const requires(D == 3) { return Size(); }
+  // |det V|^(1/2): edge of a square with a cell's area.
+  double pixel_size() const requires(D == 2) { return Size(); }
 
   // Every lattice vector whose Voronoi cell meets the origin's, with the dimension of the shared face.
-  const std::vector<Neighbor<3>>& neighbors() const { return neighbors_; }
+  const std::vector<Neighbor<D>>& neighbors() const { return neighbors_; }
 
   // The frames of one of each pair +-q of k-neighbours, in lexicographic order of q; q's first nonzero entry is
-  // positive. k in 0, 1, 2.
-  const std::vector<Frame>& frames(int k) const { return frames_[static_cast<size_t>(k)]; }
+  // positive. k in 0 .. D-1.
+  const std::vector<BasicFrame<D>>& frames(int k) const { return frames_[static_cast<size_t>(k)]; }
 
  private:
-  Lattice(std::string_view name, const Mat3d& basis, const Mat3d& inverse)
+  BasicLattice(std::string_view name, const Mat<double, D>& basis, const Mat<double, D>& inverse)
       : name_(name), basis_(basis), inverse_(inverse) {}
-  static absl::StatusOr<Lattice> Make(std::string_view name, const Mat3d& basis);
+  static absl::StatusOr<BasicLattice> Make(std::string_view name, const Mat<double, D>& basis);
+  double Size() const;
 
   std::string_view name_;
-  Mat3d basis_, inverse_;
-  std::vector<Neighbor<3>> neighbors_;
-  std::array<std::vector<Frame>, 3> frames_;
+  Mat<double, D> basis_, inverse_;
+  std::vector<Neighbor<D>> neighbors_;
+  std::array<std::vector<BasicFrame<D>>, D> frames_;
 };
+
+using Lattice = BasicLattice<3>;
+using PlaneLattice = BasicLattice<2>;
+
+extern template class BasicLattice<2>;
+extern template class BasicLattice<3>;
 
 }  // namespace latvox
 

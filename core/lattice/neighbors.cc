@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
+#include "core/lattice/small_vectors.h"
 
 // Why FindNeighbors is right. The face shared by the cells of 0 and w is centrally symmetric about w/2, so there is one
 // iff w/2 lies in the cell of 0, iff w is shortest among w + 2L. The lattice points nearest to w/2 are w/2 + u/2 with u
@@ -99,15 +100,15 @@ std::pair<size_t, size_t> MostAcutePair(const std::array<Vec<double, D>, D + 1>&
 }
 
 // Of vectors with small entries, not all 0.
-size_t Rank(const std::vector<Vec<int32_t, 2>>& vectors) {
+size_t Rank(const std::vector<Vec2i>& vectors) {
   for (const auto& v : vectors) {
     if (Determinant(Mat<int32_t, 2>{vectors[0], v}) != 0) return 2;
   }
   return 1;
 }
 
-size_t Rank(const std::vector<Vec<int32_t, 3>>& vectors) {
-  constexpr Vec<int32_t, 3> kZero{};
+size_t Rank(const std::vector<Vec3i>& vectors) {
+  constexpr Vec3i kZero{};
   size_t rank = 1;
   for (const auto& v : vectors) {
     const auto normal = Cross(vectors[0], v);
@@ -118,20 +119,6 @@ size_t Rank(const std::vector<Vec<int32_t, 3>>& vectors) {
     }
   }
   return rank;
-}
-
-// Calls f for every vector with entries in -bound..bound.
-template <size_t D, class F>
-void ForEachInCube(int32_t bound, F f) {
-  Vec<int32_t, D> v;
-  v.fill(-bound);
-  while (true) {
-    f(v);
-    size_t m = D;
-    while (m > 0 && v[m - 1] == bound) v[--m] = -bound;
-    if (m == 0) return;
-    ++v[m - 1];
-  }
 }
 
 }  // namespace

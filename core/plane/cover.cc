@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kOutside = std::numeric_limits<uint32_t>::max();
 
-// A pixel of the set, as its index, and the other end of one of its crossed edges.
+// A pixel of the set, as its index, and the other end of one of its crossed links.
 struct Incidence {
   uint32_t pixel, other;  // other: an index, or kOutside
   bool operator<(const Incidence& b) const { return std::tie(pixel, other) < std::tie(b.pixel, b.other); }
@@ -24,13 +24,13 @@ uint32_t IndexOf(const std::vector<Vec2i>& pixels, const Vec2i& ij) {
 }
 
 // By pixel. Edges without an end in the set are counted instead.
-std::vector<Incidence> IncidencesOf(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels,
+std::vector<Incidence> IncidencesOf(const std::vector<PlaneLink>& links, const std::vector<Vec2i>& pixels,
                                     uint64_t& uncovered, StopSignal stop) {
   std::vector<Incidence> incidences;
   uncovered = 0;
-  for (const PlaneEdge& edge : edges) {
+  for (const PlaneLink& link : links) {
     if (stop.Stopped()) break;
-    const uint32_t low = IndexOf(pixels, edge.low), high = IndexOf(pixels, edge.high);
+    const uint32_t low = IndexOf(pixels, link.low), high = IndexOf(pixels, link.high);
     if (low != kOutside) incidences.push_back({low, high});
     if (high != kOutside) incidences.push_back({high, low});
     if (low == kOutside && high == kOutside) ++uncovered;
@@ -39,7 +39,7 @@ std::vector<Incidence> IncidencesOf(const std::vector<PlaneEdge>& edges, const s
   return incidences;
 }
 
-// Calls f(pixel, essential) for every pixel, in order: essential if it alone covers one of its edges.
+// Calls f(pixel, essential) for every pixel, in order: essential if it alone covers one of its links.
 template <class F>
 void ForEachPixel(const std::vector<Incidence>& incidences, const std::vector<bool>& member, F f) {
   auto next = incidences.begin();
@@ -63,23 +63,23 @@ PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::ve
     if (stop.Stopped()) return {};
     for (const PlaneFrame& frame : frames) {
       ForEachCrossing(segment, frame, [&](const Vec2i& nearer, const Vec2i& farther) {
-        crossings.edges.push_back({std::min(nearer, farther), std::max(nearer, farther)});
+        crossings.links.push_back({std::min(nearer, farther), std::max(nearer, farther)});
         crossings.nearer.push_back(nearer);
       });
     }
-    if (crossings.edges.size() < limit) continue;
-    SortUnique(crossings.edges, stop);
+    if (crossings.links.size() < limit) continue;
+    SortUnique(crossings.links, stop);
     SortUnique(crossings.nearer, stop);
-    limit = std::max(limit, 2 * crossings.edges.size());
+    limit = std::max(limit, 2 * crossings.links.size());
   }
-  SortUnique(crossings.edges, stop);
+  SortUnique(crossings.links, stop);
   SortUnique(crossings.nearer, stop);
   return crossings;
 }
 
-void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, StopSignal stop) {
+void Thin(const std::vector<PlaneLink>& links, std::vector<Vec2i>& pixels, StopSignal stop) {
   uint64_t uncovered;
-  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, uncovered, stop);
+  const std::vector<Incidence> incidences = IncidencesOf(links, pixels, uncovered, stop);
   std::vector<bool> member(pixels.size(), true);
   for (int32_t parity = 0; parity < 4 && !stop.Stopped(); ++parity) {
     ForEachPixel(incidences, member, [&](uint32_t pixel, bool essential) {
@@ -94,9 +94,9 @@ void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, StopS
   pixels.resize(kept);
 }
 
-PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels, StopSignal stop) {
+PlaneVerdict Judge(const std::vector<PlaneLink>& links, const std::vector<Vec2i>& pixels, StopSignal stop) {
   PlaneVerdict verdict;
-  const std::vector<Incidence> incidences = IncidencesOf(edges, pixels, verdict.tunnels, stop);
+  const std::vector<Incidence> incidences = IncidencesOf(links, pixels, verdict.tunnels, stop);
   ForEachPixel(incidences, std::vector<bool>(pixels.size(), true), [&](uint32_t, bool essential) {
     if (!essential) ++verdict.redundant;
   });

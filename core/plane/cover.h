@@ -1,6 +1,6 @@
-// Curves as sets of crossed lattice edges, pixel sets as covers of them.
+// Curves as sets of crossed links, pixel sets as covers of them.
 //
-// A set of pixels is k-tunnel-free (thesis section 2.2) iff every crossed edge has an end in it, that is iff it is a
+// A set of pixels is k-tunnel-free (thesis section 2.2) iff every crossed link has an end in it, that is iff it is a
 // vertex cover; it is k-minimal iff no pixel can leave, that is iff the cover is minimal.
 #ifndef LATVOX_CORE_PLANE_COVER_H_
 #define LATVOX_CORE_PLANE_COVER_H_
@@ -10,40 +10,40 @@
 #include <vector>
 
 #include "core/base/stop_signal.h"
-#include "core/plane/lattice2.h"
+#include "core/lattice/lattice.h"
 #include "core/plane/polyline.h"
 
 namespace latvox {
 
-// The ends of a lattice edge, low < high lexicographically.
-struct PlaneEdge {
+// The ends of a link, low < high lexicographically.
+struct PlaneLink {
   Vec2i low, high;
-  auto operator<=>(const PlaneEdge&) const = default;
+  auto operator<=>(const PlaneLink&) const = default;
 };
 
 struct PlaneCrossings {
-  std::vector<PlaneEdge> edges;  // every edge that is crossed at least once; sorted, without duplicates
+  std::vector<PlaneLink> links;  // every link that is crossed at least once; sorted, without duplicates
   std::vector<Vec2i> nearer;     // the nearer end of every crossing: Delta_k; sorted, without duplicates
 };
 
-// Crossings of all segments with the lattice edges along all frames, in local pixels.
+// Crossings of all segments with the links along all frames, in local pixels.
 PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames,
                              StopSignal stop = {});
 
 // For each of the four parity classes (i&1)<<1 | (j&1) in ascending order, removes every pixel of the class whose
-// crossed edges all have their other end in the set. No two pixels of a class are neighbours, so the order within a
+// crossed links all have their other end in the set. No two pixels of a class are neighbours, so the order within a
 // class does not matter; a pixel that its pass keeps stays essential, since the set only shrinks. What is left covers
-// every edge that was covered, and has no redundant pixel.
-//   edges, pixels   sorted, without duplicates
-void Thin(const std::vector<PlaneEdge>& edges, std::vector<Vec2i>& pixels, StopSignal stop = {});
+// every link that was covered, and has no redundant pixel.
+//   links, pixels   sorted, without duplicates
+void Thin(const std::vector<PlaneLink>& links, std::vector<Vec2i>& pixels, StopSignal stop = {});
 
 struct PlaneVerdict {
-  uint64_t tunnels = 0;    // crossed edges without an end in the set
-  uint64_t redundant = 0;  // pixels that could leave, one at a time, without a tunnel; those on no crossed edge count
+  uint64_t tunnels = 0;    // crossed links without an end in the set
+  uint64_t redundant = 0;  // pixels that could leave, one at a time, without a tunnel; those on no crossed link count
 };
 
-// Any set of pixels against the crossed edges; both sorted, without duplicates.
-PlaneVerdict Judge(const std::vector<PlaneEdge>& edges, const std::vector<Vec2i>& pixels, StopSignal stop = {});
+// Any set of pixels against the crossed links; both sorted, without duplicates.
+PlaneVerdict Judge(const std::vector<PlaneLink>& links, const std::vector<Vec2i>& pixels, StopSignal stop = {});
 
 }  // namespace latvox
 

@@ -1,8 +1,13 @@
 // The crossing rule in the plane: where one segment crosses the lattice lines along one direction.
 //
-// A lattice edge is a segment z -> z+q between k-neighbours. The pixels of a curve are the nearer ends of all edges
-// that it crosses: then every crossed edge has an end in the set, which is what k-separating means, for any curve; and
-// on a line the set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1 (any lattice), 2 and 3 (square).
+// A link is a segment z -> z+q between k-neighbours; core/digitize/crossing.h calls it a lattice edge. The pixels of a
+// curve are the nearer ends of all links that it crosses. Then every crossed link has an end in the set, which is what
+// k-separating means, for any curve. On a line the set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1
+// (any lattice), 2 and 3 (square).
+//
+// This is the rule of core/digitize/crossing.h with one dimension less, and not an instance of it: there a triangle
+// covers a span of lines in each row, here a segment meets each line of one range once, and 64 bits hold every depth.
+// The exact divisions are shared.
 //
 // Ties. The result is that of the curve shifted by the infinitesimal (e, e^2) in lattice coordinates, the same for
 // every direction (simulation of simplicity). Of two segments with a common end exactly one claims a lattice line
@@ -16,18 +21,11 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/plane/lattice2.h"
+#include "core/digitize/crossing.h"
+#include "core/lattice/frame.h"
 #include "core/plane/polyline.h"
 
 namespace latvox {
-
-namespace plane_internal {
-
-// For d > 0.
-constexpr int64_t FloorDiv(int64_t n, int64_t d) { return n / d - (n % d < 0); }
-constexpr int64_t CeilDiv(int64_t n, int64_t d) { return n / d + (n % d > 0); }
-
-}  // namespace plane_internal
 
 // A segment in a frame: it runs from (x0, z0) to (x1, z1), x0 <= x1, in units of 1/kLatticeUnit; x is across the
 // lattice lines, z along them.
@@ -62,7 +60,7 @@ class LineWalk {
  public:
   // Starts on the lattice line a. Precondition: !segment.IsParallelToLines().
   LineWalk(const FramedSegment& segment, const PlaneFrame& frame, int64_t a) : frame_(frame) {
-    using plane_internal::FloorDiv;
+    using crossing_internal::FloorDiv;
     const int64_t across = segment.x1 - segment.x0, along = segment.z1 - segment.z0;
     denominator_ = across * kLatticeUnit;
     // A depth Z rounds to c = floor((Z + half) / unit) = floor(numerator / denominator); a tie that the shift moves
@@ -76,7 +74,7 @@ class LineWalk {
     for (size_t m = 0; m < 2; ++m) on_line_[m] = static_cast<int32_t>(a * frame.u[0][m]);
   }
 
-  // The pixel nearest to the curve on the current lattice line, and the other end of the edge that the curve crosses.
+  // The pixel nearest to the curve on the current lattice line, and the other end of the link that the curve crosses.
   Vec2i nearer() const { return on_line_ + frame_.q * static_cast<int32_t>(c_); }
   // The curve lies above the nearer end iff the remainder is at least half; exactly half is on it, and moves by the
   // shift, which the numerator holds already.
@@ -98,11 +96,11 @@ class LineWalk {
   int64_t denominator_, c_, remainder_, c_step_, remainder_step_;
 };
 
-// Calls emit(nearer, farther) with the two ends (local pixels) of every lattice edge along frame.q that the segment
-// crosses. A segment parallel to q crosses none, and so does one of length zero.
+// Calls emit(nearer, farther) with the two ends (local pixels) of every link along frame.q that the segment crosses. A
+// segment parallel to q crosses none, and so does one of length zero.
 template <class Emit>
 void ForEachCrossing(const Segment& segment, const PlaneFrame& frame, Emit&& emit) {
-  using plane_internal::CeilDiv, plane_internal::FloorDiv;
+  using crossing_internal::CeilDiv, crossing_internal::FloorDiv;
   const FramedSegment framed(segment, frame);
   if (framed.IsParallelToLines()) return;
   // The shift moves x by r[0].(e, e^2): upwards, the lines x0 < X <= x1 are met, else x0 <= X < x1.

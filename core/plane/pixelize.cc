@@ -40,22 +40,22 @@ std::vector<Vec2i> Digitize(const std::vector<Segment>& segments, const PlaneLat
 
 }  // namespace
 
-absl::StatusOr<PlaneGrid> ResolvePlaneGrid(const PlaneLattice& lattice, const PlaneDensity& density,
+absl::StatusOr<PlaneGrid> ResolvePlaneGrid(const PlaneLattice& lattice, const PlaneSampling& sampling,
                                            const std::optional<Vec2d>& origin, const PlaneBounds& bounds) {
-  std::optional<double> pixel_size = density.pixel_size;
+  std::optional<double> pixel_size = sampling.pixel_size;
   if (pixel_size && !(*pixel_size > 0 && std::isfinite(*pixel_size))) {
     return OutOfRange("pixel_size", *pixel_size, "a finite number above 0");
   }
-  if (density.resolution) {
+  if (sampling.resolution) {
     if (pixel_size) return absl::InvalidArgumentError("resolution: not together with pixel_size");
-    if (*density.resolution < 2 || *density.resolution > kMaxPlaneResolution) {
-      return OutOfRange("resolution", *density.resolution, "within 2 to 65536");
+    if (*sampling.resolution < 2 || *sampling.resolution > kMaxPlaneResolution) {
+      return OutOfRange("resolution", *sampling.resolution, "within 2 to 65536");
     }
-    pixel_size = bounds.LongestSide() / (*density.resolution - 1);
+    pixel_size = bounds.LongestSide() / (*sampling.resolution - 1);
     if (!(*pixel_size > 0)) {
       return absl::InvalidArgumentError("resolution: the polylines are a single point; give pixel_size");
     }
-    if (!std::isfinite(*pixel_size)) return OutOfRange("resolution", *density.resolution, "finite for these bounds");
+    if (!std::isfinite(*pixel_size)) return OutOfRange("resolution", *sampling.resolution, "finite for these bounds");
   }
   if (origin) {
     for (double x : *origin) {
@@ -75,7 +75,7 @@ absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, 
                                         const PixelizeOptions& options, StopSignal stop) {
   const int k = options.separability;
   if (k < 0 || k > 1) return OutOfRange("separability", k, "0 or 1");
-  if (auto status = Validate(polylines); !status.ok()) return status;
+  if (auto status = CheckPolylines(polylines); !status.ok()) return status;
   auto snapped = Snap(polylines, grid.lattice, grid.origin);
   if (!snapped.ok()) return snapped.status();
   std::vector<Segment> segments = std::move(snapped->segments);
@@ -89,10 +89,10 @@ absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, 
   PlaneCrossings crossings = FindCrossings(segments, grid.lattice.frames(k), stop);
   PixelizeResult result;
   result.pixels = Digitize(segments, grid.lattice, options, stop, std::move(crossings.nearer));
-  if (options.minimal) Thin(crossings.edges, result.pixels, stop);
-  const PlaneVerdict verdict = Judge(crossings.edges, result.pixels, stop);
+  if (options.minimal) Thin(crossings.links, result.pixels, stop);
+  const PlaneVerdict verdict = Judge(crossings.links, result.pixels, stop);
   if (stop.Stopped()) return absl::CancelledError("pixelization cancelled");
-  result.crossed_edges = crossings.edges.size();
+  result.crossed_links = crossings.links.size();
   result.tunnels = verdict.tunnels;
   result.redundant = verdict.redundant;
   for (Vec2i& ij : result.pixels) ij = ij + snapped->base_ij;

@@ -61,7 +61,7 @@ absl::Status CheckRange(const PlaneBounds& range, double pixel_size) {
 
 double PlaneBounds::LongestSide() const { return std::max(max[0] - min[0], max[1] - min[1]); }
 
-absl::Status Validate(const std::vector<Polyline>& polylines) {
+absl::Status CheckPolylines(const std::vector<Polyline>& polylines) {
   if (polylines.empty()) return absl::InvalidArgumentError("polylines: there are none");
   for (size_t n = 0; n < polylines.size(); ++n) {
     const auto& points = polylines[n].points;

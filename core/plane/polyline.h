@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/plane/lattice2.h"
+#include "core/lattice/lattice.h"
 #include "core/snap/snap.h"
 
 namespace latvox {
@@ -28,9 +28,9 @@ struct PlaneBounds {
 };
 
 // INVALID_ARGUMENT, naming the element, if there is no polyline, or one without points, or a point that is not finite.
-absl::Status Validate(const std::vector<Polyline>& polylines);
+absl::Status CheckPolylines(const std::vector<Polyline>& polylines);
 
-// Box of all points. Precondition: Validate(polylines).
+// Box of all points. Precondition: CheckPolylines(polylines).
 PlaneBounds BoundsOf(const std::vector<Polyline>& polylines);
 
 // Ends in fixed-point lattice coordinates. Both ends may be the same point.
@@ -54,7 +54,7 @@ struct SnappedPolylines {
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit: no point moves by more than
 // kSnapErrorMax in either lattice coordinate. A polyline of one point becomes one segment of length zero.
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
-// Precondition: Validate(polylines).
+// Precondition: CheckPolylines(polylines).
 absl::StatusOr<SnappedPolylines> Snap(const std::vector<Polyline>& polylines, const PlaneLattice& lattice,
                                       const Vec2d& origin);
 

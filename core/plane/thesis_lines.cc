@@ -11,7 +11,7 @@
 namespace latvox {
 namespace {
 
-using plane_internal::CeilDiv, plane_internal::FloorDiv;
+using crossing_internal::CeilDiv, crossing_internal::FloorDiv;
 
 // Squares that differ by less than this factor are equal.
 constexpr double kTie = 1 + 2 * kSymmetryTolerance;

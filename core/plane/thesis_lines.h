@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/stop_signal.h"
-#include "core/plane/lattice2.h"
+#include "core/lattice/lattice.h"
 #include "core/plane/polyline.h"
 
 namespace latvox {
@@ -20,7 +20,7 @@ std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const P
 // Brute force (sections 3.1, 4.1, 4.2): in the bounding box and a margin, every pixel whose centre lies between the
 // segment's two ends with -t < n.z + D <= t, and every pixel within R of an end, R the largest interface distance |q|/2
 // of a k-neighbour.
-//   (1) contains the nearer end of every crossed edge: it is k-separating   (2) in general not k-minimal at ends
+//   (1) contains the nearer end of every crossed link: it is k-separating   (2) in general not k-minimal at ends
 // The slab is decided by integers. Discs are closed, and reach further by the lattice's symmetry tolerance; that a
 // pixel's foot lies between the ends is decided in doubles, where an error cannot matter: within t <= R of an end it is
 // in the disc.
@@ -33,10 +33,10 @@ uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice
 // The incremental form (sections 4.3, 4.4): on every lattice line along the principal direction C, from one end's to
 // the other's, the one pixel with -t < n.z + D <= t, found by adding delta k. A segment of length zero is its pixel.
 //   (1) exactly one pixel a lattice line along C
-//   (2) k-separating, seams between segments included, without the rule of section 4.5. For |r[0].q| <= 1 an edge
+//   (2) k-separating, seams between segments included, without the rule of section 4.5. For |r[0].q| <= 1 a link
 //       along q that crosses the segment has both ends on lattice lines from one end's to the other's, so its nearer
 //       end is in the set. |r[0].q| is larger only if q and C are the two diagonals of a rectangle: then it is 2, the
-//       edge's middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer.
+//       link's middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer.
 // Precondition: both ends of every segment are pixels (RoundToPixels).
 std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
                                     StopSignal stop = {});

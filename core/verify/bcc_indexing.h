@@ -10,19 +10,19 @@ namespace latvox {
 
 // BCC as two Cartesian lattices, each a half step apart in every axis, whose layers alternate along the last index: a
 // cube of D^3 unit cells is the array D x D x 2D. Index (x, y, z) is the point (2x + o, 2y + o, z), o = z mod 2, of the
-// lattice with basis (2,0,0) (0,2,0) (1,1,1), in units of half a cell's edge.
+// lattice with basis (2,0,0) (0,2,0) (1,1,1), in units of half a unit cell's edge.
 //
 // A point's last lattice coordinate is its height z; each step of it moves (1, 1) in the plane, which is half an index
 // in x and y, and o says where the half went.
 constexpr Vec3i BccToLattice(const Vec3i& index) {
-  const int32_t cells = index[2] >> 1;
-  return {index[0] - cells, index[1] - cells, index[2]};
+  const int32_t unit_cells = index[2] >> 1;
+  return {index[0] - unit_cells, index[1] - unit_cells, index[2]};
 }
 
 // The inverse.
 constexpr Vec3i LatticeToBcc(const Vec3i& ijk) {
-  const int32_t cells = ijk[2] >> 1;
-  return {ijk[0] + cells, ijk[1] + cells, ijk[2]};
+  const int32_t unit_cells = ijk[2] >> 1;
+  return {ijk[0] + unit_cells, ijk[1] + unit_cells, ijk[2]};
 }
 
 // Eq. 5.2: 2 D_BCC^3 = D_CC^3, equally many lattice points in one volume. Not rounded: 256 and 203.2.

@@ -28,20 +28,12 @@ void ToProto(const Vec3i& ijk, v1::Ijk& out) {
   out.set_k(ijk[2]);
 }
 
+static_assert(v1::NamedLattice_MAX == kNamedLattices.size());
 absl::StatusOr<Lattice> NamedFromProto(v1::NamedLattice name) {
-  switch (name) {
-    case v1::NAMED_LATTICE_CARTESIAN:
-      return Lattice::Named(NamedLattice::kCartesian);
-    case v1::NAMED_LATTICE_BCC:
-      return Lattice::Named(NamedLattice::kBcc);
-    case v1::NAMED_LATTICE_FCC:
-      return Lattice::Named(NamedLattice::kFcc);
-    case v1::NAMED_LATTICE_HEXAGONAL:
-      return Lattice::Named(NamedLattice::kHexagonal);
-    default:
-      return BadSpec(absl::StrCat("lattice.named ", static_cast<int>(name), " is not a lattice"), "lattice.named",
-                     absl::StrCat(static_cast<int>(name)), "1 to 4");
-  }
+  const int number = static_cast<int>(name), count = static_cast<int>(kNamedLattices.size());
+  if (number >= 1 && number <= count) return Lattice::Named(static_cast<NamedLattice>(number - 1));
+  return BadSpec(absl::StrCat("lattice.named ", number, " is not a lattice"), "lattice.named", absl::StrCat(number),
+                 absl::StrCat("1 to ", count));
 }
 
 absl::StatusOr<Lattice> LatticeFromProto(const v1::Lattice& lattice) {

@@ -24,14 +24,17 @@ absl::Status NotOneOf(absl::string_view field, int value, absl::string_view kind
   return BadSpec(absl::StrCat(field, " ", value, " is not ", kind), field, absl::StrCat(value), limit);
 }
 
+static_assert(v1::NamedPlaneLattice_MAX == kNamedPlaneLattices.size());
+absl::StatusOr<PlaneLattice> NamedFromProto(v1::NamedPlaneLattice name) {
+  const int number = static_cast<int>(name), count = static_cast<int>(kNamedPlaneLattices.size());
+  if (number >= 1 && number <= count) return PlaneLattice::Named(static_cast<NamedPlaneLattice>(number - 1));
+  return NotOneOf("lattice.named", number, "a lattice", absl::StrCat("1 to ", count));
+}
+
 absl::StatusOr<PlaneLattice> LatticeFromProto(const v1::PlaneLattice& lattice) {
   switch (lattice.kind_case()) {
     case v1::PlaneLattice::kNamed:
-      if (lattice.named() == v1::NAMED_PLANE_LATTICE_SQUARE) return PlaneLattice::Named(NamedPlaneLattice::kSquare);
-      if (lattice.named() == v1::NAMED_PLANE_LATTICE_HEXAGONAL) {
-        return PlaneLattice::Named(NamedPlaneLattice::kHexagonal);
-      }
-      return NotOneOf("lattice.named", static_cast<int>(lattice.named()), "a lattice", "1 to 2");
+      return NamedFromProto(lattice.named());
     case v1::PlaneLattice::kBasis: {
       auto result = PlaneLattice::FromBasis({FromProto(lattice.basis().a()), FromProto(lattice.basis().b())});
       if (!result.ok()) return WithCause(result.status(), {"BAD_SPEC", "lattice.basis", "", ""});
@@ -43,17 +46,17 @@ absl::StatusOr<PlaneLattice> LatticeFromProto(const v1::PlaneLattice& lattice) {
   return BadSpec("lattice: neither named nor basis is set", "lattice", "");
 }
 
-absl::StatusOr<PlaneDensity> DensityFromProto(const v1::PixelizeRequest& request) {
+absl::StatusOr<PlaneSampling> DensityFromProto(const v1::PixelizeRequest& request) {
   switch (request.density_case()) {
     case v1::PixelizeRequest::kPixelSize: {
       const double size = request.pixel_size();
-      if (std::isfinite(size) && size > 0) return PlaneDensity{size, std::nullopt};
+      if (std::isfinite(size) && size > 0) return PlaneSampling{size, std::nullopt};
       return BadSpec(absl::StrCat("pixel_size ", size, " is not a finite number above 0"), "pixel_size",
                      absl::StrCat(size), "0");
     }
     case v1::PixelizeRequest::kResolution: {
       const uint32_t resolution = request.resolution();
-      if (resolution >= 2 && resolution <= kMaxPlaneResolution) return PlaneDensity{std::nullopt, resolution};
+      if (resolution >= 2 && resolution <= kMaxPlaneResolution) return PlaneSampling{std::nullopt, resolution};
       const uint32_t limit = resolution < 2 ? 2 : kMaxPlaneResolution;
       return BadSpec(absl::StrCat("resolution ", resolution, resolution < 2 ? " is below " : " exceeds ", limit),
                      "resolution", absl::StrCat(resolution), absl::StrCat(limit));
@@ -61,7 +64,7 @@ absl::StatusOr<PlaneDensity> DensityFromProto(const v1::PixelizeRequest& request
     case v1::PixelizeRequest::DENSITY_NOT_SET:
       break;
   }
-  if (request.lattice().has_basis()) return PlaneDensity{};
+  if (request.lattice().has_basis()) return PlaneSampling{};
   return BadSpec("density: a named lattice needs pixel_size or resolution", "density", "");
 }
 
@@ -168,7 +171,7 @@ uint64_t CountPoints(const v1::PixelizeRequest& request) {
 absl::StatusOr<PlaneJobSpec> PlaneJobSpecFromProto(const v1::PixelizeRequest& request, const Limits& limits) {
   absl::StatusOr<PlaneLattice> lattice = LatticeFromProto(request.lattice());
   if (!lattice.ok()) return lattice.status();
-  const absl::StatusOr<PlaneDensity> density = DensityFromProto(request);
+  const absl::StatusOr<PlaneSampling> density = DensityFromProto(request);
   if (!density.ok()) return density.status();
   const absl::StatusOr<PixelizeOptions> options = OptionsFromProto(request);
   if (!options.ok()) return options.status();
@@ -194,7 +197,7 @@ v1::PixelizeResponse PixelsToProto(const PlaneJobSpec& spec, const PlaneGrid& gr
     response.add_pixels(ij[0]);
     response.add_pixels(ij[1]);
   }
-  response.set_crossed_edges(result.crossed_edges);
+  response.set_crossed_edges(result.crossed_links);
   response.set_tunnels(result.tunnels);
   response.set_redundant(result.redundant);
   response.set_snap_error_max(kSnapErrorMax);

@@ -16,7 +16,7 @@ namespace latvox {
 struct PlaneJobSpec {
   std::vector<Polyline> polylines;
   PlaneLattice lattice;
-  PlaneDensity density;
+  PlaneSampling density;
   std::optional<Vec2d> origin;
   PixelizeOptions options;
   RequestFields fields = {};

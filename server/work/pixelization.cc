@@ -50,7 +50,7 @@ absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits
 
 absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limits& limits, MemoryReservation& memory,
                                             StopSignal stop, PixelizationFacts& facts) {
-  if (absl::Status status = Validate(spec.polylines); !status.ok()) return WithCauseOfCore(status);
+  if (absl::Status status = CheckPolylines(spec.polylines); !status.ok()) return WithCauseOfCore(status);
   const auto grid = ResolvePlaneGrid(spec.lattice, spec.density, spec.origin, BoundsOf(spec.polylines));
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec.fields);
   if (absl::Status status = Admit(spec, *grid, limits, memory); !status.ok()) return status;

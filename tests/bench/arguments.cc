@@ -11,11 +11,12 @@ namespace latvox {
 namespace {
 
 const std::map<std::string, NamedLattice>& Lattices() {
-  static const std::map<std::string, NamedLattice> lattices{{"cartesian", NamedLattice::kCartesian},
-                                                            {"bcc", NamedLattice::kBcc},
-                                                            {"fcc", NamedLattice::kFcc},
-                                                            {"hexagonal", NamedLattice::kHexagonal}};
-  return lattices;
+  static const auto* const lattices = [] {
+    auto* all = new std::map<std::string, NamedLattice>;
+    for (const auto& row : kNamedLattices) all->emplace(row.name, row.lattice);
+    return all;
+  }();
+  return *lattices;
 }
 
 // Options that are not of the type that they end as.

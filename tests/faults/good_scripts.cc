@@ -33,7 +33,7 @@ Script Voxelize(const std::string& drc, Chance& chance) {
   script.method = Method("Voxelize");
   v1::VoxelizeRequest request;
   v1::VoxelizeSpec& spec = *request.mutable_spec();
-  spec.mutable_lattice()->set_named(static_cast<v1::NamedLattice>(1 + chance.Below(4)));
+  spec.mutable_lattice()->set_named(static_cast<v1::NamedLattice>(1 + chance.Below(v1::NamedLattice_MAX)));
   spec.set_resolution(static_cast<uint32_t>(16 + chance.Below(48)));
   spec.set_separability(static_cast<uint32_t>(chance.Below(3)));
   spec.set_verify(chance.OneIn(8));
@@ -70,7 +70,7 @@ Script Pixelize(Chance& chance) {
     for (uint64_t n = 2 * (1 + chance.Below(10)); n > 0; --n) line.add_xy(chance.Between(-1, 1));
     line.set_closed(chance.OneIn(2));
   }
-  request.mutable_lattice()->set_named(static_cast<v1::NamedPlaneLattice>(1 + chance.Below(2)));
+  request.mutable_lattice()->set_named(static_cast<v1::NamedPlaneLattice>(1 + chance.Below(v1::NamedPlaneLattice_MAX)));
   request.set_resolution(static_cast<uint32_t>(2 + chance.Below(200)));
   request.set_separability(static_cast<uint32_t>(chance.Below(2)));
   script.messages.push_back(request.SerializeAsString());

@@ -32,6 +32,8 @@ latvox_add_test(client_job_test SOURCES unit/client/tool/cli/job_test.cc LIBRARI
 latvox_add_test(client_batch_test SOURCES unit/client/tool/cli/batch_test.cc LIBRARIES latvox::tool latvox::grid GTest::gmock)
 
 # Both ends of one call.
+latvox_add_test(named_lattices_test SOURCES unit/both_ends/named_lattices_test.cc
+                LIBRARIES latvox::core latvox::client latvox::proto)
 latvox_add_test(plane_call_test SOURCES unit/both_ends/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
 target_compile_definitions(plane_call_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
 add_dependencies(plane_call_test latvoxd)

@@ -18,10 +18,22 @@ namespace latvox::client {
 using Vec2d = std::array<double, 2>;   // a world position or vector: x, y
 using Vec2i = std::array<int32_t, 2>;  // lattice coordinates: i, j
 
-// The common plane lattices, in bases that are given here up to scale.
+// The common plane lattices, in the protocol's order, in bases that are given here up to scale.
 enum class NamedPlaneLattice {
   kSquare,     // (1,0) (0,1)
   kHexagonal,  // (1,0) (1/2,sqrt(3)/2)
+};
+
+// A common plane lattice: its value and its name.
+struct NamedPlaneBasis {
+  NamedPlaneLattice lattice;
+  const char* name;
+};
+
+// All of them, in the order of their values.
+inline constexpr std::array kNamedPlaneLattices{
+    NamedPlaneBasis{NamedPlaneLattice::kSquare, "square"},
+    NamedPlaneBasis{NamedPlaneLattice::kHexagonal, "hexagonal"},
 };
 
 // The world vectors of one step in i and j.

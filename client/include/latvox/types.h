@@ -19,13 +19,40 @@ namespace latvox::client {
 using Vec3d = std::array<double, 3>;   // a world position or vector: x, y, z
 using Vec3i = std::array<int32_t, 3>;  // lattice coordinates: i, j, k
 
-// The common lattices, in bases that are given here up to scale.
-enum class NamedLattice {
-  kCartesian,  // (1,0,0) (0,1,0) (0,0,1)
-  kBcc,        // body-centred cubic: (2,0,0) (0,2,0) (1,1,1)
-  kFcc,        // face-centred cubic: (1,1,0) (1,0,1) (0,1,1)
-  kHexagonal,  // hexagonal prism: (1,0,0) (1/2,sqrt(3)/2,0) (0,0,1)
+// The world vectors of one step in i, j and k.
+struct Basis {
+  Vec3d a{1, 0, 0};  // of i
+  Vec3d b{0, 1, 0};  // of j
+  Vec3d c{0, 0, 1};  // of k
+  bool operator==(const Basis&) const = default;
 };
+
+// The common lattices, in the protocol's order.
+enum class NamedLattice {
+  kCartesian,
+  kBcc,        // body-centred cubic
+  kFcc,        // face-centred cubic
+  kHexagonal,  // hexagonal prism
+};
+
+// A common lattice: its value, its name, and its basis up to scale.
+struct NamedBasis {
+  NamedLattice lattice;
+  const char* name;
+  Basis basis;
+};
+
+// All of them, in the order of their values.
+inline constexpr std::array kNamedLattices{
+    NamedBasis{NamedLattice::kCartesian, "cartesian", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+    NamedBasis{NamedLattice::kBcc, "bcc", {{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}},
+    NamedBasis{NamedLattice::kFcc, "fcc", {{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}},
+    NamedBasis{NamedLattice::kHexagonal,
+               "hexagonal",
+               {{1, 0, 0}, {0.5, 0x1.bb67ae8584caap-1, 0}, {0, 0, 1}}},  // (1/2, sqrt(3)/2, 0)
+};
+
+constexpr const char* NameOf(NamedLattice lattice) { return kNamedLattices[static_cast<size_t>(lattice)].name; }
 
 // How to find the voxels. All but kExact are there to compare with.
 enum class Algorithm {
@@ -39,14 +66,6 @@ enum class Algorithm {
 enum class Cover {
   kSeparating,  // few, and none along a path through the mesh is missing
   kSupercover,  // all
-};
-
-// The world vectors of one step in i, j and k.
-struct Basis {
-  Vec3d a{1, 0, 0};  // of i
-  Vec3d b{0, 1, 0};  // of j
-  Vec3d c{0, 0, 1};  // of k
-  bool operator==(const Basis&) const = default;
 };
 
 // A half-open box of lattice points: min <= ijk < max on every axis.

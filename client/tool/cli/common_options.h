@@ -74,6 +74,14 @@ CLI::Validator Whole(int low, int high);
 template <class T>
 using Names = std::vector<std::pair<std::string, T>>;
 
+// The names and values of a table of common lattices.
+template <class Table>
+auto NamesOfLattices(const Table& table) {
+  Names<decltype(table[0].lattice)> names;
+  for (const auto& row : table) names.emplace_back(row.name, row.lattice);
+  return names;
+}
+
 template <class T>
 CLI::Validator OneOf(const Names<T>& names) {
   std::vector<std::string> words;

@@ -9,8 +9,7 @@ namespace latvox::client {
 namespace {
 
 const Names<NamedPlaneLattice>& LatticeNames() {
-  static const auto* const kNames = new Names<NamedPlaneLattice>{{"square", NamedPlaneLattice::kSquare},
-                                                                 {"hexagonal", NamedPlaneLattice::kHexagonal}};
+  static const auto* const kNames = new Names<NamedPlaneLattice>(NamesOfLattices(kNamedPlaneLattices));
   return *kNames;
 }
 

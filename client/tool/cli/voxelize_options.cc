@@ -17,10 +17,7 @@ namespace latvox::client {
 namespace {
 
 const Names<NamedLattice>& LatticeNames() {
-  static const auto* const kNames = new Names<NamedLattice>{{"cartesian", NamedLattice::kCartesian},
-                                                            {"bcc", NamedLattice::kBcc},
-                                                            {"fcc", NamedLattice::kFcc},
-                                                            {"hexagonal", NamedLattice::kHexagonal}};
+  static const auto* const kNames = new Names<NamedLattice>(NamesOfLattices(kNamedLattices));
   return *kNames;
 }
 

@@ -80,7 +80,7 @@ TEST_F(PixelizeCall, AnswersWhatCoreComputes) {
       ASSERT_TRUE(answer.ok()) << answer.status();
       const auto expected = *Pixelize(polylines, {lattice, {3, -4}}, {k, minimal, LineAlgorithm::kCrossing});
       EXPECT_EQ(answer->pixels, expected.pixels);
-      EXPECT_EQ(answer->crossed_edges, expected.crossed_edges);
+      EXPECT_EQ(answer->crossed_edges, expected.crossed_links);
       EXPECT_EQ(answer->tunnels, 0u);
       EXPECT_EQ(answer->redundant, expected.redundant);
       EXPECT_EQ(answer->redundant == 0, minimal);

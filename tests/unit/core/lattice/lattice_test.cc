@@ -65,6 +65,21 @@ TEST(Neighbors, CountsOfKnownLatticesMatchTheirVoronoiCells) {
   }
 }
 
+TEST(NamedLattices, HaveTheNeighborsOfTheirRows) {
+  for (const NamedBasis<3>& row : kNamedLattices) {
+    const auto neighbors = FindNeighbors<3>(row.basis);
+    ASSERT_TRUE(neighbors.ok()) << row.name;
+    for (size_t k = 0; k < 3; ++k) EXPECT_EQ(static_cast<int>(Counts(*neighbors)[k]), row.neighbors[k]) << row.name;
+    EXPECT_EQ(std::string(row.stretched_name), "stretched-" + std::string(row.name));
+  }
+  for (const NamedBasis<2>& row : kNamedPlaneLattices) {
+    const auto neighbors = FindNeighbors<2>(row.basis);
+    ASSERT_TRUE(neighbors.ok()) << row.name;
+    for (size_t k = 0; k < 2; ++k) EXPECT_EQ(static_cast<int>(Counts(*neighbors)[k]), row.neighbors[k]) << row.name;
+  }
+  EXPECT_EQ(kHalfRoot3, std::sqrt(0.75));
+}
+
 TEST(Neighbors, CountsOfPlanarLatticesMatchTheirVoronoiCells) {
   const auto square = FindNeighbors<2>({{{1, 0}, {0, 1}}});
   const auto rectangle = FindNeighbors<2>({{{3, 0}, {0, 1}}});
@@ -229,23 +244,16 @@ TEST(Lattice, AcceptsScalesFarFromOne) {
 }
 
 TEST(Lattice, NamedOnesHaveUnitCellsAndScaleToAnyOther) {
-  const struct {
-    NamedLattice name;
-    const char* text;
-  } cases[] = {{NamedLattice::kCartesian, "cartesian"},
-               {NamedLattice::kBcc, "bcc"},
-               {NamedLattice::kFcc, "fcc"},
-               {NamedLattice::kHexagonal, "hexagonal"}};
-  for (const auto& c : cases) {
-    const Lattice lattice = Lattice::Named(c.name);
-    EXPECT_EQ(lattice.name(), c.text);
+  for (const NamedBasis<3>& named : kNamedLattices) {
+    const Lattice lattice = Lattice::Named(named.lattice);
+    EXPECT_EQ(lattice.name(), named.name);
     EXPECT_NEAR(lattice.voxel_size(), 1, 1e-12);
     const auto scaled = lattice.Scaled(0.37);
     ASSERT_TRUE(scaled.ok());
     EXPECT_NEAR(scaled->voxel_size(), 0.37, 1e-12);
     // The size that is told may be asked for: it does not drift.
     EXPECT_EQ(lattice.Scaled(scaled->voxel_size())->voxel_size(), scaled->voxel_size());
-    EXPECT_EQ(scaled->name(), c.text);
+    EXPECT_EQ(scaled->name(), named.name);
     for (size_t column = 0; column < 3; ++column) {
       const Vec3d unit = Apply(scaled->inverse(), scaled->basis()[column]);
       for (size_t row = 0; row < 3; ++row) EXPECT_NEAR(unit[row], row == column ? 1 : 0, 1e-12);
@@ -261,10 +269,9 @@ TEST(Lattice, CartesianOnesHaveTheSizeThatWasAskedFor) {
 
 TEST(Lattice, ABasisIsNamedAfterTheLatticeWhoseBasisItIsButForItsScales) {
   const auto name_of = [](const Mat3d& basis) { return std::string(Lattice::FromBasis(basis)->name()); };
-  for (const NamedLattice named :
-       {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
-    const Lattice lattice = Lattice::Named(named);
-    const std::string name(lattice.name());
+  for (const NamedBasis<3>& row : kNamedLattices) {
+    const Lattice lattice = Lattice::Named(row.lattice);
+    const std::string name(row.name);
     const auto changed = [&](double x, double y, double z) {
       Mat3d basis = lattice.Scaled(0.37)->basis();
       for (Vec3d& column : basis) column = {column[0] * x, column[1] * y, column[2] * z};

@@ -53,10 +53,9 @@ TEST(PlaneLattice, NeighborsEqualExactVoronoiCells) {
 }
 
 TEST(PlaneLattice, NamedOnesHaveUnitCellsAndScaleToAnyOther) {
-  for (auto [name, text] :
-       {std::pair{NamedPlaneLattice::kSquare, "square"}, std::pair{NamedPlaneLattice::kHexagonal, "hexagonal"}}) {
-    const PlaneLattice lattice = PlaneLattice::Named(name);
-    EXPECT_EQ(lattice.name(), text);
+  for (const NamedBasis<2>& named : kNamedPlaneLattices) {
+    const PlaneLattice lattice = PlaneLattice::Named(named.lattice);
+    EXPECT_EQ(lattice.name(), named.name);
     EXPECT_NEAR(lattice.pixel_size(), 1, 1e-12);
     const auto scaled = lattice.Scaled(0.37);
     ASSERT_TRUE(scaled.ok());
@@ -106,10 +105,11 @@ TEST(PlaneLattice, RejectsWhatIsNoBasisOrTooSkewWithAUsableOne) {
 }
 
 TEST(PolylineValidation, NamesTheElement) {
-  EXPECT_EQ(Validate(std::vector<Polyline>{}).message(), "polylines: there are none");
-  EXPECT_EQ(Validate({Polyline{{{0, 0}}}, Polyline{}}).message(), "polylines: polyline 1 has no points");
-  EXPECT_EQ(Validate({Polyline{{{0, 0}, {1, INFINITY}}}}).message(), "polylines: point 1 of polyline 0 is not finite");
-  EXPECT_TRUE(Validate({Polyline{{{0, 0}}}}).ok());
+  EXPECT_EQ(CheckPolylines(std::vector<Polyline>{}).message(), "polylines: there are none");
+  EXPECT_EQ(CheckPolylines({Polyline{{{0, 0}}}, Polyline{}}).message(), "polylines: polyline 1 has no points");
+  EXPECT_EQ(CheckPolylines({Polyline{{{0, 0}, {1, INFINITY}}}}).message(),
+            "polylines: point 1 of polyline 0 is not finite");
+  EXPECT_TRUE(CheckPolylines({Polyline{{{0, 0}}}}).ok());
 }
 
 const PlaneLattice& Square() { return PlaneLattices()[0].lattice; }

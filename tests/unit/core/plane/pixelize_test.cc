@@ -33,7 +33,7 @@ TEST(Pixelize, EqualsTheOracleOnAdversarialDrawings) {
           ASSERT_EQ(pixels, minimal ? thinned : exact.pixels) << l.name << " k " << k << " " << name;
           EXPECT_TRUE(std::is_sorted(result.pixels.begin(), result.pixels.end()));
           EXPECT_EQ(result.pixels.size(), pixels.size()) << "no duplicates";
-          EXPECT_EQ(result.crossed_edges, exact.edges.size());
+          EXPECT_EQ(result.crossed_links, exact.edges.size());
           EXPECT_EQ(result.tunnels, 0U);
           EXPECT_EQ(result.redundant, minimal ? 0U : plane_oracle::Redundant(exact.pixels, exact.edges)) << name;
         }
@@ -56,16 +56,16 @@ TEST(Pixelize, CountsTunnelsAndRedundantPixelsOfADamagedSetExactly) {
       }
       SortUnique(damaged, StopSignal());
       plane_oracle::Edges edges;
-      for (const PlaneEdge& edge : crossings.edges) edges.insert({ToOracle(edge.low), ToOracle(edge.high)});
+      for (const PlaneLink& link : crossings.links) edges.insert({ToOracle(link.low), ToOracle(link.high)});
       const auto pixels = ToOracle(damaged);
-      PlaneVerdict verdict = Judge(crossings.edges, damaged);
+      PlaneVerdict verdict = Judge(crossings.links, damaged);
       EXPECT_GT(verdict.tunnels, 0U);
       EXPECT_GT(verdict.redundant, 0U);
       EXPECT_EQ(verdict.tunnels, plane_oracle::Tunnels(pixels, edges)) << l.name;
       EXPECT_EQ(verdict.redundant, plane_oracle::Redundant(pixels, edges)) << l.name;
       const uint64_t tunnels = verdict.tunnels;
-      Thin(crossings.edges, damaged);
-      verdict = Judge(crossings.edges, damaged);
+      Thin(crossings.links, damaged);
+      verdict = Judge(crossings.links, damaged);
       EXPECT_EQ(verdict.tunnels, tunnels) << "thinning opens no tunnel";
       EXPECT_EQ(verdict.redundant, 0U) << l.name;
     }
@@ -83,7 +83,7 @@ TEST(Pixelize, DoesNotDependOnOrderDirectionOrRepetition) {
           const auto one = Digitized(ToWorld(drawing, l.lattice), Unscaled(l.lattice), k, true, algorithm);
           const auto other = Digitized(ToWorld(turned, l.lattice), Unscaled(l.lattice), k, true, algorithm);
           EXPECT_EQ(one.pixels, other.pixels) << l.name << " " << name << " algorithm " << static_cast<int>(algorithm);
-          EXPECT_EQ(one.crossed_edges, other.crossed_edges);
+          EXPECT_EQ(one.crossed_links, other.crossed_links);
         }
       }
     }
@@ -164,7 +164,7 @@ TEST(Pixelize, OutlinesHaveNoTunnelAndNoRedundantPixelOnSquareAndHexagonalLattic
         ASSERT_TRUE(grid.ok()) << grid.status();
         for (int k = 0; k < 2; ++k) {
           const PixelizeResult result = Digitized(shape.outline, *grid, k, true);
-          EXPECT_GT(result.crossed_edges, 0U);
+          EXPECT_GT(result.crossed_links, 0U);
           EXPECT_EQ(result.tunnels, 0U) << shape.name;
           EXPECT_EQ(result.redundant, 0U) << shape.name;
         }
@@ -230,10 +230,10 @@ TEST(ResolvePlaneGrid, MapsTheLongerSideToOnePixelLessThanTheResolution) {
 }
 
 TEST(ResolvePlaneGrid, RefusesWhatIsOutOfRangeByName) {
-  const auto message = [](const PlaneDensity& density, const std::optional<Vec2d>& origin = {},
+  const auto message = [](const PlaneSampling& sampling, const std::optional<Vec2d>& origin = {},
                           const PlaneBounds& bounds = {{0, 0}, {1, 1}}) {
     return std::string(
-        ResolvePlaneGrid(PlaneLattice::Named(NamedPlaneLattice::kSquare), density, origin, bounds).status().message());
+        ResolvePlaneGrid(PlaneLattice::Named(NamedPlaneLattice::kSquare), sampling, origin, bounds).status().message());
   };
   EXPECT_EQ(message({.pixel_size = -1.0}), "pixel_size: -1 is not a finite number above 0");
   EXPECT_EQ(message({.resolution = 1}), "resolution: 1 is not within 2 to 65536");

@@ -56,7 +56,7 @@ TEST(IncrementalLines, CoverEveryCrossedEdgeOfChainsWithoutASeamRule) {
   for (const auto& l : PlaneLattices()) {
     for (int k = 0; k < 2; ++k) {
       for (const Segment& segment : RandomPixelSegments(22)) {
-        const auto edges = FindCrossings({segment}, l.lattice.frames(k)).edges;
+        const auto edges = FindCrossings({segment}, l.lattice.frames(k)).links;
         EXPECT_EQ(Judge(edges, IncrementalLines({segment}, l.lattice, k)).tunnels, 0U) << l.name << " k " << k;
       }
     }
