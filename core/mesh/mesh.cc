@@ -21,7 +21,7 @@ double Bounds::LongestSide() const {
 
 namespace {
 
-// These loops have no branches, and nothing but an OR from step to step, so that compilers can make vectors of them.
+// These loops have no branches, and only an OR leads from step to step, so that compilers can make vectors of them.
 static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(std::array<uint32_t, 3>) == 3 * sizeof(uint32_t));
 bool AreFinite(std::span<const Vec3f> vertices) {
   const std::span numbers(vertices.front().data(), 3 * vertices.size());

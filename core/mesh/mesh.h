@@ -16,7 +16,7 @@ namespace latvox {
 struct TriangleMesh {
   PaddedVector<Vec3f> vertices;                    // world units; new ones are indeterminate until they are assigned
   std::vector<std::array<uint32_t, 3>> triangles;  // indices into `vertices`
-  // What voxels are to carry: of each vertex as many numbers as VoxelizeOptions.attributes, one vertex after the other.
+  // The numbers that voxels may carry: for each vertex one number an attribute, vertex after vertex.
   std::vector<uint32_t> attributes = {};
 };
 

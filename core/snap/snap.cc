@@ -64,7 +64,7 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
     // One unit below, since rounding may move the lowest vertex that far; a tile's multiple, for bricks and parity.
     const auto low = static_cast<int32_t>(std::floor(range.min[m] - 1.0 / kLatticeUnit));
     rounding.base_ijk[m] = low & ~(kTileSide - 1);
-    // The nearer end of a crossed edge lies within reach/2 of the surface.
+    // The nearer end of a crossed link lies within reach/2 of the surface.
     const double half = reach[m] / 2.0;
     const auto unit = [](double x) { return std::nearbyint(x * kLatticeUnit) / kLatticeUnit; };
     rounding.box.min[m] = static_cast<int32_t>(std::ceil(unit(range.min[m]) - half)) - rounding.base_ijk[m];

@@ -54,7 +54,13 @@ struct SnappedMesh {
   Vec3i base_ijk;                                               // a multiple of kTileSide on every axis
   SharedArray<PaddedVector<Vec3i>> vertices_lat;                // 0 <= v < (kMaxExtent + kTileSide) * kLatticeUnit
   SharedArray<std::vector<std::array<uint32_t, 3>>> triangles;  // indices into vertices_lat
-  IndexBox box;  // local voxels: no k-neighbour half-edge that starts outside meets the mesh
+  IndexBox box;  // local voxels: no half link that starts outside meets the mesh
+
+  // The corners of a triangle.
+  std::array<Vec3i, 3> TriangleAt(size_t t) const {
+    const auto& [a, b, c] = triangles[t];
+    return {vertices_lat[a], vertices_lat[b], vertices_lat[c]};
+  }
 };
 
 // Largest move of a vertex by snapping, in each lattice coordinate, in voxels: half a unit. (The affine map itself is

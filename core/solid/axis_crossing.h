@@ -1,6 +1,10 @@
 // The crossing rule (core/digitize/crossing.h) along the axes of the lattice coordinates, with signs, and without the
 // rounding to nearer ends: between which two points of a line a triangle crosses it, and in which sense.
 //
+// It is not ForEachCrossing along three unit vectors, for three reasons. Its lines may be those of a coarser lattice,
+// such as the one of the tiles' corners. It tells the sense of each crossing. And rows that are unit vectors leave few
+// of the terms of a frame. What the two rules share is exact division.
+//
 // The shift by (e, e^2, e^3) is the same as there. No lattice point lies on the shifted surface, so that every point is
 // inside or outside; and all axes agree on it, whatever the lattice: only lattice coordinates matter.
 #ifndef LATVOX_CORE_SOLID_AXIS_CROSSING_H_

@@ -62,16 +62,11 @@ class LineCount {
   }
 
  private:
-  Triangle TriangleAt(uint32_t t) const {
-    const auto& [v0, v1, v2] = mesh_.triangles[t];
-    return {mesh_.vertices_lat[v0], mesh_.vertices_lat[v1], mesh_.vertices_lat[v2]};
-  }
-
   std::vector<uint32_t> Near(const Square& square, const std::vector<uint32_t>& triangles) const {
     const AxisLines lines = square.Lines();
     std::vector<uint32_t> near;
     std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(near), [&](uint32_t t) {
-      const Triangle v = TriangleAt(t);
+      const Triangle v = mesh_.TriangleAt(t);
       const auto meets = [&](size_t m, const crossing_internal::Span& span) {
         const auto [low, high] = std::minmax({v[0][m], v[1][m], v[2][m]});
         return low <= span.last * kLatticeUnit && high >= span.first * kLatticeUnit;
@@ -85,7 +80,7 @@ class LineCount {
     std::array<int32_t, size_t{kTileSide} * kTileSide> sums{};
     for (const uint32_t t : triangles) {
       if (stop_.Stopped()) return 0;
-      ForEachAxisCrossing<kSubvoxelBits>(TriangleAt(t), 2, square.Lines(),
+      ForEachAxisCrossing<kSubvoxelBits>(mesh_.TriangleAt(t), 2, square.Lines(),
                                          [&](int32_t a, int32_t b, int32_t, int32_t turn) {
                                            sums[static_cast<size_t>((a - square.a) * kTileSide + b - square.b)] += turn;
                                          });
@@ -107,11 +102,10 @@ bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
       Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
       [&](const Part& part, EdgeSum so_far) {
         for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
-          const auto& [a, b, c] = mesh.triangles[t];
-          const Vec3i &va = mesh.vertices_lat[a], &vb = mesh.vertices_lat[b], &vc = mesh.vertices_lat[c];
-          AddEdge(va, vb, so_far);
-          AddEdge(vb, vc, so_far);
-          AddEdge(vc, va, so_far);
+          const auto [a, b, c] = mesh.TriangleAt(t);
+          AddEdge(a, b, so_far);
+          AddEdge(b, c, so_far);
+          AddEdge(c, a, so_far);
         }
         return so_far;
       },

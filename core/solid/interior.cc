@@ -22,11 +22,6 @@ constexpr uint64_t RunningParity(uint64_t bits) {
   return bits;
 }
 
-Triangle TriangleAt(const SnappedMesh& mesh, uint32_t t) {
-  const auto& [a, b, c] = mesh.triangles[t];
-  return {mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
-}
-
 }  // namespace
 
 class ClosedInterior : public Interior {
@@ -61,7 +56,7 @@ class ClosedInterior : public Interior {
     along_i[0] = at_corner;
     for (const uint32_t t : triangles) {
       if (stop_.Stopped()) return;
-      Add(TriangleAt(mesh_, t), low, along_i, rows);
+      Add(mesh_.TriangleAt(t), low, along_i, rows);
     }
     FinishStarts(along_i, rows);
     FinishRows(rows);

@@ -84,8 +84,7 @@ std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox&
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {
     for (size_t n = numbers.begin(); n < numbers.end(); ++n) {
       for (size_t t = n * kChunk; t < std::min(count, (n + 1) * kChunk); ++t) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        const Triangle triangle{mesh.vertices_lat[a], mesh.vertices_lat[b], mesh.vertices_lat[c]};
+        const Triangle triangle = mesh.TriangleAt(t);
         const auto [low, high] = std::minmax({triangle[0][1], triangle[1][1], triangle[2][1]});
         const int64_t last = std::min(int64_t{high >> kUnitBits}, lines.b.last);
         for (int64_t j = std::max(int64_t{low >> kUnitBits}, lines.b.first); j <= last && !stop.Stopped(); j += kRows) {

@@ -29,9 +29,9 @@ struct Neighborhood {
   double covering_radius_max;        // no point is farther than this from all lattice points
 };
 
-// The points within R of a segment: the regions L_e and, as its round ends, L_v of section 4.1. The tube is closed: an
-// edge of the lattice of length 2R that the segment halves has both ends at distance R, and one must be in. For the
-// same reason lengths that tie with R within the lattice's own tolerance count as R.
+// The points within R of a segment: the regions L_e and, as its round ends, L_v of section 4.1. The tube is closed: a
+// link of length 2R that the segment halves has both ends at distance R, and one must be in. For the same reason
+// lengths that tie with R within the lattice's own tolerance count as R.
 class Tube {
  public:
   Tube(const Neighborhood& neighborhood, const Vec3d& a, const Vec3d& b);

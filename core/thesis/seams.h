@@ -3,15 +3,15 @@
 //
 // The thesis: D(A+B) = D(A) u D(B) u (D(A+A') n D(B+B')), A' the part of A's plane beyond the common edge or vertex.
 //
-// Our reading, for meshes. A lattice edge crosses triangle A at p; of its ends let z be the one in A's slab (Theorem
-// 4), the nearer: half an edge from p at most. If z's line along A's principal direction meets A, z is in D(A). Else it
-// meets A's plane at p', outside of A, half an edge from z at most. The way from p to p' leaves A through an edge e,
-// and so passes from one side to the other of every other triangle B at e: B's plane separates p from p', hence one of
-// them from z or meets z, so z lies in the closed slab of B; and within R of e, since p and p' are within R of z.
-// Therefore the voxels that lie
+// Our reading, for meshes. A link (a segment between two k-neighbours) crosses triangle A at p. Let z be its nearer
+// end, the one in A's slab (Theorem 4): half a link from p at most. If z's line along A's principal direction meets A,
+// z is in D(A). Else it meets A's plane at p', outside of A, half a link from z at most. The way from p to p' leaves A
+// through an edge e, and so passes from one side to the other of every other triangle B at e: B's plane separates p
+// from p', hence one of them from z or meets z, so z lies in the closed slab of B; and within R of e, since p and p'
+// are within R of z. Therefore the voxels that lie
 //   - within R of an edge (as Tube), and
 //   - in the slab of one of the edge's triangles, and in the closed slabs of all others,
-// together with all D(A), hold an end of every crossed lattice edge. In consequence
+// together with all D(A), hold an end of every crossed link. In consequence
 //   - vertices need nothing of their own: the way from p to p' always leaves through an edge;
 //   - an edge with more than two triangles needs only what lies in all of their slabs;
 //   - an edge with one triangle (a border, or a T-junction made by rounding) has no B: A's slab alone decides, which

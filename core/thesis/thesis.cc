@@ -87,10 +87,8 @@ class RoundedMesh {
 };
 
 VoxelSet BruteForce(const SnappedMesh& mesh, const Neighborhood& neighborhood, StopSignal stop) {
-  return Collect(mesh.triangles.size(), mesh.base_ijk, stop, [&](size_t n, EmitVoxel emit) {
-    const auto& [v0, v1, v2] = mesh.triangles[n];
-    BruteForceTriangle({mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]}, neighborhood, stop, emit);
-  });
+  return Collect(mesh.triangles.size(), mesh.base_ijk, stop,
+                 [&](size_t n, EmitVoxel emit) { BruteForceTriangle(mesh.TriangleAt(n), neighborhood, stop, emit); });
 }
 
 VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhood& neighborhood, StopSignal stop) {

@@ -18,31 +18,31 @@
 namespace latvox {
 namespace {
 
-// Edges, each a number, in pieces: one array would be copied as it grows, for longer than a job may take to stop.
-class EdgeList {
+// Links, each a number, in pieces: one array would be copied as it grows, for longer than a job may take to stop.
+class LinkList {
  public:
-  // The edge from `low` along the n-th frame. Local coordinates, not far outside of `box`.
+  // The link from `low` along the n-th frame. Local coordinates, not far outside of `box`.
   void Add(const Vec3i& low, size_t n, const IndexBox& box) {
     constexpr int kBits = 18, kFrameBits = 4, kOutside = 64;
     static_assert(kMaxExtent + 2 * kOutside < 1 << kBits && kMaxPairs <= 1 << kFrameBits);
-    uint64_t edge = n;
-    for (size_t m = 0; m < 3; ++m) edge = edge << kBits | static_cast<uint64_t>(low[m] - box.min[m] + kOutside);
+    uint64_t link = n;
+    for (size_t m = 0; m < 3; ++m) link = link << kBits | static_cast<uint64_t>(low[m] - box.min[m] + kOutside);
     if (pieces_.empty() || pieces_.back().size() == kPiece) pieces_.emplace_back();
-    pieces_.back().push_back(edge);
+    pieces_.back().push_back(link);
   }
 
-  void Add(EdgeList&& more) { std::move(more.pieces_.begin(), more.pieces_.end(), std::back_inserter(pieces_)); }
+  void Add(LinkList&& more) { std::move(more.pieces_.begin(), more.pieces_.end(), std::back_inserter(pieces_)); }
 
   // How many there are, each counted once. Empties the list.
   size_t Count(StopSignal stop) {
-    std::vector<uint64_t> edges;
-    edges.reserve(pieces_.size() * kPiece);
+    std::vector<uint64_t> links;
+    links.reserve(pieces_.size() * kPiece);
     for (auto& piece : pieces_) {
-      if (!stop.Stopped()) edges.insert(edges.end(), piece.begin(), piece.end());
+      if (!stop.Stopped()) links.insert(links.end(), piece.begin(), piece.end());
       piece = std::vector<uint64_t>();  // {} would keep its memory
     }
-    SortUnique(edges, stop);
-    return edges.size();
+    SortUnique(links, stop);
+    return links.size();
   }
 
  private:
@@ -60,13 +60,12 @@ absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<
   std::vector<std::atomic<uint64_t>> essential(voxels.words());
 
   using oneapi::tbb::blocked_range;
-  oneapi::tbb::enumerable_thread_specific<EdgeList> found;
+  oneapi::tbb::enumerable_thread_specific<LinkList> found;
   oneapi::tbb::parallel_for(
       blocked_range<size_t>(0, mesh.triangles.size(), kGrain), [&](const blocked_range<size_t>& part) {
-        EdgeList& uncovered = found.local();
+        LinkList& uncovered = found.local();
         for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
-          const auto& [v0, v1, v2] = mesh.triangles[t];
-          const Triangle triangle{mesh.vertices_lat[v0], mesh.vertices_lat[v1], mesh.vertices_lat[v2]};
+          const Triangle triangle = mesh.TriangleAt(t);
           size_t direction = 0;
           const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {
             const auto a = voxels.Find(nearer + mesh.base_ijk), b = voxels.Find(farther + mesh.base_ijk);
@@ -81,9 +80,9 @@ absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<
           }
         }
       });
-  EdgeList uncovered;
-  for (EdgeList& some : found) uncovered.Add(std::move(some));
-  const size_t tunnels = uncovered.Count(stop);  // triangles may cross the same edge
+  LinkList uncovered;
+  for (LinkList& some : found) uncovered.Add(std::move(some));
+  const size_t tunnels = uncovered.Count(stop);  // triangles may cross the same link
   if (stop.Stopped()) return absl::CancelledError("verification cancelled");
 
   uint64_t kept = 0;
