@@ -5,12 +5,10 @@
 #include <limits>
 
 #include "absl/strings/str_format.h"
-#include "core/base/status_payload.h"
+#include "core/snap/range_check.h"
 
 namespace latvox {
 namespace {
-
-constexpr char kAxisName[] = "ij";
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -32,30 +30,7 @@ Vec2d ToLattice(const PlaneLattice& lattice, const Vec2d& origin, const Vec2d& p
   return v;
 }
 
-// The extent first: where it is too far, so may be where it lies, and no origin would help.
-absl::Status CheckRange(const PlaneBounds& range, double pixel_size) {
-  constexpr double kMaxPosition = 1 << kPositionBits;
-  for (size_t m = 0; m < 2; ++m) {
-    const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
-    if (extent > kMaxExtent) {
-      return WithValue(
-          absl::InvalidArgumentError(absl::StrFormat(
-              "pixel_size: at %g the polylines extend over %.0f pixels on lattice axis %c, the limit is %d", pixel_size,
-              extent, kAxisName[m], kMaxExtent)),
-          extent, kMaxExtent);
-    }
-  }
-  for (size_t m = 0; m < 2; ++m) {
-    for (double x : {range.min[m], range.max[m]}) {
-      if (std::abs(x) <= kMaxPosition) continue;  // else, and if it is no number
-      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
-                           "origin: it puts the polylines at lattice coordinate %g on axis %c, the limit is %.0f", x,
-                           kAxisName[m], kMaxPosition)),
-                       x, kMaxPosition);
-    }
-  }
-  return absl::OkStatus();
-}
+constexpr RangeWords kWords{"pixel_size", "the polylines", "the polylines extend", "pixels"};
 
 }  // namespace
 
@@ -94,7 +69,7 @@ absl::StatusOr<SnappedPolylines> Snap(const std::vector<Polyline>& polylines, co
       Extend(range, v);
     }
   }
-  if (auto status = CheckRange(range, lattice.pixel_size()); !status.ok()) return status;
+  if (auto status = CheckRange(range.min, range.max, lattice.pixel_size(), kWords); !status.ok()) return status;
 
   SnappedPolylines snapped;
   for (size_t m = 0; m < 2; ++m) {

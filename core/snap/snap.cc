@@ -7,10 +7,9 @@
 #include <span>
 #include <utility>
 
-#include "absl/strings/str_format.h"
-#include "core/base/status_payload.h"
 #include "core/snap/lattice_map.h"
 #include "core/snap/mesh_range.h"
+#include "core/snap/range_check.h"
 
 namespace latvox {
 namespace {
@@ -19,33 +18,9 @@ using oneapi::tbb::blocked_range;
 using Part = blocked_range<size_t>;
 
 constexpr size_t kGrain = 4096;  // vertices a task
-constexpr char kAxisName[] = "ijk";
+constexpr RangeWords kWords{"voxel_size", "the mesh", "the mesh extends", "voxels"};
 
-// How far the mesh reaches is told first: where it is too far, so may be where it lies, and no origin would help.
-absl::Status CheckRange(const LatticeRange& range, double voxel_size) {
-  constexpr double kMaxPosition = 1 << kPositionBits;
-  for (size_t m = 0; m < 3; ++m) {
-    const double extent = std::floor(range.max[m]) - std::floor(range.min[m]) + 1;
-    if (extent > kMaxExtent) {
-      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
-                           "voxel_size: at %g the mesh extends over %.0f voxels on lattice axis %c, the limit is %d",
-                           voxel_size, extent, kAxisName[m], kMaxExtent)),
-                       extent, kMaxExtent);
-    }
-  }
-  for (size_t m = 0; m < 3; ++m) {
-    for (double x : {range.min[m], range.max[m]}) {
-      if (std::abs(x) <= kMaxPosition) continue;  // else, and if it is no number
-      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
-                           "origin: it puts the mesh at lattice coordinate %g on axis %c, the limit is %.0f", x,
-                           kAxisName[m], kMaxPosition)),
-                       x, kMaxPosition);
-    }
-  }
-  return absl::OkStatus();
-}
-
-// How vertices are rounded, and what follows of their range.
+// How vertices are rounded, and what follows from their range.
 struct Rounding {
   LatticeMap map;
   LatticeRange range;
@@ -58,7 +33,7 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
   const LatticeMap map{lattice.inverse(), origin};
   const LatticeRange range = RangeOf(mesh, map, stop);
   if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
-  if (auto status = CheckRange(range, lattice.voxel_size()); !status.ok()) return status;
+  if (auto status = CheckRange(range.min, range.max, lattice.voxel_size(), kWords); !status.ok()) return status;
   Rounding rounding{map, range, {}, {}};
   for (size_t m = 0; m < 3; ++m) {
     // One unit below, since rounding may move the lowest vertex that far; a tile's multiple, for bricks and parity.
