@@ -23,7 +23,7 @@ TEST(NamedLattices, AreTheSameInCoreAndClientAndFollowTheProtocol) {
     EXPECT_EQ(row.name, core.name);
     EXPECT_EQ((Mat3d{row.basis.a, row.basis.b, row.basis.c}), core.basis) << core.name;
     EXPECT_EQ(v1::NamedLattice_Name(static_cast<v1::NamedLattice>(n + 1)),
-              absl::StrCat("NAMED_LATTICE_", absl::AsciiStrToUpper(core.name)));
+              absl::StrCat("NAMED_LATTICE_", absl::AsciiStrToUpper(row.name)));
   }
 }
 
@@ -36,7 +36,7 @@ TEST(NamedPlaneLattices, AreTheSameInCoreAndClientAndFollowTheProtocol) {
     EXPECT_EQ(static_cast<size_t>(row.lattice), n);
     EXPECT_EQ(row.name, core.name);
     EXPECT_EQ(v1::NamedPlaneLattice_Name(static_cast<v1::NamedPlaneLattice>(n + 1)),
-              absl::StrCat("NAMED_PLANE_LATTICE_", absl::AsciiStrToUpper(core.name)));
+              absl::StrCat("NAMED_PLANE_LATTICE_", absl::AsciiStrToUpper(row.name)));
   }
 }
 
