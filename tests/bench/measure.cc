@@ -53,19 +53,19 @@ absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMe
   double most = 0;
   for (const int percent : {5, 25, 50, 75, 95}) {
     TriangleMesh copy = mesh;
-    std::atomic<bool> cancel = false;
+    StopSource stop;
     std::atomic<VoxelizeJob*> running = nullptr;
     Clock::time_point cancelled;
     std::thread canceller([&] {
       std::this_thread::sleep_for(whole * percent / 100);
       cancelled = Clock::now();
-      cancel = true;
+      stop.Stop();
       if (VoxelizeJob* const job = running) job->Cancel();
     });
-    auto job = VoxelizeJob::CreateFromValid(std::move(copy), grid, arguments.options, cancel);
+    auto job = VoxelizeJob::CreateFromValid(std::move(copy), grid, arguments.options, stop.Signal());
     if (job.ok()) {
       running = job->get();
-      if (cancel) (*job)->Cancel();
+      if (stop.Stopped()) (*job)->Cancel();
       (*job)->Advance([](TileBricks&&) { return true; }).IgnoreError();
     }
     const auto end = Clock::now();
