@@ -5,6 +5,7 @@ Reads every #include, every target_link_libraries, and the link lines of $LATVOX
 """
 
 import collections
+import functools
 import os
 import pathlib
 import re
@@ -33,6 +34,7 @@ RULES = {
 PROGRAMS = {"latvoxd": "server", "latvox": "client"}
 
 
+@functools.cache
 def includes(source):
     """The paths of all #include lines of a C++ source text."""
     return re.findall(r'^[ \t]*#[ \t]*(?:include|include_next|import)[ \t]*[<"]([^>"]+)[>"]', source, re.M)
