@@ -358,7 +358,7 @@ class Page(Case):
         self.assertNotIn("{{", re.sub(r"<script>.*?</script>", "", page, flags=re.S))
 
     def test_the_library_is_what_its_packages_make(self):
-        view = ROOT / "client" / "view"
+        view = ROOT / "client" / "tool" / "view"
         with open(self.dir / "three.js", "wb") as out:
             subprocess.run([view / "bundle"], check=True, stdout=out, timeout=PATIENCE)
         self.assertTrue(filecmp.cmp(self.dir / "three.js", view / "three.js", shallow=False), "run client/tool/view/bundle")

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
-const source = ['voxels', 'facets'].map((name) => readFileSync(new URL(`../../client/view/${name}.js`, import.meta.url), 'utf8'));
+const source = ['voxels', 'facets'].map((name) => readFileSync(new URL(`../../client/tool/view/${name}.js`, import.meta.url), 'utf8'));
 const { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL } = new Function(
   `${source.join('')}; return { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL };`)();
 
