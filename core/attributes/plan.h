@@ -26,7 +26,7 @@ struct CarriedAttributes {
   std::vector<uint32_t> of_vertices;  // as TriangleMesh::attributes
 };
 
-// Of voxels that separate, which are ends of lattice edges along the frames that the mesh crosses in their nearer half;
+// Of voxels that separate, which are ends of links along the frames that the mesh crosses in their nearer half;
 // or of a supercover, whose cells meet the mesh. These reach no farther than half the diagonal of a box whose sides are
 // as long as the basis vectors: the nearest plane method finds a lattice point within that of any point.
 // Errors: INVALID_ARGUMENT as MakeMetric, MarginOf.

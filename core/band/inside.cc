@@ -17,10 +17,10 @@ Triangle CornersOf(const SnappedMesh& mesh, const std::array<uint32_t, 3>& trian
   return {mesh.vertices_lat[triangle[0]], mesh.vertices_lat[triangle[1]], mesh.vertices_lat[triangle[2]]};
 }
 
-// Calls f(ijk) with the lower end of each lattice edge along the axis that the triangle crosses and that has its nearer
+// Calls f(ijk) with the lower end of each link along the axis that the triangle crosses and that has its nearer
 // end in the box.
 template <class F>
-void ForEachEdge(const Triangle& triangle, size_t axis, const IndexBox& box, const F& f) {
+void ForEachLink(const Triangle& triangle, size_t axis, const IndexBox& box, const F& f) {
   ForEachCrossing(triangle, FrameAlong(axis), box, [&](const Vec3i& nearer, const Vec3i& farther) {
     f(nearer[axis] < farther[axis] ? nearer : farther);
   });
@@ -54,7 +54,7 @@ CornerLines::CornerLines(const SnappedMesh& mesh, StopSignal stop) {
     for (int32_t i = first_i * kTileSide; i <= last_i * kTileSide && !stop.Stopped(); i += kTileSide) {
       for (int32_t j = first_j * kTileSide; j <= last_j * kTileSide; j += kTileSide) {
         const IndexBox line{{i, j, (low_k >> kSubvoxelBits) - 1}, {i + 1, j + 1, (high_k >> kSubvoxelBits) + 3}};
-        ForEachEdge(triangle, 2, line, [&](const Vec3i& ijk) { crossings_[{i, j}].push_back(ijk[2]); });
+        ForEachLink(triangle, 2, line, [&](const Vec3i& ijk) { crossings_[{i, j}].push_back(ijk[2]); });
       }
     }
   }
@@ -68,7 +68,7 @@ bool CornerLines::IsInside(const Vec3i& tile_min) const {
   return (std::lower_bound(after.begin(), after.end(), tile_min[2]) - after.begin()) % 2 != 0;
 }
 
-// Along i from the corner, from these points along j, and from those along k. Edges that lead out of the tile are left
+// Along i from the corner, from these points along j, and from those along k. Links that lead out of the tile are left
 // out by the shift in ParityBelow, as their lower end is the last voxel, or comes before the first.
 void FindInside(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Vec3i& tile_min, bool corner_inside,
                 StopSignal stop, TileMask& inside) {
@@ -82,11 +82,11 @@ void FindInside(const SnappedMesh& mesh, std::span<const uint32_t> triangles, co
   for (const uint32_t t : triangles) {
     if (stop.Stopped()) return;
     const Triangle triangle = CornersOf(mesh, mesh.triangles[t]);
-    ForEachEdge(triangle, 0, box({kTileSide, 1, 1}), [&](const Vec3i& ijk) { cross(ijk[0] - tile_min[0], along_i); });
-    ForEachEdge(triangle, 1, box({kTileSide, kTileSide, 1}), [&](const Vec3i& ijk) {
+    ForEachLink(triangle, 0, box({kTileSide, 1, 1}), [&](const Vec3i& ijk) { cross(ijk[0] - tile_min[0], along_i); });
+    ForEachLink(triangle, 1, box({kTileSide, kTileSide, 1}), [&](const Vec3i& ijk) {
       cross(ijk[1] - tile_min[1], along_j[static_cast<size_t>(ijk[0] - tile_min[0])]);
     });
-    ForEachEdge(triangle, 2, box({kTileSide, kTileSide, kTileSide}), [&](const Vec3i& ijk) {
+    ForEachLink(triangle, 2, box({kTileSide, kTileSide, kTileSide}), [&](const Vec3i& ijk) {
       const Vec3i at = ijk - tile_min;
       cross(at[2], inside[static_cast<size_t>(at[0] << kTileBits | at[1])]);
     });

@@ -1,7 +1,7 @@
 // Which lattice points lie inside of a closed mesh: those from which a line to the outside crosses it an odd number of
 // times.
 //
-// Two neighbours along a lattice line differ in this iff the mesh crosses the edge between them an odd number of times,
+// Two neighbours along a lattice line differ in this iff the mesh crosses the link between them an odd number of times,
 // by the crossing rule (core/digitize/crossing.h), whose ties are those of one shift of the whole surface. So one point
 // of a tile and the triangles around the tile tell all of it.
 #ifndef LATVOX_CORE_BAND_INSIDE_H_

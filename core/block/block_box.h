@@ -11,7 +11,7 @@
 #include "core/brick/brick.h"
 #include "core/scan/stars.h"
 #include "core/tile/tile_bits.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 #include "core/tree/tile_tree.h"
 
 namespace latvox {
@@ -35,10 +35,10 @@ struct BlockBox {
   // The box without so many voxels, per axis, on every side.
   IndexBox Shrunk(const Vec3i& by) const { return {box.min + by, box.max - by}; }
 
-  // Calls f(farther end, direction, forward) for the edges of a star, until that returns false; returns whether it
+  // Calls f(farther end, direction, forward) for the links of a star, until that returns false; returns whether it
   // never did.
   template <class F>
-  bool ForEachEnd(uint32_t voxel, const StarEdges& star, F&& f) const {
+  bool ForEachEnd(uint32_t voxel, const StarLinks& star, F&& f) const {
     for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
       const auto n = static_cast<size_t>(std::countr_zero(bits));
       const bool forward = (star.forward >> n & 1) != 0;
@@ -47,16 +47,16 @@ struct BlockBox {
     return true;
   }
 
-  // Calls f(crossings) with all edges of tiny triangles from voxels of the box, batch by batch.
+  // Calls f(crossings) with all links of tiny triangles from voxels of the box, batch by batch.
   template <class F>
   void ForEachTinyBatch(const TileContext& context, F&& f) const {
-    if (context.edges.empty()) return;
+    if (context.links.empty()) return;
     std::array<int32_t, kPackedDirections> packed{};
     for (size_t n = 0; n < kMaxPairs; ++n) {
       packed[2 * n] = -steps[n];
       packed[2 * n + 1] = steps[n];
     }
-    context.edges.ForEachBatch(block, box, layout, packed, f);
+    context.links.ForEachBatch(block, box, layout, packed, f);
   }
 };
 

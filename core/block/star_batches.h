@@ -1,4 +1,4 @@
-// Pairs of a voxel and a triangle that is asked for the edges that it crosses there.
+// Pairs of a voxel and a triangle that is asked for the links that it crosses there.
 #ifndef LATVOX_CORE_BLOCK_STAR_BATCHES_H_
 #define LATVOX_CORE_BLOCK_STAR_BATCHES_H_
 
@@ -32,7 +32,7 @@ template <class F>
 void ForEachStar(const TileContext& context, const BitsLayout& layout, std::span<const VoxelTriangle> pairs,
                  const TileBits& bits, bool in_set, F&& f) {
   constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
-  StarEdges stars[kBatch];
+  StarLinks stars[kBatch];
   VoxelTriangle batch[kBatch];
   for (size_t n = 0; n < pairs.size() && !context.stop.Stopped();) {
     size_t size = 0;
@@ -40,7 +40,7 @@ void ForEachStar(const TileContext& context, const BitsLayout& layout, std::span
       batch[size] = pairs[n];
       size += bits.Test(pairs[n].voxel) == in_set ? 1 : 0;
     }
-    FindStarEdges(context.mesh, context.frames, layout, {batch, size}, stars);
+    FindStarLinks(context.mesh, context.frames, layout, {batch, size}, stars);
     for (size_t m = 0; m < size; ++m) f(batch[m].voxel, stars[m]);
   }
 }

@@ -58,7 +58,7 @@ void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidate
   surface.Find(candidates.rim.view(), false, positions_);
   FindPairs(candidates, candidates.rim, positions_, &Candidates::Run::rim_end, pairs_);
   added_.clear();
-  ForEachStar(context, voxels_.where().layout, pairs_, surface, false, [&](uint32_t voxel, const StarEdges& star) {
+  ForEachStar(context, voxels_.where().layout, pairs_, surface, false, [&](uint32_t voxel, const StarLinks& star) {
     if (star.nearer == 0 || surface.Test(voxel)) return;
     surface.Set(voxel);
     added_.push_back(voxel);

@@ -16,10 +16,10 @@
 
 namespace latvox {
 
-// A voxel with the edges for which a triangle put it into the surface.
+// A voxel with the links for which a triangle put it into the surface.
 struct RimVoxel {
   uint32_t voxel;
-  StarEdges star;
+  StarLinks star;
 };
 
 // What a scan hands on to be thinned; all of it is the scan's, until the next.
@@ -33,7 +33,7 @@ struct ScannedSurface {
 class SurfaceScan {
  public:
   // Finds all voxels of the surface in the box of `halo` steps around the node.
-  //   triangles   all that come within half a step of the box, except those whose edges the context has; more do no
+  //   triangles   all that come within half a step of the box, except those whose links the context has; more do no
   //               harm. Must live until the node is done
   // Leaves part of it undone once the job is cancelled.
   ScannedSurface Scan(const TileContext& context, const TileNode& node, int32_t halo,

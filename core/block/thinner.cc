@@ -29,17 +29,17 @@ bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
   const IndexBox known = where.Shrunk(context.reach * 2);
   TileBits& surface = scanned.voxels.bits();
-  bool decided = latvox::Thin(where.layout, doubtful, undecided_, edges_, known, where.block, surface, context.stop);
+  bool decided = latvox::Thin(where.layout, doubtful, undecided_, links_, known, where.block, surface, context.stop);
   if (!decided) {
     AddBorder(context, scanned.voxels, doubtful);
     Ask(context, scanned);
-    decided = latvox::Thin(where.layout, doubtful, undecided_, edges_, where.box, where.block, surface, context.stop);
+    decided = latvox::Thin(where.layout, doubtful, undecided_, links_, where.box, where.block, surface, context.stop);
   }
   for (const uint32_t voxel : list_) undecided_.Clear(voxel);
   return decided;
 }
 
-// An edge whose farther end lies outside of the surface shows its nearer end essential; the edges at hand, along
+// A link whose farther end lies outside of the surface shows its nearer end essential; the links at hand, along
 // principal directions and of tiny triangles, do so for nearly all voxels. Those with neighbours outside of the box, of
 // which nothing is known, are left out.
 void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& scanned) {
@@ -47,7 +47,7 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   const TileBits& surface = scanned.voxels.bits();
   undecided_.Resize(where.layout.Words());  // empty
   list_.clear();
-  const bool any_tiny = !context.edges.empty();
+  const bool any_tiny = !context.links.empty();
   inner_.Clear();
   if (any_tiny) FindInnerAndEssential(context, scanned);
   if (context.stop.Stopped()) return;
@@ -75,8 +75,8 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   if (any_tiny) essential_.ClearRange(scanned.voxels.dirty());
 }
 
-// Of tiny triangles, all edges are at hand: first of all, these show most voxels essential; nearly all others of such a
-// voxel's edges are in the same batch, or in later ones.
+// Of tiny triangles, all links are at hand: first of all, these show most voxels essential; nearly all others of such a
+// voxel's links are in the same batch, or in later ones.
 void Thinner::FindInnerAndEssential(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
   const TileBits& surface = scanned.voxels.bits();
@@ -93,7 +93,7 @@ void Thinner::FindInnerAndEssential(const TileContext& context, const ScannedSur
   inner_.farther.Keep(positions_.view());
 }
 
-// Adds to inner_ those of the edges whose nearer ends are in `bits`, or are not.
+// Adds to inner_ those of the links whose nearer ends are in `bits`, or are not.
 void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set) {
   bits.Find(some.nearer.view(), in_set, positions_);
   inner_.nearer.Reserve(positions_.size());
@@ -104,16 +104,16 @@ void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set)
   }
 }
 
-// Asks all triangles at undecided voxels: those that prove essential leave, edges between the others are recorded.
+// Asks all triangles at undecided voxels: those that prove essential leave, links between the others are recorded.
 void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
-  edges_.Reset(where.layout);
-  for (const ScanFrame& scan : context.frames) edges_.AddDirection(where.layout, scan.frame.q);
+  links_.Reset(where.layout);
+  for (const ScanFrame& scan : context.frames) links_.AddDirection(where.layout, scan.frame.q);
   scanned.candidates.ForEach(context, where,
                              [&](const Candidates& candidates) { AskCandidates(context, scanned.voxels, candidates); });
   for (size_t n = 0; n < inner_.nearer.size(); ++n) {
     const uint32_t end = inner_.nearer[n], other = inner_.farther[n];
-    if (undecided_.Test(end) && undecided_.Test(other)) edges_.Add(end, other);
+    if (undecided_.Test(end) && undecided_.Test(other)) links_.Add(end, other);
   }
 }
 
@@ -132,7 +132,7 @@ void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, con
 }
 
 // Finds pairs_ of undecided voxels by the triangles' boxes, if that seems to take less than to find the voxels among
-// all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no edges.
+// all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no links.
 bool Thinner::FindPairsByBoxes(const BlockBox& where, const Candidates& candidates) {
   const size_t triangles = candidates.triangles.size();
   if (candidates.boxes.size() != triangles) return false;
@@ -164,10 +164,10 @@ void Thinner::FindInUndecided(const NumberList& voxels) {
 void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   const BlockBox& where = voxels.where();
   const TileBits& surface = voxels.bits();
-  ForEachStar(context, where.layout, pairs_, undecided_, true, [&](uint32_t z, const StarEdges& star) {
+  ForEachStar(context, where.layout, pairs_, undecided_, true, [&](uint32_t z, const StarLinks& star) {
     const bool may_leave = where.ForEachEnd(z, star, [&](uint32_t end, size_t direction, bool forward) {
       if (!surface.Test(end)) return !where.box.Contains(where.layout.VoxelAt(end));  // beyond, nothing is known
-      if (undecided_.Test(end)) edges_.Add(z, direction, forward);
+      if (undecided_.Test(end)) links_.Add(z, direction, forward);
       return true;
     });
     if (!may_leave) undecided_.Clear(z);
@@ -192,7 +192,7 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
   }
   inner_.Clear();
   where.ForEachTinyBatch(context, [this](const Crossings& some) { AddInner(some, undecided_, true); });
-  // That an edge leads out of the box shows nothing.
+  // That a link leads out of the box shows nothing.
   for (size_t n = 0; n < inner_.nearer.size(); ++n) {
     if (IsOutside(voxels, inner_.farther[n])) undecided_.Clear(inner_.nearer[n]);
   }
@@ -201,7 +201,7 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
 size_t Thinner::Bytes() const {
   size_t bytes = undecided_.Bytes() + BytesOf(list_) + essential_.Bytes() + inside_.Bytes() + outward_.Bytes();
   bytes += inner_.Bytes() + positions_.Bytes() + BytesOf(pairs_);
-  return bytes + edges_.Bytes();
+  return bytes + links_.Bytes();
 }
 
 }  // namespace latvox

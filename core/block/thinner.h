@@ -10,15 +10,15 @@
 #include "core/block/surface_scan.h"
 #include "core/block/tile_context.h"
 #include "core/scan/candidates.h"
-#include "core/thin/crossed_edges.h"
+#include "core/thin/crossed_links.h"
 #include "core/tile/tile_bits.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 
 namespace latvox {
 
-// Finds what core/thin/thin.h asks for: the voxels that may be redundant, and the edges between them. It starts from
-// all members of the surface that no edge at hand shows essential, the undecided ones. It then asks the triangles at
-// these voxels, and only there, for all their edges. What a thread allocates for one node serves it for the next.
+// Finds what core/thin/thin.h asks for: the voxels that may be redundant, and the links between them. It starts from
+// all members of the surface that no link at hand shows essential, the undecided ones. It then asks the triangles at
+// these voxels, and only there, for all their links. What a thread allocates for one node serves it for the next.
 class Thinner {
  public:
   // Removes redundant voxels; returns whether that was decided for the whole node. See Thin.
@@ -41,13 +41,13 @@ class Thinner {
 
   TileBits undecided_{0};       // members of the surface that nothing has shown essential yet; empty between nodes
   std::vector<uint32_t> list_;  // all of undecided_, each once, and voxels that have left it
-  TileBits essential_{0};       // what edges of tiny triangles have shown to be; empty between nodes
-  Crossings inside_;            // edges of tiny triangles with both ends in the surface
+  TileBits essential_{0};       // what links of tiny triangles have shown to be; empty between nodes
+  Crossings inside_;            // links of tiny triangles with both ends in the surface
   NumberList outward_;          // the nearer ends of others
   Crossings inner_;             // of tiny triangles, from members of undecided_, or from what may become some
   NumberList positions_;
   std::vector<VoxelTriangle> pairs_;
-  CrossedEdges edges_;  // between members of undecided_
+  CrossedLinks links_;  // between members of undecided_
 };
 
 }  // namespace latvox

@@ -12,7 +12,7 @@
 #include "core/snap/snap.h"
 #include "core/supercover/supercover.h"
 #include "core/thin/thin.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 
 namespace latvox {
 
@@ -25,7 +25,7 @@ struct TileContext {
   const Supercover* supercover;  // if that is asked for; else null. It is not thinned
   Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
   bool minimal;                  // whether to thin
-  const TileEdges& edges;        // of tiny triangles, if most are tiny; set before the first tile
+  const TileLinks& links;        // of tiny triangles, if most are tiny; set before the first tile
   // Which triangles these are, if nodes list them, too, else empty.
   const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered

@@ -34,7 +34,7 @@ void FindSurface(const TileContext& context, const TileNode& node, BlockScan& sc
 
 void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
                    BlockScan& scan, std::vector<TileBricks>& tiles) {
-  surface = surface && (!node.triangles.empty() || node.edges > 0);
+  surface = surface && (!node.triangles.empty() || node.links > 0);
   if (surface) FindSurface(context, node, scan);
   if (interior != nullptr) scan.solid.Sort(context.mesh, node, context.stop);
   const int32_t count = 1 << 3 * node.level;

@@ -28,8 +28,8 @@ namespace {
 constexpr int kOffsetBits = 24;
 static_assert(kMaxDirection <= 8 && 2 * kOffsetBits + 2 + 3 <= 53);
 
-StarEdges ScalarStarEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, const Vec3i& z) {
-  StarEdges edges{};
+StarLinks ScalarStarLinks(const Triangle& triangle, const std::vector<ScanFrame>& frames, const Vec3i& z) {
+  StarLinks edges{};
   const OrientedTriangle oriented(triangle);
   const Star star(oriented, z);
   for (size_t n = 0; n < frames.size(); ++n) {
@@ -48,9 +48,9 @@ Triangle TriangleOf(const SnappedMesh& mesh, uint32_t index) {
 }
 
 void FindScalar(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
-                std::span<const VoxelTriangle> pairs, StarEdges* out) {
+                std::span<const VoxelTriangle> pairs, StarLinks* out) {
   for (const auto& [voxel, triangle] : pairs) {
-    *out++ = ScalarStarEdges(TriangleOf(mesh, triangle), frames, layout.VoxelAt(voxel));
+    *out++ = ScalarStarLinks(TriangleOf(mesh, triangle), frames, layout.VoxelAt(voxel));
   }
 }
 
@@ -65,7 +65,7 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
-                 std::span<const VoxelTriangle> pairs, StarEdges* out) {
+                 std::span<const VoxelTriangle> pairs, StarLinks* out) {
   FindScalar(mesh, frames, layout, pairs, out);
 }
 #else
@@ -90,7 +90,7 @@ using Floats3 = std::array<Floats, 3>;
 // rounded difference that is compared with a float needs nothing more, as rounding is monotone; and contraction to
 // fused products leaves roundings out.
 HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
-                              Ints farthest, StarEdges* out) {
+                              Ints farthest, StarLinks* out) {
   const Float d;
   const Lanes ints;
   std::array<Floats3, 3> v, moment;
@@ -180,7 +180,7 @@ HWY_INLINE Doubles Distance(const Doubles3& n, const Doubles3& w) {
 
 // The edges of pairs in the lanes, exactly; v: the corners, as in SureStars.
 HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Doubles3, 3>& v,
-                           StarEdges* out) {
+                           StarLinks* out) {
   const Double d;
   using V = Doubles;
   using V3 = Doubles3;
@@ -251,7 +251,7 @@ HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, 
 constexpr size_t kAtOnce = 64;
 struct Pairs {
   alignas(64) int32_t corners[3][3][kAtOnce];  // from the voxels, by axis
-  StarEdges edges[kAtOnce];
+  StarLinks edges[kAtOnce];
 };
 
 // Finds the edges of those whose bits are set.
@@ -268,14 +268,14 @@ void FindExactly(const std::vector<ScanFrame>& frames, int32_t reach, uint64_t w
         v[c][m] = hn::PromoteTo(Double(), hn::GatherIndex(ints, pairs.corners[c][m], hn::Load(ints, places)));
       }
     }
-    StarEdges edges[kDoubles];
+    StarLinks edges[kDoubles];
     ExactStars(frames, reach, v, edges);
     for (size_t n = 0; n < count; ++n) pairs.edges[places[n]] = edges[n];
   }
 }
 
 void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
-                 std::span<const VoxelTriangle> pairs, StarEdges* out) {
+                 std::span<const VoxelTriangle> pairs, StarLinks* out) {
   const PaddedVertices vertices(mesh);
   int32_t reach = 0;
   for (const ScanFrame& scan : frames) {
@@ -318,7 +318,7 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
     FindExactly(frames, reach, open & ~far & given, these);
     for (far &= given; far != 0; far &= far - 1) {
       const auto n = static_cast<size_t>(std::countr_zero(far));
-      these.edges[n] = ScalarStarEdges(TriangleOf(mesh, pairs[n].triangle), frames, layout.VoxelAt(pairs[n].voxel));
+      these.edges[n] = ScalarStarLinks(TriangleOf(mesh, pairs[n].triangle), frames, layout.VoxelAt(pairs[n].voxel));
     }
     out = std::copy_n(these.edges, count, out);
   }
@@ -341,8 +341,8 @@ HWY_EXPORT(FindInLanes);
 
 }  // namespace
 
-void FindStarEdges(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
-                   std::span<const VoxelTriangle> pairs, StarEdges* out) {
+void FindStarLinks(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
+                   std::span<const VoxelTriangle> pairs, StarLinks* out) {
   SimdIsScalar() ? FindScalar(mesh, frames, layout, pairs, out)
                  : HWY_DYNAMIC_DISPATCH(FindInLanes)(mesh, frames, layout, pairs, out);
 }

@@ -19,14 +19,14 @@ struct VoxelTriangle {
 
 // Bit n stands for the edge along frames[n].
 static_assert(kMaxDirections < 32);
-struct StarEdges {
+struct StarLinks {
   uint32_t nearer;   // crossed, and the voxel is their nearer end
   uint32_t forward;  // of these, the farther end is voxel + q, not voxel - q
 };
 
 // What Star::IsNearerEnd (core/digitize/star.h) says of each pair, for all directions. `out` has room for all pairs.
-void FindStarEdges(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
-                   std::span<const VoxelTriangle> pairs, StarEdges* out);
+void FindStarLinks(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
+                   std::span<const VoxelTriangle> pairs, StarLinks* out);
 
 }  // namespace latvox
 

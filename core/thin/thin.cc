@@ -8,17 +8,17 @@ namespace latvox {
 
 // An unsure voxel may have left by the time of a later pass; in earlier ones it is still there. What may be doubtful
 // and is not listed is unsure.
-bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedEdges& edges,
+bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedLinks& links,
           const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop) {
-  constexpr uint32_t kListed = CrossedEdges::kListed, kUnsure = CrossedEdges::kUnsure;
+  constexpr uint32_t kListed = CrossedLinks::kListed, kUnsure = CrossedLinks::kUnsure;
   std::array<std::vector<uint32_t>, kParityClasses> passes;
   constexpr size_t kAhead = 16;  // about what memory brings at a time
   for (size_t n = 0; n < doubtful.size(); ++n) {
     if (stop.Stopped()) return true;
     const uint32_t voxel = doubtful[n];
-    edges.Prefetch(doubtful[std::min(n + kAhead, doubtful.size() - 1)]);
-    uint32_t& word = edges.At(voxel);
-    word = (word & CrossedEdges::kEdges) | kListed | (known.Contains(layout.VoxelAt(voxel)) ? 0 : kUnsure);
+    links.Prefetch(doubtful[std::min(n + kAhead, doubtful.size() - 1)]);
+    uint32_t& word = links.At(voxel);
+    word = (word & CrossedLinks::kLinks) | kListed | (known.Contains(layout.VoxelAt(voxel)) ? 0 : kUnsure);
     passes[layout.ParityClass(voxel)].push_back(voxel);
   }
   bool decided = true;
@@ -26,17 +26,17 @@ bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const Ti
   for (uint32_t parity = 0; parity < kParityClasses; ++parity) {
     for (const uint32_t voxel : passes[parity]) {
       if (stop.Stopped()) return true;
-      const uint32_t word = edges.Get(voxel);
+      const uint32_t word = links.Get(voxel);
       bool keep = false, may_keep = (word & kUnsure) != 0;
-      edges.ForEach(voxel, word, [&](uint32_t other, uint32_t flip) {
+      links.ForEach(voxel, word, [&](uint32_t other, uint32_t flip) {
         if (!doubted.Test(other)) return;  // it stays
         keep |= !set.Test(other);
-        const bool sure = (edges.Get(other) & (kListed | kUnsure)) == kListed;
+        const bool sure = (links.Get(other) & (kListed | kUnsure)) == kListed;
         may_keep |= !sure && (parity ^ flip) < parity;
       });
       if (keep) continue;
       if (may_keep) {
-        edges.At(voxel) |= kUnsure;
+        links.At(voxel) |= kUnsure;
         decided &= !wanted.Contains(layout.VoxelAt(voxel));
       } else {
         set.Clear(voxel);

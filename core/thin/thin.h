@@ -18,7 +18,7 @@
 
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
-#include "core/thin/crossed_edges.h"
+#include "core/thin/crossed_links.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {
@@ -26,15 +26,15 @@ namespace latvox {
 // Thins `set` in place and returns true, if that can be decided for all voxels in `wanted`; else leaves it as it was.
 // It always can if what is known exceeds `wanted` by kThinHalo steps: a voxel's fate depends on others at most eight
 // steps away.
-//   doubtful  the members all of whose crossed edges from this end, as the nearer one, are known, and none of them
+//   doubtful  the members all of whose crossed links from this end, as the nearer one, are known, and none of them
 //             shows essential by its other end being outside; each once, in any order
 //   doubted   these, and what else may be doubtful: what is not there stays
-//   edges     all crossed edges between two doubtful voxels; within `known`, also those between one and what else may
+//   links     all crossed links between two doubtful voxels; within `known`, also those between one and what else may
 //             be doubtful; others do no harm. Marks of doubtful voxels are set
-//   known     local voxels; beyond, doubtful ones may have further edges
+//   known     local voxels; beyond, doubtful ones may have further links
 //   wanted    local voxels, within `known`; there, what may be doubtful is in `doubtful`
 // Once cancelled, it returns true soon, and the set means nothing.
-bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedEdges& edges,
+bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedLinks& links,
           const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop = {});
 
 // See Thin.

@@ -66,7 +66,7 @@ class ChunkPass {
 }  // namespace
 
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, StopSignal stop, TileEdges& edges,
+                          const IndexBox& box, StopSignal stop, TileLinks& edges,
                           UninitializedVector<uint8_t>* is_tiny) {
   const size_t count = mesh.triangles.size();
   const Vec3i origin = TinyCrossings::Origin(edges);

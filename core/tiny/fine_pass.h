@@ -9,7 +9,7 @@
 #include "core/base/uninitialized.h"
 #include "core/digitize/principal_scan.h"
 #include "core/snap/snap.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 #include "core/tiny/fineness.h"
 #include "core/triangles/surface_facts.h"
 
@@ -28,7 +28,7 @@ struct FineTriangles {
 //             then tiny ones that lines may meet are kept, too, as Sift says
 // Once the job is cancelled, parts are missing.
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, StopSignal stop, TileEdges& edges,
+                          const IndexBox& box, StopSignal stop, TileLinks& edges,
                           UninitializedVector<uint8_t>* is_tiny);
 
 }  // namespace latvox

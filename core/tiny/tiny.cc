@@ -95,7 +95,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
-void CrossAll(const Scene&, const CornerList&, const SiftedLines&, uint16_t*, PackedEdges&) {}
+void CrossAll(const Scene&, const CornerList&, const SiftedLines&, uint16_t*, PackedLinks&) {}
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -140,7 +140,7 @@ HWY_INLINE V Times(D d, int32_t c, V v) {
 // Up to kTriangleLanes lines along the direction, each with a tiny triangle between whose corners it lies.
 //   entries   as in SiftedLines; padded
 HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const CornerList& triangles,
-                      const uint16_t* entries, size_t count, PackedEdges& out) {
+                      const uint16_t* entries, size_t count, PackedLinks& out) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
   const Ints zero = hn::Zero(d), one = Fill(1);
@@ -219,13 +219,13 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   edge = hn::Or(hn::ShiftLeft<kPackedEndShift>(edge), hn::Or(Fill(direction.packed), forward));
   const SelectedLanes<Lanes> selected(d, crossed);
   selected.Store(tile, out.tiles.end());
-  selected.Store(edge, out.edges.end());
+  selected.Store(edge, out.links.end());
   out.Grow(selected.count());
 }
 
 //   list   memory, of as many entries as `lines`
 void CrossAll(const Scene& scene, const CornerList& triangles, const SiftedLines& lines, uint16_t* list,
-              PackedEdges& out) {
+              PackedLinks& out) {
   const hn::ScalableTag<uint16_t> d;
   for (size_t direction = 0; direction < scene.directions.size(); ++direction) {
     const auto bit = hn::Set(d, static_cast<uint16_t>(1 << direction));
@@ -261,14 +261,14 @@ HWY_EXPORT(CrossAll);
 
 struct TinyCrossings::State {
   Scene scene;
-  TileEdges& edges;
-  std::unique_ptr<TileEdges::Part> part;
+  TileLinks& edges;
+  std::unique_ptr<TileLinks::Part> part;
   SiftedLines lines = {};
   uint16_t list[SiftedLines::kMost + SiftedLines::kSlack] = {};
-  PackedEdges found = {};
+  PackedLinks found = {};
 };
 
-TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges)
+TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges)
     : state_(new State{Scene(frames, box, Origin(edges)), edges, edges.Take()}) {}
 
 TinyCrossings::~TinyCrossings() { state_->edges.Give(std::move(state_->part)); }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/digitize/principal_scan.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 #include "core/triangles/corner_list.h"
 
 namespace latvox {
@@ -20,11 +20,11 @@ class TinyCrossings {
  public:
   //   box    local voxels: of edges with a nearer end outside, nothing is wanted
   //   edges  has what is found once this is destroyed, which must be before edges.Finish()
-  TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges);
+  TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges);
   ~TinyCrossings();
 
   // The origin (core/triangles/corner_list.h) that lists of triangles must have.
-  static Vec3i Origin(const TileEdges& edges) { return edges.first_tile() * kTileSide; }
+  static Vec3i Origin(const TileLinks& edges) { return edges.first_tile() * kTileSide; }
 
   // Finds all edges, in all directions, that the tiny ones of the triangles cross. Others go to `kept`, as Sift says.
   void Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny);

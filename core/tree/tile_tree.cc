@@ -1,6 +1,6 @@
-// A counting sort: the cells that each triangle comes near to are written down and counted, chunk by chunk of the
-// triangles; sums of the counts say where in the cells' lists each chunk's triangles go; then they go there. Chunks are
-// independent, and lists come out ascending, since chunks are.
+// A counting sort: the octants that each triangle comes near to are written down and counted, chunk by chunk of the
+// triangles; sums of the counts say where in the octants' lists each chunk's triangles go; then they go there. Chunks
+// are independent, and lists come out ascending, since chunks are.
 #include "core/tree/tile_tree.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -25,7 +25,7 @@ constexpr size_t kMinParallel = 8192;
 constexpr size_t kMinChunk = 4096;
 constexpr size_t kMaxChunks = 64;
 
-// As many levels as leave this many triangles a cell, since each cell costs, but no fewer than kFewLevels.
+// As many levels as leave this many triangles an octant, since each octant costs, but no fewer than kFewLevels.
 constexpr size_t kTrianglesPerCell = 2;
 constexpr int kFewLevels = 2;
 
@@ -45,15 +45,15 @@ void ForEachOf(size_t count, const F& f) {
   });
 }
 
-// The cell of that number in Morton order.
-Vec3i CellAt(size_t number) {
-  Vec3i cell{};
+// The octant of that number in Morton order.
+Vec3i OctantAt(size_t number) {
+  Vec3i octant{};
   for (int bit = 0; bit < kMaxGridLevels; ++bit) {
     for (int m = 0; m < 3; ++m) {
-      cell[static_cast<size_t>(m)] |= static_cast<int32_t>(number >> (3 * bit + 2 - m) & 1) << bit;
+      octant[static_cast<size_t>(m)] |= static_cast<int32_t>(number >> (3 * bit + 2 - m) & 1) << bit;
     }
   }
-  return cell;
+  return octant;
 }
 
 int LevelsBelow(int level, size_t triangles) {
@@ -69,15 +69,15 @@ int LevelsBelow(int level, size_t triangles) {
 class TileTree::HitCounts {
  public:
   //   no_hit   the largest hit
-  explicit HitCounts(CellHit no_hit) : even_(size_t{no_hit} + 1), odd_(even_.size()) {}
+  explicit HitCounts(OctantHit no_hit) : even_(size_t{no_hit} + 1), odd_(even_.size()) {}
 
-  void Add(std::span<const CellHit> hits) {
-    const auto cell = [&](size_t n) { return static_cast<size_t>(hits[n] & ~kLastHit); };
+  void Add(std::span<const OctantHit> hits) {
+    const auto octant = [&](size_t n) { return static_cast<size_t>(hits[n] & ~kLastHit); };
     for (size_t n = 0; n + 1 < hits.size(); n += 2) {
-      ++even_[cell(n)];
-      ++odd_[cell(n + 1)];
+      ++even_[octant(n)];
+      ++odd_[octant(n + 1)];
     }
-    if (hits.size() % 2 != 0) ++even_[cell(hits.size() - 1)];
+    if (hits.size() % 2 != 0) ++even_[octant(hits.size() - 1)];
   }
 
   std::vector<uint32_t> Sum() {
@@ -89,14 +89,14 @@ class TileTree::HitCounts {
   std::vector<uint32_t> even_, odd_;
 };
 
-// Some of a node's triangles, near ones and fringe, and the cells that they hit.
+// Some of a node's triangles, near ones and fringe, and the octants that they hit.
 struct TileTree::Chunk {
   uint32_t first = 0;             // if ids == nullptr, the triangles are first, first + 1, ...
   const uint32_t* ids = nullptr;  // ascending
   size_t size = 0;
   UninitializedVector<uint32_t> merged{};  // of near ones and fringe, if there are both
-  UninitializedVector<CellHit> hits{};     // one triangle's after the other's
-  std::vector<uint32_t> counts{};          // by hit; later where in that cell's list the next triangle goes
+  UninitializedVector<OctantHit> hits{};   // one triangle's after the other's
+  std::vector<uint32_t> counts{};          // by hit; later where in that octant's list the next triangle goes
 
   uint32_t Triangle(size_t n) const { return ids == nullptr ? first + static_cast<uint32_t>(n) : ids[n]; }
 };
@@ -112,14 +112,14 @@ int TileCubeLevel(const IndexBox& box) {
 }
 
 std::vector<TileNode> TileTree::Top(std::optional<std::vector<uint32_t>> triangles) const {
-  if (triangles && triangles->empty() && (edges_ == nullptr || edges_->empty())) return {};
+  if (triangles && triangles->empty() && (links_ == nullptr || links_->empty())) return {};
   // The cube begins at the lowest tile of the whole mesh, whatever the region, so that the order is always the same.
   TileNode root{{}, level(), {}, {}, 0, 1};
   for (size_t m = 0; m < 3; ++m) {
     if (region_.min[m] >= region_.max[m]) return {};
     root.tile_ijk[m] = mesh_.box.min[m] >> kTileBits;
   }
-  root.edges = EdgesIn(root.tile_ijk, root.level);
+  root.links = LinksIn(root.tile_ijk, root.level);
   if (triangles) {
     root.triangles = *std::move(triangles);
     return Split(root, root.triangles.size(), leaf_level_);
@@ -133,7 +133,7 @@ std::vector<TileNode> TileTree::Children(const TileNode& node) const {
 
 // `triangles` is the number of the node's, or of all, if it lists none.
 std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles, int leaf_level) const {
-  for (int levels = LevelsBelow(std::max(node.level - leaf_level, 0), triangles + node.edges);; --levels) {
+  for (int levels = LevelsBelow(std::max(node.level - leaf_level, 0), triangles + node.links);; --levels) {
     const size_t max_hits = levels > 1 ? std::max(kFewHits, kHitsPerTriangle * (triangles + node.fringe.size()))
                                        : std::numeric_limits<size_t>::max();
     if (auto children = SplitBy(levels, node, triangles, max_hits)) return *std::move(children);
@@ -143,9 +143,9 @@ std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles, in
 // Nullopt if there are more than max_hits.
 std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNode& node, size_t triangles,
                                                        size_t max_hits) const {
-  const CellGrid grid(node.tile_ijk, node.level, levels, near_, far_, region_);
+  const OctantGrid grid(node.tile_ijk, node.level, levels, near_, far_, region_);
   if (grid.IsEmpty()) return std::vector<TileNode>{};
-  const size_t cells = size_t{1} << 3 * levels;
+  const size_t octants = size_t{1} << 3 * levels;
 
   const size_t count = triangles < kMinParallel ? 1 : std::min(kMaxChunks, triangles / kMinChunk);
   const auto part = [&](size_t all, size_t n) { return all * n / count; };
@@ -158,29 +158,29 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   if (stop_.Stopped()) return std::vector<TileNode>{};
   if (total_hits > max_hits) return std::nullopt;
 
-  std::vector<uint32_t> sizes(2 * cells);
-  ForEachOf(count, [&](size_t n) { AddCounts(part(2 * cells, n), part(2 * cells, n + 1), chunks, sizes); });
+  std::vector<uint32_t> sizes(2 * octants);
+  ForEachOf(count, [&](size_t n) { AddCounts(part(2 * octants, n), part(2 * octants, n + 1), chunks, sizes); });
   std::vector<TileNode> children;
   std::vector<size_t> numbers;
   size_t total = 0;
-  for (size_t cell = 0; cell < cells; ++cell) {
+  for (size_t octant = 0; octant < octants; ++octant) {
     const int level = node.level - levels;
-    const Vec3i tile_ijk = node.tile_ijk + CellAt(cell) * (1 << level);
-    const size_t edges = EdgesIn(tile_ijk, level);
-    if (sizes[2 * cell] == 0 && edges == 0 && !(keep_empty_ && MeetsRegion(tile_ijk, level))) continue;
-    children.push_back({tile_ijk, level, {}, {}, 0, 0, edges});
-    numbers.push_back(cell);
-    total += sizes[2 * cell] + edges;
+    const Vec3i tile_ijk = node.tile_ijk + OctantAt(octant) * (1 << level);
+    const size_t links = LinksIn(tile_ijk, level);
+    if (sizes[2 * octant] == 0 && links == 0 && !(keep_empty_ && MeetsRegion(tile_ijk, level))) continue;
+    children.push_back({tile_ijk, level, {}, {}, 0, 0, links});
+    numbers.push_back(octant);
+    total += sizes[2 * octant] + links;
   }
   double progress = node.progress;
   for (size_t n = 0; n < children.size(); ++n) {
     children[n].progress = progress;
-    const auto weight = static_cast<double>(sizes[2 * numbers[n]] + children[n].edges);
+    const auto weight = static_cast<double>(sizes[2 * numbers[n]] + children[n].links);
     children[n].share = node.share * weight / static_cast<double>(std::max<size_t>(total, 1));
     progress += children[n].share;
   }
 
-  std::vector<uint32_t*> lists(2 * cells + 1);  // null where no child is
+  std::vector<uint32_t*> lists(2 * octants + 1);  // null where no child is
   ForEachOf(count, [&](size_t p) {
     for (size_t n = part(children.size(), p); n < part(children.size(), p + 1); ++n) {
       children[n].triangles.resize(sizes[2 * numbers[n]]);
@@ -196,8 +196,8 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
 }
 
 // What no tile is delivered for does not count.
-size_t TileTree::EdgesIn(const Vec3i& tile_ijk, int level) const {
-  return edges_ != nullptr && MeetsRegion(tile_ijk, level) ? edges_->CountIn(tile_ijk, level) : 0;
+size_t TileTree::LinksIn(const Vec3i& tile_ijk, int level) const {
+  return links_ != nullptr && MeetsRegion(tile_ijk, level) ? links_->CountIn(tile_ijk, level) : 0;
 }
 
 bool TileTree::MeetsRegion(const Vec3i& tile_ijk, int level) const {
@@ -227,7 +227,7 @@ void TileTree::SetTriangles(const TileNode& node, size_t begin, size_t end, Chun
 }
 
 // Leaves the chunk undone if the job is cancelled or the sum of all chunks' hits exceeds max_hits.
-void TileTree::FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const {
+void TileTree::FindHits(const OctantGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const {
   chunk.hits.resize(chunk.size + chunk.size / 4 + kFewHits);
   size_t size = 0, reported = 0;
   const auto may_go_on = [&] {
@@ -242,21 +242,22 @@ void TileTree::FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_
   };
   if (!may_go_on()) return;
   HitCounts counts(grid.NoHit());
-  CellGrid::Codes codes;
-  std::array<uint32_t, CellGrid::kBlock> all_ids;
-  for (size_t block = 0; block < chunk.size; block += CellGrid::kBlock) {
-    const size_t in_block = std::min(CellGrid::kBlock, chunk.size - block), before = size;
+  OctantGrid::Codes codes;
+  std::array<uint32_t, OctantGrid::kBlock> all_ids;
+  for (size_t block = 0; block < chunk.size; block += OctantGrid::kBlock) {
+    const size_t in_block = std::min(OctantGrid::kBlock, chunk.size - block), before = size;
     const uint32_t* ids = chunk.ids == nullptr ? all_ids.data() : chunk.ids + block;
     if (chunk.ids == nullptr) std::iota(all_ids.begin(), all_ids.end(), chunk.Triangle(block));
     grid.Encode(mesh_, vertices_, {ids, in_block}, codes);
     for (size_t n = 0;; ++n) {
-      if (stop_.Stopped() || !make_room(CellGrid::kMostHits * in_block)) return;
-      CellHit* end = chunk.hits.data() + size;
-      n = CellGrid::FewHits(codes, n, end);
+      if (stop_.Stopped() || !make_room(OctantGrid::kMostHits * in_block)) return;
+      OctantHit* end = chunk.hits.data() + size;
+      n = OctantGrid::FewHits(codes, n, end);
       size = static_cast<size_t>(end - chunk.hits.data());
       if (n == in_block) break;
       const auto [a, b, c] = mesh_.triangles[ids[n]];
-      std::vector<CellHit> many = grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});
+      std::vector<OctantHit> many =
+          grid.ManyHits({mesh_.vertices_lat[a], mesh_.vertices_lat[b], mesh_.vertices_lat[c]});
       if (many.empty()) many.push_back(grid.NoHit());
       many.back() |= kLastHit;
       if (!make_room(many.size())) return;
@@ -280,10 +281,10 @@ void TileTree::AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, 
   }
 }
 
-// Puts the chunk's triangles into the lists of the cells that they hit.
+// Puts the chunk's triangles into the lists of the octants that they hit.
 void TileTree::Fill(uint32_t* const* lists, Chunk& chunk) {
   uint32_t* const next = chunk.counts.data();
-  const CellHit* hits = chunk.hits.data();
+  const OctantHit* hits = chunk.hits.data();
   for (size_t n = 0; n < chunk.size; ++hits) {
     const size_t hit = *hits & ~kLastHit;
     if (uint32_t* list = lists[hit]) list[next[hit]++] = chunk.Triangle(n);

@@ -10,8 +10,8 @@
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/snap/snap.h"
-#include "core/tile/tile_edges.h"
-#include "core/tree/cell_grid.h"
+#include "core/tile/tile_links.h"
+#include "core/tree/octant_grid.h"
 #include "core/triangles/padded_vertices.h"
 
 namespace latvox {
@@ -27,7 +27,7 @@ struct TileNode {
   std::vector<uint32_t> fringe;     // the others that come within its far margin, ascending
   double progress;                  // estimated share of the work before this node,
   double share;                     // and of its own
-  size_t edges = 0;                 // how many of the tree's edges have their nearer end in it
+  size_t links = 0;                 // how many of the tree's links have their nearer end in it
 };
 
 // Depth first and in the order of children (Morton, i most significant), tiles come in Morton order: the canonical
@@ -47,8 +47,8 @@ class TileTree {
 
   void SetLeafLevel(int level) { leaf_level_ = level; }
 
-  // From now on nodes with these edges count as children, too, where they meet the region. Kept by reference.
-  void AddEdges(const TileEdges& edges) { edges_ = &edges; }
+  // From now on nodes with these links count as children, too, where they meet the region. Kept by reference.
+  void AddLinks(const TileLinks& links) { links_ = &links; }
 
   // From now on nodes that no triangle comes near to count as children, too, where they meet the region.
   void KeepEmpty() { keep_empty_ = true; }
@@ -62,7 +62,7 @@ class TileTree {
   //   triangles  ascending: only these count; nullopt: all of the mesh
   std::vector<TileNode> Top(std::optional<std::vector<uint32_t>> triangles = std::nullopt) const;
 
-  // The children within the near margin of which triangles come, or with edges, in canonical order; those of a leaf are
+  // The children within the near margin of which triangles come, or with links, in canonical order; those of a leaf are
   // its tiles. Precondition: node.level > 0.
   std::vector<TileNode> Children(const TileNode& node) const;
 
@@ -70,19 +70,19 @@ class TileTree {
   struct Chunk;
   class HitCounts;
 
-  size_t EdgesIn(const Vec3i& tile_ijk, int level) const;
+  size_t LinksIn(const Vec3i& tile_ijk, int level) const;
   std::vector<TileNode> Split(const TileNode& node, size_t triangles, int leaf_level) const;
   std::optional<std::vector<TileNode>> SplitBy(int levels, const TileNode& node, size_t triangles,
                                                size_t max_hits) const;
   static void SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk);
-  void FindHits(const CellGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const;
+  void FindHits(const OctantGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const;
   static void AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, std::vector<uint32_t>& sums);
   static void Fill(uint32_t* const* lists, Chunk& chunk);
 
   bool MeetsRegion(const Vec3i& tile_ijk, int level) const;
 
   const SnappedMesh& mesh_;
-  const TileEdges* edges_ = nullptr;
+  const TileLinks* links_ = nullptr;
   int leaf_level_;
   bool keep_empty_ = false;
   Vec3i near_, far_;

@@ -10,7 +10,7 @@
 namespace latvox {
 
 // Digitizes tile by tile, a pipeline of units of some tiles each.
-// Memory: the mesh, the edges that its tiny triangles cross, and the tiles in flight; of a solid with force_open, also
+// Memory: the mesh, the links that its tiny triangles cross, and the tiles in flight; of a solid with force_open, also
 // all crossings of lines along k.
 std::unique_ptr<VoxelizeJob> MakeExactJob(std::unique_ptr<ExactPlan> plan);
 

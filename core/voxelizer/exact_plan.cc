@@ -36,7 +36,7 @@ bool NeedsAllTriangles(const ExactPlan& plan) {
   return (plan.solid && !HasAxes(plan.input.frames)) || plan.input.attributes;
 }
 
-// Finds the edges of tiny triangles, which triangles are left, and the mesh's facts.
+// Finds the links of tiny triangles, which triangles are left, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const ExactInput& input = plan.input;
   const bool may_be_fine = !input.supercover && !input.band;
@@ -46,7 +46,7 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const IndexBox around{input.region.min - margin, input.region.max + margin};
   plan.is_fine = true;
   const bool list_tiny = plan.solid || input.attributes;
-  FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.edges,
+  FineTriangles fine = SortOutFine(input.mesh, plan.scan_frames, fineness, around, creation, *plan.links,
                                    list_tiny ? &plan.is_tiny : nullptr);
   if (!NeedsAllTriangles(plan)) plan.kept = std::move(fine.kept);
   return fine.facts;
@@ -62,7 +62,7 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
   plan->scan_frames = MakeScanFrames(input.frames);
   plan->solid = options.solid;
   plan->minimal = options.minimal && !input.supercover;
-  plan->edges = std::make_unique<TileEdges>(Shifted(input.mesh.box.min, kTileBits),
+  plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits),
                                             plan->minimal ? ReachOf(input.frames) * kNearHalo : Vec3i{});
   SetMargins(*plan);
   plan->has_large_tiles = input.band || input.attributes;

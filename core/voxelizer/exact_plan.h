@@ -20,7 +20,7 @@
 #include "core/snap/snap.h"
 #include "core/solid/solid.h"
 #include "core/supercover/supercover.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 #include "core/voxelizer/voxelizer.h"
 #include "core/voxelizer/world_box.h"
 
@@ -47,7 +47,7 @@ struct ExactPlan {
   Vec3i near_margin{}, far_margin{};          // of the tree: see TileTree
   bool has_large_tiles = false;               // of megabytes each
   bool is_fine = false;                       // whether the mesh is: what follows is of a fine one
-  std::unique_ptr<TileEdges> edges;           // that tiny triangles cross, if most are tiny
+  std::unique_ptr<TileLinks> links;           // that tiny triangles cross, if most are tiny
   UninitializedVector<uint8_t> is_tiny;       // see TileContext
   std::optional<std::vector<uint32_t>> kept;  // triangles that tiles are to know of, ascending; nullopt: all
   JobFacts facts;
@@ -57,7 +57,7 @@ struct ExactPlan {
 
   // For the blocks of the job that `job` stops. Refers to this.
   TileContext Context(StopSignal job) const {
-    return {input.mesh, scan_frames, input.supercover.get(), reach, minimal, *edges, is_tiny, input.region, job};
+    return {input.mesh, scan_frames, input.supercover.get(), reach, minimal, *links, is_tiny, input.region, job};
   }
 };
 

@@ -15,13 +15,13 @@
 namespace latvox {
 namespace {
 
-constexpr int kMaxLevels = 7;  // of cells: 128 along an axis
+constexpr int kMaxLevels = 7;  // of octants: 128 along an axis
 constexpr int kTileUnitBits = kTileBits + kSubvoxelBits;
 
 // What a triangle costs in a tile beside its area: about 90 ns, where a voxel is 15.
 constexpr uint64_t kVoxelsPerTriangle = 6;
 
-// Triangles are weighed in n^2 equal pieces, which are no larger than cells unless that made more pieces than this.
+// Triangles are weighed in n^2 equal pieces, which are no larger than octants unless that made more pieces than this.
 constexpr uint64_t kMaxPieces = 1 << 21;
 
 // Vertices of the mesh, as units from the corner of the lowest tile.
@@ -33,8 +33,8 @@ using Vec3l = Vec<int64_t, 3>;
 
 Vec3l Wide(const Vec3i& v) { return {v[0], v[1], v[2]}; }
 
-// The edges that a triangle crosses along that of the directions of which it crosses most: about its voxels. Where
-// these weigh less than what every triangle costs, the sum of the axes' edges will do.
+// The links that a triangle crosses along that of the directions of which it crosses most: about its voxels. Where
+// these weigh less than what every triangle costs, the sum of the axes' links will do.
 uint64_t VoxelsOf(const Vec3i& e, const Vec3i& f, const std::vector<Vec3l>& directions) {
   constexpr int kAreaBits = 1 + 2 * kSubvoxelBits;
   const Vec3l normal = Cross(Wide(e), Wide(f));  // twice as long as the area
@@ -77,19 +77,19 @@ class CellWeights {
   TileSpan SpanOf(const Shard& shard) const;
 
  private:
-  // Neighbours in a mesh mostly lie in one cell: their weights are added up before they go where all threads write.
+  // Neighbours in a mesh mostly lie in one octant: their weights are added up before they go where all threads write.
   struct Sum {
-    size_t cell = 0;
+    size_t octant = 0;
     uint64_t weight = 0;
   };
   void Add(const Corners& corners, Sum& sum);
   void AddPoint(const Vec3i& point, uint64_t weight, Sum& sum);
-  void Flush(Sum& sum) { weights_[sum.cell].fetch_add(std::exchange(sum.weight, 0), std::memory_order_relaxed); }
+  void Flush(Sum& sum) { weights_[sum.octant].fetch_add(std::exchange(sum.weight, 0), std::memory_order_relaxed); }
 
   const SnappedMesh& mesh_;
   const std::optional<WorldBox>& bounds_;
   std::vector<Vec3l> directions_;
-  const int levels_, shift_;                 // of the cube of all tiles; of a tile's number to its cell's
+  const int levels_, shift_;                 // of the cube of all tiles; of a tile's number to its octant's
   Vec3i low_{}, high_{}, first_{}, last_{};  // tiles; all but low_ relative to it
   int32_t most_ = 1;                         // pieces along an edge
   std::vector<std::atomic<uint64_t>> weights_;
@@ -137,26 +137,26 @@ void CellWeights::AddPoint(const Vec3i& point, uint64_t weight, Sum& sum) {
     if (tile[m] < first_[m] || tile[m] > last_[m]) return;
   }
   if (bounds_ && !bounds_->Contains(Shifted(point, kSubvoxelBits) + low_ * kTileSide + mesh_.base_ijk)) return;
-  const auto cell = static_cast<size_t>(TileNumber(tile) >> shift_);
-  if (cell != sum.cell) {
+  const auto octant = static_cast<size_t>(TileNumber(tile) >> shift_);
+  if (octant != sum.octant) {
     Flush(sum);
-    sum.cell = cell;
+    sum.octant = octant;
   }
   sum.weight += weight;
 }
 
-// A cell belongs to the shard that the middle of its weight falls into. Sums rise, and so do these shards, also where
-// weights are nothing.
+// An octant belongs to the shard that the middle of its weight falls into. Sums rise, and so do these shards, also
+// where weights are nothing.
 TileSpan CellWeights::SpanOf(const Shard& shard) const {
   using Wide = unsigned __int128;
   Wide total = 0, before = 0;
   for (const auto& weight : weights_) total += weight;
   constexpr uint64_t kNone = std::numeric_limits<uint64_t>::max();
   TileSpan span = {kNone, kNone};
-  for (size_t cell = 0; cell < weights_.size(); ++cell) {
-    const uint64_t weight = weights_[cell];
+  for (size_t octant = 0; octant < weights_.size(); ++octant) {
+    const uint64_t weight = weights_[octant];
     const Wide owner = total == 0 ? 0 : (2 * before + weight) * shard.count / (2 * total);
-    const uint64_t number = static_cast<uint64_t>(cell) << shift_;
+    const uint64_t number = static_cast<uint64_t>(octant) << shift_;
     if (owner >= shard.index) span.begin = std::min(span.begin, number);
     if (owner > shard.index) span.end = std::min(span.end, number);
     before += weight;

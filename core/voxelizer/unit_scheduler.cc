@@ -43,7 +43,7 @@ UnitScheduler::UnitScheduler(const ExactPlan& plan, std::optional<std::vector<ui
       tile_base_(Shifted(plan.input.mesh.base_ijk, kTileBits)),
       tree_(plan.input.mesh, 0, plan.near_margin, plan.far_margin, plan.input.region, job),
       kept_(std::move(kept)) {
-  if (plan.is_fine) tree_.AddEdges(*plan.edges);
+  if (plan.is_fine) tree_.AddLinks(*plan.links);
 }
 
 void UnitScheduler::AddInterior(const Interior& interior) {
@@ -55,7 +55,7 @@ void UnitScheduler::AddInterior(const Interior& interior) {
 bool UnitScheduler::IsUnit(const TileNode& node) const {
   if (plan_.has_large_tiles) return tree_.IsLeaf(node);
   const int max_level = interior_ != nullptr ? kMaxSolidUnitLevel : kMaxUnitLevel;
-  if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() + node.edges > kMaxUnitTriangles)) {
+  if (!tree_.IsLeaf(node) && (node.level > max_level || node.triangles.size() + node.links > kMaxUnitTriangles)) {
     return false;
   }
   return IsSmall(node);
@@ -67,7 +67,7 @@ uint64_t UnitScheduler::NumberOf(const Vec3i& tile_ijk) const {
 }
 
 bool UnitScheduler::IsLeftOut(const TileNode& node) const {
-  if (node.triangles.empty() && node.edges == 0 &&
+  if (node.triangles.empty() && node.links == 0 &&
       !(interior_ != nullptr && interior_->MayHold(node.tile_ijk, node.level))) {
     return true;
   }

@@ -63,8 +63,8 @@ void AddFound(const Candidates& candidates, const SnappedMesh& mesh, const std::
   }
   EXPECT_EQ(crossed, candidates.nearer.size());
   EXPECT_EQ(rim, candidates.rim.size());
-  std::vector<StarEdges> stars(pairs.size());
-  FindStarEdges(mesh, frames, layout, pairs, stars.data());
+  std::vector<StarLinks> stars(pairs.size());
+  FindStarLinks(mesh, frames, layout, pairs, stars.data());
   for (size_t n = 0; n < pairs.size(); ++n) {
     if (stars[n].nearer != 0) found.insert({pairs[n].triangle, layout.VoxelAt(pairs[n].voxel)});
   }

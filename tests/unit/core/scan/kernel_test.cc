@@ -117,13 +117,13 @@ TEST(CornerList, HoldsCornersFromTheFirstOnesVoxelOnEachKernel) {
 // Expects of each pair what the star says; returns how many have edges.
 size_t ExpectStars(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames,
                    const BitsLayout& layout, const std::vector<VoxelTriangle>& pairs, const std::string& what) {
-  std::vector<StarEdges> stars(pairs.size());
-  FindStarEdges(MeshOf(triangles), frames, layout, pairs, stars.data());
+  std::vector<StarLinks> stars(pairs.size());
+  FindStarLinks(MeshOf(triangles), frames, layout, pairs, stars.data());
   size_t with_edges = 0;
   for (size_t n = 0; n < pairs.size(); ++n) {
     const OrientedTriangle oriented(triangles[pairs[n].triangle]);
     const Star star(oriented, layout.VoxelAt(pairs[n].voxel));
-    StarEdges expected{};
+    StarLinks expected{};
     for (size_t d = 0; d < frames.size(); ++d) {
       const Vec3i& q = frames[d].frame.q;
       Vec3i step{};
@@ -138,7 +138,7 @@ size_t ExpectStars(const std::vector<Triangle>& triangles, const std::vector<Sca
   return with_edges;
 }
 
-TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
+TEST(StarLinks, SayOfEachPairWhatTheStarSaysOnEachKernel) {
   std::mt19937 random(kSeed);
   const Vec3i tile_min{0, 64, 0};
   const BitsLayout layout(tile_min, {8, 8, 8});
@@ -173,7 +173,7 @@ TEST(StarEdges, SayOfEachPairWhatTheStarSaysOnEachKernel) {
 
 // Planes all but parallel to a direction, all but through the voxel: whatever floats say of them is within their
 // errors.
-TEST(StarEdges, OfPlanesAlongDirectionsAreWhatTheStarSaysOnEachKernel) {
+TEST(StarLinks, OfPlanesAlongDirectionsAreWhatTheStarSaysOnEachKernel) {
   const BitsLayout layout({0, 0, 0}, {8, 8, 8});
   const Vec3i voxel{31, 17, 44};
   std::mt19937 random(kSeed);
@@ -201,7 +201,7 @@ TEST(StarEdges, OfPlanesAlongDirectionsAreWhatTheStarSaysOnEachKernel) {
 }
 
 // The distance from this plane, times the normal, is 2^64.
-TEST(StarEdges, AreNoneWherePlanesAreFarOnEachKernel) {
+TEST(StarLinks, AreNoneWherePlanesAreFarOnEachKernel) {
   constexpr int32_t kSide = 1 << 24, kAway = 1 << 16;
   const BitsLayout layout({0, 0, 0}, {8, 8, 8});
   const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kCartesian).frames(0));
@@ -210,8 +210,8 @@ TEST(StarEdges, AreNoneWherePlanesAreFarOnEachKernel) {
   const VoxelTriangle pair{layout.NumberOf({0, 0, 0}), 0};
   for (const Simd simd : SimdHere()) {
     const ForcedSimd forced(simd);
-    StarEdges star;
-    FindStarEdges(mesh, frames, layout, {&pair, 1}, &star);
+    StarLinks star;
+    FindStarLinks(mesh, frames, layout, {&pair, 1}, &star);
     EXPECT_EQ(star.nearer, 0U) << SimdInUse();
   }
 }

@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/digitize/crossing.h"
-#include "core/tile/tile_edges.h"
+#include "core/tile/tile_links.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/triangles.h"
 
@@ -30,7 +30,7 @@ void AddEdges(const Triangle& triangle, const std::vector<ScanFrame>& frames, co
 }
 
 // The edges that `edges` has in the box around a tile.
-Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, const Vec3i& tile_min,
+Edges Collected(const TileLinks& edges, const std::vector<ScanFrame>& frames, const Vec3i& tile_min,
                 const IndexBox& box, const BitsLayout& layout) {
   std::array<int32_t, kPackedDirections> steps{};
   for (size_t n = 0; n < frames.size(); ++n) {
@@ -45,7 +45,7 @@ Edges Collected(const TileEdges& edges, const std::vector<ScanFrame>& frames, co
   return collected;
 }
 
-void FindAll(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, TileEdges& edges,
+void FindAll(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges,
              std::vector<uint32_t>& kept, uint8_t* is_tiny) {
   TinyCrossings crossings(frames, box, edges);
   ForEachList(mesh, TinyCrossings::Origin(edges), [&](const CornerList& list) { crossings.Find(list, kept, is_tiny); });
@@ -73,7 +73,7 @@ void ExpectAllEdges(const Vec3i& first_tile, const Vec3i& tile_min) {
           SCOPED_TRACE(absl::StrCat(l.name, " k ", k, " size ", size, " ", std::string(SimdInUse())));
           // With the box within the margin of the tile, and beyond.
           for (const Vec3i& margin : {reach * 2, Vec3i{}}) {
-            TileEdges found(first_tile, margin);
+            TileLinks found(first_tile, margin);
             std::vector<uint32_t> others{7};  // what is there stays
             FindAll(mesh, frames, all, found, others, nullptr);
             found.Finish();
@@ -108,7 +108,7 @@ TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyO
   for (const Simd simd : SimdHere()) {
     const ForcedSimd forced(simd);
     SCOPED_TRACE(std::string(SimdInUse()));
-    TileEdges found(Shifted(tile_min, kTileBits) - Vec3i{1, 1, 1}, {});
+    TileLinks found(Shifted(tile_min, kTileBits) - Vec3i{1, 1, 1}, {});
     std::vector<uint32_t> kept;
     std::vector<uint8_t> is_tiny(triangles.size(), 7);
     FindAll(mesh, frames, box, found, kept, is_tiny.data());
@@ -133,7 +133,7 @@ TEST(TinyCrossings, LeaveOutWhatLiesOutsideOfTheBoxAndTellWhichTrianglesAreTinyO
 }
 
 // In more tiles than are moved together, and fewer.
-TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
+TEST(TileLinks, MoveToTheirTilesAndToTheBordersOfThese) {
   for (const auto& [side, margin] :  // of the cube of tiles that they lie in; of a tile
        {std::pair<int32_t, Vec3i>{1, {2, 3, 5}}, {2, {2, 3, 5}}, {4, {2, 3, 5}}, {2, {kTileSide / 2, 3, 5}}}) {
     for (const Simd simd : SimdHere()) {
@@ -141,12 +141,12 @@ TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
       SCOPED_TRACE(absl::StrCat(std::string(SimdInUse()), ", tiles a side: ", side));
       std::mt19937 random(8);
       const auto below = [&](int32_t limit) { return static_cast<int32_t>(random() % static_cast<uint32_t>(limit)); };
-      TileEdges edges({0, 0, 0}, margin);
+      TileLinks edges({0, 0, 0}, margin);
       std::array<int32_t, kPackedDirections> steps;
       for (int32_t& step : steps) step = below(2001) - 1000;
       std::vector<std::pair<Vec3i, size_t>> ends;  // with their directions
       for (const size_t count : {1, 15, 16, 700, 3000}) {
-        PackedEdges packed;
+        PackedLinks packed;
         packed.Reserve(count);
         for (size_t n = 0; n < count; ++n) {
           Vec3i tile, in_tile;
@@ -160,7 +160,7 @@ TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
             return static_cast<uint32_t>((v[0] << bits | v[1]) << bits | v[2]);
           };
           packed.tiles.Add(pack(tile, kPackedTileBits));
-          packed.edges.Add(pack(in_tile, kTileBits) << kPackedEndShift | static_cast<uint32_t>(direction));
+          packed.links.Add(pack(in_tile, kTileBits) << kPackedEndShift | static_cast<uint32_t>(direction));
         }
         auto part = edges.Take();
         part->Move(packed, margin);
@@ -186,18 +186,18 @@ TEST(TileEdges, MoveToTheirTilesAndToTheBordersOfThese) {
   }
 }
 
-TEST(TileEdges, CountWhatCubesHold) {
-  TileEdges edges({-1, 0, 2}, {1, 1, 1});
+TEST(TileLinks, CountWhatCubesHold) {
+  TileLinks edges({-1, 0, 2}, {1, 1, 1});
   const auto tile = [](uint32_t i, uint32_t j, uint32_t k) {
     return i << 2 * kPackedTileBits | j << kPackedTileBits | k;
   };
   const auto add = [&](uint32_t where, size_t count) {
     auto part = edges.Take();
-    PackedEdges packed;
+    PackedLinks packed;
     packed.Reserve(count);
     for (size_t n = 0; n < count; ++n) {
       packed.tiles.Add(where);
-      packed.edges.Add(0);
+      packed.links.Add(0);
     }
     part->Move(packed, edges.margin());
     EXPECT_EQ(packed.size(), 0U);

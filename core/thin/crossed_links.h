@@ -1,6 +1,6 @@
-// Crossed lattice edges, by voxels.
-#ifndef LATVOX_CORE_THIN_CROSSED_EDGES_H_
-#define LATVOX_CORE_THIN_CROSSED_EDGES_H_
+// Crossed links, by voxels.
+#ifndef LATVOX_CORE_THIN_CROSSED_LINKS_H_
+#define LATVOX_CORE_THIN_CROSSED_LINKS_H_
 
 #include <array>
 #include <bit>
@@ -15,13 +15,13 @@
 
 namespace latvox {
 
-// A set of edges, each at both of its ends: a word of bits for each voxel. However often an edge is added, and however
+// A set of links, each at both of its ends: a word of bits for each voxel. However often a link is added, and however
 // many meet, it takes 4 bytes for each of 32 voxels in a row of which one has any.
-class CrossedEdges {
+class CrossedLinks {
  public:
-  // Of a voxel: bit 2n stands for the edge to voxel - q, 2n + 1 for that to voxel + q, q the n-th direction. The other
+  // Of a voxel: bit 2n stands for the link to voxel - q, 2n + 1 for that to voxel + q, q the n-th direction. The other
   // bits are marks, for Thin.
-  static constexpr uint32_t kEdges = (uint32_t{1} << 30) - 1, kListed = uint32_t{1} << 30, kUnsure = uint32_t{1} << 31;
+  static constexpr uint32_t kLinks = (uint32_t{1} << 30) - 1, kListed = uint32_t{1} << 30, kUnsure = uint32_t{1} << 31;
   static_assert(2 * kMaxPairs <= 30);
 
   // Makes it empty, for voxels of this layout.
@@ -40,13 +40,13 @@ class CrossedEdges {
     steps_[count_++] = {layout.StepOf(q), flip};
   }
 
-  // Adds the edge along direction n.
+  // Adds the link along direction n.
   void Add(uint32_t voxel, size_t n, bool forward) {
     const size_t bit = 2 * n + (forward ? 1 : 0);
     At(voxel) |= uint32_t{1} << bit;
     At(voxel + static_cast<uint32_t>(steps_[bit].number)) |= uint32_t{1} << (bit ^ 1);
   }
-  // Adds the edge between two neighbours.
+  // Adds the link between two neighbours.
   void Add(uint32_t voxel, uint32_t other) {
     size_t bit = 0;
     while (voxel + static_cast<uint32_t>(steps_[bit].number) != other) ++bit;
@@ -70,11 +70,11 @@ class CrossedEdges {
     return words_[row * kRow + voxel % kRow];
   }
 
-  // Calls f(other, flip) for the edges among these bits of a voxel: the parity class of the other end is that of the
+  // Calls f(other, flip) for the links among these bits of a voxel: the parity class of the other end is that of the
   // voxel ^ flip.
   template <class F>
   void ForEach(uint32_t voxel, uint32_t bits, F&& f) const {
-    for (bits &= kEdges; bits != 0; bits &= bits - 1) {
+    for (bits &= kLinks; bits != 0; bits &= bits - 1) {
       const Step& step = steps_[static_cast<size_t>(std::countr_zero(bits))];
       f(voxel + static_cast<uint32_t>(step.number), step.flip);
     }
@@ -98,4 +98,4 @@ class CrossedEdges {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_THIN_CROSSED_EDGES_H_
+#endif  // LATVOX_CORE_THIN_CROSSED_LINKS_H_

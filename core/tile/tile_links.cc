@@ -1,7 +1,7 @@
-// The edges of one list of triangles mostly lie in few tiles: they are moved to these tile by tile, in vectors.
+// The links of one list of triangles mostly lie in few tiles: they are moved to these tile by tile, in vectors.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/tile/tile_edges.cc"
-#include "core/tile/tile_edges.h"
+#define HWY_TARGET_INCLUDE "core/tile/tile_links.cc"
+#include "core/tile/tile_links.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
@@ -13,8 +13,8 @@
 #include "core/base/table_lanes-inl.h"
 
 namespace latvox {
-#ifndef LATVOX_CORE_TILE_TILE_EDGES_CC_ONCE
-#define LATVOX_CORE_TILE_TILE_EDGES_CC_ONCE
+#ifndef LATVOX_CORE_TILE_TILE_LINKS_CC_ONCE
+#define LATVOX_CORE_TILE_TILE_LINKS_CC_ONCE
 namespace {
 
 constexpr uint32_t kInTile = kTileSide - 1;
@@ -22,7 +22,7 @@ constexpr uint32_t kInTile = kTileSide - 1;
 // How far the bits of an end's axis are from the lowest.
 constexpr int ShiftOf(size_t axis) { return kPackedEndShift + kTileBits * (2 - static_cast<int>(axis)); }
 
-// So many tiles of a list have their edges moved together; those of further tiles, one by one.
+// So many tiles of a list have their links moved together; those of further tiles, one by one.
 constexpr size_t kFewTiles = 12;
 
 // Where a tile lies in a layout, and in a box in it.
@@ -47,92 +47,92 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kLanes = HWY_LANES(uint32_t);
-static_assert(kLanes <= EdgeList::kSlack);
+static_assert(kLanes <= LinkList::kSlack);
 using Numbers = hn::ScalableTag<uint32_t>;
 
 template <class V>
-HWY_INLINE V End(V edge, size_t axis) {
+HWY_INLINE V End(V link, size_t axis) {
   const Numbers d;
-  return hn::And(hn::ShiftRightSame(edge, ShiftOf(axis)), hn::Set(d, kInTile));
+  return hn::And(hn::ShiftRightSame(link, ShiftOf(axis)), hn::Set(d, kInTile));
 }
 
-// Moves the edges of the first one's tile to its list, and the others to the front; returns how many others there are.
-size_t MoveOneTile(uint32_t* tiles, uint32_t* edges, size_t size, EdgeList& list, EdgeBlocks& memory) {
+// Moves the links of the first one's tile to its list, and the others to the front; returns how many others there are.
+size_t MoveOneTile(uint32_t* tiles, uint32_t* links, size_t size, LinkList& list, LinkBlocks& memory) {
   const Numbers d;
   const auto wanted = hn::Set(d, tiles[0]);
   size_t left = 0;
   for (size_t n = 0; n < size; n += kLanes) {
-    const auto tile = hn::LoadU(d, tiles + n), edge = hn::LoadU(d, edges + n);
+    const auto tile = hn::LoadU(d, tiles + n), link = hn::LoadU(d, links + n);
     const auto given = hn::FirstN(d, size - n), same = hn::And(given, hn::Eq(tile, wanted));
     list.Reserve(memory);
-    list.Grow(AppendLanes(d, edge, same, list.end()));
+    list.Grow(AppendLanes(d, link, same, list.end()));
     const SelectedLanes<Numbers> others(d, hn::AndNot(same, given));
     others.Store(tile, tiles + left);
-    others.Store(edge, edges + left);
+    others.Store(link, links + left);
     left += others.count();
   }
   return left;
 }
 
-// Moves all edges to their tiles' lists.
-void Move(uint32_t* tiles, uint32_t* edges, size_t size, EdgeList TileEdges::Part::Lists::*list,
-          TileEdges::Part& part) {
+// Moves all links to their tiles' lists.
+void Move(uint32_t* tiles, uint32_t* links, size_t size, LinkList TileLinks::Part::Lists::*list,
+          TileLinks::Part& part) {
   for (size_t n = 0; n < kFewTiles && size > 0; ++n) {
-    size = MoveOneTile(tiles, edges, size, part.ListsOf(tiles[0]).*list, part.memory());
+    size = MoveOneTile(tiles, links, size, part.ListsOf(tiles[0]).*list, part.memory());
   }
   for (size_t n = 0; n < size; ++n) {
-    EdgeList& to = part.ListsOf(tiles[n]).*list;
+    LinkList& to = part.ListsOf(tiles[n]).*list;
     to.Reserve(part.memory());
-    *to.end() = edges[n];
+    *to.end() = links[n];
     to.Grow(1);
   }
 }
 
 // Appends to `border` what lies within the margin of other tiles.
-void CopyBorder(const PackedEdges& edges, const Vec3i& margin, PackedEdges& border) {
+void CopyBorder(const PackedLinks& links, const Vec3i& margin, PackedLinks& border) {
   const Numbers d;
-  const size_t size = edges.size();
+  const size_t size = links.size();
   border.Reserve(size);
   for (size_t n = 0; n < size; n += kLanes) {
-    const auto tile = hn::LoadU(d, edges.tiles.view().data() + n), edge = hn::LoadU(d, edges.edges.view().data() + n);
+    const auto tile = hn::LoadU(d, links.tiles.view().data() + n), link = hn::LoadU(d, links.links.view().data() + n);
     const auto given = hn::FirstN(d, size - n);
     auto inner = given;
     for (size_t m = 0; m < 3; ++m) {  // margin <= end < kTileSide - margin; what is below wraps around
       const auto low = hn::Set(d, static_cast<uint32_t>(margin[m]));
       const auto width = hn::Set(d, static_cast<uint32_t>(kTileSide - 2 * margin[m]));
-      inner = hn::And(inner, hn::Lt(hn::Sub(End(edge, m), low), width));
+      inner = hn::And(inner, hn::Lt(hn::Sub(End(link, m), low), width));
     }
     const SelectedLanes<Numbers> selected(d, hn::AndNot(inner, given));
     selected.Store(tile, border.tiles.end());
-    selected.Store(edge, border.edges.end());
+    selected.Store(link, border.links.end());
     border.Grow(selected.count());
   }
 }
 
 // Precondition: `out` has room.
-//   kAllInside   no edge's nearer end is outside of the box
+//   kAllInside   no link's nearer end is outside of the box
 template <bool kAllInside>
-HWY_INLINE void UnpackEdges(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
+HWY_INLINE void UnpackLinks(const Placed& at, std::span<const uint32_t> links, Crossings& out) {
   const Numbers d;
   const LaneTable<kPackedDirections> steps(reinterpret_cast<const uint32_t*>(at.steps));  // modulo 2^32
   uint32_t *nearer = out.nearer.end(), *farther = out.farther.end();
-  for (size_t n = 0; n < edges.size(); n += kLanes) {
-    const auto edge = hn::LoadU(d, edges.data() + n);
-    const auto number = hn::Add(hn::Add(hn::Mul(End(edge, 0), hn::Set(d, static_cast<uint32_t>(at.stride[0]))),
-                                        hn::Mul(End(edge, 1), hn::Set(d, static_cast<uint32_t>(at.stride[1])))),
-                                hn::Add(End(edge, 2), hn::Set(d, at.number)));
-    const auto other = hn::Add(number, steps.At(edge));
+  for (size_t n = 0; n < links.size(); n += kLanes) {
+    const auto link = hn::LoadU(d, links.data() + n);
+    const auto number = hn::Add(hn::Add(hn::Mul(End(link, 0), hn::Set(d, static_cast<uint32_t>(at.stride[0]))),
+                                        hn::Mul(End(link, 1), hn::Set(d, static_cast<uint32_t>(at.stride[1])))),
+                                hn::Add(End(link, 2), hn::Set(d, at.number)));
+    const auto other = hn::Add(number, steps.At(link));
     if constexpr (kAllInside) {
       hn::StoreU(number, d, nearer);
       hn::StoreU(other, d, farther);
-      const size_t count = std::min(kLanes, edges.size() - n);
+      const size_t count = std::min(kLanes, links.size() - n);
       nearer += count;
       farther += count;
       continue;
     }
-    auto inside = hn::FirstN(d, edges.size() - n);
+    auto inside = hn::FirstN(d, links.size() - n);
     for (size_t m = 0; m < 3; ++m) {
-      const auto end = hn::Add(End(edge, m), hn::Set(d, static_cast<uint32_t>(at.from_box[m])));
+      const auto end = hn::Add(End(link, m), hn::Set(d, static_cast<uint32_t>(at.from_box[m])));
       inside = hn::And(inside, hn::Lt(end, hn::Set(d, static_cast<uint32_t>(at.size[m]))));
     }
     const SelectedLanes<Numbers> selected(d, inside);
@@ -145,8 +145,8 @@ HWY_INLINE void UnpackEdges(const Placed& at, std::span<const uint32_t> edges, C
   out.farther.Grow(static_cast<size_t>(farther - out.farther.end()));
 }
 
-void Unpack(const Placed& at, std::span<const uint32_t> edges, Crossings& out) {
-  at.all_inside ? UnpackEdges<true>(at, edges, out) : UnpackEdges<false>(at, edges, out);
+void Unpack(const Placed& at, std::span<const uint32_t> links, Crossings& out) {
+  at.all_inside ? UnpackLinks<true>(at, links, out) : UnpackLinks<false>(at, links, out);
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ HWY_EXPORT(Unpack);
 }  // namespace
 
 // What is left of a piece where the next block does not fit is lost.
-uint32_t* EdgeBlocks::Next(size_t size) {
+uint32_t* LinkBlocks::Next(size_t size) {
   constexpr size_t kFirst = 64 * kLargest;
   static_assert(kHugePage / sizeof(uint32_t) >= kLargest);
   if (size > static_cast<size_t>(end_ - next_) && first_ == nullptr) {
@@ -175,17 +175,17 @@ uint32_t* EdgeBlocks::Next(size_t size) {
     next_ = first_.get();
     end_ = next_ + kFirst;
   } else if (size > static_cast<size_t>(end_ - next_)) {
-    auto& edges = pieces_.emplace_back(std::make_unique_for_overwrite<Piece>())->edges;
-    AdviseHugePages(edges.data(), kHugePage);
-    next_ = edges.data();
-    end_ = next_ + edges.size();
+    auto& links = pieces_.emplace_back(std::make_unique_for_overwrite<Piece>())->links;
+    AdviseHugePages(links.data(), kHugePage);
+    next_ = links.data();
+    end_ = next_ + links.size();
   }
   return std::exchange(next_, next_ + size);
 }
 
-void EdgeList::Extend(EdgeBlocks& memory) {
+void LinkList::Extend(LinkBlocks& memory) {
   constexpr size_t kSmallest = 2 * kSlack;  // what Reserve makes room for, and kSlack behind
-  const size_t size = std::clamp(2 * static_cast<size_t>(limit_ - begin_), kSmallest, EdgeBlocks::kLargest);
+  const size_t size = std::clamp(2 * static_cast<size_t>(limit_ - begin_), kSmallest, LinkBlocks::kLargest);
   if (end_ != begin_) full_.emplace_back(begin_, end_);
   full_size_ += static_cast<size_t>(end_ - begin_);
   begin_ = end_ = memory.Next(size);
@@ -193,7 +193,7 @@ void EdgeList::Extend(EdgeBlocks& memory) {
 }
 
 // Few tiles are asked for again and again: those around one place.
-TileEdges::Part::Lists& TileEdges::Part::ListsOf(uint32_t tile) {
+TileLinks::Part::Lists& TileLinks::Part::ListsOf(uint32_t tile) {
   Recent& recent = recent_[(tile >> 2 * kPackedTileBits & 3) << 4 | (tile >> kPackedTileBits & 3) << 2 | (tile & 3)];
   if (recent.lists == nullptr || recent.tile != tile) {
     std::unique_ptr<Lists>& lists = lists_[tile];
@@ -203,15 +203,15 @@ TileEdges::Part::Lists& TileEdges::Part::ListsOf(uint32_t tile) {
   return *recent.lists;
 }
 
-void TileEdges::Part::Move(PackedEdges& edges, const Vec3i& margin) {
+void TileLinks::Part::Move(PackedLinks& links, const Vec3i& margin) {
   border_.Clear();
-  HWY_DYNAMIC_DISPATCH(CopyBorder)(edges, margin, border_);
-  HWY_DYNAMIC_DISPATCH(Move)(edges.tiles.data(), edges.edges.data(), edges.size(), &Lists::all, *this);
-  HWY_DYNAMIC_DISPATCH(Move)(border_.tiles.data(), border_.edges.data(), border_.size(), &Lists::border, *this);
-  edges.Clear();
+  HWY_DYNAMIC_DISPATCH(CopyBorder)(links, margin, border_);
+  HWY_DYNAMIC_DISPATCH(Move)(links.tiles.data(), links.links.data(), links.size(), &Lists::all, *this);
+  HWY_DYNAMIC_DISPATCH(Move)(border_.tiles.data(), border_.links.data(), border_.size(), &Lists::border, *this);
+  links.Clear();
 }
 
-std::unique_ptr<TileEdges::Part> TileEdges::Take() {
+std::unique_ptr<TileLinks::Part> TileLinks::Take() {
   const std::lock_guard lock(mutex_);
   if (parts_.empty()) {
     parts_.reserve(++made_);
@@ -222,12 +222,12 @@ std::unique_ptr<TileEdges::Part> TileEdges::Take() {
   return part;
 }
 
-void TileEdges::Give(std::unique_ptr<Part> part) {
+void TileLinks::Give(std::unique_ptr<Part> part) {
   const std::lock_guard lock(mutex_);
   parts_.push_back(std::move(part));
 }
 
-void TileEdges::Finish() {
+void TileLinks::Finish() {
   constexpr uint32_t kMask = (1U << kPackedTileBits) - 1;
   for (const std::unique_ptr<Part>& part : parts_) {
     for (const auto& [tile, lists] : part->lists_) {
@@ -243,12 +243,12 @@ void TileEdges::Finish() {
   }
 }
 
-std::vector<TileEdges::Tile>::const_iterator TileEdges::From(uint64_t number) const {
+std::vector<TileLinks::Tile>::const_iterator TileLinks::From(uint64_t number) const {
   return std::lower_bound(tiles_.begin(), tiles_.end(), number,
                           [](const Tile& tile, uint64_t n) { return tile.number < n; });
 }
 
-size_t TileEdges::CountIn(const Vec3i& tile_ijk, int level) const {
+size_t TileLinks::CountIn(const Vec3i& tile_ijk, int level) const {
   const uint64_t first = TileNumber(tile_ijk - first_tile_);
   const auto before = [&](uint64_t number) {
     const auto tile = From(number);
@@ -257,7 +257,7 @@ size_t TileEdges::CountIn(const Vec3i& tile_ijk, int level) const {
   return before(first + (uint64_t{1} << 3 * level)) - before(first);
 }
 
-void TileEdges::ForEachBatch(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
+void TileLinks::ForEachBatch(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
                              const std::array<int32_t, kPackedDirections>& steps,
                              absl::FunctionRef<void(const Crossings&)> f) const {
   Placed at{{}, false, box.max - box.min, layout.stride, 0, steps.data()};
@@ -286,9 +286,9 @@ void TileEdges::ForEachBatch(const IndexBox& block, const IndexBox& box, const B
             box.Contains(tile_min) && box.Contains(tile_min + Vec3i{kTileSide - 1, kTileSide - 1, kTileSide - 1});
         at.number = layout.NumberOf(tile_min);
         for (auto t = From(number); t != tiles_.end() && t->number == number; ++t) {
-          (all ? t->lists->all : t->lists->border).ForEachBlock([&](std::span<const uint32_t> edges) {
-            if (batch.nearer.size() + edges.size() > kBatch) hand_out();
-            HWY_DYNAMIC_DISPATCH(Unpack)(at, edges, batch);
+          (all ? t->lists->all : t->lists->border).ForEachBlock([&](std::span<const uint32_t> links) {
+            if (batch.nearer.size() + links.size() > kBatch) hand_out();
+            HWY_DYNAMIC_DISPATCH(Unpack)(at, links, batch);
           });
         }
       }

@@ -1,6 +1,6 @@
-// Crossed lattice edges, sorted into the tiles of their nearer ends.
-#ifndef LATVOX_CORE_TILE_TILE_EDGES_H_
-#define LATVOX_CORE_TILE_TILE_EDGES_H_
+// Crossed links, sorted into the tiles of their nearer ends.
+#ifndef LATVOX_CORE_TILE_TILE_LINKS_H_
+#define LATVOX_CORE_TILE_TILE_LINKS_H_
 
 #include <hwy/cache_control.h>
 
@@ -20,7 +20,7 @@
 
 namespace latvox {
 
-// Crossed lattice edges: from nearer[n], which is the surface's, to farther[n]. Voxels are numbers of one BitsLayout.
+// Crossed links: from nearer[n], which is the surface's, to farther[n]. Voxels are numbers of one BitsLayout.
 struct Crossings {
   NumberList nearer, farther;
 
@@ -31,7 +31,7 @@ struct Crossings {
   size_t Bytes() const { return nearer.Bytes() + farther.Bytes(); }
 };
 
-// An edge in a tile: (nearer end within the tile, as i << 12 | j << 6 | k) << kPackedEndShift | 2 * direction + 1 if it
+// A link in a tile: (nearer end within the tile, as i << 12 | j << 6 | k) << kPackedEndShift | 2 * direction + 1 if it
 // goes forward along the direction, and + 0 if backward.
 inline constexpr int kPackedEndShift = 5;
 inline constexpr size_t kPackedDirections = size_t{1} << kPackedEndShift;
@@ -40,37 +40,37 @@ static_assert(3 * kTileBits + kPackedEndShift <= 32);
 // A tile relative to the first: i << 20 | j << 10 | k.
 inline constexpr int kPackedTileBits = 10;
 
-// Edges, with the packed tiles that their nearer ends lie in.
-struct PackedEdges {
-  NumberList tiles, edges;
+// Links, with the packed tiles that their nearer ends lie in.
+struct PackedLinks {
+  NumberList tiles, links;
 
-  size_t size() const { return edges.size(); }
+  size_t size() const { return links.size(); }
   void Reserve(size_t more) {
     tiles.Reserve(more);
-    edges.Reserve(more);
+    links.Reserve(more);
   }
   void Grow(size_t by) {
     tiles.Grow(by);
-    edges.Grow(by);
+    links.Grow(by);
   }
   void Clear() {
     tiles.Clear();
-    edges.Clear();
+    links.Clear();
   }
 };
 
 // Memory for many lists that grow at the same time. A list that is enlarged by itself copies what it holds, and the
 // system hands out, and clears, its memory page by page.
-class EdgeBlocks {
+class LinkBlocks {
  public:
-  static constexpr size_t kLargest = 1024;  // edges
+  static constexpr size_t kLargest = 1024;  // links
 
-  // A block of so many edges, indeterminate, which is there as long as this.
+  // A block of so many links, indeterminate, which is there as long as this.
   uint32_t* Next(size_t size);
 
  private:
   struct alignas(kHugePage) Piece {  // of one size, so that the heap uses again what was freed
-    std::array<uint32_t, kHugePage / sizeof(uint32_t)> edges;
+    std::array<uint32_t, kHugePage / sizeof(uint32_t)> links;
   };
 
   std::unique_ptr<uint32_t[]> first_;  // enough for small meshes
@@ -78,14 +78,14 @@ class EdgeBlocks {
   uint32_t *next_ = nullptr, *end_ = nullptr;
 };
 
-// Packed edges, in blocks, each twice as large as the one before, up to EdgeBlocks::kLargest: most lists may have few
-// edges, or many.
-class EdgeList {
+// Packed links, in blocks, each twice as large as the one before, up to LinkBlocks::kLargest: most lists may have few
+// links, or many.
+class LinkList {
  public:
-  static constexpr ptrdiff_t kSlack = 16;  // edges: a vector's worth
+  static constexpr ptrdiff_t kSlack = 16;  // links: a vector's worth
 
-  // Makes room for up to kSlack edges at end(), which may move.
-  void Reserve(EdgeBlocks& memory) {
+  // Makes room for up to kSlack links at end(), which may move.
+  void Reserve(LinkBlocks& memory) {
     if (limit_ - end_ < 2 * kSlack) Extend(memory);
   }
   uint32_t* end() { return end_; }
@@ -104,7 +104,7 @@ class EdgeList {
   }
 
  private:
-  void Extend(EdgeBlocks& memory);
+  void Extend(LinkBlocks& memory);
   // Memory is asked for the beginning of a block: processors that look ahead by themselves see the rest coming.
   static void PrefetchHead(const uint32_t* block) {
     constexpr size_t kLine = 16, kLines = 8;
@@ -117,37 +117,37 @@ class EdgeList {
 };
 
 // Filled by several threads, then read by several.
-class TileEdges {
+class TileLinks {
  public:
   // What one thread has found.
   class Part {
    public:
-    // Moves edges to their tiles; none are left.
+    // Moves links to their tiles; none are left.
     //   margin   voxels, per axis: at most kTileSide / 2
-    void Move(PackedEdges& edges, const Vec3i& margin);
+    void Move(PackedLinks& links, const Vec3i& margin);
 
-    // The edges of a tile, and again those whose nearer ends lie within the margin of the tiles around.
+    // The links of a tile, and again those whose nearer ends lie within the margin of the tiles around.
     struct Lists {
-      EdgeList all, border;
+      LinkList all, border;
     };
     Lists& ListsOf(uint32_t tile);
-    EdgeBlocks& memory() { return memory_; }
+    LinkBlocks& memory() { return memory_; }
 
    private:
-    friend class TileEdges;
+    friend class TileLinks;
     struct Recent {
       uint32_t tile = 0;
       Lists* lists = nullptr;
     };
-    EdgeBlocks memory_;
-    PackedEdges border_;  // of Move
+    LinkBlocks memory_;
+    PackedLinks border_;  // of Move
     absl::flat_hash_map<uint32_t, std::unique_ptr<Lists>> lists_;
     std::array<Recent, 64> recent_;  // by the lowest bits of a tile's coordinates
   };
 
   // first_tile  the lowest there is, local
   // margin      for Part::Move
-  TileEdges(const Vec3i& first_tile, const Vec3i& margin) : first_tile_(first_tile), margin_(margin) {}
+  TileLinks(const Vec3i& first_tile, const Vec3i& margin) : first_tile_(first_tile), margin_(margin) {}
 
   const Vec3i& first_tile() const { return first_tile_; }
   const Vec3i& margin() const { return margin_; }
@@ -161,11 +161,11 @@ class TileEdges {
 
   bool empty() const { return tiles_.empty(); }
 
-  // How many edges have their nearer ends in the cube of 2^level tiles a side, a subcube of one that begins at the
+  // How many links have their nearer ends in the cube of 2^level tiles a side, a subcube of one that begins at the
   // first tile.
   size_t CountIn(const Vec3i& tile_ijk, int level) const;
 
-  // Calls f(crossings) with the edges whose nearer ends lie in `box`, a box around the tiles of `block`: some kBatch at
+  // Calls f(crossings) with the links whose nearer ends lie in `box`, a box around the tiles of `block`: some kBatch at
   // a time, always in the same order. To unpack them anew each time takes less than to keep them.
   //   steps  by packed direction, of numbers of the layout
   void ForEachBatch(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
@@ -177,9 +177,9 @@ class TileEdges {
   struct Tile {
     uint64_t number;
     const Part::Lists* lists;
-    size_t before;  // edges in the tiles before this
+    size_t before;  // links in the tiles before this
   };
-  static constexpr size_t kBatch = 2048;  // edges: less than a core's first-level cache holds
+  static constexpr size_t kBatch = 2048;  // links: less than a core's first-level cache holds
 
   std::vector<Tile>::const_iterator From(uint64_t number) const;
 
@@ -193,4 +193,4 @@ class TileEdges {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_TILE_EDGES_H_
+#endif  // LATVOX_CORE_TILE_TILE_LINKS_H_

@@ -1,6 +1,6 @@
-// Which cells of a grid of cubes a triangle concerns.
-#ifndef LATVOX_CORE_TREE_CELL_GRID_H_
-#define LATVOX_CORE_TREE_CELL_GRID_H_
+// Which octants of a grid of cubes a triangle concerns.
+#ifndef LATVOX_CORE_TREE_OCTANT_GRID_H_
+#define LATVOX_CORE_TREE_OCTANT_GRID_H_
 
 #include <array>
 #include <cstdint>
@@ -16,33 +16,33 @@ namespace latvox {
 
 inline constexpr int kMaxGridLevels = 4;
 
-// A cell that a triangle comes near to: (number << 1 | fringe). Cells are numbered in Morton order, i most significant.
-// Fringe says that the triangle comes within the far margin of the cell, not within the near one.
-using CellHit = uint16_t;
+// An octant that a triangle comes near to: (number << 1 | fringe). Octants are numbered in Morton order, i most
+// significant. Fringe says that the triangle comes within the far margin of the octant, not within the near one.
+using OctantHit = uint16_t;
 
 // In a list of hits, one triangle's after the other's, kLastHit marks each triangle's last.
-inline constexpr CellHit kLastHit = 1 << 15;
+inline constexpr OctantHit kLastHit = 1 << 15;
 static_assert(2 << 3 * kMaxGridLevels < kLastHit);
 
-// A cube of tiles, cut into 2^levels cells a side. Cells that do not meet a region do not count.
-class CellGrid {
+// A cube of tiles, cut into 2^levels octants a side. Octants that do not meet a region do not count.
+class OctantGrid {
  public:
   //   tile_ijk, level   the cube: its lowest tile, local, and the log2 of its side in tiles
   //   near, far         margins, voxels per axis, near <= far
   //   region            local voxels
   // Precondition: levels <= level, levels <= kMaxGridLevels.
-  CellGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& near, const Vec3i& far, const IndexBox& region);
+  OctantGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& near, const Vec3i& far, const IndexBox& region);
 
-  // Whether no cell counts.
+  // Whether no octant counts.
   bool IsEmpty() const;
 
-  // What a triangle's bounding box says of the cells: on most axes it comes near to one or two of them.
+  // What a triangle's bounding box says of the octants: on most axes it comes near to one or two of them.
   struct Code {
-    // A hit is the or of a part for each axis: these are the parts of the lowest and of the highest cell.
+    // A hit is the or of a part for each axis: these are the parts of the lowest and of the highest octant.
     struct {
       uint16_t lowest, highest;
     } part[3];
-    uint16_t two;      // bit 2 - m: on axis m, the highest cell is another one
+    uint16_t two;      // bit 2 - m: on axis m, the highest octant is another one
     uint16_t is_many;  // not 0: this takes ManyHits
   };
 
@@ -55,28 +55,28 @@ class CellGrid {
   void Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
               Codes& out) const;
 
-  // The hit of a triangle that no cell that counts is near to.
-  CellHit NoHit() const { return static_cast<CellHit>(bounds_.no_hit); }
+  // The hit of a triangle that no octant that counts is near to.
+  OctantHit NoHit() const { return static_cast<OctantHit>(bounds_.no_hit); }
 
   // Writes the hits of the triangles from the code `first` on, before the next one that takes ManyHits, which asks
   // separating axes, not the bounding box alone; returns which that is, or codes.size.
   //   end  where; thereafter, what follows. Room for kMostHits a triangle is needed
   static constexpr size_t kMostHits = 8;
-  static size_t FewHits(const Codes& codes, size_t first, CellHit*& end);
+  static size_t FewHits(const Codes& codes, size_t first, OctantHit*& end);
 
   // The hits of the triangle with these corners.
-  std::vector<CellHit> ManyHits(const std::array<Vec3i, 3>& corners) const;
+  std::vector<OctantHit> ManyHits(const std::array<Vec3i, 3>& corners) const;
 
-  // What turns the corners of a bounding box into the lowest and highest cell whose margin it meets:
+  // What turns the corners of a bounding box into the lowest and highest octant whose margin it meets:
   //   (low - below) >> shift, (high + above) >> shift
   struct Margin {
     Vec3i below, above;
   };
   // What Encode goes by.
   struct Bounds {
-    int shift;  // log2 of a cell's side in lattice units
+    int shift;  // log2 of an octant's side in lattice units
     Margin near, far;
-    Vec3i lowest, highest;  // cells that count
+    Vec3i lowest, highest;  // octants that count
     int32_t no_hit;         // the number after the last one's
   };
 
@@ -90,4 +90,4 @@ class CellGrid {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TREE_CELL_GRID_H_
+#endif  // LATVOX_CORE_TREE_OCTANT_GRID_H_

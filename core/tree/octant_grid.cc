@@ -1,8 +1,8 @@
-// Bounding boxes of nearly all triangles say all: a kernel takes them to their cells, triangles in the lanes. The few
-// long ones are tested against single cells, with separating axes.
+// Bounding boxes of nearly all triangles say all: a kernel takes them to their octants, triangles in the lanes. The few
+// long ones are tested against single octants, with separating axes.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/tree/cell_grid.cc"
-#include "core/tree/cell_grid.h"
+#define HWY_TARGET_INCLUDE "core/tree/octant_grid.cc"
+#include "core/tree/octant_grid.h"
 
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
@@ -12,19 +12,20 @@
 #include "core/triangles/triangle_lanes-inl.h"
 
 // What does not depend on the instruction set, once.
-#ifndef LATVOX_CORE_TILE_CELL_GRID_ONCE_
-#define LATVOX_CORE_TILE_CELL_GRID_ONCE_
+#ifndef LATVOX_CORE_TILE_OCTANT_GRID_ONCE_
+#define LATVOX_CORE_TILE_OCTANT_GRID_ONCE_
 
 namespace latvox {
 namespace {
 
-// Cells, closed; empty if min > max on an axis.
-struct CellBox {
+// Octants, closed; empty if min > max on an axis.
+struct OctantBox {
   Vec3i min, max;
 };
 
-CellBox CellsMet(const CellGrid::Bounds& bounds, const CellGrid::Margin& margin, const Vec3i& low, const Vec3i& high) {
-  CellBox box;
+OctantBox CellsMet(const OctantGrid::Bounds& bounds, const OctantGrid::Margin& margin, const Vec3i& low,
+                   const Vec3i& high) {
+  OctantBox box;
   for (size_t m = 0; m < 3; ++m) {
     box.min[m] = std::max((low[m] - margin.below[m]) >> bounds.shift, bounds.lowest[m]);
     box.max[m] = std::min((high[m] + margin.above[m]) >> bounds.shift, bounds.highest[m]);
@@ -32,17 +33,17 @@ CellBox CellsMet(const CellGrid::Bounds& bounds, const CellGrid::Margin& margin,
   return box;
 }
 
-bool Contains(const CellBox& box, size_t m, int32_t cell) { return box.min[m] <= cell && cell <= box.max[m]; }
+bool Contains(const OctantBox& box, size_t m, int32_t octant) { return box.min[m] <= octant && octant <= box.max[m]; }
 
-// A cell's part in a hit: the bits of its coordinate, three apart, where Morton order wants those of the axis.
-int32_t HitPart(size_t axis, int32_t cell) {
+// An octant's part in a hit: the bits of its coordinate, three apart, where Morton order wants those of the axis.
+int32_t HitPart(size_t axis, int32_t octant) {
   int32_t part = 0;
-  for (int bit = 0; bit < kMaxGridLevels; ++bit) part |= (cell >> bit & 1) << 3 * bit;
+  for (int bit = 0; bit < kMaxGridLevels; ++bit) part |= (octant >> bit & 1) << 3 * bit;
   return part << (3 - axis);
 }
 
-void PlainEncode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, std::span<const uint32_t> triangles,
-                 CellGrid::Codes& out) {
+void PlainEncode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, std::span<const uint32_t> triangles,
+                 OctantGrid::Codes& out) {
   for (size_t n = 0; n < triangles.size(); ++n) {
     const auto& [i, j, k] = mesh.triangles[triangles[n]];
     const Vec3i &a = mesh.vertices_lat[i], &b = mesh.vertices_lat[j], &c = mesh.vertices_lat[k];
@@ -51,12 +52,12 @@ void PlainEncode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, std::s
       low[m] = std::min({a[m], b[m], c[m]});
       high[m] = std::max({a[m], b[m], c[m]});
     }
-    const CellBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
-    CellGrid::Code& code = out.of[n] = {};
+    const OctantBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
+    OctantGrid::Code& code = out.of[n] = {};
     bool is_long = false, several = false, three = false, none = false;
     for (size_t m = 0; m < 3; ++m) {
-      const auto part = [&](int32_t cell) {
-        return static_cast<uint16_t>(HitPart(m, cell) | (Contains(near, m, cell) ? 0 : 1));
+      const auto part = [&](int32_t octant) {
+        return static_cast<uint16_t>(HitPart(m, octant) | (Contains(near, m, octant) ? 0 : 1));
       };
       code.part[m] = {part(far.min[m]), part(far.max[m])};
       const int32_t more = far.max[m] - far.min[m];
@@ -71,16 +72,16 @@ void PlainEncode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, std::s
   }
 }
 
-size_t PlainFewHits(const CellGrid::Codes& codes, size_t n, CellHit*& end) {
+size_t PlainFewHits(const OctantGrid::Codes& codes, size_t n, OctantHit*& end) {
   for (; n < codes.size && codes.of[n].is_many == 0; ++n) {
-    const CellGrid::Code& code = codes.of[n];
-    int32_t subset = 0;  // of the axes with two cells: those where it is the highest
+    const OctantGrid::Code& code = codes.of[n];
+    int32_t subset = 0;  // of the axes with two octants: those where it is the highest
     do {
       int32_t hit = 0;
       for (size_t m = 0; m < 3; ++m) {
         hit |= (subset >> (2 - m) & 1) != 0 ? code.part[m].highest : code.part[m].lowest;
       }
-      *end++ = static_cast<CellHit>(hit);
+      *end++ = static_cast<OctantHit>(hit);
       subset = (subset - code.two) & code.two;
     } while (subset != 0);
     end[-1] |= kLastHit;
@@ -91,7 +92,7 @@ size_t PlainFewHits(const CellGrid::Codes& codes, size_t n, CellHit*& end) {
 // For each `two`, what puts a code's hits one beside the other: bytes of the code for each axis, marks, their number.
 struct Placement {
   alignas(16) uint8_t bytes[3][16];
-  alignas(16) CellHit marks[8];
+  alignas(16) OctantHit marks[8];
   size_t count;
 };
 
@@ -114,12 +115,12 @@ constexpr std::array<Placement, 8> MakePlacements() {
 }
 
 constexpr std::array<Placement, 8> kPlacements = MakePlacements();
-static_assert(sizeof(CellGrid::Code) == 16);
+static_assert(sizeof(OctantGrid::Code) == 16);
 
 }  // namespace
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_TILE_CELL_GRID_ONCE_
+#endif  // LATVOX_CORE_TILE_OCTANT_GRID_ONCE_
 
 HWY_BEFORE_NAMESPACE();
 namespace latvox {
@@ -128,30 +129,32 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR  // which has no vectors of four
 
-void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices&,
-            std::span<const uint32_t> triangles, CellGrid::Codes& out) {
+void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices&,
+            std::span<const uint32_t> triangles, OctantGrid::Codes& out) {
   PlainEncode(bounds, mesh, triangles, out);
 }
 
-size_t FewHits(const CellGrid::Codes& codes, size_t first, CellHit*& end) { return PlainFewHits(codes, first, end); }
+size_t FewHits(const OctantGrid::Codes& codes, size_t first, OctantHit*& end) {
+  return PlainFewHits(codes, first, end);
+}
 
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
-static_assert(CellGrid::kBlock % kTriangleLanes == 0);
+static_assert(OctantGrid::kBlock % kTriangleLanes == 0);
 
-void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices& vertices,
-            std::span<const uint32_t> triangles, CellGrid::Codes& out) {
+void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const PaddedVertices& vertices,
+            std::span<const uint32_t> triangles, OctantGrid::Codes& out) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
   const Ints almost_a_cell = Fill((1 << bounds.shift) - 1);
-  const auto cell = [&](Ints v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
+  const auto octant = [&](Ints v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
   const auto bit_if_negative = [&](Ints v) HWY_ATTR { return hn::BitCast(d, hn::ShiftRight<31>(hn::BitCast(du, v))); };
-  // See HitPart. Cells have four bits: 3210 -> 32....10 -> 3..2..1..0. Two at a time, side by side.
-  const auto hit_parts = [&](size_t axis, Ints cells) HWY_ATTR {
-    cells = hn::And(hn::Or(cells, hn::ShiftLeft<4>(cells)), Fill(0x00C300C3));
-    cells = hn::And(hn::Or(cells, hn::ShiftLeft<2>(cells)), Fill(0x02490249));
-    return hn::ShiftLeftSame(cells, 3 - static_cast<int>(axis));
+  // See HitPart. Octants have four bits: 3210 -> 32....10 -> 3..2..1..0. Two at a time, side by side.
+  const auto hit_parts = [&](size_t axis, Ints octants) HWY_ATTR {
+    octants = hn::And(hn::Or(octants, hn::ShiftLeft<4>(octants)), Fill(0x00C300C3));
+    octants = hn::And(hn::Or(octants, hn::ShiftLeft<2>(octants)), Fill(0x02490249));
+    return hn::ShiftLeftSame(octants, 3 - static_cast<int>(axis));
   };
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, LaneNumbers(triangles.subspan(n)), {});
@@ -163,11 +166,11 @@ void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const Padde
       const auto far_below = Fill(bounds.far.below[m]), far_above = Fill(bounds.far.above[m]);
       const Ints lowest = Fill(bounds.lowest[m]), highest = Fill(bounds.highest[m]);
       const Ints low = Least(v[0][m], v[1][m], v[2][m]), high = Most(v[0][m], v[1][m], v[2][m]);
-      const Ints near_min = cell(hn::Sub(low, near_below)), near_max = cell(hn::Add(high, near_above));
-      const Ints first = cell(hn::Sub(low, far_below)), last = cell(hn::Add(high, far_above));
+      const Ints near_min = octant(hn::Sub(low, near_below)), near_max = octant(hn::Add(high, near_above));
+      const Ints first = octant(hn::Sub(low, far_below)), last = octant(hn::Add(high, far_above));
       const Ints far_min = hn::Max(first, lowest), far_max = hn::Min(last, highest);
-      const auto fringe = [&](Ints cell) HWY_ATTR {
-        return bit_if_negative(hn::Or(hn::Sub(cell, near_min), hn::Sub(near_max, cell)));
+      const auto fringe = [&](Ints octant) HWY_ATTR {
+        return bit_if_negative(hn::Or(hn::Sub(octant, near_min), hn::Sub(near_max, octant)));
       };
       parts[m] = hn::Or(hit_parts(m, hn::Or(far_min, hn::ShiftLeft<16>(far_max))),
                         hn::Or(fringe(far_min), hn::ShiftLeft<16>(fringe(far_max))));
@@ -187,11 +190,11 @@ void Encode(const CellGrid::Bounds& bounds, const SnappedMesh& mesh, const Padde
   }
 }
 
-// Without a branch for the axes that have two cells, which is hard to predict.
-size_t FewHits(const CellGrid::Codes& codes, size_t n, CellHit*& end) {
+// Without a branch for the axes that have two octants, which is hard to predict.
+size_t FewHits(const OctantGrid::Codes& codes, size_t n, OctantHit*& end) {
   const hn::FixedTag<uint8_t, 16> d8;
-  const hn::FixedTag<CellHit, 8> d;
-  CellHit* next = end;
+  const hn::FixedTag<OctantHit, 8> d;
+  OctantHit* next = end;
   for (; n < codes.size && codes.of[n].is_many == 0; ++n) {
     const Placement& placement = kPlacements[codes.of[n].two];
     const auto code = hn::LoadU(d8, reinterpret_cast<const uint8_t*>(&codes.of[n]));
@@ -233,9 +236,9 @@ struct Axis {
 }  // namespace
 
 // The separating axes between a triangle and a box, the box's own aside.
-class CellGrid::LongTriangle {
+class OctantGrid::LongTriangle {
  public:
-  LongTriangle(const CellGrid& grid, const std::array<Vec3i, 3>& corners) : grid_(grid) {
+  LongTriangle(const OctantGrid& grid, const std::array<Vec3i, 3>& corners) : grid_(grid) {
     std::array<Vec3d, 3> v;  // relative to the grid
     for (size_t n = 0; n < 3; ++n) {
       for (size_t m = 0; m < 3; ++m) v[n][m] = static_cast<double>(corners[n][m] - grid.low_[m]);
@@ -254,12 +257,12 @@ class CellGrid::LongTriangle {
     }
   }
 
-  // Halves boxes of cells that the triangle may come near to, down to single ones.
-  void Descend(const CellBox& cells, const CellBox& near, std::vector<CellHit>& hits) const {
+  // Halves boxes of octants that the triangle may come near to, down to single ones.
+  void Descend(const OctantBox& octants, const OctantBox& near, std::vector<OctantHit>& hits) const {
     size_t axis = 0;
     int32_t longest = 0, count = 1;
     for (size_t m = 0; m < 3; ++m) {
-      const int32_t side = cells.max[m] - cells.min[m] + 1;
+      const int32_t side = octants.max[m] - octants.min[m] + 1;
       if (side <= 0) return;
       count *= side;
       if (side > longest) {
@@ -267,23 +270,23 @@ class CellGrid::LongTriangle {
         axis = m;
       }
     }
-    if (count == 1) return Add(cells, near, hits);
-    constexpr int32_t kFew = 4;  // cells for which asking together does not pay
-    if (count > kFew && !Meets(cells, grid_.far_margin_)) return;
-    CellBox lower = cells, upper = cells;
-    lower.max[axis] = cells.min[axis] + longest / 2 - 1;
+    if (count == 1) return Add(octants, near, hits);
+    constexpr int32_t kFew = 4;  // octants for which asking together does not pay
+    if (count > kFew && !Meets(octants, grid_.far_margin_)) return;
+    OctantBox lower = octants, upper = octants;
+    lower.max[axis] = octants.min[axis] + longest / 2 - 1;
     upper.min[axis] = lower.max[axis] + 1;
     Descend(lower, near, hits);
     Descend(upper, near, hits);
   }
 
  private:
-  // Whether the triangle may come within `margin` of the box of cells, as far as these axes tell.
-  bool Meets(const CellBox& cells, const Vec3i& margin) const {
+  // Whether the triangle may come within `margin` of the box of octants, as far as these axes tell.
+  bool Meets(const OctantBox& octants, const Vec3i& margin) const {
     const double side = 1 << grid_.bounds_.shift;
     Vec3d center, half;
     for (size_t m = 0; m < 3; ++m) {
-      const double low = cells.min[m] * side, high = (cells.max[m] + 1) * side;
+      const double low = octants.min[m] * side, high = (octants.max[m] + 1) * side;
       center[m] = (low + high) / 2;
       half[m] = (high - low) / 2 + margin[m];
     }
@@ -297,31 +300,31 @@ class CellGrid::LongTriangle {
     return true;
   }
 
-  void Add(const CellBox& cell, const CellBox& near, std::vector<CellHit>& hits) const {
+  void Add(const OctantBox& octant, const OctantBox& near, std::vector<OctantHit>& hits) const {
     int32_t hit = 0;
     bool is_near = true;
     for (size_t m = 0; m < 3; ++m) {
-      hit |= HitPart(m, cell.min[m]);
-      is_near &= Contains(near, m, cell.min[m]);
+      hit |= HitPart(m, octant.min[m]);
+      is_near &= Contains(near, m, octant.min[m]);
     }
-    if (is_near && Meets(cell, grid_.near_margin_)) {
-      hits.push_back(static_cast<CellHit>(hit));
-    } else if (Meets(cell, grid_.far_margin_)) {
-      hits.push_back(static_cast<CellHit>(hit | 1));
+    if (is_near && Meets(octant, grid_.near_margin_)) {
+      hits.push_back(static_cast<OctantHit>(hit));
+    } else if (Meets(octant, grid_.far_margin_)) {
+      hits.push_back(static_cast<OctantHit>(hit | 1));
     }
   }
 
-  const CellGrid& grid_;
+  const OctantGrid& grid_;
   std::array<Axis, 10> axes_;
 };
 
-CellGrid::CellGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& near, const Vec3i& far,
-                   const IndexBox& region)
+OctantGrid::OctantGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& near, const Vec3i& far,
+                       const IndexBox& region)
     : low_(tile_ijk * (kTileSide * kLatticeUnit)), near_margin_(near * kLatticeUnit), far_margin_(far * kLatticeUnit) {
   const int voxel_shift = level - levels + kTileBits;
   bounds_.shift = voxel_shift + kSubvoxelBits;
   for (size_t m = 0; m < 3; ++m) {
-    // A closed box [low, high] meets the closed cells [c * side - margin, (c + 1) * side + margin], hence those with
+    // A closed box [low, high] meets the closed octants [c * side - margin, (c + 1) * side + margin], hence those with
     //   (low - margin) / side - 1 <= c <= (high + margin) / side.
     const auto set = [&](Margin& margin, int32_t width) {
       margin.below[m] = low_[m] + width + 1;
@@ -336,20 +339,20 @@ CellGrid::CellGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& ne
   bounds_.no_hit = 2 << 3 * levels;
 }
 
-bool CellGrid::IsEmpty() const {
+bool OctantGrid::IsEmpty() const {
   bool empty = false;
   for (size_t m = 0; m < 3; ++m) empty |= bounds_.lowest[m] > bounds_.highest[m];
   return empty;
 }
 
-std::vector<CellHit> CellGrid::ManyHits(const std::array<Vec3i, 3>& corners) const {
+std::vector<OctantHit> OctantGrid::ManyHits(const std::array<Vec3i, 3>& corners) const {
   Vec3i low, high;
   for (size_t m = 0; m < 3; ++m) {
     low[m] = std::min({corners[0][m], corners[1][m], corners[2][m]});
     high[m] = std::max({corners[0][m], corners[1][m], corners[2][m]});
   }
-  const CellBox near = CellsMet(bounds_, bounds_.near, low, high), far = CellsMet(bounds_, bounds_.far, low, high);
-  std::vector<CellHit> hits;
+  const OctantBox near = CellsMet(bounds_, bounds_.near, low, high), far = CellsMet(bounds_, bounds_.far, low, high);
+  std::vector<OctantHit> hits;
   LongTriangle(*this, corners).Descend(far, near, hits);
   return hits;
 }
@@ -357,14 +360,14 @@ std::vector<CellHit> CellGrid::ManyHits(const std::array<Vec3i, 3>& corners) con
 HWY_EXPORT(Encode);
 HWY_EXPORT(FewHits);
 
-void CellGrid::Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
-                      Codes& out) const {
+void OctantGrid::Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
+                        Codes& out) const {
   out.size = triangles.size();
   if (SimdIsScalar()) return PlainEncode(bounds_, mesh, triangles, out);
   HWY_DYNAMIC_DISPATCH(Encode)(bounds_, mesh, vertices, triangles, out);
 }
 
-size_t CellGrid::FewHits(const Codes& codes, size_t first, CellHit*& end) {
+size_t OctantGrid::FewHits(const Codes& codes, size_t first, OctantHit*& end) {
   if (SimdIsScalar()) return PlainFewHits(codes, first, end);
   return HWY_DYNAMIC_DISPATCH(FewHits)(codes, first, end);
 }
