@@ -2,8 +2,9 @@
 #ifndef LATVOX_CORE_BLOCK_BLOCK_BOX_H_
 #define LATVOX_CORE_BLOCK_BLOCK_BOX_H_
 
+#include <hwy/base.h>
+
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -35,16 +36,9 @@ struct BlockBox {
   // The box without so many voxels, per axis, on every side.
   IndexBox Shrunk(const Vec3i& by) const { return {box.min + by, box.max - by}; }
 
-  // Calls f(farther end, direction, forward) for the links of a star, until that returns false; returns whether it
-  // never did.
-  template <class F>
-  bool ForEachEnd(uint32_t voxel, const StarLinks& star, F&& f) const {
-    for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
-      const auto n = static_cast<size_t>(std::countr_zero(bits));
-      const bool forward = (star.forward >> n & 1) != 0;
-      if (!f(voxel + static_cast<uint32_t>(forward ? steps[n] : -steps[n]), n, forward)) return false;
-    }
-    return true;
+  // The farther end of the link along direction n of a voxel's star.
+  HWY_INLINE uint32_t EndOf(uint32_t voxel, const StarLinks& star, size_t n) const {
+    return voxel + static_cast<uint32_t>((star.forward >> n & 1) != 0 ? steps[n] : -steps[n]);
   }
 
   // Calls f(crossings) with all links of tiny triangles from voxels of the box, batch by batch.

@@ -2,6 +2,8 @@
 #ifndef LATVOX_CORE_BLOCK_STAR_BATCHES_H_
 #define LATVOX_CORE_BLOCK_STAR_BATCHES_H_
 
+#include <hwy/base.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,10 +29,11 @@ inline void FindPairs(const Candidates& candidates, const NumberList& voxels, co
   }
 }
 
-// Calls f(voxel, star) for all pairs whose voxel is, or is not, in `bits` when their turn comes.
+// Calls f(voxel, star) for all pairs whose voxel is, or is not, in `bits` when their turn comes. It is inlined: as a
+// function of its own, it cost 3 % of all instructions where large triangles meet.
 template <class F>
-void ForEachStar(const TileContext& context, const BitsLayout& layout, std::span<const VoxelTriangle> pairs,
-                 const TileBits& bits, bool in_set, F&& f) {
+HWY_INLINE void ForEachStar(const TileContext& context, const BitsLayout& layout, std::span<const VoxelTriangle> pairs,
+                            const TileBits& bits, bool in_set, F&& f) {
   constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
   StarLinks stars[kBatch];
   VoxelTriangle batch[kBatch];

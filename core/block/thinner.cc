@@ -1,6 +1,7 @@
 #include "core/block/thinner.h"
 
 #include <algorithm>
+#include <bit>
 #include <iterator>
 
 #include "core/base/bytes_of.h"
@@ -13,6 +14,14 @@ namespace {
 // Whether a voxel is known not to belong to the surface.
 bool IsOutside(const BlockVoxels& voxels, uint32_t voxel) {
   return !voxels.bits().Test(voxel) && voxels.where().box.Contains(voxels.where().layout.VoxelAt(voxel));
+}
+
+// Whether all links of the voxel's star end in the set.
+bool EndsIn(const TileBits& set, const BlockBox& where, const RimVoxel& rim) {
+  for (uint32_t bits = rim.star.nearer; bits != 0; bits &= bits - 1) {
+    if (!set.Test(where.EndOf(rim.voxel, rim.star, static_cast<size_t>(std::countr_zero(bits))))) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -68,9 +77,8 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
       add(nearer(n));
     }
   });
-  const auto in_surface = [&](uint32_t end, size_t, bool) { return surface.Test(end); };
-  for (const auto& [voxel, star] : scanned.rim_only) {
-    if (where.ForEachEnd(voxel, star, in_surface)) add(voxel);
+  for (const RimVoxel& rim : scanned.rim_only) {
+    if (EndsIn(surface, where, rim)) add(rim.voxel);
   }
   if (any_tiny) essential_.ClearRange(scanned.voxels.dirty());
 }
@@ -165,12 +173,16 @@ void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   const BlockBox& where = voxels.where();
   const TileBits& surface = voxels.bits();
   ForEachStar(context, where.layout, pairs_, undecided_, true, [&](uint32_t z, const StarLinks& star) {
-    const bool may_leave = where.ForEachEnd(z, star, [&](uint32_t end, size_t direction, bool forward) {
-      if (!surface.Test(end)) return !where.box.Contains(where.layout.VoxelAt(end));  // beyond, nothing is known
-      if (undecided_.Test(end)) links_.Add(z, direction, forward);
-      return true;
-    });
-    if (!may_leave) undecided_.Clear(z);
+    for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
+      const auto n = static_cast<size_t>(std::countr_zero(bits));
+      const uint32_t end = where.EndOf(z, star, n);
+      if (!surface.Test(end)) {
+        if (!where.box.Contains(where.layout.VoxelAt(end))) continue;  // beyond, nothing is known
+        undecided_.Clear(z);
+        break;
+      }
+      if (undecided_.Test(end)) links_.Add(z, n, (star.forward >> n & 1) != 0);
+    }
   });
 }
 

@@ -48,14 +48,9 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
 
 class ThesisJob : public VoxelizeJob {
  public:
-  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options, const IndexBox& region,
-            const std::optional<WorldBox>& bounds, StopSignal stop)
-      : mesh_(std::move(mesh)),
-        lattice_(lattice),
-        options_(options),
-        bounds_(bounds),
-        facts_(FactsOfJob(mesh_, FactsOf(mesh_, stop), region, bounds)),
-        span_(SpanOf(options, mesh_, lattice.frames(options.separability), region, bounds, stop)) {}
+  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
+            const std::optional<WorldBox>& bounds, const JobFacts& facts, const TileSpan& span)
+      : mesh_(std::move(mesh)), lattice_(lattice), options_(options), bounds_(bounds), facts_(facts), span_(span) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
@@ -104,8 +99,10 @@ class ThesisJob : public VoxelizeJob {
 
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                           StopSignal stop) {
-  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, region, bounds, stop);
+                                           StopSignal creation) {
+  const JobFacts facts = FactsOfJob(mesh, FactsOf(mesh, creation), region, bounds);
+  const TileSpan span = SpanOf(options, mesh, lattice.frames(options.separability), region, bounds, creation);
+  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, bounds, facts, span);
 }
 
 }  // namespace latvox

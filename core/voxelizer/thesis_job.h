@@ -19,7 +19,7 @@ namespace latvox {
 // Memory: the whole set. Precondition: options.algorithm is not kExact.
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,
-                                           StopSignal stop);
+                                           StopSignal creation);
 
 }  // namespace latvox
 
