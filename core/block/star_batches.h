@@ -9,12 +9,22 @@
 #include <span>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/block/tile_context.h"
 #include "core/scan/candidates.h"
 #include "core/scan/stars.h"
 #include "core/tile/tile_bits.h"
 
 namespace latvox {
+
+// Memory that a scan and the thinner after it use in turn. With memory for each, a job of 8 ms that had no pages from
+// jobs before it took 1 ms more.
+struct PairMemory {
+  NumberList positions;  // of a list of candidates
+  std::vector<VoxelTriangle> pairs;
+
+  size_t Bytes() const { return positions.Bytes() + BytesOf(pairs); }
+};
 
 // Replaces `pairs` by the voxels at `positions` of one of the candidates' lists, with the triangles that put them
 // there.

@@ -4,7 +4,6 @@
 #include <iterator>
 
 #include "core/base/bytes_of.h"
-#include "core/block/star_batches.h"
 
 namespace latvox {
 
@@ -15,7 +14,7 @@ ScannedSurface SurfaceScan::Scan(const TileContext& context, const TileNode& nod
   rim_only_.clear();
   if (context.supercover != nullptr) {
     CoverAll(context, triangles);
-    return {voxels_, candidates_, rim_only_};
+    return {voxels_, candidates_, rim_only_, memory_};
   }
   voxels_.where().ForEachTinyBatch(context, [this](const Crossings& some) { voxels_.Add(some.nearer.view()); });
   candidates_.Reset(context.is_tiny.empty() ? triangles : WithoutTiny(context, triangles));
@@ -25,7 +24,7 @@ ScannedSurface SurfaceScan::Scan(const TileContext& context, const TileNode& nod
       AddRim(context, candidates);
     });
   }
-  return {voxels_, candidates_, rim_only_};
+  return {voxels_, candidates_, rim_only_, memory_};
 }
 
 void SurfaceScan::CoverAll(const TileContext& context, std::span<const uint32_t> triangles) {
@@ -55,21 +54,22 @@ std::span<const uint32_t> SurfaceScan::WithoutTiny(const TileContext& context, s
 void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidates) {
   if (context.stop.Stopped()) return;
   TileBits& surface = voxels_.bits();
-  surface.Find(candidates.rim.view(), false, positions_);
-  FindPairs(candidates, candidates.rim, positions_, &Candidates::Run::rim_end, pairs_);
+  surface.Find(candidates.rim.view(), false, memory_.positions);
+  FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, memory_.pairs);
   added_.clear();
-  ForEachStar(context, voxels_.where().layout, pairs_, surface, false, [&](uint32_t voxel, const StarLinks& star) {
-    if (star.nearer == 0 || surface.Test(voxel)) return;
-    surface.Set(voxel);
-    added_.push_back(voxel);
-    rim_only_.push_back({voxel, star});
-  });
+  ForEachStar(context, voxels_.where().layout, memory_.pairs, surface, false,
+              [&](uint32_t voxel, const StarLinks& star) {
+                if (star.nearer == 0 || surface.Test(voxel)) return;
+                surface.Set(voxel);
+                added_.push_back(voxel);
+                rim_only_.push_back({voxel, star});
+              });
   voxels_.MarkDirty(added_);
 }
 
 size_t SurfaceScan::Bytes() const {
-  return voxels_.Bytes() + BytesOf(others_) + candidates_.Bytes() + BytesOf(rim_only_) + positions_.Bytes() +
-         BytesOf(pairs_) + BytesOf(added_);
+  return voxels_.Bytes() + BytesOf(others_) + candidates_.Bytes() + BytesOf(rim_only_) + memory_.Bytes() +
+         BytesOf(added_);
 }
 
 }  // namespace latvox

@@ -9,6 +9,7 @@
 
 #include "core/block/block_voxels.h"
 #include "core/block/candidate_parts.h"
+#include "core/block/star_batches.h"
 #include "core/block/tile_context.h"
 #include "core/scan/stars.h"
 #include "core/tile/tile_bits.h"
@@ -27,6 +28,7 @@ struct ScannedSurface {
   BlockVoxels& voxels;
   CandidateParts& candidates;          // of the triangles that are not tiny
   std::span<const RimVoxel> rim_only;  // members that no triangle crosses along its principal direction
+  PairMemory& memory;
 };
 
 // What a thread allocates for one node serves it for the next.
@@ -54,10 +56,8 @@ class SurfaceScan {
   std::vector<uint32_t> others_;  // the triangles that are not tiny
   CandidateParts candidates_;
   std::vector<RimVoxel> rim_only_;
-  // Of AddRim.
-  NumberList positions_;
-  std::vector<VoxelTriangle> pairs_;
-  std::vector<uint32_t> added_;
+  PairMemory memory_;
+  std::vector<uint32_t> added_;  // of AddRim
 };
 
 }  // namespace latvox

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <iterator>
+#include <utility>
 
 #include "core/base/bytes_of.h"
-#include "core/block/star_batches.h"
 #include "core/thin/thin.h"
 
 namespace latvox {
@@ -26,8 +26,15 @@ bool EndsIn(const TileBits& set, const BlockBox& where, const RimVoxel& rim) {
 
 }  // namespace
 
-// Of what FindUndecided leaves, the triangles at hand decide. What lies beyond the border matters seldom.
 bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
+  std::swap(memory_, scanned.memory);
+  const bool decided = Decide(context, scanned);
+  std::swap(memory_, scanned.memory);
+  return decided;
+}
+
+// Of what FindUndecided leaves, the triangles at hand decide. What lies beyond the border matters seldom.
+bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) {
   // Where many triangles meet in few voxels, each of these takes a while.
   if (!context.stop.Stopped()) FindUndecided(context, scanned);
   if (!context.stop.Stopped()) Ask(context, scanned);
@@ -69,11 +76,11 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   };
   for (const uint32_t voxel : inner_.nearer.view()) add(voxel);
   scanned.candidates.ForEach(context, where, [&](const Candidates& candidates) {
-    surface.Find(candidates.farther.view(), true, positions_);
+    surface.Find(candidates.farther.view(), true, memory_.positions);
     constexpr size_t kAhead = 16;  // about what memory brings at a time
-    const auto nearer = [&](size_t n) { return candidates.nearer[positions_[n]] & kNumberMask; };
-    for (size_t n = 0; n < positions_.size(); ++n) {
-      undecided_.Prefetch(nearer(std::min(n + kAhead, positions_.size() - 1)));
+    const auto nearer = [&](size_t n) { return candidates.nearer[memory_.positions[n]] & kNumberMask; };
+    for (size_t n = 0; n < memory_.positions.size(); ++n) {
+      undecided_.Prefetch(nearer(std::min(n + kAhead, memory_.positions.size() - 1)));
       add(nearer(n));
     }
   });
@@ -96,17 +103,17 @@ void Thinner::FindInnerAndEssential(const TileContext& context, const ScannedSur
     essential_.SetAll(outward_.view());
     AddInner(inside_, essential_, false);
   });
-  essential_.Find(inner_.nearer.view(), false, positions_);
-  inner_.nearer.Keep(positions_.view());
-  inner_.farther.Keep(positions_.view());
+  essential_.Find(inner_.nearer.view(), false, memory_.positions);
+  inner_.nearer.Keep(memory_.positions.view());
+  inner_.farther.Keep(memory_.positions.view());
 }
 
 // Adds to inner_ those of the links whose nearer ends are in `bits`, or are not.
 void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set) {
-  bits.Find(some.nearer.view(), in_set, positions_);
-  inner_.nearer.Reserve(positions_.size());
-  inner_.farther.Reserve(positions_.size());
-  for (const uint32_t n : positions_.view()) {
+  bits.Find(some.nearer.view(), in_set, memory_.positions);
+  inner_.nearer.Reserve(memory_.positions.size());
+  inner_.farther.Reserve(memory_.positions.size());
+  for (const uint32_t n : memory_.positions.view()) {
     inner_.nearer.Add(some.nearer[n]);
     inner_.farther.Add(some.farther[n]);
   }
@@ -129,18 +136,19 @@ void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
 void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, const Candidates& candidates) {
   if (FindPairsByBoxes(voxels.where(), candidates)) return AskPairs(context, voxels);
   FindInUndecided(candidates.nearer);
-  for (const uint32_t n : positions_.view()) {
+  for (const uint32_t n : memory_.positions.view()) {
     if (IsOutside(voxels, candidates.farther[n] & kNumberMask)) undecided_.Clear(candidates.nearer[n] & kNumberMask);
   }
-  FindPairs(candidates, candidates.nearer, positions_, &Candidates::Run::crossed_end, pairs_);
+  FindPairs(candidates, candidates.nearer, memory_.positions, &Candidates::Run::crossed_end, memory_.pairs);
   AskPairs(context, voxels);
   FindInUndecided(candidates.rim);
-  FindPairs(candidates, candidates.rim, positions_, &Candidates::Run::rim_end, pairs_);
+  FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, memory_.pairs);
   AskPairs(context, voxels);
 }
 
-// Finds pairs_ of undecided voxels by the triangles' boxes, if that seems to take less than to find the voxels among
-// all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no links.
+// Finds pairs of undecided voxels by the triangles' boxes, if that seems to take less than to find the voxels
+// among all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no
+// links.
 bool Thinner::FindPairsByBoxes(const BlockBox& where, const Candidates& candidates) {
   const size_t triangles = candidates.triangles.size();
   if (candidates.boxes.size() != triangles) return false;
@@ -154,7 +162,7 @@ bool Thinner::FindPairsByBoxes(const BlockBox& where, const Candidates& candidat
   // Boxes say little of large triangles askew.
   constexpr size_t kUsual = 3, kPerPair = 100;
   const size_t most = kUsual * list_.size() + candidates.size() / kPerPair;
-  return candidates.boxes.FindPairs(where.layout, where.box.min, candidates.triangles, list_, most, pairs_);
+  return candidates.boxes.FindPairs(where.layout, where.box.min, candidates.triangles, list_, most, memory_.pairs);
 }
 
 // Takes voxels that have left undecided_ out of list_.
@@ -165,14 +173,14 @@ void Thinner::UpdateList() {
 // Finds the positions of the undecided voxels of a list.
 void Thinner::FindInUndecided(const NumberList& voxels) {
   UpdateList();
-  undecided_.FindFew(voxels.view(), list_, positions_);
+  undecided_.FindFew(voxels.view(), list_, memory_.positions);
 }
 
-// Asks the triangles of pairs_ whose voxels are undecided when their turn comes.
+// Asks the triangles of the pairs whose voxels are undecided when their turn comes.
 void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   const BlockBox& where = voxels.where();
   const TileBits& surface = voxels.bits();
-  ForEachStar(context, where.layout, pairs_, undecided_, true, [&](uint32_t z, const StarLinks& star) {
+  ForEachStar(context, where.layout, memory_.pairs, undecided_, true, [&](uint32_t z, const StarLinks& star) {
     for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
       const auto n = static_cast<size_t>(std::countr_zero(bits));
       const uint32_t end = where.EndOf(z, star, n);
@@ -212,7 +220,7 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
 
 size_t Thinner::Bytes() const {
   size_t bytes = undecided_.Bytes() + BytesOf(list_) + essential_.Bytes() + inside_.Bytes() + outward_.Bytes();
-  bytes += inner_.Bytes() + positions_.Bytes() + BytesOf(pairs_);
+  bytes += inner_.Bytes();
   return bytes + links_.Bytes();
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/block/star_batches.h"
 #include "core/block/surface_scan.h"
 #include "core/block/tile_context.h"
 #include "core/scan/candidates.h"
@@ -28,6 +29,7 @@ class Thinner {
   size_t Bytes() const;
 
  private:
+  bool Decide(const TileContext& context, const ScannedSurface& scanned);
   void FindUndecided(const TileContext& context, const ScannedSurface& scanned);
   void FindInnerAndEssential(const TileContext& context, const ScannedSurface& scanned);
   void AddInner(const Crossings& some, const TileBits& bits, bool in_set);
@@ -45,9 +47,8 @@ class Thinner {
   Crossings inside_;            // links of tiny triangles with both ends in the surface
   NumberList outward_;          // the nearer ends of others
   Crossings inner_;             // of tiny triangles, from members of undecided_, or from what may become some
-  NumberList positions_;
-  std::vector<VoxelTriangle> pairs_;
-  CrossedLinks links_;  // between members of undecided_
+  PairMemory memory_;           // the scan's, while Thin is at work
+  CrossedLinks links_;          // between members of undecided_
 };
 
 }  // namespace latvox
