@@ -69,7 +69,7 @@ void Describe(const Certificate& certificate, openvdb::GridBase& grid) {
   if (const auto& solid = certificate.solid) {
     Insert(grid, "latvox_fill", "solid");
     Insert(grid, "latvox_interior_rule", solid->rule);
-    grid.insertMeta("latvox_with_surface", openvdb::BoolMetadata(solid->surface));
+    grid.insertMeta("latvox_surface", openvdb::BoolMetadata(solid->surface));
     grid.insertMeta("latvox_unbalanced_lines", openvdb::Int64Metadata(static_cast<int64_t>(solid->unbalanced_lines)));
   }
   if (const auto& band = certificate.band) {

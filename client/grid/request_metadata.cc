@@ -31,7 +31,7 @@ void AddSurface(const VoxelizeRequest& request, Json& json) {
   if (request.cover == Cover::kSupercover) {
     json["cover"] = "supercover";
   } else if (request.algorithm == Algorithm::kExact) {
-    json["minimal"] = request.minimal;
+    json["minimal"] = request.minimal.value_or(true);
   }
 }
 

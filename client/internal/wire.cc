@@ -78,7 +78,7 @@ v1::Fill ToProto(const Solid& solid) {
   v1::Fill fill;
   fill.set_mode(v1::FILL_MODE_SOLID);
   fill.set_rule(ToProto(solid.rule));
-  fill.set_without_surface(!solid.surface);
+  fill.set_surface(solid.surface);
   fill.set_force_open(solid.force_open);
   return fill;
 }
@@ -86,17 +86,17 @@ v1::Fill ToProto(const Solid& solid) {
 std::optional<SolidFacts> SolidFactsOf(const v1::Certificate& certificate) {
   if (!certificate.has_fill()) return std::nullopt;
   const v1::FillFacts& fill = certificate.fill();
-  return SolidFacts{fill.rule(), fill.with_surface(), fill.unbalanced_lines()};
+  return SolidFacts{fill.rule(), fill.surface(), fill.unbalanced_lines()};
 }
 
 v1::Band ToProto(const Band& band) {
   v1::Band out;
   band.in_voxels ? out.set_voxels(band.width) : out.set_width(band.width);
-  out.set_signed_(band.is_signed);
+  out.set_is_signed(band.is_signed);
   return out;
 }
 
-BandCertificate FromProto(const v1::BandCertificate& band) { return {band.width(), band.signed_(), band.digest()}; }
+BandCertificate FromProto(const v1::BandCertificate& band) { return {band.width(), band.is_signed(), band.digest()}; }
 
 v1::Attribute ToProto(Attribute attribute) {
   switch (attribute) {
@@ -170,7 +170,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   if (request.resolution) spec.set_resolution(*request.resolution);
   if (request.origin) *spec.mutable_origin() = ToProto(*request.origin);
   spec.set_separability(request.separability);
-  if (request.cover == Cover::kSeparating) spec.set_minimal(request.minimal);
+  if (request.minimal) spec.set_minimal(*request.minimal);
   if (request.region) {
     *spec.mutable_region()->mutable_min() = ToProto(request.region->min);
     *spec.mutable_region()->mutable_max() = ToProto(request.region->max);
@@ -239,7 +239,7 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
           .max_jobs_per_client = limits.max_jobs_per_client(),
           .memory_budget_bytes = limits.memory_budget_bytes(),
           .mesh_store_bytes = limits.mesh_store_bytes(),
-          .max_voxels = limits.max_voxels()};
+          .max_visited_points = limits.max_visited_points()};
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {

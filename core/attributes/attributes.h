@@ -9,10 +9,12 @@
 
 #include <cstdint>
 
+#include "core/request/fields.h"
+
 namespace latvox {
 
 // Numbers of a vertex.
-inline constexpr uint32_t kMaxAttributes = 3;
+inline constexpr uint32_t kMaxAttributes = kFields.size();
 
 }  // namespace latvox
 

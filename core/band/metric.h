@@ -8,9 +8,9 @@
 #include <cstdint>
 
 #include "absl/status/statusor.h"
-#include "core/band/band.h"
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
+#include "core/request/band.h"
 #include "core/snap/snap.h"
 
 namespace latvox {

@@ -3,10 +3,10 @@
 #define LATVOX_CORE_BAND_PLAN_H_
 
 #include "absl/status/statusor.h"
-#include "core/band/band.h"
 #include "core/band/metric.h"
 #include "core/base/vec.h"
 #include "core/lattice/lattice.h"
+#include "core/request/band.h"
 
 namespace latvox {
 

@@ -1,5 +1,4 @@
-// The value that an error is about, and the limit that it was held against, beside the message: for who tells them to
-// programs.
+// The field, the value and the limit that an error is about, beside its message: programs read them.
 #ifndef LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
 #define LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
 
@@ -12,12 +11,21 @@
 
 namespace latvox {
 
-inline constexpr char kRefusedValue[] = "latvox/value", kRefusedLimit[] = "latvox/limit";  // payloads of a status
+// Payloads of a status.
+inline constexpr char kRefusedField[] = "latvox/field", kRefusedValue[] = "latvox/value",
+                      kRefusedLimit[] = "latvox/limit";
 
 inline absl::Status WithValue(absl::Status status, const std::string& value, const std::string& limit = "") {
   status.SetPayload(kRefusedValue, absl::Cord(value));
   if (!limit.empty()) status.SetPayload(kRefusedLimit, absl::Cord(limit));
   return status;
+}
+
+// For a field that the message does not begin with, followed by a colon.
+inline absl::Status WithField(absl::Status status, const std::string& field, const std::string& value,
+                              const std::string& limit = "") {
+  status.SetPayload(kRefusedField, absl::Cord(field));
+  return value.empty() ? status : WithValue(std::move(status), value, limit);
 }
 
 inline absl::Status WithValue(absl::Status status, double value, double limit) {

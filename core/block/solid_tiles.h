@@ -12,9 +12,9 @@
 #include "core/block/tile_context.h"
 #include "core/brick/brick.h"
 #include "core/lattice/frame.h"
+#include "core/request/solid.h"
 #include "core/snap/snap.h"
 #include "core/solid/interior.h"
-#include "core/solid/solid.h"
 #include "core/tile/tile_bits.h"
 #include "core/tree/tile_tree.h"
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "core/base/stop_signal.h"
+#include "core/request/solid.h"
 #include "core/snap/snap.h"
-#include "core/solid/solid.h"
 
 namespace latvox {
 

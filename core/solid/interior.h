@@ -18,8 +18,8 @@
 #include "core/base/bytes_of.h"
 #include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
+#include "core/request/solid.h"
 #include "core/snap/snap.h"
-#include "core/solid/solid.h"
 
 namespace latvox {
 

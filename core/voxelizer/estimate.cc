@@ -86,21 +86,22 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop) {
   return {BoundsOf(mesh, stop), twice_area / 2};
 }
 
-double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
-                      const VoxelizeOptions& options, StopSignal stop) {
+double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
+                      StopSignal stop) {
   const double size = grid.lattice.voxel_size();
   const auto grown = [&](const Corners& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
   };
-  if (options.algorithm != Algorithm::kExact) return SumOver(mesh, stop, grown);
-  double voxels = options.cover == Cover::kSupercover ? SumOver(mesh, stop, grown) : 2 * extent.area / (size * size);
-  if (options.band) voxels *= WidthOf(*options.band, grid.lattice) / size;  // without what neighbouring triangles share
-  if (options.solid) {
-    voxels += EstimateInterior(extent, size, !options.solid->force_open);
+  if (request.algorithm() != Algorithm::kExact) return SumOver(mesh, stop, grown);
+  double voxels = request.is_supercover() ? SumOver(mesh, stop, grown) : 2 * extent.area / (size * size);
+  if (request.band() != nullptr)
+    voxels *= WidthOf(*request.band(), grid.lattice) / size;  // without what neighbouring triangles share
+  if (request.solid() != nullptr) {
+    voxels += EstimateInterior(extent, size, !request.solid()->force_open);
   }
-  double delivered = options.region ? std::min(voxels, VolumeOf(*options.region)) : voxels;
-  if (options.bounds) delivered = std::min(delivered, MostPointsIn(grid, *options.bounds));
-  return options.shard ? delivered / options.shard->count : delivered;
+  double delivered = request.part.region ? std::min(voxels, VolumeOf(*request.part.region)) : voxels;
+  if (request.part.bounds) delivered = std::min(delivered, MostPointsIn(grid, *request.part.bounds));
+  return request.part.shard ? delivered / request.part.shard->count : delivered;
 }
 
 // A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full. Slivers
@@ -123,19 +124,19 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSig
   });
 }
 
-double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
+double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelRequest& request, double voxels,
                       StopSignal stop) {
   constexpr double kVisitsPerTriangle = 40;  // of 15 ns, which a voxel takes otherwise
-  if (options.cover == Cover::kSupercover || options.attributes != 0) {
+  if (request.is_supercover() || !request.fields.empty()) {
     return voxels + kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   }
-  if (options.band) {
-    const double size = grid.lattice.voxel_size(), width = WidthOf(*options.band, grid.lattice);
+  if (request.band() != nullptr) {
+    const double size = grid.lattice.voxel_size(), width = WidthOf(*request.band(), grid.lattice);
     const double volume = SumOver(mesh, stop, [&](const Corners& corners) { return VolumeWithin(corners, width); });
     const double visits = volume / (size * size * size);
-    return options.shard ? visits / options.shard->count : visits;
+    return request.part.shard ? visits / request.part.shard->count : visits;
   }
-  if (options.algorithm != Algorithm::kBruteForce) return voxels;
+  if (request.algorithm() != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();
   return SumOver(mesh, stop, [&](const Corners& corners) { return VolumeAround(corners, size); });
 }

@@ -26,15 +26,15 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 // algorithms have some along the edges of triangles without area, too, whatever the region. Up to one pass over the
 // triangles. Precondition: CheckMesh(mesh) is OK.
 //   extent   the mesh's
-double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid,
-                      const VoxelizeOptions& options, StopSignal stop = {});
+double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
+                      StopSignal stop = {});
 
 // Estimates how many lattice points a job looks at, as often as it does: a band's those within its width of each
 // triangle, of a shard its part, brute force all those in the boxes around triangles, which takes one pass, as above; a
 // supercover those that it finds, and for each triangle as many as take the time to set up its separating axes, or,
 // where voxels carry attributes, the distance to it; the others about those that they find.
 //   voxels   what EstimateVoxels has told
-double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelizeOptions& options, double voxels,
+double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelRequest& request, double voxels,
                       StopSignal stop = {});
 
 // Estimates how many crossings lattice lines along k have with the whole mesh: twice as many as if it faced them

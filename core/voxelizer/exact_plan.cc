@@ -54,14 +54,14 @@ SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const VoxelizeOptions& options,
+absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const VoxelRequest& request,
                                                          StopSignal creation) {
   auto plan = std::make_unique<ExactPlan>();
   plan->input = std::move(asked);
   const ExactInput& input = plan->input;
   plan->scan_frames = MakeScanFrames(input.frames);
-  plan->solid = options.solid;
-  plan->minimal = options.minimal && !input.supercover;
+  if (request.solid() != nullptr) plan->solid = *request.solid();
+  plan->minimal = request.is_minimal();
   plan->links = std::make_unique<TileLinks>(Shifted(input.mesh.box.min, kTileBits),
                                             plan->minimal ? ReachOf(input.frames) * kNearHalo : Vec3i{});
   SetMargins(*plan);
@@ -72,8 +72,8 @@ absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput asked, const
     plan->facts.band_width = input.band->width;
     if (input.band->is_signed && surface.closed) plan->corner_lines.emplace(input.mesh, creation);
   }
-  plan->shard = options.shard.value_or(Shard{});
-  plan->span = SpanOf(options, input.mesh, input.frames, input.region, input.bounds, creation);
+  plan->shard = request.part.shard.value_or(Shard{});
+  plan->span = SpanOf(request.part, input.mesh, input.frames, input.region, input.bounds, creation);
   if (creation.Stopped()) return absl::CancelledError("voxelization cancelled");
   if (input.band && input.band->is_signed && !surface.closed) {
     return absl::InvalidArgumentError("mesh: it is not closed, which signed distances ask for");

@@ -17,8 +17,8 @@
 #include "core/brick/tile_order.h"
 #include "core/digitize/principal_scan.h"
 #include "core/lattice/frame.h"
+#include "core/request/solid.h"
 #include "core/snap/snap.h"
-#include "core/solid/solid.h"
 #include "core/supercover/supercover.h"
 #include "core/tile/tile_links.h"
 #include "core/voxelizer/voxelizer.h"
@@ -29,9 +29,9 @@ namespace latvox {
 // What is asked for, of a mesh that has been snapped.
 struct ExactInput {
   SnappedMesh mesh;
-  std::vector<Frame> frames;  // of options.separability
+  std::vector<Frame> frames;  // of the request's separability
   std::unique_ptr<const Supercover>
-      supercover;  // this and the next two: null, and nullopt, unless options ask for them
+      supercover;  // this and the next two: null, and nullopt, unless the request asks for them
   std::optional<BandPlan> band;
   std::optional<CarriedAttributes> attributes;
   IndexBox region;                 // local voxels to deliver, within mesh.box
@@ -64,7 +64,7 @@ struct ExactPlan {
 // Of a fine mesh, facts and crossings of tiny triangles are found in one pass.
 //   creation   stops this function, not the job
 // Errors: INVALID_ARGUMENT if the band is signed and the mesh not closed; CANCELLED.
-absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelizeOptions& options,
+absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 
 }  // namespace latvox

@@ -179,12 +179,12 @@ TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<F
 
 }  // namespace
 
-TileSpan SpanOf(const VoxelizeOptions& options, const SnappedMesh& mesh, const std::vector<Frame>& frames,
-                const IndexBox& region, const std::optional<WorldBox>& bounds, StopSignal stop) {
-  TileSpan span = options.shard ? SpanOf(*options.shard, mesh, frames, region, bounds, stop) : TileSpan{};
-  if (options.resume_after) {
+TileSpan SpanOf(const Part& part, const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region,
+                const std::optional<WorldBox>& bounds, StopSignal stop) {
+  TileSpan span = part.shard ? SpanOf(*part.shard, mesh, frames, region, bounds, stop) : TileSpan{};
+  if (part.resume_after) {
     const Vec3i low = Shifted(mesh.box.min + mesh.base_ijk, kTileBits);
-    span.begin = std::max(span.begin, TileNumber(*options.resume_after - low) + 1);
+    span.begin = std::max(span.begin, TileNumber(*part.resume_after - low) + 1);
   }
   return span;
 }

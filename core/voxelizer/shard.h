@@ -14,7 +14,7 @@
 
 namespace latvox {
 
-// The tiles that options.shard and options.resume_after leave.
+// The tiles that part.shard and part.resume_after leave.
 //
 // The spans of all shards of a count follow each other in the canonical order and leave nothing out, whatever the mesh:
 // the parts' union is the whole. They are computed from the arguments alone, in integers, so that every worker finds
@@ -23,13 +23,13 @@ namespace latvox {
 // The split is fair by an estimate: a triangle costs its voxels and a constant in each tile that it meets. It
 // is as fine as tiles are, or, where these are more than 128 along an axis, a 128th of the longest side. Memory: 16
 // MiB.
-//   frames      of options.separability
+//   frames      of the request's separability
 //   region      local voxels: tiles outside cost nothing
 //   bounds      nor does what is outside of these
 //   stop        once stopped, the result comes soon, and means nothing
 // Precondition: as VoxelizeJob::Create checks.
-TileSpan SpanOf(const VoxelizeOptions& options, const SnappedMesh& mesh, const std::vector<Frame>& frames,
-                const IndexBox& region, const std::optional<WorldBox>& bounds, StopSignal stop);
+TileSpan SpanOf(const Part& part, const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region,
+                const std::optional<WorldBox>& bounds, StopSignal stop);
 
 }  // namespace latvox
 

@@ -48,15 +48,15 @@ std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, 
 
 class ThesisJob : public VoxelizeJob {
  public:
-  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
+  ThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelRequest& request,
             const std::optional<WorldBox>& bounds, const JobFacts& facts, const TileSpan& span)
-      : mesh_(std::move(mesh)), lattice_(lattice), options_(options), bounds_(bounds), facts_(facts), span_(span) {}
+      : mesh_(std::move(mesh)), lattice_(lattice), request_(request), bounds_(bounds), facts_(facts), span_(span) {}
 
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
   void Cancel() override { stop_.Stop(); }
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
-    return CountTunnels(mesh_, lattice_.frames(options_.separability), voxels, stop_.Signal());
+    return CountTunnels(mesh_, lattice_.frames(request_.separability), voxels, stop_.Signal());
   }
 
   absl::StatusOr<bool> Advance(const Sink& sink) override {
@@ -74,7 +74,8 @@ class ThesisJob : public VoxelizeJob {
  private:
   absl::Status Compute() {
     if (facts_.index_box) {
-      const auto voxels = VoxelizeByThesis(mesh_, lattice_, options_.separability, options_.algorithm, stop_.Signal());
+      const auto voxels =
+          VoxelizeByThesis(mesh_, lattice_, request_.separability, request_.algorithm(), stop_.Signal());
       if (!voxels.ok()) return voxels.status();
       tiles_ = TilesOf(*voxels, *facts_.index_box, bounds_, facts_.first_tile_ijk, span_, stop_.Signal());
     }
@@ -84,7 +85,7 @@ class ThesisJob : public VoxelizeJob {
 
   const SnappedMesh mesh_;
   const Lattice lattice_;
-  const VoxelizeOptions options_;
+  const VoxelRequest request_;
   StopSource stop_;
   bool computed_ = false;
   std::vector<TileBricks> tiles_;  // in canonical order; moved away once delivered
@@ -97,12 +98,12 @@ class ThesisJob : public VoxelizeJob {
 
 }  // namespace
 
-std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
+std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelRequest& request,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,
                                            StopSignal creation) {
   const JobFacts facts = FactsOfJob(mesh, FactsOf(mesh, creation), region, bounds);
-  const TileSpan span = SpanOf(options, mesh, lattice.frames(options.separability), region, bounds, creation);
-  return std::make_unique<ThesisJob>(std::move(mesh), lattice, options, bounds, facts, span);
+  const TileSpan span = SpanOf(request.part, mesh, lattice.frames(request.separability), region, bounds, creation);
+  return std::make_unique<ThesisJob>(std::move(mesh), lattice, request, bounds, facts, span);
 }
 
 }  // namespace latvox

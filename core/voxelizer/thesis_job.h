@@ -16,8 +16,8 @@ namespace latvox {
 // voxels against the snapped mesh, so that tunnels from rounding vertices to lattice points count.
 //   region   local voxels to deliver, within mesh.box
 //   bounds   of these, deliver only the ones within
-// Memory: the whole set. Precondition: options.algorithm is not kExact.
-std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelizeOptions& options,
+// Memory: the whole set. Precondition: request.algorithm() is not kExact.
+std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelRequest& request,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,
                                            StopSignal creation);
 

@@ -7,62 +7,23 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "core/band/band.h"
-#include "core/base/stop_signal.h"
 #include "core/brick/brick.h"
 #include "core/lattice/grid.h"
 #include "core/mesh/mesh.h"
-#include "core/request/algorithm.h"
-#include "core/solid/solid.h"
+#include "core/request/grid_request.h"
+#include "core/request/options.h"
+#include "core/request/request.h"
 #include "core/verify/verify.h"
 #include "core/voxelizer/digest.h"
 
 namespace latvox {
-
-// How finely to sample: nothing (the lattice as it is), a voxel size, or voxels along the longest side of the mesh.
-struct Density {
-  std::optional<double> voxel_size = std::nullopt;  // world units, finite, > 0
-  std::optional<uint32_t> resolution =
-      std::nullopt;  // 2 .. kMaxResolution; voxel_size = longest side / (resolution - 1)
-};
-
-inline constexpr uint32_t kMaxResolution = 65536;
-
-// The grid for a mesh with these bounds. Without an origin, lattice point 0 is the bounds' low corner.
-// Errors: INVALID_ARGUMENT naming field, value and limit.
-absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Density& density, const std::optional<Vec3d>& origin,
-                                 const Bounds& bounds);
-
-// The index-th of `count` parts of a job that cost about the same: tiles that follow each other in the canonical order.
-struct Shard {
-  uint32_t index = 0, count = 1;  // index < count <= kMaxShards
-};
-
-inline constexpr uint32_t kMaxShards = 1 << 20;
-
-struct VoxelizeOptions {
-  int separability = 0;                           // k: 0, 1 or 2
-  bool minimal = true;                            // thin to k-minimality; only kExact does, and no supercover is
-  std::optional<IndexBox> region = std::nullopt;  // only these voxels, as they are in the whole
-  std::optional<Bounds> bounds = std::nullopt;    // and only those within this box of the world: see WorldBox
-  Algorithm algorithm = Algorithm::kExact;
-  std::optional<Shard> shard = std::nullopt;         // only this part of them
-  std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
-  std::optional<Solid> solid = std::nullopt;         // the interior, too; kExact only
-  Cover cover = Cover::kSeparating;                  // of kExact; a supercover is the same for every separability
-  // Lattice points near the surface, with distances, instead of voxels that separate. Needs separability 0 and kExact.
-  std::optional<Band> band = std::nullopt;
-  // How many attributes the mesh has, and voxels are to carry: see core/attributes/attributes.h. Up to kMaxAttributes;
-  // with any, kExact only, and neither solid nor band.
-  uint32_t attributes = 0;
-};
 
 struct JobFacts {
   uint64_t triangles = 0, vertices = 0, degenerate_triangles = 0;
   bool closed = false;                               // every edge, by snapped position, in an even number of triangles
   double snap_error_max = 0;                         // voxels, per lattice coordinate
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
-  bool cut_by_bounds = false;                        // options.bounds may leave out voxels of the whole
+  bool cut_by_bounds = false;                        // part.bounds may leave out voxels of the whole
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/brick/tile_order.h)
   uint64_t unbalanced_lines = 0;                     // of a solid, once prepared: see CountUnbalancedLines
@@ -92,19 +53,19 @@ class VoxelizeJob {
  public:
   // Snaps the mesh, and states its facts. Of a fine one, whose triangles are smaller than voxels, the edges that these
   // cross are found by the same pass, most of the work; they are kept from then on. Errors: INVALID_ARGUMENT naming
-  // field, value and limit: mesh (see CheckMesh), extent, position, separability, region, bounds, shard, resume_after,
-  // solid, band, cover, attributes (each with another algorithm than kExact), basis (of a supercover; see IntegerCell).
-  // Also CANCELLED, soon, once `stop` is stopped, which concerns Create alone.
+  // field, value and limit: those of MakeRequest; mesh (see CheckMesh), extent, position, resume_after, band (its width
+  // on this lattice), attributes (that the mesh lacks), basis (of a supercover; see IntegerCell). Also CANCELLED, soon,
+  // once `stop` is stopped, which concerns Create alone.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options, StopSignal stop = {});
-  // The same of a mesh that was validated as it came: CheckMesh takes a tenth of the time of a job with fine triangles.
-  // The job takes the mesh over, for its memory; or it shares the mesh with others, and copies its attributes alone.
-  // Precondition: CheckMesh(mesh) is OK, unless cancelled.
+  // The same of a request that keeps all rules, and of a mesh that was validated as it came: CheckMesh takes a tenth of
+  // the time of a job with fine triangles. The job takes the mesh over, for its memory; or it shares the mesh with
+  // others, and copies its attributes alone. Precondition: CheckMesh(mesh) is OK, unless stopped.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(TriangleMesh mesh, const Grid& grid,
-                                                                      const VoxelizeOptions& options,
+                                                                      const VoxelRequest& request,
                                                                       StopSignal stop = {});
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(std::shared_ptr<const TriangleMesh> mesh,
-                                                                      const Grid& grid, const VoxelizeOptions& options,
+                                                                      const Grid& grid, const VoxelRequest& request,
                                                                       StopSignal stop = {});
   virtual ~VoxelizeJob() = default;
 
@@ -112,7 +73,7 @@ class VoxelizeJob {
 
   // Does what comes before the first tile and takes its time: of a solid, finding out whether the mesh has an inside.
   // Advance does it if nobody did before.
-  // Errors: INVALID_ARGUMENT if that has none and options.solid does not force it; CANCELLED.
+  // Errors: INVALID_ARGUMENT if that has none and the request does not force it; CANCELLED.
   virtual absl::Status Prepare() { return absl::OkStatus(); }
 
   // Receives one tile; returns false to pause. Called from one thread at a time.
@@ -126,7 +87,7 @@ class VoxelizeJob {
   virtual const JobTotals& totals() const = 0;
 
   // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
-  // Precondition: none of options.region, bounds, shard and band was set. Errors: CANCELLED.
+  // Precondition: the request has no band, region, bounds or shard. Errors: CANCELLED.
   virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
 
   // Makes Advance and Verify return CANCELLED soon. Any thread, any time.

@@ -18,10 +18,15 @@ constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
 
 // Limits that GetLimits tells, by what is held against them.
 absl::string_view LimitNameOf(absl::string_view field) {
-  static constexpr std::pair<absl::string_view, absl::string_view> kNames[] = {
-      {"mesh_bytes", "max_mesh_bytes"}, {"mesh.triangles", "max_triangles"},    {"mesh.vertices", "max_vertices"},
-      {"voxels", "max_voxels"},         {"message_bytes", "max_message_bytes"}, {"memory", "memory_budget_bytes"},
-      {"points", "max_points"},         {"crossings", "max_crossings"},         {"pixels", "max_pixels"}};
+  static constexpr std::pair<absl::string_view, absl::string_view> kNames[] = {{"mesh_bytes", "max_mesh_bytes"},
+                                                                               {"mesh.triangles", "max_triangles"},
+                                                                               {"mesh.vertices", "max_vertices"},
+                                                                               {"visited_points", "max_visited_points"},
+                                                                               {"message_bytes", "max_message_bytes"},
+                                                                               {"memory", "memory_budget_bytes"},
+                                                                               {"points", "max_points"},
+                                                                               {"crossings", "max_crossings"},
+                                                                               {"pixels", "max_pixels"}};
   for (const auto& [name, limit] : kNames) {
     if (name == field) return limit;
   }
@@ -126,13 +131,14 @@ std::string ReasonOf(const absl::Status& status) {
 
 absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields) {
   if (status.code() != absl::StatusCode::kInvalidArgument) return status;
-  const std::string field{status.message().substr(0, status.message().find(':'))};
   const auto payload = [&](const char* url) { return std::string{status.GetPayload(url).value_or(absl::Cord())}; };
+  std::string field = payload(kRefusedField);
+  if (field.empty()) field = std::string{status.message().substr(0, status.message().find(':'))};
   ErrorCause cause{field == "mesh" ? "BAD_MESH" : "BAD_SPEC", field, payload(kRefusedValue), payload(kRefusedLimit)};
   if (field == "basis") cause.field = "lattice.basis";
   if (field == "band" && !cause.value.empty()) cause.field = fields.band;
   if (field == "voxel_size" || field == "pixel_size") {
-    cause.field = fields.density;
+    cause.field = fields.sampling;
     if (!cause.limit.empty()) cause.limit_name = "max_extent";
   }
   return WithCause(std::move(status), cause);

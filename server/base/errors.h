@@ -68,12 +68,12 @@ absl::Status WithCause(absl::Status status, const ErrorCause& cause);
 
 // What a request has for some of core's fields.
 struct RequestFields {
-  std::string_view density = "lattice.basis";  // voxel_size or pixel_size
+  std::string_view sampling = "lattice.basis";  // voxel_size, pixel_size or resolution
   std::string_view band = "band";
 };
 
-// The same for an error of core, which knows no wire. Its messages begin with the field and a colon;
-// core/base/status_payload.h has the rest.
+// The same for an error of core, which knows no wire: field, value and limit are its payloads
+// (core/base/status_payload.h); without a field there, its message begins with the field and a colon.
 absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields = {});
 
 // The same status with the advice to try again after `delay`.

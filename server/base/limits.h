@@ -14,7 +14,7 @@ struct Limits {
   uint32_t max_jobs = 16;                            // at work at once
   uint32_t max_queued_jobs = 256;                    // that send their input, wait for their turn, or are paused
   uint32_t max_jobs_per_client = 128;                // at work or queued, of one client
-  uint64_t max_voxels = uint64_t{1} << 36;           // that one job looks at, as EstimateVisits has it
+  uint64_t max_visited_points = uint64_t{1} << 36;   // that one job looks at, as EstimateVisits has it
   uint64_t memory_budget_bytes = uint64_t{4} << 30;  // of all jobs together
   uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, also decoded
   uint64_t max_message_bytes = uint64_t{4} << 20;    // one message of a request

@@ -297,8 +297,8 @@ void VoxelizeReactor::OnDone() {
     record.upload_ms = upload_ms_;
     record.queue_ms = queue_ms_;
     if (computation_) {
-      record.lattice = std::string{computation_->spec().lattice.name()};
-      record.separability = computation_->spec().options.separability;
+      record.lattice = std::string{computation_->spec().grid.lattice.name()};
+      record.separability = computation_->spec().request.separability;
       if (queue_ms_) record.work = computation_->facts();
     }
   }

@@ -21,7 +21,7 @@ void AddLimits(CLI::App& app, Limits& limits) {
       "Most jobs that send their input, wait for their turn, or wait for their clients to take results");
   Add(app, "--max-jobs-per-client", limits.max_jobs_per_client, "Most jobs of one client, at work or queued")
       ->check(AtLeastOne());
-  Add(app, "--max-voxels", limits.max_voxels,
+  Add(app, "--max-visited-points", limits.max_visited_points,
       "Most lattice points that one job looks at, by an estimate: mostly of its voxels")
       ->check(AtLeastOne());
   TakeBytes(Add(app, "--mesh-store-bytes", limits.mesh_store_bytes,

@@ -138,8 +138,9 @@ MeshReceiver::Progress MeshReceiver::TakeAttributes(absl::string_view frame) {
   std::vector<uint32_t>& numbers = mesh_.mesh.attributes;
   const size_t before = numbers.size();
   if (!head_ || !Append(frame, attributes(), numbers)) return Progress::kBroken;
+  const std::span<const Field> fields = wanted_.view();
   bool valid = true;
-  for (size_t n = before; n < numbers.size(); ++n) valid &= numbers[n] <= LargestOf(wanted_.kinds[n % wanted_.count]);
+  for (size_t n = before; n < numbers.size(); ++n) valid &= numbers[n] <= FactsOf(fields[n % fields.size()]).largest;
   return valid ? Progress::kMore : Progress::kBroken;
 }
 

@@ -22,8 +22,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/request/fields.h"
 #include "server/base/limits.h"
-#include "server/base/mesh_attributes.h"
 #include "server/decode/draco_decoder.h"
 #include "server/decode/mesh_decoder.h"
 
@@ -32,7 +32,7 @@ namespace latvox {
 struct DecodeRequest {
   uint64_t bytes;  // that follow
   uint64_t max_triangles, max_vertices;
-  MeshAttributes attributes;  // that are wanted
+  FieldList attributes;  // that are wanted
 };
 
 enum class FrameKind : uint32_t {
@@ -70,7 +70,7 @@ absl::Status DecodeError(absl::string_view frame);
 class MeshReceiver {
  public:
   //   wanted   what each vertex is to have, and nothing else
-  explicit MeshReceiver(const Limits& limits, MeshDecoder::Reserve reserve = {}, const MeshAttributes& wanted = {})
+  explicit MeshReceiver(const Limits& limits, MeshDecoder::Reserve reserve = {}, const FieldList& wanted = {})
       : limits_(limits), reserve_(std::move(reserve)), wanted_(wanted) {}
 
   enum class Progress {
@@ -91,11 +91,11 @@ class MeshReceiver {
   Progress TakeVertices(absl::string_view frame);
   Progress TakeTriangles(absl::string_view frame);
   Progress TakeAttributes(absl::string_view frame);
-  size_t attributes() const { return size_t{head_->vertices} * wanted_.count; }
+  size_t attributes() const { return size_t{head_->vertices} * wanted_.size(); }
 
   const Limits limits_;
   const MeshDecoder::Reserve reserve_;
-  const MeshAttributes wanted_;
+  const FieldList wanted_;
   std::optional<MeshFrame> head_;
   DecodedMesh mesh_;
   absl::Status error_;

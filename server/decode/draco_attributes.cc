@@ -10,13 +10,13 @@ namespace {
 
 // The attribute is the field: it was asked for.
 template <class... Words>
-absl::Status Refuse(MeshAttribute kind, const Words&... words) {
+absl::Status Refuse(Field kind, const Words&... words) {
   return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("attributes: ", words...),
                    {"BAD_MESH", "attributes", NameOf(kind), ""});
 }
 
-int IdOf(const draco::Mesh& mesh, MeshAttribute kind) {
-  if (kind == MeshAttribute::kColor) return mesh.GetNamedAttributeId(draco::GeometryAttribute::COLOR);
+int IdOf(const draco::Mesh& mesh, Field kind) {
+  if (kind == Field::kColor) return mesh.GetNamedAttributeId(draco::GeometryAttribute::COLOR);
   const int id = mesh.GetAttributeIdByMetadataEntry("name", NameOf(kind));
   return id >= 0 && mesh.attribute(id)->attribute_type() == draco::GeometryAttribute::GENERIC ? id : -1;
 }
@@ -27,9 +27,9 @@ bool IsUnsigned(draco::DataType type) {
   return type == draco::DT_UINT8 || type == draco::DT_UINT16 || type == draco::DT_UINT32 || type == draco::DT_UINT64;
 }
 
-absl::Status CheckKind(const draco::PointAttribute& attribute, MeshAttribute kind) {
+absl::Status CheckKind(const draco::PointAttribute& attribute, Field kind) {
   const int components = attribute.num_components();
-  if (kind == MeshAttribute::kColor) {
+  if (kind == Field::kColor) {
     if (components < 3) return Refuse(kind, "color has ", components, " components, not 3 or more");
     if (IsUnsigned(attribute.data_type()) || attribute.data_type() == draco::DT_FLOAT32) return absl::OkStatus();
     return Refuse(kind, "color holds neither unsigned integers nor 32-bit floats");
@@ -50,10 +50,9 @@ bool ReadColor(const draco::PointAttribute& attribute, draco::AttributeValueInde
   return true;
 }
 
-bool ReadIndex(const draco::PointAttribute& attribute, draco::AttributeValueIndex value, MeshAttribute kind,
-               uint32_t& out) {
+bool ReadIndex(const draco::PointAttribute& attribute, draco::AttributeValueIndex value, Field kind, uint32_t& out) {
   int64_t number = 0;
-  if (!attribute.ConvertValue<int64_t>(value, 1, &number) || number < 0 || number > LargestOf(kind)) return false;
+  if (!attribute.ConvertValue<int64_t>(value, 1, &number) || number < 0 || number > FactsOf(kind).largest) return false;
   out = static_cast<uint32_t>(number);
   return true;
 }
@@ -77,16 +76,16 @@ absl::Status CheckValues(const draco::PointAttribute& attribute, uint32_t points
   return absl::OkStatus();
 }
 
-absl::StatusOr<DracoAttributes> DracoAttributes::Find(draco::Mesh& mesh, const MeshAttributes& wanted) {
+absl::StatusOr<DracoAttributes> DracoAttributes::Find(draco::Mesh& mesh, const FieldList& wanted) {
   DracoAttributes attributes;
-  for (const MeshAttribute kind : wanted.view()) {
+  for (const Field kind : wanted.view()) {
     const int id = IdOf(mesh, kind);
     if (id < 0) return Refuse(kind, "the mesh has no ", NameOf(kind));
     draco::PointAttribute& attribute = *mesh.attribute(id);
     if (absl::Status status = CheckKind(attribute, kind); !status.ok()) return status;
     if (absl::Status status = CheckValues(attribute, mesh.num_points(), NameOf(kind)); !status.ok()) return status;
     // Draco takes this flag from the stream unchecked, as a bool of any value.
-    attribute.set_normalized(kind == MeshAttribute::kColor);
+    attribute.set_normalized(kind == Field::kColor);
     attributes.found_.push_back({kind, &attribute});
   }
   return attributes;
@@ -98,13 +97,13 @@ absl::Status DracoAttributes::Read(uint32_t point, size_t n, uint32_t& out) cons
   if (value.value() >= found.attribute->size()) {
     return CorruptDraco(absl::StrCat("vertex ", point, " has no ", NameOf(found.kind)));
   }
-  if (found.kind == MeshAttribute::kColor) {
+  if (found.kind == Field::kColor) {
     if (ReadColor(*found.attribute, value, out)) return absl::OkStatus();
     return Refuse(found.kind, "the color of vertex ", point, " is not within 0 and 1");
   }
   if (ReadIndex(*found.attribute, value, found.kind, out)) return absl::OkStatus();
   return Refuse(found.kind, "the ", NameOf(found.kind), " of vertex ", point, " is not within 0 and ",
-                LargestOf(found.kind));
+                FactsOf(found.kind).largest);
 }
 
 }  // namespace latvox

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/base/mesh_attributes.h"
+#include "core/request/fields.h"
 
 namespace latvox {
 
@@ -27,7 +27,7 @@ class DracoAttributes {
  public:
   // Errors: INVALID_ARGUMENT naming the attribute that the mesh lacks, or that does not hold numbers of its kind.
   // The mesh must outlive them; the flags of its attributes are set as they are read.
-  static absl::StatusOr<DracoAttributes> Find(draco::Mesh& mesh, const MeshAttributes& wanted);
+  static absl::StatusOr<DracoAttributes> Find(draco::Mesh& mesh, const FieldList& wanted);
 
   uint32_t count() const { return static_cast<uint32_t>(found_.size()); }
 
@@ -36,7 +36,7 @@ class DracoAttributes {
 
  private:
   struct Found {
-    MeshAttribute kind;
+    Field kind;
     const draco::PointAttribute* attribute;
   };
   std::vector<Found> found_;

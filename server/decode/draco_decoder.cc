@@ -151,19 +151,18 @@ absl::Status SendAttributes(const DracoAttributes& attributes, uint32_t points, 
 }
 
 // Decoders split points, so that the header's counts are not the last word.
-absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits, const MeshAttributes& wanted) {
+absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits, const FieldList& wanted) {
   if (mesh.num_faces() == 0) return BadMesh("no triangles");
   if (mesh.num_faces() > limits.max_triangles) {
     return LimitExceeded("mesh.triangles", mesh.num_faces(), limits.max_triangles);
   }
   // All numbers of all vertices can be counted.
-  const uint64_t most = std::min<uint64_t>(limits.max_vertices, UINT32_MAX / std::max(wanted.count, 1U));
+  const uint64_t most = std::min<uint64_t>(limits.max_vertices, UINT32_MAX / std::max(wanted.size(), 1U));
   if (mesh.num_points() > most) return LimitExceeded("mesh.vertices", mesh.num_points(), most);
   return absl::OkStatus();
 }
 
-absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted,
-                           MeshSink& sink) {
+absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, const FieldList& wanted, MeshSink& sink) {
   if (absl::Status status = CheckDracoHeader(bytes, limits); !status.ok()) return status;
   const absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
   if (!mesh.ok()) return mesh.status();
@@ -216,7 +215,7 @@ bool IsOutOfMemory(const absl::Status& status) {
   return CauseOf(status).value_or(ErrorCause{}).reason == "OUT_OF_MEMORY";
 }
 
-absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted, MeshSink& sink) {
+absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const FieldList& wanted, MeshSink& sink) {
   try {
     return DecodeChecked(bytes, limits, wanted, sink);
   } catch (const std::bad_alloc&) {
@@ -226,7 +225,7 @@ absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const Me
   }
 }
 
-absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted) {
+absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits, const FieldList& wanted) {
   DecodedMesh mesh;
   CollectingSink sink(mesh);
   if (absl::Status status = DecodeDraco(bytes, limits, wanted, sink); !status.ok()) return status;

@@ -10,8 +10,8 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/types/span.h"
+#include "core/request/fields.h"
 #include "server/base/limits.h"
-#include "server/base/mesh_attributes.h"
 #include "server/decode/mesh_decoder.h"
 
 namespace latvox {
@@ -35,11 +35,10 @@ class MeshSink {
 // Decodes one mesh into `sink`; if an error comes of it, what the sink has got is to be forgotten. Positions are the
 // very floats that Draco's own decoder gives out. Takes the time and the memory that the bytes make it take.
 // Errors: as MeshDecoder::Done.
-absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const MeshAttributes& wanted, MeshSink& sink);
+absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const FieldList& wanted, MeshSink& sink);
 
 // The same, all at once.
-absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits,
-                                        const MeshAttributes& wanted = {});
+absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits, const FieldList& wanted = {});
 
 // RESOURCE_EXHAUSTED with the reason OUT_OF_MEMORY.
 absl::Status NoMemoryToDecode();

@@ -10,9 +10,9 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "core/mesh/mesh.h"
+#include "core/request/fields.h"
 #include "core/voxelizer/estimate.h"
 #include "server/base/limits.h"
-#include "server/base/mesh_attributes.h"
 
 namespace latvox {
 
@@ -24,7 +24,7 @@ struct DecodedMesh {
 
 struct EncodedMesh {
   absl::Cord bytes;
-  MeshAttributes wanted;   // that the mesh must have
+  FieldList wanted;        // that the mesh must have
   std::string request_id;  // for the log
 };
 

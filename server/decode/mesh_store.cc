@@ -57,13 +57,13 @@ bool MeshStore::Put(const MeshDigest& digest, const absl::Cord& mesh) {
   return false;
 }
 
-std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& digest, const MeshAttributes& attributes) {
+std::shared_ptr<const DecodedMesh> MeshStore::FindDecoded(const MeshDigest& digest, const FieldList& attributes) {
   const std::lock_guard lock(mu_);
   const Decoded* const decoded = decoded_.Find(digest);
   return decoded && decoded->attributes == attributes ? decoded->mesh : nullptr;
 }
 
-std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
+std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& digest, const FieldList& attributes,
                                                           DecodedMesh&& decoded) {
   const TriangleMesh& mesh = decoded.mesh;
   const uint64_t bytes = sizeof(DecodedMesh) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +

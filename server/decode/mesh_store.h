@@ -16,8 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/cord.h"
 #include "absl/strings/string_view.h"
-#include "core/base/stop_signal.h"
-#include "server/base/mesh_attributes.h"
+#include "core/request/fields.h"
 #include "server/decode/mesh_decoder.h"
 
 namespace latvox {
@@ -107,12 +106,12 @@ class MeshStore {
   bool Put(const MeshDigest& digest, const absl::Cord& mesh);
 
   // What the mesh was decoded to, with these attributes, if that is kept; else nullptr. Counts as a use.
-  std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const MeshAttributes& attributes);
+  std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const FieldList& attributes);
 
   // Takes what the mesh was decoded to, with its extent, keeps it, and drops the least recently used others of its kind
   // for it. Returns what it keeps; or nullptr, and takes nothing, if encoded meshes leave no room, or there is one of
   // this mesh already.
-  std::shared_ptr<const DecodedMesh> KeepDecoded(const MeshDigest& digest, const MeshAttributes& attributes,
+  std::shared_ptr<const DecodedMesh> KeepDecoded(const MeshDigest& digest, const FieldList& attributes,
                                                  DecodedMesh&& decoded);
 
   uint64_t capacity() const { return capacity_; }
@@ -120,7 +119,7 @@ class MeshStore {
 
  private:
   struct Decoded {
-    MeshAttributes attributes;
+    FieldList attributes;
     std::shared_ptr<const DecodedMesh> mesh;
   };
 

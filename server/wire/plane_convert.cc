@@ -46,8 +46,8 @@ absl::StatusOr<PlaneLattice> LatticeFromProto(const v1::PlaneLattice& lattice) {
   return BadSpec("lattice: neither named nor basis is set", "lattice", "");
 }
 
-absl::StatusOr<PlaneSampling> DensityFromProto(const v1::PixelizeRequest& request) {
-  switch (request.density_case()) {
+absl::StatusOr<PlaneSampling> SamplingFromProto(const v1::PixelizeRequest& request) {
+  switch (request.sampling_case()) {
     case v1::PixelizeRequest::kPixelSize: {
       const double size = request.pixel_size();
       if (std::isfinite(size) && size > 0) return PlaneSampling{size, std::nullopt};
@@ -61,11 +61,11 @@ absl::StatusOr<PlaneSampling> DensityFromProto(const v1::PixelizeRequest& reques
       return BadSpec(absl::StrCat("resolution ", resolution, resolution < 2 ? " is below " : " exceeds ", limit),
                      "resolution", absl::StrCat(resolution), absl::StrCat(limit));
     }
-    case v1::PixelizeRequest::DENSITY_NOT_SET:
+    case v1::PixelizeRequest::SAMPLING_NOT_SET:
       break;
   }
   if (request.lattice().has_basis()) return PlaneSampling{};
-  return BadSpec("density: a named lattice needs pixel_size or resolution", "density", "");
+  return BadSpec("sampling: a named lattice needs pixel_size or resolution", "sampling", "");
 }
 
 absl::StatusOr<LineAlgorithm> AlgorithmFromProto(v1::LineAlgorithm algorithm) {
@@ -171,8 +171,8 @@ uint64_t CountPoints(const v1::PixelizeRequest& request) {
 absl::StatusOr<PlaneJobSpec> PlaneJobSpecFromProto(const v1::PixelizeRequest& request, const Limits& limits) {
   absl::StatusOr<PlaneLattice> lattice = LatticeFromProto(request.lattice());
   if (!lattice.ok()) return lattice.status();
-  const absl::StatusOr<PlaneSampling> density = DensityFromProto(request);
-  if (!density.ok()) return density.status();
+  const absl::StatusOr<PlaneSampling> sampling = SamplingFromProto(request);
+  if (!sampling.ok()) return sampling.status();
   const absl::StatusOr<PixelizeOptions> options = OptionsFromProto(request);
   if (!options.ok()) return options.status();
   std::optional<Vec2d> origin;
@@ -182,9 +182,9 @@ absl::StatusOr<PlaneJobSpec> PlaneJobSpecFromProto(const v1::PixelizeRequest& re
   }
   absl::StatusOr<std::vector<Polyline>> polylines = PolylinesFromProto(request, limits);
   if (!polylines.ok()) return polylines.status();
-  PlaneJobSpec job{*std::move(polylines), *std::move(lattice), *density, origin, *options};
-  if (request.density_case() != v1::PixelizeRequest::DENSITY_NOT_SET) {
-    job.fields.density = request.density_case() == v1::PixelizeRequest::kPixelSize ? "pixel_size" : "resolution";
+  PlaneJobSpec job{*std::move(polylines), *std::move(lattice), *sampling, origin, *options};
+  if (request.sampling_case() != v1::PixelizeRequest::SAMPLING_NOT_SET) {
+    job.fields.sampling = request.sampling_case() == v1::PixelizeRequest::kPixelSize ? "pixel_size" : "resolution";
   }
   return job;
 }

@@ -16,7 +16,7 @@ namespace latvox {
 struct PlaneJobSpec {
   std::vector<Polyline> polylines;
   PlaneLattice lattice;
-  PlaneSampling density;
+  PlaneSampling sampling;
   std::optional<Vec2d> origin;
   PixelizeOptions options;
   RequestFields fields = {};

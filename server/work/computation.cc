@@ -117,7 +117,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
-      {std::exchange(mesh_, {}), spec_.attributes, request_id_}, environment_.limits,
+      {std::exchange(mesh_, {}), spec_.request.fields, request_id_}, environment_.limits,
       [this](uint64_t triangles, uint64_t vertices) {
         return memory_.Grow(mesh_bytes_ + BytesOf(triangles, vertices));
       },
@@ -131,7 +131,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
 // What is over this caller's limits is left to the decoder to refuse.
 bool Computation::FindDecoded() {
   if (!mesh_comes_again_) return false;
-  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.attributes);
+  kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.request.fields);
   const Limits& limits = environment_.limits;
   if (kept_ &&
       (kept_->mesh.triangles.size() > limits.max_triangles || kept_->mesh.vertices.size() > limits.max_vertices)) {
@@ -144,15 +144,15 @@ bool Computation::FindDecoded() {
 // Of a job with such a mesh.
 uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
-  const uint64_t attributes = spec_.attributes.count;
+  const uint64_t attributes = spec_.request.fields.size();
   return kStreamBytes + threads * (kThreadBytes + (attributes != 0 ? kAttributeThreadBytes : 0)) +
          triangles * kBytesPerTriangle + vertices * (kBytesPerVertex + attributes * kBytesPerAttribute);
 }
 
 // What a job takes more if it fills.
 uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
-  const std::optional<Solid>& solid = spec_.options.solid;
-  if (!solid) return 0;
+  const Solid* const solid = spec_.request.solid();
+  if (solid == nullptr) return 0;
   const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
   const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
   return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
@@ -161,13 +161,13 @@ uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
 // What thinning takes more, of so many voxels: in a block, if they are spread over the part of the mesh's box that is
 // asked for.
 uint64_t Computation::BytesOfThinning(double voxels) const {
-  if (!spec_.options.minimal || spec_.options.band || spec_.options.cover == Cover::kSupercover) return 0;
+  if (!spec_.request.is_minimal()) return 0;
   double blocks = 1;
   for (size_t m = 0; m < 3; ++m) {
     double side = source_.bounds.max[m] - source_.bounds.min[m];
-    if (const auto& bounds = spec_.options.bounds) side = std::min(side, bounds->max[m] - bounds->min[m]);
+    if (const auto& bounds = spec_.request.part.bounds) side = std::min(side, bounds->max[m] - bounds->min[m]);
     side /= grid_->lattice.voxel_size();
-    if (const auto& region = spec_.options.region)
+    if (const auto& region = spec_.request.part.region)
       side = std::min(side, static_cast<double>(region->max[m]) - region->min[m]);
     blocks *= std::max(side / kBlockSide, 1.0);
   }
@@ -200,25 +200,25 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
 }
 
 absl::Status Computation::TakeEstimate(double voxels, double visits) {
-  const uint64_t limit = environment_.limits.max_voxels;
+  const uint64_t limit = environment_.limits.max_visited_points;
   if (visits > static_cast<double>(limit)) {
     const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
     return MakeError(absl::StatusCode::kResourceExhausted,
-                     absl::StrCat("voxels (estimated) ", estimate, " exceeds ", limit),
-                     {"LIMIT_EXCEEDED", "voxels", absl::StrCat(estimate), absl::StrCat(limit)});
+                     absl::StrCat("visited_points (estimated) ", estimate, " exceeds ", limit),
+                     {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});
   }
   large_ = LastsLong(facts_.triangles, visits);
   const auto kept = static_cast<uint64_t>(std::min(voxels * kBytesPerKeptVoxel, 1e18));
-  if (spec_.options.algorithm != Algorithm::kExact) job_bytes_ += kept;
+  if (spec_.request.algorithm() != Algorithm::kExact) job_bytes_ += kept;
   // What verification keeps is reserved now, by an estimate that is seldom too low: a job that is accepted should end.
-  return memory_.Grow(spec_.verify ? job_bytes_ + kept : job_bytes_);
+  return memory_.Grow(spec_.request.verify ? job_bytes_ + kept : job_bytes_);
 }
 
 // Finds its extent, and lets the store keep it if it comes again: most meshes come once.
 void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
   if (!mesh_comes_again_ || stop_.Stopped()) return;
-  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.attributes, std::move(decoded_));
+  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields, std::move(decoded_));
 }
 
 absl::Status Computation::CreateJob() {
@@ -229,22 +229,22 @@ absl::Status Computation::CreateJob() {
   facts_.triangles = decoded.mesh.triangles.size();
   source_ = {decoded.extent.bounds, decoded.quantization_bits};
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-  absl::StatusOr<Grid> grid = ResolveGrid(spec_.lattice, spec_.density, spec_.origin, source_.bounds);
+  absl::StatusOr<Grid> grid = ResolveGrid(spec_.grid.lattice, spec_.grid.sampling, spec_.grid.origin, source_.bounds);
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
   grid_ = *std::move(grid);
-  const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.options, stop_.Signal());
-  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.options, voxels, stop_.Signal());
+  const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
+  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.request, voxels, stop_.Signal());
   job_bytes_ += BytesOfSolid(decoded.mesh) + BytesOfThinning(voxels);
-  VoxelizeOptions options = spec_.options;
-  if (spec_.verify) options.resume_after.reset();  // all is to be verified
-  auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, options, stop_.Signal())
-                  : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, options, stop_.Signal());
+  VoxelRequest request = spec_.request;
+  if (spec_.request.verify) request.part.resume_after.reset();  // all is to be verified
+  auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, request, stop_.Signal())
+                  : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, request, stop_.Signal());
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();
   if (absl::Status status = TakeEstimate(voxels, visits); !status.ok()) return status;
-  if (spec_.options.resume_after && !job_->facts().HasTile(*spec_.options.resume_after)) {
-    return BadResumePoint(*spec_.options.resume_after);
+  if (spec_.request.part.resume_after && !job_->facts().HasTile(*spec_.request.part.resume_after)) {
+    return BadResumePoint(*spec_.request.part.resume_after);
   }
   if (absl::Status status = job_->Prepare(); !status.ok()) return WithCauseOfCore(status);
   return CheckCancelled();
@@ -288,17 +288,17 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
 // Of what is delivered.
 const JobTotals& Computation::totals() const { return DeliversTheEndOnly() ? delivered_ : job_->totals(); }
 
-bool Computation::DeliversTheEndOnly() const { return spec_.verify && spec_.options.resume_after; }
+bool Computation::DeliversTheEndOnly() const { return spec_.request.verify && spec_.request.part.resume_after; }
 
 bool Computation::TakeTile(const TileBricks& tile, const Deliver& deliver) {
   if (!failure_.ok()) return false;
-  if (spec_.verify) {
+  if (spec_.request.verify) {
     failure_ = KeepForVerification(tile);
     if (!failure_.ok()) return false;
   }
   if (DeliversTheEndOnly()) {
     const Vec3i& first = job_->facts().first_tile_ijk;
-    if (TileNumber(tile.tile_ijk - first) <= TileNumber(*spec_.options.resume_after - first)) return true;
+    if (TileNumber(tile.tile_ijk - first) <= TileNumber(*spec_.request.part.resume_after - first)) return true;
     delivered_.Add(tile);
   }
   batcher_.Add(tile);
@@ -322,7 +322,7 @@ bool Computation::DeliverBatch(const Deliver& deliver) {
 absl::Status Computation::DeliverSummary(const Deliver& deliver) {
   if (!batcher_.empty()) DeliverBatch(deliver);
   std::optional<Verdict> verdict;
-  if (spec_.verify) {
+  if (spec_.request.verify) {
     const Stopwatch stopwatch(facts_.voxelize_ms);
     const absl::StatusOr<Verdict> verified = job_->Verify(voxels_);
     if (!verified.ok()) return verified.status();

@@ -19,6 +19,7 @@
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/calls/mesh_upload.h"
 #include "server/decode/mesh_decoder.h"
+#include "server/wire/answers.h"
 #include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
 #include "server/work/call_environment.h"

@@ -51,7 +51,7 @@ absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits
 absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limits& limits, MemoryReservation& memory,
                                             StopSignal stop, PixelizationFacts& facts) {
   if (absl::Status status = CheckPolylines(spec.polylines); !status.ok()) return WithCauseOfCore(status);
-  const auto grid = ResolvePlaneGrid(spec.lattice, spec.density, spec.origin, BoundsOf(spec.polylines));
+  const auto grid = ResolvePlaneGrid(spec.lattice, spec.sampling, spec.origin, BoundsOf(spec.polylines));
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec.fields);
   if (absl::Status status = Admit(spec, *grid, limits, memory); !status.ok()) return status;
   if (absl::Status status = CheckCancelled(stop); !status.ok()) return status;
@@ -79,12 +79,12 @@ bool LastsLong(const v1::PixelizeRequest& request) {
     }
   }
   const double side = std::max(high[0] - low[0], high[1] - low[1]);
-  switch (request.density_case()) {
+  switch (request.sampling_case()) {
     case v1::PixelizeRequest::kResolution:
       return length * request.resolution() > kMostPixels * side;
     case v1::PixelizeRequest::kPixelSize:
       return length > kMostPixels * request.pixel_size();
-    case v1::PixelizeRequest::DENSITY_NOT_SET:
+    case v1::PixelizeRequest::SAMPLING_NOT_SET:
       break;
   }
   return true;

@@ -27,6 +27,7 @@ struct Words {
   std::vector<double> bounds;
   std::vector<uint32_t> shard;
   double band = 0;
+  VoxelizeOptions options;
 };
 
 template <class Names>
@@ -38,7 +39,7 @@ CLI::IsMember OneOf(const Names& names) {
 }
 
 void Declare(CLI::App& app, Arguments& arguments, Words& words) {
-  VoxelizeOptions& options = arguments.options;
+  VoxelizeOptions& options = words.options;
   app.add_option("MESH", arguments.mesh,
                  "box, sphere:N (about N triangles), or a file: .drc .obj .ply .stl .glb .gltf .3ds");
   app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
@@ -91,36 +92,40 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
     return absl::InvalidArgumentError(error.what());
   }
   if (arguments.resolution == 0) return absl::InvalidArgumentError("MESH and RESOLUTION are required; see --help");
-  arguments.options.algorithm = *AlgorithmNamed(named.algorithm);
+  VoxelizeOptions& options = named.options;
+  options.algorithm = *AlgorithmNamed(named.algorithm);
   if (named.fill == "solid") {
     const InteriorRule rule = named.rule == "parity" ? InteriorRule::kParity : InteriorRule::kWinding;
-    arguments.options.solid = Solid{.rule = rule, .surface = !named.without_surface};
+    options.solid = Solid{.rule = rule, .surface = !named.without_surface};
   }
-  if (named.cover == NameOf(Cover::kSupercover)) arguments.options.cover = Cover::kSupercover;
+  if (named.cover == NameOf(Cover::kSupercover)) options.cover = Cover::kSupercover;
   arguments.simd = *SimdNamed(named.simd);
-  if (named.band > 0) arguments.options.band = Band{.width = named.band, .in_voxels = true};
+  if (named.band > 0) options.band = Band{.width = named.band, .in_voxels = true};
   arguments.openvdb = !named.peer.empty();
   const std::pair<const char*, bool> ours[] = {{"--lattice", arguments.lattice != "cartesian"},
                                                {"--basis", !arguments.basis.empty()},
                                                {"--region", !named.region.empty()},
                                                {"--bounds", !named.bounds.empty()},
                                                {"--shard", !named.shard.empty()},
-                                               {"--algorithm", arguments.options.algorithm != Algorithm::kExact},
-                                               {"--fill", arguments.options.solid.has_value()},
-                                               {"--cover", arguments.options.cover != Cover::kSeparating}};
+                                               {"--algorithm", options.algorithm != Algorithm::kExact},
+                                               {"--fill", options.solid.has_value()},
+                                               {"--cover", options.cover != Cover::kSeparating}};
   for (const auto& [option, is_given] : ours) {
     if (arguments.openvdb && is_given) {
       return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has nothing like this ", option));
     }
   }
   for (const char* option : {"--interior-rule", "--without-surface"}) {
-    if (!arguments.options.solid && app.count(option) > 0) {
+    if (!options.solid && app.count(option) > 0) {
       return absl::InvalidArgumentError(absl::StrCat(option, ": needs --fill solid"));
     }
   }
-  if (const auto& r = named.region; !r.empty()) arguments.options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
-  if (const auto& b = named.bounds; !b.empty()) arguments.options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-  if (const auto& shard = named.shard; !shard.empty()) arguments.options.shard = {shard[0], shard[1]};
+  if (const auto& r = named.region; !r.empty()) options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+  if (const auto& b = named.bounds; !b.empty()) options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+  if (const auto& shard = named.shard; !shard.empty()) options.shard = {shard[0], shard[1]};
+  absl::StatusOr<VoxelRequest> request = MakeRequest(options);
+  if (!request.ok()) return request.status();
+  arguments.request = *std::move(request);
   return arguments;
 }
 

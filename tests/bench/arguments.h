@@ -20,7 +20,7 @@ struct Arguments {
   uint32_t resolution = 0;
   std::string lattice = "cartesian";
   std::vector<double> basis;  // empty or nine numbers, instead of `lattice`
-  VoxelizeOptions options;
+  VoxelRequest request;
   Simd simd = Simd::kBest;
   int threads = 1, warmups = 0, reps = 7;
   bool openvdb = false;  // OpenVDB's meshToVolume instead of ours

@@ -96,12 +96,13 @@ void Tree(benchmark::State& state, const Scene& scene) {
 void Job(benchmark::State& state, const Scene& scene, const VoxelizeOptions& options) {
   const TriangleMesh mesh = MeshOf(scene);
   const Grid grid = GridOf(scene, mesh);
+  const VoxelRequest request = OrDie(MakeRequest(options), scene.name);
   uint64_t voxels = 0;
   for (auto _ : state) {
     state.PauseTiming();
     TriangleMesh copy = mesh;
     state.ResumeTiming();
-    const auto job = OrDie(VoxelizeJob::CreateFromValid(std::move(copy), grid, options), scene.name);
+    const auto job = OrDie(VoxelizeJob::CreateFromValid(std::move(copy), grid, request), scene.name);
     job->Advance([](TileBricks&&) { return true; }).IgnoreError();
     voxels = job->totals().voxels;
   }

@@ -33,7 +33,7 @@ struct Run {
 // The whole of what is timed, and the function that tests/bench/instructions counts.
 extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, const Grid& grid, Run& run) {
   run.start = Clock::now();
-  auto job = VoxelizeJob::CreateFromValid(std::move(run.mesh), grid, arguments.options);
+  auto job = VoxelizeJob::CreateFromValid(std::move(run.mesh), grid, arguments.request);
   run.status = job.status();
   if (!job.ok()) return;
   run.job = *std::move(job);
@@ -53,19 +53,19 @@ absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMe
   double most = 0;
   for (const int percent : {5, 25, 50, 75, 95}) {
     TriangleMesh copy = mesh;
-    StopSource stop;
+    StopSource cancel;
     std::atomic<VoxelizeJob*> running = nullptr;
     Clock::time_point cancelled;
     std::thread canceller([&] {
       std::this_thread::sleep_for(whole * percent / 100);
       cancelled = Clock::now();
-      stop.Stop();
+      cancel.Stop();
       if (VoxelizeJob* const job = running) job->Cancel();
     });
-    auto job = VoxelizeJob::CreateFromValid(std::move(copy), grid, arguments.options, stop.Signal());
+    auto job = VoxelizeJob::CreateFromValid(std::move(copy), grid, arguments.request, cancel.Signal());
     if (job.ok()) {
       running = job->get();
-      if (stop.Stopped()) (*job)->Cancel();
+      if (cancel.Stopped()) (*job)->Cancel();
       (*job)->Advance([](TileBricks&&) { return true; }).IgnoreError();
     }
     const auto end = Clock::now();
@@ -123,7 +123,8 @@ Measurement MeasureOpenVdb(const Arguments& arguments, const Grid& grid, const T
   const PeakMemory memory;
   for (int n = 0; n < arguments.warmups + arguments.reps; ++n) {
     const auto start = Clock::now();
-    out.voxels = peer.Run(arguments.options.band ? static_cast<float>(arguments.options.band->width) : 0.5F);
+    out.voxels =
+        peer.Run(arguments.request.band() != nullptr ? static_cast<float>(arguments.request.band()->width) : 0.5F);
     if (n >= arguments.warmups) out.milliseconds.push_back(Milliseconds(Clock::now() - start));
   }
   out.peak_rss_bytes = memory.Bytes();

@@ -59,7 +59,7 @@ def work(case, server):
 
 class Metrics(Case):
     def test_they_count_what_happened(self):
-        with watched_server(self.dir, "--max-voxels", "100000") as server:
+        with watched_server(self.dir, "--max-visited-points", "100000") as server:
             summary, drawn = work(self, server)
             found = samples(server.scrape())
         for name, value in {
@@ -136,7 +136,7 @@ class Deploy(Case):
         return set(re.findall(r"[a-zA-Z_]\w+", without_labels)) - self.WORDS - self.ELSEWHERE
 
     def test_every_metric_that_they_name_is_there(self):
-        with watched_server(self.dir, "--max-voxels", "100000") as server:
+        with watched_server(self.dir, "--max-visited-points", "100000") as server:
             work(self, server)
             there = {name.partition("{")[0] for name in samples(server.scrape())}
         named = set().union(*map(self.metrics_of, self.expressions()))

@@ -94,7 +94,7 @@ class Solids(Case):
         options = ("--lattice", "bcc", "--resolution", "200", "--fill", "solid", "--interior-rule", "winding")
         whole = self.voxelize(self.torus, *options, out="whole.vdb")
         info = latvox("info", self.dir / "whole.vdb")
-        for line in ("latvox_fill", "latvox_interior_rule", "latvox_with_surface", "latvox_unbalanced_lines"):
+        for line in ("latvox_fill", "latvox_interior_rule", "latvox_surface", "latvox_unbalanced_lines"):
             self.assertIn(line, info.stdout)
         parts = []
         for index in range(2):

@@ -56,7 +56,8 @@ absl::StatusOr<Result> InProcess(const Options& options) {
   if (!lattice.ok()) return lattice.status();
   const auto grid = ResolveGrid(*lattice, {.resolution = options.resolution}, std::nullopt, BoundsOf(*mesh));
   if (!grid.ok()) return grid.status();
-  const auto job = VoxelizeJob::CreateFromValid(*std::move(mesh), *grid, {.separability = options.separability});
+  const auto job =
+      VoxelizeJob::CreateFromValid(*std::move(mesh), *grid, VoxelRequest{.separability = options.separability});
   if (!job.ok()) return job.status();
   std::vector<TileBricks> tiles;
   const auto done = (*job)->Advance([&](TileBricks&& tile) { return tiles.push_back(std::move(tile)), true; });

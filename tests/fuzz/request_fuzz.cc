@@ -41,14 +41,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   const auto spec = latvox::JobSpecFromProto(proto, latvox::Limits());
   if (!spec.ok() || !latvox::CheckMesh(mesh).ok()) return 0;
   // The others promise neither separation nor a first tile soon.
-  if (spec->options.algorithm != latvox::Algorithm::kExact) return 0;
-  const auto grid = latvox::ResolveGrid(spec->lattice, spec->density, spec->origin, latvox::BoundsOf(mesh));
+  if (spec->request.algorithm() != latvox::Algorithm::kExact) return 0;
+  const auto grid =
+      latvox::ResolveGrid(spec->grid.lattice, spec->grid.sampling, spec->grid.origin, latvox::BoundsOf(mesh));
   if (!grid.ok()) return 0;
-  const auto& solid = spec->options.solid;
+  const latvox::Solid* const solid = spec->request.solid();
   // Before the first tile, all lines of a mesh that is not closed are looked at.
   constexpr double kManyVoxels = 1e6;
-  if (solid && latvox::EstimateVoxels(mesh, latvox::ExtentOf(mesh), *grid, spec->options) > kManyVoxels) return 0;
-  const auto job = latvox::VoxelizeJob::Create(mesh, *grid, spec->options);
+  if (solid != nullptr && latvox::EstimateVoxels(mesh, latvox::ExtentOf(mesh), *grid, spec->request) > kManyVoxels)
+    return 0;
+  const auto job = latvox::VoxelizeJob::CreateFromValid(mesh, *grid, spec->request);
   if (!job.ok()) return 0;
 
   int tiles = 0;
@@ -58,11 +60,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     if (++tiles == 8) (*job)->Cancel();  // the lattice may be huge
     return true;
   });
-  if (!done.ok() || spec->options.region || spec->options.bounds || spec->options.resume_after ||
-      (solid && !solid->surface))
+  if (!done.ok() || spec->request.part.region || spec->request.part.bounds || spec->request.part.resume_after ||
+      (solid != nullptr && !solid->surface))
     return 0;
   const auto verdict = (*job)->Verify(voxels);
   if (!verdict.ok() || verdict->tunnels != 0) std::abort();
-  if (spec->options.minimal && !solid && verdict->redundant != 0) std::abort();
+  if (spec->request.is_minimal() && solid == nullptr && verdict->redundant != 0) std::abort();
   return 0;
 }

@@ -26,7 +26,7 @@ ORDER = {
 # Who adds an arrow raises `arrows`, if the arrow is worth it, but not beyond `most_arrows`; the same for rooms.
 Limits = collections.namedtuple("Limits", "rooms most_rooms arrows most_arrows upward")
 LIMITS = {
-    "core": Limits(rooms=22, most_rooms=26, arrows=106, most_arrows=110, upward=0),
+    "core": Limits(rooms=22, most_rooms=26, arrows=110, most_arrows=115, upward=0),
     "server": Limits(rooms=9, most_rooms=10, arrows=25, most_arrows=30, upward=3),
     "client": Limits(rooms=9, most_rooms=22, arrows=21, most_arrows=55, upward=0),
 }

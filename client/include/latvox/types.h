@@ -133,29 +133,25 @@ struct Solid {
   bool operator==(const Solid&) const = default;
 };
 
-// What to compute. At most one of voxel_size and resolution (both: INVALID_ARGUMENT); a named lattice needs one.
+// What to compute. Give at most one of voxel_size and resolution; a named lattice needs one. The server refuses options
+// that exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
 struct VoxelizeRequest {
-  std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a Basis is scaled if a density is given
-  std::optional<double> voxel_size;    // edge of a cube with a Voronoi cell's volume, world units
-  std::optional<uint32_t> resolution;  // voxels along the longest side of the mesh's bounding box
-  std::optional<Vec3d> origin;         // world position of lattice point 0; default: the mesh's low corner
-  uint32_t separability = 0;           // k: 0, 1 or 2
-  bool minimal = true;                 // applies to kExact with kSeparating only
-  std::optional<IndexBox> region;      // only these voxels, as they are in the whole
-  std::optional<Shard> shard;          // only this part of the tiles, as they are in the whole
-  bool verify = false;                 // count tunnels and redundant voxels independently; not with region or shard
-  Algorithm algorithm = Algorithm::kExact;          // how to find the voxels
+  std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a sampling scales a Basis uniformly
+  std::optional<double> voxel_size;         // edge of a cube with a Voronoi cell's volume, world units
+  std::optional<uint32_t> resolution;       // voxels along the longest side of the mesh's bounding box
+  std::optional<Vec3d> origin;              // world position of lattice point 0; default: the mesh's low corner
+  uint32_t separability = 0;                // k: 0, 1 or 2
+  std::optional<bool> minimal;              // thin the surface to k-minimality; default: wherever that is possible
+  std::optional<IndexBox> region;           // only these voxels, as they are in the whole
+  std::optional<Shard> shard;               // only this part of the tiles, as they are in the whole
+  bool verify = false;                      // count tunnels and redundant voxels of the finished set independently
+  Algorithm algorithm = Algorithm::kExact;  // how to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // how they travel
-  std::optional<Solid> solid;                       // absent: the surface alone; not with verify, and kExact only
-  Cover cover = Cover::kSeparating;  // kSupercover: with kExact only; the same voxels for every separability
-  // A band instead of voxels that separate. Not with verify, solid, a cover or a separability other than the default,
-  // or with an algorithm other than kExact; minimal does not apply.
-  std::optional<Band> band = std::nullopt;
-  // What the voxels are to carry, each attribute once; the mesh must have it. Not with solid, band, or an algorithm
-  // other than kExact.
-  std::vector<Attribute> attributes = {};
-  // Only voxels whose centres lie in this box, exactly, as they are in the whole; the lattice does not move.
-  // Not with verify.
+  std::optional<Solid> solid;                       // the points inside the mesh, too
+  Cover cover = Cover::kSeparating;                 // kSupercover: the same voxels for every separability
+  std::optional<Band> band = std::nullopt;          // points near the mesh, with distances, instead of a surface
+  std::vector<Attribute> attributes = {};           // what voxels carry, each once; the mesh must have it
+  // Only voxels whose centers lie in this box, exactly, as they are in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
 };
 
@@ -314,7 +310,7 @@ struct Limits {
   uint32_t max_jobs_per_client = 0;  // of one token, else of one network address
   uint64_t memory_budget_bytes = 0;  // that all jobs and stored meshes share
   uint64_t mesh_store_bytes = 0;     // of all meshes that are kept
-  uint64_t max_voxels = 0;           // lattice points that one request looks at, by the server's estimate
+  uint64_t max_visited_points = 0;   // lattice points that one request looks at, by the server's estimate
 };
 
 }  // namespace latvox::client

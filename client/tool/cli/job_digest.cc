@@ -76,7 +76,7 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"resolution", OrNull(request.resolution)},
                {"origin", OrNull(request.origin)},
                {"separability", request.separability},
-               {"minimal", request.minimal},
+               {"minimal", request.minimal.value_or(request.cover == Cover::kSeparating)},
                {"verify", request.verify},
                {"algorithm", static_cast<int>(request.algorithm)}};
   if (request.cover == Cover::kSupercover) json["cover"] = "supercover";

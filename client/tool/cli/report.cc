@@ -39,7 +39,7 @@ Json CertificateJson(const Certificate& certificate) {
                {"fill", certificate.solid ? "solid" : "surface"}};
   if (const auto& solid = certificate.solid) {
     json["interior_rule"] = solid->rule;
-    json["with_surface"] = solid->surface;
+    json["surface"] = solid->surface;
     json["unbalanced_lines"] = solid->unbalanced_lines;
   }
   return json;
@@ -70,7 +70,7 @@ Json LimitsJson(const Limits& limits) {
           {"max_jobs_per_client", limits.max_jobs_per_client},
           {"memory_budget_bytes", limits.memory_budget_bytes},
           {"mesh_store_bytes", limits.mesh_store_bytes},
-          {"max_voxels", limits.max_voxels},
+          {"max_visited_points", limits.max_visited_points},
           {"version", limits.version}};
 }
 

@@ -290,8 +290,8 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.lattice = InterpretLattice(words);
   request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
   request.cover = ValueNamed(CoverNames(), words.cover);
-  request.minimal = words.minimal.value_or(request.cover == Cover::kSeparating);
-  if (request.cover == Cover::kSupercover && request.minimal) {
+  request.minimal = words.minimal;
+  if (request.cover == Cover::kSupercover && request.minimal == true) {
     Refuse("--minimal excludes --cover supercover, which is not thinned");
   }
   if (request.cover == Cover::kSupercover && request.algorithm != Algorithm::kExact) {

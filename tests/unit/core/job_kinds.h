@@ -22,7 +22,7 @@ struct JobKind {
 
   // Of a mesh, whose vertices get attributes if the kind has some.
   std::unique_ptr<VoxelizeJob> Job(TriangleMesh mesh) const {
-    for (size_t n = 0; n < mesh.vertices.size() * options.attributes; ++n) {
+    for (size_t n = 0; n < mesh.vertices.size() * options.fields.size(); ++n) {
       mesh.attributes.push_back(static_cast<uint32_t>(n % 7));
     }
     return *VoxelizeJob::Create(std::move(mesh), {Lattice::Named(lattice), {0, 0, 0}}, options);
@@ -37,7 +37,7 @@ inline std::vector<JobKind> JobKinds() {
           {"signed band", 8000, {.band = Band{2, true, true}}},
           {"solid", 8000, {.solid = Solid{}}},
           {"open solid", 8000, {.solid = Solid{.rule = InteriorRule::kWinding, .force_open = true}}},
-          {"attributes", 8000, {.attributes = 2}},
+          {"attributes", 8000, {.fields = {Field::kPart, Field::kMaterial}}},
           {"supercover", 40000, {.cover = Cover::kSupercover}},
           {"brute force", 8000, {.algorithm = Algorithm::kBruteForce}},
           {"incremental", 20000, {.algorithm = Algorithm::kIncremental}},

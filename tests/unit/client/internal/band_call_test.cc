@@ -31,7 +31,7 @@ Answers BandAnswers() {
   digest.Add(Brick{{0, 7, 1}, {2}}, std::span(second).last(1));
   v1::BandCertificate& band = *answers.summary.mutable_summary()->mutable_certificate()->mutable_band();
   band.set_width(2);
-  band.set_signed_(true);
+  band.set_is_signed(true);
   band.set_digest(digest.ToHex());
   return answers;
 }
@@ -81,7 +81,7 @@ TEST(BandCall, EveryWrongValueIsDataLossThatNamesIt) {
   breach([](Answers&) {}, {.width = 2}, "a distance of -2 in a band without signs");
   breach(certify([](v1::Certificate& c) { c.clear_band(); }), kSignedBand, "a certificate without a band");
   breach(certify([](v1::Certificate& c) { c.mutable_band()->set_width(3); }), kSignedBand, "a band of 3");
-  breach(certify([](v1::Certificate& c) { c.mutable_band()->set_signed_(false); }), kSignedBand, "not signed");
+  breach(certify([](v1::Certificate& c) { c.mutable_band()->set_is_signed(false); }), kSignedBand, "not signed");
 }
 
 // The first stream breaks after its first tile; the second brings the rest, and counts and digests of that alone.
@@ -92,7 +92,7 @@ TEST(BandCall, AResumedStreamsDigestIsThatOfAllValues) {
     v1::VoxelizeRequest request;
     stream->Read(&request);
     EXPECT_EQ(request.spec().band().width(), 2);
-    EXPECT_TRUE(request.spec().band().signed_());
+    EXPECT_TRUE(request.spec().band().is_signed());
     while (stream->Read(&request)) continue;
     stream->Write(answers.accepted);
     if (calls++ == 0) {

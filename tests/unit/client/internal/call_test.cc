@@ -155,7 +155,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_EQ(spec.shard().count(), 8u);
   EXPECT_EQ(spec.fill().mode(), v1::FILL_MODE_SOLID);
   EXPECT_EQ(spec.fill().rule(), v1::INTERIOR_RULE_WINDING);
-  EXPECT_TRUE(spec.fill().without_surface() && spec.fill().force_open());
+  EXPECT_TRUE(!spec.fill().surface() && spec.fill().force_open());
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 

@@ -42,14 +42,14 @@ constexpr char kObj[] =
     "v 0 0 0 1 0 0\nv 1 0 0 0 0.5 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\n"
     "o nothing\no one\nusemtl wood\nf 1 2 3\nusemtl iron\nf 2 3 4\no two\nf 3 4 1\nusemtl wood\nf 4 1 2\n";
 
-TEST(MeshAttributes, OfObjAreItsObjectsMaterialsAndVertexColors) {
+TEST(FieldList, OfObjAreItsObjectsMaterialsAndVertexColors) {
   const Mesh mesh = ParseObj(kObj).value();
   EXPECT_THAT(NumbersOf(mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
   EXPECT_THAT(NumbersOf(mesh, Attribute::kMaterial), ElementsAre(0, 1, 1, 0));
   EXPECT_THAT(NumbersOf(mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x008000, 0x0000FF, 0xFFFFFF));
 }
 
-TEST(MeshAttributes, ThatSomeOfAnObjLacksAreMissed) {
+TEST(FieldList, ThatSomeOfAnObjLacksAreMissed) {
   const Mesh late = ParseObj("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nusemtl a\nf 3 2 1\n").value();
   EXPECT_THAT(Refusal(Attribute::kColor, late), HasSubstr("has no color"));
   EXPECT_THAT(Refusal(Attribute::kMaterial, late), HasSubstr("has no material"));
@@ -73,7 +73,7 @@ absl::StatusOr<Mesh> ColoredPly(const std::string& type, const std::array<std::s
                   " 0 0 " + first[1] + " " + first[2] + "\n1 0 0 0 1 0\n0 1 1 0 0 1\n3 0 1 2 9 9 9\n");
 }
 
-TEST(MeshAttributes, OfPlyAreColorsAsBytesWhateverTheirType) {
+TEST(FieldList, OfPlyAreColorsAsBytesWhateverTheirType) {
   const std::array<std::string, 3> plain{"red", "green", "blue"},
       diffuse{"diffuse_red", "diffuse_green", "diffuse_blue"};
   for (const auto& names : {plain, diffuse}) {
@@ -91,7 +91,7 @@ TEST(MeshAttributes, OfPlyAreColorsAsBytesWhateverTheirType) {
   }
 }
 
-TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
+TEST(FieldList, OfPlyThatAreNoColorsAreMissedForAReason) {
   const auto refusal = [](const std::string& type, const std::array<std::string, 3>& names,
                           const std::array<std::string, 3>& first, const std::string& more = "") {
     const auto mesh = ColoredPly(type, names, first, more);
@@ -110,7 +110,7 @@ TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
               HasSubstr("(colors of faces are not read"));
 }
 
-TEST(MeshAttributes, OfStlAreItsSolids) {
+TEST(FieldList, OfStlAreItsSolids) {
   const std::string facet = "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
   const auto mesh = ParseStl("solid a\n" + facet + facet + "endsolid a\nsolid b\n" + facet + "endsolid b\n");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
@@ -118,7 +118,7 @@ TEST(MeshAttributes, OfStlAreItsSolids) {
 }
 
 // Two nodes with one mesh of two primitives, and vertex colors as floats.
-TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
+TEST(FieldList, OfGltfAreNodesMaterialsAndVertexColors) {
   const std::string buffer =  // (0,0,0) (1,0,0) (0,1,0) as positions; the same as colors
       "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
   const std::string primitive = R"({"attributes": {"POSITION": 0, "COLOR_0": 0}, "material": )";
@@ -139,7 +139,7 @@ TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
   EXPECT_EQ(mesh->colors[2], (Color{0, 255, 0}));
 }
 
-TEST(MeshAttributes, OfSeveralMeshesAreNumberedOn) {
+TEST(FieldList, OfSeveralMeshesAreNumberedOn) {
   const Mesh obj = ParseObj(kObj).value();
   const Mesh plain = ParseObj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").value();
   Mesh joined;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <random>
+#include <span>
 #include <string>
 
 #include "core/band/metric.h"
@@ -47,6 +48,12 @@ struct Answer {
   std::vector<uint32_t> values;
   bool tied = false;
 };
+
+FieldList FirstFields(size_t count) {
+  FieldList fields;
+  for (const FieldFacts& row : std::span(kFields).first(count)) fields.Add(row.field);
+  return fields;
+}
 
 class Oracle {
  public:
@@ -131,9 +138,9 @@ TriangleMesh Soup(size_t triangles, int64_t step, const Lattice& lattice, std::m
 // Returns how many of the voxels were tied.
 size_t ExpectExact(const TriangleMesh& mesh, const Lattice& lattice, const VoxelizeOptions& options) {
   const Result result = Voxelize(mesh, Unscaled(lattice), options);
-  const Oracle oracle(mesh, lattice, options.attributes);
+  const Oracle oracle(mesh, lattice, options.fields.size());
   size_t tied = 0;
-  const Carried carried = CarriedBy(result, options.attributes);
+  const Carried carried = CarriedBy(result, options.fields.size());
   EXPECT_EQ(carried.size(), result.totals.voxels);
   EXPECT_GT(carried.size(), 15U);
   for (const auto& [ijk, values] : carried) {
@@ -149,13 +156,13 @@ TEST(Attributes, AreThoseOfTheNearestCornerOfTheNearestTriangle) {
   size_t tied = 0, n = 0;
   for (const Lattice& lattice : Lattices()) {
     for (const int64_t step : {1, 128}) {
-      VoxelizeOptions options{.attributes = 1 + static_cast<uint32_t>(n % kMaxAttributes)};
+      VoxelizeOptions options{.fields = FirstFields(1 + n % kMaxAttributes)};
       options.separability = static_cast<int>(n % 3);
       options.minimal = n % 2 == 0;
       if (n % 4 == 3) options.cover = Cover::kSupercover;
       SCOPED_TRACE(testing::Message() << lattice.name() << " step " << step << " job " << n++);
       TriangleMesh mesh = Soup(10, step, lattice, random);
-      SetRandomAttributes(options.attributes, 50, random, mesh);
+      SetRandomAttributes(options.fields.size(), 50, random, mesh);
       tied += ExpectExact(mesh, lattice, options);
     }
   }
@@ -181,7 +188,7 @@ TEST(Attributes, OfTiesAreTheLeast) {
       mesh.triangles.push_back({first, first + 1, first + 3});
       mesh.triangles.push_back({first, first + 3, first + 2});
     }
-    const VoxelizeOptions options{.minimal = false, .attributes = 2};
+    const VoxelizeOptions options{.minimal = false, .fields = FirstFields(2)};
     EXPECT_GT(ExpectExact(mesh, lattice, options), 10U);
     // (0, 0, 0) is on the faces 0, 2 and 4.
     EXPECT_EQ(CarriedBy(Voxelize(mesh, Unscaled(lattice), options), 2).at({0, 0, 0}), (std::vector<uint32_t>{3, 0}));
@@ -211,7 +218,7 @@ TEST(Attributes, OfManyTrianglesInOnePlace) {
     }
   }
   std::shuffle(many.triangles.begin(), many.triangles.end(), random);
-  const VoxelizeOptions options{.minimal = false, .attributes = 2};
+  const VoxelizeOptions options{.minimal = false, .fields = FirstFields(2)};
   ExpectExact(once, lattice, options);
   EXPECT_EQ(CarriedBy(Voxelize(many, Unscaled(lattice), options), 2),
             CarriedBy(Voxelize(once, Unscaled(lattice), options), 2));
@@ -221,7 +228,7 @@ TEST(Attributes, OfManyTrianglesInOnePlace) {
 TEST(Attributes, OfTrianglesFarSmallerThanVoxels) {
   TriangleMesh mesh = Sphere(64, 2.3F);
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) mesh.attributes.push_back(v / 4);
-  ExpectExact(mesh, Lattice::Named(NamedLattice::kFcc), {.attributes = 1});
+  ExpectExact(mesh, Lattice::Named(NamedLattice::kFcc), {.fields = FirstFields(1)});
 }
 
 TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
@@ -229,14 +236,14 @@ TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
   TriangleMesh mesh = Sphere(20, 60);
   SetRandomAttributes(2, 1000, random, mesh);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
-  const Result whole = Voxelize(mesh, grid, {.attributes = 2});
+  const Result whole = Voxelize(mesh, grid, {.fields = FirstFields(2)});
   const Carried carried = CarriedBy(whole, 2);
   EXPECT_EQ(whole.totals.digest, Voxelize(mesh, grid, {}).totals.digest);
 
   Digest sum;
   Carried joined;
   for (uint32_t index = 0; index < 3; ++index) {
-    const Result part = Voxelize(mesh, grid, {.shard = Shard{index, 3}, .attributes = 2});
+    const Result part = Voxelize(mesh, grid, {.shard = Shard{index, 3}, .fields = FirstFields(2)});
     sum.Add(part.totals.attributes);
     joined.merge(CarriedBy(part, 2));
   }
@@ -247,7 +254,7 @@ TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
   Carried in_region;
   std::copy_if(carried.begin(), carried.end(), std::inserter(in_region, in_region.end()),
                [&](const auto& voxel) { return region.Contains(voxel.first); });
-  EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.region = region, .attributes = 2}), 2), in_region);
+  EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.region = region, .fields = FirstFields(2)}), 2), in_region);
 
   const Bounds bounds{{-20, -30, -10}, {50, 41, 22}};
   Carried in_bounds;
@@ -257,18 +264,18 @@ TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
     for (size_t m = 0; m < 3; ++m) inside &= bounds.min[m] <= centre[m] && centre[m] <= bounds.max[m];
     return inside;
   });
-  EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.bounds = bounds, .attributes = 2}), 2), in_bounds);
+  EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.bounds = bounds, .fields = FirstFields(2)}), 2), in_bounds);
 
   const size_t half = whole.tiles.size() / 2;
-  const Result rest = Voxelize(mesh, grid, {.resume_after = whole.tiles[half].tile_ijk, .attributes = 2});
+  const Result rest = Voxelize(mesh, grid, {.resume_after = whole.tiles[half].tile_ijk, .fields = FirstFields(2)});
   ASSERT_EQ(rest.tiles.size(), whole.tiles.size() - half - 1);
   EXPECT_EQ(rest.tiles.front().attributes, whole.tiles[half + 1].attributes);
 
   std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
   for (auto& triangle : mesh.triangles) std::rotate(triangle.begin(), triangle.begin() + random() % 3, triangle.end());
-  EXPECT_EQ(Voxelize(mesh, grid, {.attributes = 2}, 1).totals.attributes, whole.totals.attributes);
+  EXPECT_EQ(Voxelize(mesh, grid, {.fields = FirstFields(2)}, 1).totals.attributes, whole.totals.attributes);
   ++mesh.attributes[mesh.triangles[0][0] * 2];
-  EXPECT_NE(Voxelize(mesh, grid, {.attributes = 2}).totals.attributes, whole.totals.attributes);
+  EXPECT_NE(Voxelize(mesh, grid, {.fields = FirstFields(2)}).totals.attributes, whole.totals.attributes);
 }
 
 TEST(Attributes, AreRefusedWhereTheyMeanNothing) {
@@ -279,12 +286,12 @@ TEST(Attributes, AreRefusedWhereTheyMeanNothing) {
     EXPECT_EQ(job.status().code(), absl::StatusCode::kInvalidArgument);
     return std::string(job.status().message());
   };
-  EXPECT_THAT(refusal({.attributes = 1}), HasSubstr("attributes: the mesh has 0 for 128 vertices, not 1 each"));
-  EXPECT_THAT(refusal({.attributes = 4}), HasSubstr("attributes: 4 exceed 3"));
+  EXPECT_THAT(refusal({.fields = FirstFields(1)}),
+              HasSubstr("attributes: the mesh has 0 for 128 vertices, not 1 each"));
   mesh.attributes.resize(mesh.vertices.size());
-  EXPECT_THAT(refusal({.algorithm = Algorithm::kBruteForce, .attributes = 1}), HasSubstr("brute-force"));
-  EXPECT_THAT(refusal({.solid = Solid{}, .attributes = 1}), HasSubstr("solid"));
-  EXPECT_THAT(refusal({.band = Band{.width = 1}, .attributes = 1}), HasSubstr("band"));
+  EXPECT_THAT(refusal({.algorithm = Algorithm::kBruteForce, .fields = FirstFields(1)}), HasSubstr("brute-force"));
+  EXPECT_THAT(refusal({.solid = Solid{}, .fields = FirstFields(1)}), HasSubstr("solid"));
+  EXPECT_THAT(refusal({.band = Band{.width = 1}, .fields = FirstFields(1)}), HasSubstr("band"));
 }
 
 }  // namespace

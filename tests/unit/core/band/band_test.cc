@@ -324,9 +324,9 @@ TEST(Band, IsEstimatedFromTheAreaAndTheWidth) {
     for (const double width : {1.0, 3.0}) {
       const VoxelizeOptions options{.band = Band{.width = width}};
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
-      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, options);
+      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, *MakeRequest(options));
       EXPECT_NEAR(estimate, voxels, 0.1 * voxels);
-      EXPECT_GT(EstimateVisits(mesh, grid, options, estimate), voxels);
+      EXPECT_GT(EstimateVisits(mesh, grid, *MakeRequest(options), estimate), voxels);
     }
   }
 }
@@ -342,10 +342,14 @@ TEST(Band, RefusesWhatItCannotBe) {
     return std::string(job.status().message());
   };
   EXPECT_THAT(refusal(open, grid, {.band = Band{.width = 1, .is_signed = true}}), HasSubstr("closed"));
-  EXPECT_THAT(refusal(closed, grid, {.separability = 2, .band = Band{.width = 1}}), HasSubstr("separability, here 2"));
+  EXPECT_THAT(refusal(closed, grid, {.separability = 2, .band = Band{.width = 1}}),
+              HasSubstr("separability 2: not together with band"));
   EXPECT_THAT(refusal(closed, grid, {.algorithm = Algorithm::kIncremental, .band = Band{.width = 1}}),
               HasSubstr("incremental"));
-  for (const double width : {0.0, -1.0, std::nan(""), 1e300, 1e-300}) {
+  for (const double width : {0.0, -1.0, std::nan("")}) {
+    EXPECT_THAT(refusal(closed, grid, {.band = Band{.width = width}}), HasSubstr("is not a finite number above 0"));
+  }
+  for (const double width : {1e300, 1e-300}) {
     EXPECT_THAT(refusal(closed, grid, {.band = Band{.width = width}}), HasSubstr("band: a width of "));
   }
   EXPECT_THAT(refusal(closed, grid, {.band = Band{.width = 257}}),

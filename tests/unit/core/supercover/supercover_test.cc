@@ -262,9 +262,9 @@ TEST(Supercover, IsEstimatedToHaveNoFewerVoxelsThanItHas) {
       const Lattice lattice = Lattice::Named(name);
       const TriangleMesh sphere = Sphere(16, radius);
       const VoxelizeOptions options{.cover = Cover::kSupercover};
-      const double voxels = EstimateVoxels(sphere, ExtentOf(sphere), Unscaled(lattice), options);
+      const double voxels = EstimateVoxels(sphere, ExtentOf(sphere), Unscaled(lattice), *MakeRequest(options));
       EXPECT_GE(voxels, static_cast<double>(Cover(sphere, lattice).totals.voxels));
-      EXPECT_GT(EstimateVisits(sphere, Unscaled(lattice), options, voxels), voxels);
+      EXPECT_GT(EstimateVisits(sphere, Unscaled(lattice), *MakeRequest(options), voxels), voxels);
     }
   }
 }
@@ -274,7 +274,7 @@ TEST(Supercover, RefusesTheThesisAlgorithmsAndLatticesItCannotTell) {
   const Grid cartesian = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   const auto other =
       VoxelizeJob::Create(sphere, cartesian, {.algorithm = Algorithm::kIncremental, .cover = Cover::kSupercover});
-  EXPECT_EQ(other.status().message(), "cover: supercover not together with algorithm incremental");
+  EXPECT_EQ(other.status().message(), "cover supercover: not together with algorithm incremental");
 
   const auto flat = Lattice::FromBasis({{{1, 0.3, 0}, {0.2, 1.1, 0}, {0.3, 0.4, 7000}}});
   ASSERT_TRUE(flat.ok());

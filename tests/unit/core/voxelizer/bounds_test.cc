@@ -211,7 +211,7 @@ TEST(Bounds, NarrowTheIndexBoxOnEveryBasis) {
       for (const Vec3d& column : grid.lattice.inverse()) row += column[m] * column[m];
       EXPECT_LE(facts->index_box->max[m] - facts->index_box->min[m], 7 * std::sqrt(3 * row) + 2) << name;
     }
-    EXPECT_LT(EstimateVoxels(mesh, ExtentOf(mesh), grid, {.bounds = bounds}), 9000) << name;
+    EXPECT_LT(EstimateVoxels(mesh, ExtentOf(mesh), grid, {.part = {.bounds = bounds}}), 9000) << name;
   }
 }
 
@@ -236,7 +236,7 @@ TEST(Bounds, AreRefusedUnlessFiniteAndInOrder) {
                                Bounds{{0, 0, 0}, {kInfinity, 1, 1}}}) {
     const auto job = VoxelizeJob::Create(mesh, grid, {.bounds = bounds});
     ASSERT_FALSE(job.ok());
-    EXPECT_EQ(job.status().message().substr(0, 8), "bounds: ");
+    EXPECT_EQ(job.status().message().substr(0, 7), "bounds.");
   }
 }
 

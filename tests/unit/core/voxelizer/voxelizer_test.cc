@@ -263,13 +263,13 @@ TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
 TEST(VoxelizeJob, SharesAMeshWithOthersAndOutlivesThem) {
   const Grid grid = Unscaled(ExactLattices().front().lattice);
   for (const uint32_t attributes : {0U, 1U}) {
-    const VoxelizeOptions options{.attributes = attributes};
+    const VoxelRequest request{.fields = attributes ? FieldList{Field::kPart} : FieldList{}};
     TriangleMesh own = Sphere(20, 60);
     for (uint32_t n = 0; n < own.vertices.size() * attributes; ++n) own.attributes.push_back(n);
     auto shared = std::make_shared<const TriangleMesh>(own);
     const std::weak_ptr<const TriangleMesh> left = shared;
-    auto first = *VoxelizeJob::CreateFromValid(shared, grid, options);
-    auto second = *VoxelizeJob::CreateFromValid(std::move(shared), grid, options);
+    auto first = *VoxelizeJob::CreateFromValid(shared, grid, request);
+    auto second = *VoxelizeJob::CreateFromValid(std::move(shared), grid, request);
     const auto all = [](TileBricks&&) { return true; };
     ASSERT_TRUE(first->Advance(all).ok());
     EXPECT_EQ(left.lock()->triangles, own.triangles);
@@ -281,7 +281,7 @@ TEST(VoxelizeJob, SharesAMeshWithOthersAndOutlivesThem) {
     EXPECT_EQ(second->totals().attributes.ToHex(), carried);
     second.reset();
     EXPECT_TRUE(left.expired());
-    auto alone = *VoxelizeJob::Create(own, grid, options);
+    auto alone = *VoxelizeJob::CreateFromValid(own, grid, request);
     ASSERT_TRUE(alone->Advance(all).ok());
     EXPECT_EQ(alone->totals().digest.ToHex(), digest);
     EXPECT_EQ(alone->totals().attributes.ToHex(), carried);
@@ -316,7 +316,8 @@ TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
     }
   }
   const IndexBox box = {{0, 0, 0}, {10, 20, 30}};
-  EXPECT_EQ(EstimateVoxels(mesh, ExtentOf(mesh), Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.region = box}),
+  EXPECT_EQ(EstimateVoxels(mesh, ExtentOf(mesh), Unscaled(Lattice::Named(NamedLattice::kCartesian)),
+                           {.part = {.region = box}}),
             6000);
 }
 
@@ -333,14 +334,14 @@ TEST(ResolveGrid, MapsTheLongestSideToOneVoxelLessThanTheResolution) {
 TEST(ResolveGrid, RefusesWhatIsOutOfRangeByName) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   const Bounds bounds{{0, 0, 0}, {1, 1, 1}}, point{{1, 1, 1}, {1, 1, 1}};
-  const auto message = [&](const Density& density, std::optional<Vec3d> origin, const Bounds& b) {
-    return std::string(ResolveGrid(lattice, density, origin, b).status().message());
+  const auto message = [&](const Sampling& sampling, std::optional<Vec3d> origin, const Bounds& b) {
+    return std::string(ResolveGrid(lattice, sampling, origin, b).status().message());
   };
-  EXPECT_EQ(message({.resolution = 0}, {}, bounds), "resolution: 0 is not within 2 to 65536");
-  EXPECT_EQ(message({.resolution = 70000}, {}, bounds), "resolution: 70000 is not within 2 to 65536");
-  EXPECT_EQ(message({.voxel_size = 0}, {}, bounds), "voxel_size: 0 is not a finite number above 0");
-  EXPECT_EQ(message({.voxel_size = NAN}, {}, bounds), "voxel_size: nan is not a finite number above 0");
-  EXPECT_EQ(message({.voxel_size = 1}, Vec3d{0, INFINITY, 0}, bounds), "origin: inf is not a finite number");
+  EXPECT_EQ(message({.resolution = 0}, {}, bounds), "resolution 0 is below 2");
+  EXPECT_EQ(message({.resolution = 70000}, {}, bounds), "resolution 70000 exceeds 65536");
+  EXPECT_EQ(message({.voxel_size = 0}, {}, bounds), "voxel_size 0 is not a finite number above 0");
+  EXPECT_EQ(message({.voxel_size = NAN}, {}, bounds), "voxel_size nan is not a finite number above 0");
+  EXPECT_EQ(message({.voxel_size = 1}, Vec3d{0, INFINITY, 0}, bounds), "origin.y inf is not finite");
   EXPECT_EQ(message({.resolution = 5}, {}, point), "resolution: the mesh is a single point; give voxel_size");
   EXPECT_EQ(message({.voxel_size = 1, .resolution = 5}, {}, bounds), "resolution: not together with voxel_size");
 }
@@ -348,10 +349,9 @@ TEST(ResolveGrid, RefusesWhatIsOutOfRangeByName) {
 TEST(VoxelizeJob, RefusesBadOptionsByName) {
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
   const TriangleMesh mesh = Sphere(5, 5);
-  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.separability = 3}).status().message(),
-            "separability: 3 is not 0, 1 or 2");
+  EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.separability = 3}).status().message(), "separability 3 exceeds 2");
   EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.region = IndexBox{{0, 0, 0}, {1, 0, 1}}}).status().message(),
-            "region: min is not below max on every axis");
+            "region.max.j 0 is not above region.min's 0");
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(ErrorTable, NamesTheLimitThatGetLimitsTells) {
     const auto metadata = ErrorInfoOf(ToGrpcStatus(status)).metadata();
     return metadata.contains("limit_name") ? metadata.at("limit_name") : "";
   };
-  for (const char* field : {"mesh_bytes", "mesh.triangles", "mesh.vertices", "voxels", "message_bytes", "memory",
+  for (const char* field : {"mesh_bytes", "mesh.triangles", "mesh.vertices", "visited_points", "message_bytes", "memory",
                             "points", "crossings", "pixels"}) {
     const std::string limit_name = name(LimitExceeded(field, 2, 1));
     EXPECT_NE(limits.FindFieldByName(limit_name), nullptr) << field << ": " << limit_name;

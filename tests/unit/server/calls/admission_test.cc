@@ -331,7 +331,7 @@ DecodedMesh Decoded(size_t triangles) {
 }
 
 TEST(MeshStore, KeepsDecodedMeshesInTheRoomThatEncodedOnesLeave) {
-  const MeshAttributes none, part{1, {MeshAttribute::kPart}};
+  const FieldList none, part{Field::kPart};
   MeshStore store(3000);
   store.Put(Digest(1), Bytes(40));
   ASSERT_TRUE(store.KeepDecoded(Digest(1), none, Decoded(100)));

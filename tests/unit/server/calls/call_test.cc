@@ -115,7 +115,7 @@ TEST_F(ServerTest, RefusesABadSpecBeforeTheMeshIsSent) {
 }
 
 TEST_F(ServerTest, DoesNotAskToTryAgainWhatWillNeverDo) {
-  options_.limits.max_voxels = 1000;
+  options_.limits.max_visited_points = 1000;
   Start();
   v1::VoxelizeSpec unknown = Spec(9);
   unknown.set_mesh_sha256(std::string(32, 'x'));
@@ -133,8 +133,8 @@ TEST_F(ServerTest, DoesNotAskToTryAgainWhatWillNeverDo) {
     const bool exhausted = answer.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
     EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), exhausted ? "-1" : "") << reason;
     if (!exhausted) continue;
-    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("field"), "voxels");
-    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("limit_name"), "max_voxels");
+    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("field"), "visited_points");
+    EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("limit_name"), "max_visited_points");
   }
 }
 

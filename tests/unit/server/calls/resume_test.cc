@@ -229,7 +229,7 @@ TEST_F(ResumeTest, HoldsTheThesissAlgorithmsAgainstAllThatTheyCompute) {
 }
 
 TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {
-  options_.limits.max_voxels = 10000;
+  options_.limits.max_visited_points = 10000;
   Start();
   EXPECT_TRUE(Voxelize(*stub_, Spec(20), SphereBytes()).status.ok());
   const Answer answer = Voxelize(*stub_, Spec(100), SphereBytes());

@@ -64,7 +64,7 @@ std::vector<pid_t> Children() {
 class Decode {
  public:
   Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {},
-         const MeshAttributes& wanted = {})
+         const FieldList& wanted = {})
       : result_(promise_.get_future()),
         decoding_(pool.Start({absl::Cord(bytes), wanted, "id-7"}, limits, std::move(reserve), [this](auto mesh) {
           ended_ = absl::Now();

@@ -75,12 +75,6 @@ const DracoValues<uint8_t> kMaterials{kGeneric, 1, draco::DT_UINT8, {4, 5, 6, 25
 const DracoValues<uint8_t> kColors{
     kColorType, 4, draco::DT_UINT8, {1, 2, 3, 9, 4, 5, 6, 9, 0, 0, 0, 9, 255, 255, 255, 9}, ""};
 
-MeshAttributes Wanted(std::initializer_list<MeshAttribute> kinds) {
-  MeshAttributes wanted;
-  for (const MeshAttribute kind : kinds) wanted.kinds[wanted.count++] = kind;
-  return wanted;
-}
-
 // The numbers of each vertex, by its position.
 std::map<Vec3f, std::vector<uint32_t>> NumbersOf(const TriangleMesh& mesh, size_t count) {
   std::map<Vec3f, std::vector<uint32_t>> numbers;
@@ -92,9 +86,9 @@ std::map<Vec3f, std::vector<uint32_t>> NumbersOf(const TriangleMesh& mesh, size_
   return numbers;
 }
 
-TEST(MeshAttributes, ComeInTheOrderInWhichTheyAreWanted) {
+TEST(Attributes, ComeInTheOrderInWhichTheyAreWanted) {
   for (const bool edgebreaker : {false, true}) {
-    const auto wanted = Wanted({MeshAttribute::kColor, MeshAttribute::kPart, MeshAttribute::kMaterial});
+    const auto wanted = FieldList{Field::kColor, Field::kPart, Field::kMaterial};
     const auto decoded = DecodeDraco(Encode(edgebreaker, kMaterials, kColors, kParts), {}, wanted);
     ASSERT_TRUE(decoded.ok()) << decoded.status();
     const auto numbers = NumbersOf(decoded->mesh, 3);
@@ -105,8 +99,8 @@ TEST(MeshAttributes, ComeInTheOrderInWhichTheyAreWanted) {
   }
 }
 
-TEST(MeshAttributes, ColorsMayBeOfOtherNumbers) {
-  const auto wanted = Wanted({MeshAttribute::kColor});
+TEST(Attributes, ColorsMayBeOfOtherNumbers) {
+  const auto wanted = FieldList{Field::kColor};
   const DracoValues<uint16_t> wide{kColorType, 3, draco::DT_UINT16, {0, 257, 65535, 0, 0, 128, 0, 0, 129, 0, 0, 0}, ""};
   const auto of_wide = DecodeDraco(Encode(false, wide), {}, wanted);
   ASSERT_TRUE(of_wide.ok()) << of_wide.status();
@@ -118,8 +112,8 @@ TEST(MeshAttributes, ColorsMayBeOfOtherNumbers) {
 }
 
 template <class... T>
-void ExpectRefused(MeshAttribute kind, const char* says, const DracoValues<T>&... attributes) {
-  const absl::Status status = DecodeDraco(Encode(false, attributes...), {}, Wanted({kind})).status();
+void ExpectRefused(Field kind, const char* says, const DracoValues<T>&... attributes) {
+  const absl::Status status = DecodeDraco(Encode(false, attributes...), {}, FieldList{kind}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << says;
   EXPECT_THAT(std::string(status.message()), HasSubstr(says));
   EXPECT_EQ(CauseOf(status)->field, "attributes");
@@ -127,8 +121,8 @@ void ExpectRefused(MeshAttribute kind, const char* says, const DracoValues<T>&..
   EXPECT_EQ(DecodeError(EncodeError(status)).message(), status.message());  // as the server gets it
 }
 
-TEST(MeshAttributes, ThatAMeshLacksOrHasWrongAreRefusedByName) {
-  const auto part = MeshAttribute::kPart, color = MeshAttribute::kColor;
+TEST(Attributes, ThatAMeshLacksOrHasWrongAreRefusedByName) {
+  const auto part = Field::kPart, color = Field::kColor;
   ExpectRefused(part, "attributes: the mesh has no part", kMaterials);
   ExpectRefused(color, "attributes: the mesh has no color", kParts);
   ExpectRefused(part, "the mesh has no part",
@@ -149,13 +143,13 @@ TEST(MeshAttributes, ThatAMeshLacksOrHasWrongAreRefusedByName) {
   }
 }
 
-TEST(MeshAttributes, AreRefusedInASpecificationThatCannotHaveThem) {
+TEST(Attributes, AreRefusedInASpecificationThatCannotHaveThem) {
   const auto refusal = [](const auto& spoil) {
     v1::VoxelizeSpec spec;
     spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_BCC);
     spec.set_resolution(9);
     spec.add_attributes(v1::ATTRIBUTE_PART);
-    EXPECT_EQ(JobSpecFromProto(spec, {})->options.attributes, 1U);
+    EXPECT_EQ(JobSpecFromProto(spec, {})->request.fields, FieldList{Field::kPart});
     spoil(spec);
     const absl::Status status = JobSpecFromProto(spec, {}).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
@@ -163,23 +157,23 @@ TEST(MeshAttributes, AreRefusedInASpecificationThatCannotHaveThem) {
     return std::string(status.message());
   };
   EXPECT_EQ(refusal([](auto& s) { s.add_attributes(v1::ATTRIBUTE_PART); }), "attributes: part stands twice");
-  EXPECT_EQ(refusal([](auto& s) { s.add_attributes(v1::ATTRIBUTE_UNSPECIFIED); }), "attributes: 0 is not an attribute");
+  EXPECT_EQ(refusal([](auto& s) { s.add_attributes(v1::ATTRIBUTE_UNSPECIFIED); }), "attributes 0 is not an attribute");
   EXPECT_EQ(refusal([](auto& s) { s.add_attributes(static_cast<v1::Attribute>(4)); }),
-            "attributes: 4 is not an attribute");
+            "attributes 4 is not an attribute");
   EXPECT_THAT(refusal([](auto& s) { s.mutable_fill()->set_mode(v1::FILL_MODE_SOLID); }), HasSubstr("fill.mode solid"));
   EXPECT_THAT(refusal([](auto& s) { s.mutable_band()->set_width(1); }), HasSubstr("band"));
   EXPECT_THAT(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_INCREMENTAL); }), HasSubstr("incremental"));
 }
 
 // A decoder process may send anything.
-TEST(MeshAttributes, OfAReceiverAreAsManyAndAsLargeAsTheyMayBe) {
+TEST(Attributes, OfAReceiverAreAsManyAndAsLargeAsTheyMayBe) {
   using Progress = MeshReceiver::Progress;
   const auto bytes = [](const auto& elements) {
     return absl::string_view(reinterpret_cast<const char*>(elements.data()), elements.size() * sizeof(elements[0]));
   };
   const TriangleMesh& mesh = Tetrahedron();
   const MeshFrame head{4, 4, 0};
-  const auto take = [&](const std::vector<uint32_t>& numbers, const MeshAttributes& wanted) {
+  const auto take = [&](const std::vector<uint32_t>& numbers, const FieldList& wanted) {
     MeshReceiver receiver({}, {}, wanted);
     receiver.Take(FrameKind::kMesh, {reinterpret_cast<const char*>(&head), sizeof(head)});
     receiver.Take(FrameKind::kVertices, bytes(mesh.vertices));
@@ -187,7 +181,7 @@ TEST(MeshAttributes, OfAReceiverAreAsManyAndAsLargeAsTheyMayBe) {
     const Progress progress = receiver.Take(FrameKind::kAttributes, bytes(numbers));
     return progress == Progress::kMore ? receiver.Take(FrameKind::kDone, "") : progress;
   };
-  const auto both = Wanted({MeshAttribute::kPart, MeshAttribute::kColor});
+  const auto both = FieldList{Field::kPart, Field::kColor};
   EXPECT_EQ(take({0x7FFFFFFF, 0xFFFFFF, 1, 2, 3, 4, 5, 6}, both), Progress::kDone);
   EXPECT_EQ(take({0x80000000, 0xFFFFFF, 1, 2, 3, 4, 5, 6}, both), Progress::kBroken);
   EXPECT_EQ(take({1, 0x1000000, 1, 2, 3, 4, 5, 6}, both), Progress::kBroken);

@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/snap/snap.h"
 #include "server/base/errors.h"
+#include "server/wire/answers.h"
 #include "server/wire/convert.h"
 #include "tests/unit/server/error_details.h"
 
@@ -37,7 +38,34 @@ struct BadSpecCase {
   std::string message, field;
 };
 
-std::vector<BadSpecCase> BadSpecs() {
+std::vector<BadSpecCase> BadValues() {
+  using Spec = v1::VoxelizeSpec;
+  return {
+      {"no lattice", [](Spec& s) { s.clear_lattice(); }, "lattice: neither named nor basis", "lattice"},
+      {"empty lattice", [](Spec& s) { s.mutable_lattice()->clear_kind(); }, "lattice: neither", "lattice"},
+      {"unspecified", [](Spec& s) { s.mutable_lattice()->set_named(v1::NAMED_LATTICE_UNSPECIFIED); },
+       "lattice.named 0 is not a lattice", "lattice.named"},
+      {"unknown", [](Spec& s) { s.mutable_lattice()->set_named(static_cast<v1::NamedLattice>(9)); },
+       "lattice.named 9 is not a lattice", "lattice.named"},
+      {"singular", [](Spec& s) { s.mutable_lattice()->mutable_basis()->mutable_a()->set_x(1); }, "", "lattice.basis"},
+      {"no sampling", [](Spec& s) { s.clear_sampling(); }, "sampling: a named lattice needs", "sampling"},
+      {"resolution 0", [](Spec& s) { s.set_resolution(0); }, "resolution 0 is below 2", "resolution"},
+      {"resolution 1", [](Spec& s) { s.set_resolution(1); }, "resolution 1 is below 2", "resolution"},
+      {"resolution 70000", [](Spec& s) { s.set_resolution(70000); }, "resolution 70000 exceeds 65536", "resolution"},
+      {"voxel_size 0", [](Spec& s) { s.set_voxel_size(0); }, "voxel_size 0 is not a finite number above 0",
+       "voxel_size"},
+      {"voxel_size -1", [](Spec& s) { s.set_voxel_size(-1); }, "voxel_size -1 is not", "voxel_size"},
+      {"voxel_size inf", [](Spec& s) { s.set_voxel_size(kInfinity); }, "voxel_size inf is not", "voxel_size"},
+      {"voxel_size nan", [](Spec& s) { s.set_voxel_size(std::nan("")); }, "voxel_size nan is not", "voxel_size"},
+      {"separability 3", [](Spec& s) { s.set_separability(3); }, "separability 3 exceeds 2", "separability"},
+      {"algorithm 5", [](Spec& s) { s.set_algorithm(static_cast<v1::Algorithm>(5)); },
+       "algorithm 5 is not an algorithm", "algorithm"},
+      {"cover 3", [](Spec& s) { s.set_cover(static_cast<v1::Cover>(3)); }, "cover 3 is not a cover", "cover"},
+      {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
+       "encoding 4 is not an encoding", "encoding"}};
+}
+
+std::vector<BadSpecCase> BadParts() {
   using Spec = v1::VoxelizeSpec;
   const auto set_region = [](Spec& s, int low, int high) {
     s.mutable_region()->mutable_min()->set_j(low);
@@ -51,40 +79,6 @@ std::vector<BadSpecCase> BadSpecs() {
     s.mutable_bounds()->mutable_max()->set_y(high);
   };
   return {
-      {"no lattice", [](Spec& s) { s.clear_lattice(); }, "lattice: neither named nor basis", "lattice"},
-      {"empty lattice", [](Spec& s) { s.mutable_lattice()->clear_kind(); }, "lattice: neither", "lattice"},
-      {"unspecified", [](Spec& s) { s.mutable_lattice()->set_named(v1::NAMED_LATTICE_UNSPECIFIED); },
-       "lattice.named 0 is not a lattice", "lattice.named"},
-      {"unknown", [](Spec& s) { s.mutable_lattice()->set_named(static_cast<v1::NamedLattice>(9)); },
-       "lattice.named 9 is not a lattice", "lattice.named"},
-      {"singular", [](Spec& s) { s.mutable_lattice()->mutable_basis()->mutable_a()->set_x(1); }, "", "lattice.basis"},
-      {"no density", [](Spec& s) { s.clear_density(); }, "density: a named lattice needs", "density"},
-      {"resolution 0", [](Spec& s) { s.set_resolution(0); }, "resolution 0 is below 2", "resolution"},
-      {"resolution 1", [](Spec& s) { s.set_resolution(1); }, "resolution 1 is below 2", "resolution"},
-      {"resolution 70000", [](Spec& s) { s.set_resolution(70000); }, "resolution 70000 exceeds 65536", "resolution"},
-      {"voxel_size 0", [](Spec& s) { s.set_voxel_size(0); }, "voxel_size 0 is not a finite number above 0",
-       "voxel_size"},
-      {"voxel_size -1", [](Spec& s) { s.set_voxel_size(-1); }, "voxel_size -1 is not", "voxel_size"},
-      {"voxel_size inf", [](Spec& s) { s.set_voxel_size(kInfinity); }, "voxel_size inf is not", "voxel_size"},
-      {"voxel_size nan", [](Spec& s) { s.set_voxel_size(std::nan("")); }, "voxel_size nan is not", "voxel_size"},
-      {"separability 3", [](Spec& s) { s.set_separability(3); }, "separability 3 exceeds 2", "separability"},
-      {"algorithm 5", [](Spec& s) { s.set_algorithm(static_cast<v1::Algorithm>(5)); },
-       "algorithm 5 is not an algorithm", "algorithm"},
-      {"cover 3", [](Spec& s) { s.set_cover(static_cast<v1::Cover>(3)); }, "cover 3 is not a cover", "cover"},
-      {"supercover by another algorithm",
-       [](Spec& s) {
-         s.set_cover(v1::COVER_SUPERCOVER);
-         s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE);
-       },
-       "cover: supercover not together with algorithm brute-force", "cover"},
-      {"minimal supercover",
-       [](Spec& s) {
-         s.set_cover(v1::COVER_SUPERCOVER);
-         s.set_minimal(true);
-       },
-       "minimal: not together with cover supercover", "minimal"},
-      {"encoding 4", [](Spec& s) { s.set_encoding(static_cast<v1::BrickEncoding>(4)); },
-       "encoding 4 is not an encoding", "encoding"},
       {"origin", [](Spec& s) { s.mutable_origin()->set_y(kInfinity); }, "origin.y inf is not finite", "origin.y"},
       {"region without max", [](Spec& s) { s.mutable_region(); }, "region.max.i 0 is not above", "region.max.i"},
       {"empty region", [=](Spec& s) { set_region(s, 4, 4); }, "region.max.j 4 is not above region.min's 4",
@@ -111,35 +105,13 @@ std::vector<BadSpecCase> BadSpecs() {
        "band.width"},
       {"band nan", [](Spec& s) { s.mutable_band()->set_voxels(std::nan("")); }, "band.voxels nan is not",
        "band.voxels"},
-      {"verify and band",
-       [](Spec& s) {
-         s.mutable_band()->set_width(1);
-         s.set_verify(true);
-       },
-       "verify: not together with band", "verify"},
-      {"verify and shard",
-       [](Spec& s) {
-         s.mutable_shard()->set_count(2);
-         s.set_verify(true);
-       },
-       "verify: not together with shard", "verify"},
-      {"verify and region",
-       [=](Spec& s) {
-         set_region(s, 0, 9);
-         s.set_verify(true);
-       },
-       "verify: not together with region", "verify"},
-      {"verify and bounds",
-       [=](Spec& s) {
-         set_bounds(s, 1, 1);
-         s.set_verify(true);
-       },
-       "verify: not together with bounds", "verify"},
   };
 }
 
 TEST(JobSpecFromProto, NamesTheFieldOfEveryBadSpec) {
-  for (const BadSpecCase& bad : BadSpecs()) {
+  std::vector<BadSpecCase> cases = BadValues();
+  std::ranges::move(BadParts(), std::back_inserter(cases));
+  for (const BadSpecCase& bad : cases) {
     SCOPED_TRACE(bad.name);
     v1::VoxelizeSpec spec = GoodSpec();
     bad.spoil(spec);
@@ -156,13 +128,14 @@ TEST(JobSpecFromProto, NamesTheFieldOfEveryBadSpec) {
 TEST(JobSpecFromProto, FillsInTheContractsDefaults) {
   const auto spec = JobSpecFromProto(GoodSpec(), {});
   ASSERT_TRUE(spec.ok()) << spec.status();
-  EXPECT_EQ(spec->lattice.name(), "bcc");
-  EXPECT_EQ(spec->density.resolution, 64);
-  EXPECT_FALSE(spec->density.voxel_size || spec->origin || spec->options.region || spec->options.bounds);
-  EXPECT_FALSE(spec->verify);
-  EXPECT_TRUE(spec->options.minimal);
-  EXPECT_EQ(spec->options.separability, 0);
-  EXPECT_EQ(spec->options.algorithm, Algorithm::kExact);
+  EXPECT_EQ(spec->grid.lattice.name(), "bcc");
+  EXPECT_EQ(spec->grid.sampling.resolution, 64);
+  EXPECT_FALSE(spec->grid.sampling.voxel_size || spec->grid.origin || spec->request.part.region ||
+               spec->request.part.bounds);
+  EXPECT_FALSE(spec->request.verify);
+  EXPECT_TRUE(spec->request.is_minimal());
+  EXPECT_EQ(spec->request.separability, 0);
+  EXPECT_EQ(spec->request.algorithm(), Algorithm::kExact);
 }
 
 TEST(JobSpecFromProto, KnowsEveryAlgorithmByTheNameOfItsNumber) {
@@ -173,7 +146,7 @@ TEST(JobSpecFromProto, KnowsEveryAlgorithmByTheNameOfItsNumber) {
     v1::Algorithm value = v1::ALGORITHM_UNSPECIFIED;
     ASSERT_TRUE(v1::Algorithm_Parse(number, &value)) << number;
     proto.set_algorithm(value);
-    EXPECT_EQ(JobSpecFromProto(proto, {})->options.algorithm, algorithm);
+    EXPECT_EQ(JobSpecFromProto(proto, {})->request.algorithm(), algorithm);
   }
 }
 
@@ -194,28 +167,28 @@ TEST(JobSpecFromProto, TakesEveryField) {
   proto.set_mesh_bytes(77);
   const auto spec = JobSpecFromProto(proto, {});
   ASSERT_TRUE(spec.ok()) << spec.status();
-  EXPECT_EQ(spec->density.voxel_size, 0.25);
-  EXPECT_FALSE(spec->density.resolution);
-  EXPECT_EQ(spec->origin, (Vec3d{0, 0, -3}));
-  EXPECT_EQ(spec->options.separability, 2);
-  EXPECT_FALSE(spec->options.minimal);
-  EXPECT_EQ(spec->options.region, (IndexBox{{-7, 0, 0}, {9, 9, 9}}));
-  ASSERT_TRUE(spec->options.shard && spec->options.bounds);
-  EXPECT_EQ(spec->options.bounds->min, (Vec3d{-0.5, 0, 0}));
-  EXPECT_EQ(spec->options.bounds->max, (Vec3d{0, 0, 7}));
-  EXPECT_EQ(spec->options.shard->index, 2U);
-  EXPECT_EQ(spec->options.shard->count, 5U);
+  EXPECT_EQ(spec->grid.sampling.voxel_size, 0.25);
+  EXPECT_FALSE(spec->grid.sampling.resolution);
+  EXPECT_EQ(spec->grid.origin, (Vec3d{0, 0, -3}));
+  EXPECT_EQ(spec->request.separability, 2);
+  EXPECT_FALSE(spec->request.is_minimal());
+  EXPECT_EQ(spec->request.part.region, (IndexBox{{-7, 0, 0}, {9, 9, 9}}));
+  ASSERT_TRUE(spec->request.part.shard && spec->request.part.bounds);
+  EXPECT_EQ(spec->request.part.bounds->min, (Vec3d{-0.5, 0, 0}));
+  EXPECT_EQ(spec->request.part.bounds->max, (Vec3d{0, 0, 7}));
+  EXPECT_EQ(spec->request.part.shard->index, 2U);
+  EXPECT_EQ(spec->request.part.shard->count, 5U);
   EXPECT_EQ(spec->mesh_bytes, 77);
 }
 
 TEST(JobSpecFromProto, ASupercoverIsNotMinimalAndSaysSo) {
   v1::VoxelizeSpec proto = GoodSpec();
   JobSpec spec = *JobSpecFromProto(proto, {});
-  EXPECT_EQ(spec.options.cover, Cover::kSeparating);
+  EXPECT_FALSE(spec.request.is_supercover());
   EXPECT_EQ(CertificateToProto(spec, {}, {}, {}, std::nullopt).cover(), "separating");
   proto.set_cover(v1::COVER_SUPERCOVER);
   spec = *JobSpecFromProto(proto, {});
-  EXPECT_EQ(spec.options.cover, Cover::kSupercover);
+  EXPECT_TRUE(spec.request.is_supercover());
   const v1::Certificate certificate = CertificateToProto(spec, {}, {}, {}, std::nullopt);
   EXPECT_EQ(certificate.cover(), "supercover");
   EXPECT_TRUE(certificate.tunnel_free());
@@ -226,15 +199,15 @@ TEST(JobSpecFromProto, ASupercoverIsNotMinimalAndSaysSo) {
 
 TEST(JobSpecFromProto, LetsABasisStandForItself) {
   v1::VoxelizeSpec proto = GoodSpec();
-  proto.clear_density();
+  proto.clear_sampling();
   v1::Basis& basis = *proto.mutable_lattice()->mutable_basis();
   basis.mutable_a()->set_x(2);
   basis.mutable_b()->set_y(2);
   basis.mutable_c()->set_z(2);
   const auto spec = JobSpecFromProto(proto, {});
   ASSERT_TRUE(spec.ok()) << spec.status();
-  EXPECT_DOUBLE_EQ(spec->lattice.voxel_size(), 2);
-  EXPECT_FALSE(spec->density.resolution || spec->density.voxel_size);
+  EXPECT_DOUBLE_EQ(spec->grid.lattice.voxel_size(), 2);
+  EXPECT_FALSE(spec->grid.sampling.resolution || spec->grid.sampling.voxel_size);
 }
 
 TEST(JobSpecFromProto, RefusesAnOversizedMeshBeforeItIsSent) {
@@ -251,31 +224,31 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
   facts.index_box = IndexBox{{0, 0, 0}, {10, 10, 10}};
   const auto minimal = [&] { return CertificateToProto(spec, facts, {}, {}, std::nullopt).minimal(); };
   EXPECT_TRUE(minimal());
-  spec.options.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
+  spec.request.part.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
   EXPECT_TRUE(minimal());
-  spec.options.region->max[2] = 10;  // the box may have been cut here
+  spec.request.part.region->max[2] = 10;  // the box may have been cut here
   EXPECT_FALSE(minimal());
-  spec.options.region.reset();
+  spec.request.part.region.reset();
   EXPECT_TRUE(minimal());
   facts.cut_by_bounds = true;
-  spec.options.shard = Shard{0, 2};
+  spec.request.part.shard = Shard{0, 2};
   EXPECT_FALSE(minimal());
   EXPECT_FALSE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
-  spec.options.shard.reset();
+  spec.request.part.shard.reset();
   EXPECT_FALSE(minimal());
   facts.cut_by_bounds = false;
-  spec.options.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
+  spec.request.part.region = IndexBox{{-1, -1, -1}, {11, 11, 11}};
   facts.index_box.reset();
   EXPECT_FALSE(minimal());
-  spec.options.region.reset();
+  spec.request.part.region.reset();
   for (const uint32_t count : {1U, 2U}) {
-    spec.options.shard = Shard{0, count};
+    spec.request.part.shard = Shard{0, count};
     EXPECT_EQ(minimal(), count == 1);
     EXPECT_TRUE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
     EXPECT_EQ(CertificateToProto(spec, facts, {}, {}, std::nullopt).shard().count(), count);
   }
-  spec.options.shard.reset();
-  spec.options.minimal = false;
+  spec.request.part.shard.reset();
+  spec.request.set = SurfaceSet{.minimal = false};
   EXPECT_FALSE(minimal());
   EXPECT_FALSE(CertificateToProto(spec, facts, {}, {}, std::nullopt).whole_minimal());
 }
@@ -283,19 +256,19 @@ TEST(Certificate, ClaimsMinimalityOnlyOfWholeSurfaces) {
 TEST(Certificate, OfABandSaysWhatItIsAndClaimsNothingOfASurface) {
   v1::VoxelizeSpec asked = GoodSpec();
   asked.mutable_band()->set_voxels(2);
-  asked.mutable_band()->set_signed_(true);
+  asked.mutable_band()->set_is_signed(true);
   JobFacts facts;
   facts.band_width = 0.5;
   const v1::Certificate certificate = CertificateToProto(*JobSpecFromProto(asked, {}), facts, {}, {}, std::nullopt);
   EXPECT_FALSE(certificate.tunnel_free() || certificate.minimal());
   EXPECT_EQ(certificate.band().width(), 0.5);
-  EXPECT_TRUE(certificate.band().signed_());
+  EXPECT_TRUE(certificate.band().is_signed());
   EXPECT_EQ(certificate.band().digest(), JobTotals().values.ToHex());
 }
 
 TEST(Certificate, ClaimsOfAnotherAlgorithmThanTheExactOneOnlyWhatWasCounted) {
   JobSpec spec = *JobSpecFromProto(GoodSpec(), {});
-  spec.options.algorithm = Algorithm::kIncremental;
+  spec.request.set = SurfaceSet{.algorithm = Algorithm::kIncremental, .minimal = false};
   const auto claims = [&](const std::optional<Verdict>& verdict) {
     const v1::Certificate certificate = CertificateToProto(spec, {}, {}, {}, verdict);
     EXPECT_EQ(certificate.algorithm(), "incremental");
@@ -320,7 +293,7 @@ TEST(Limits, AreReportedAsTheyAreSet) {
                                                       .max_jobs = 4,
                                                       .max_queued_jobs = 6,
                                                       .max_jobs_per_client = 7,
-                                                      .max_voxels = 8,
+                                                      .max_visited_points = 8,
                                                       .memory_budget_bytes = 9,
                                                       .mesh_store_bytes = 10,
                                                       .max_message_bytes = 5});
@@ -331,7 +304,7 @@ TEST(Limits, AreReportedAsTheyAreSet) {
   EXPECT_EQ(limits.max_message_bytes(), 5);
   EXPECT_EQ(limits.max_queued_jobs(), 6);
   EXPECT_EQ(limits.max_jobs_per_client(), 7);
-  EXPECT_EQ(limits.max_voxels(), 8);
+  EXPECT_EQ(limits.max_visited_points(), 8);
   EXPECT_EQ(limits.memory_budget_bytes(), 9);
   EXPECT_EQ(limits.mesh_store_bytes(), 10);
   EXPECT_EQ(limits.max_extent(), kMaxExtent);

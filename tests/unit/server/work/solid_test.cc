@@ -36,11 +36,14 @@ std::string FieldOf(const absl::Status& status) {
 
 TEST(Fill, IsReadFromTheSpecification) {
   v1::VoxelizeSpec proto = SolidSpec();
-  const auto solid = [&] { return JobSpecFromProto(proto, {})->options.solid; };
+  const auto solid = [&] {
+    const VoxelRequest request = JobSpecFromProto(proto, {})->request;
+    return request.solid() != nullptr ? std::optional(*request.solid()) : std::nullopt;
+  };
   ASSERT_TRUE(solid());
   EXPECT_TRUE(solid()->rule == InteriorRule::kParity && solid()->surface && !solid()->force_open);
   proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
-  proto.mutable_fill()->set_without_surface(true);
+  proto.mutable_fill()->set_surface(false);
   proto.mutable_fill()->set_force_open(true);
   EXPECT_TRUE(solid()->rule == InteriorRule::kWinding && !solid()->surface && solid()->force_open);
   for (const auto mode : {v1::FILL_MODE_UNSPECIFIED, v1::FILL_MODE_SURFACE}) {
@@ -103,13 +106,13 @@ TEST(Fill, IsInTheCertificate) {
   ASSERT_TRUE(solid.status.ok()) << solid.status;
   const v1::Certificate& certificate = solid.summary().certificate();
   EXPECT_EQ(certificate.fill().rule(), "parity");
-  EXPECT_TRUE(certificate.fill().with_surface() && certificate.tunnel_free() && certificate.minimal());
+  EXPECT_TRUE(certificate.fill().surface() && certificate.tunnel_free() && certificate.minimal());
   proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
-  proto.mutable_fill()->set_without_surface(true);
+  proto.mutable_fill()->set_surface(false);
   const Outcome inside = Compute(proto, Sphere(20));
   ASSERT_TRUE(inside.status.ok()) << inside.status;
   EXPECT_EQ(inside.summary().certificate().fill().rule(), "winding");
-  EXPECT_FALSE(inside.summary().certificate().fill().with_surface());
+  EXPECT_FALSE(inside.summary().certificate().fill().surface());
   EXPECT_FALSE(inside.summary().certificate().tunnel_free() || inside.summary().certificate().minimal());
   proto.clear_fill();
   const Outcome surface = Compute(proto, Sphere(20));
@@ -138,9 +141,10 @@ TEST(Fill, OfAMeshThatIsNotClosedIsABadMeshBeforeAnythingIsDelivered) {
 TEST(Fill, CountsAgainstTheLimitOfVoxels) {
   v1::VoxelizeSpec proto = SolidSpec();
   const uint64_t limit = 50000;  // more than the surface has
-  EXPECT_EQ(Compute(proto, Sphere(20), {.max_voxels = limit}).status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(Compute(proto, Sphere(20), {.max_visited_points = limit}).status.code(),
+            absl::StatusCode::kResourceExhausted);
   proto.clear_fill();
-  EXPECT_TRUE(Compute(proto, Sphere(20), {.max_voxels = limit}).status.ok());
+  EXPECT_TRUE(Compute(proto, Sphere(20), {.max_visited_points = limit}).status.ok());
 }
 
 // A solid's bricks are full, but for those at its surface. They take the bytes that the format's description tells.

@@ -35,7 +35,7 @@ TEST(JobLine, DefaultsAreThoseOfVoxelize) {
   EXPECT_THAT(job->options.outputs, ElementsAre("out/b.vdb"));
   EXPECT_EQ(job->options.request.resolution, 64u);
   EXPECT_EQ(std::get<NamedLattice>(job->options.request.lattice), NamedLattice::kCartesian);
-  EXPECT_TRUE(job->options.request.minimal);
+  EXPECT_EQ(job->options.request.minimal, std::nullopt);
   EXPECT_EQ(job->options.quantization_bits, std::nullopt);
 }
 
@@ -56,7 +56,8 @@ TEST(JobLine, EveryFieldArrivesWhereItBelongs) {
   EXPECT_EQ(request.voxel_size, 0.1);
   EXPECT_EQ(request.origin, (Vec3d{-1, -2.5, 3}));
   EXPECT_EQ(request.separability, 2u);
-  EXPECT_FALSE(request.minimal || request.verify);
+  EXPECT_EQ(request.minimal, false);
+  EXPECT_FALSE(request.verify);
   EXPECT_EQ(request.algorithm, Algorithm::kIncremental);
   EXPECT_EQ(request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
   EXPECT_EQ(request.bounds, (WorldBox{{0, 0, 0}, {0.5, 1, 2}}));
@@ -119,7 +120,7 @@ TEST(JobLine, AParserForgetsTheLineBefore) {
   const auto job = parser.Parse(R"({"mesh": "m", "voxel_size": 2})");
   ASSERT_TRUE(job.ok()) << job.status();
   const VoxelizeRequest& request = job->options.request;
-  EXPECT_TRUE(request.minimal && !request.verify && !request.origin && !request.resolution);
+  EXPECT_TRUE(!request.minimal && !request.verify && !request.origin && !request.resolution);
   EXPECT_EQ(std::get<NamedLattice>(request.lattice), NamedLattice::kCartesian);
   EXPECT_THAT(job->options.outputs, ElementsAre("out/m.vdb"));
 }

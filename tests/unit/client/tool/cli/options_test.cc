@@ -47,7 +47,7 @@ TEST(Options, DefaultsAreThoseOfTheContract) {
   EXPECT_EQ(options.request.voxel_size, std::nullopt);
   EXPECT_EQ(options.request.origin, std::nullopt);
   EXPECT_EQ(options.request.separability, 0u);
-  EXPECT_TRUE(options.request.minimal);
+  EXPECT_EQ(options.request.minimal, std::nullopt);
   EXPECT_FALSE(options.request.verify || options.json);
   EXPECT_EQ(options.request.algorithm, Algorithm::kExact);
   EXPECT_EQ(options.quantization_bits, std::nullopt);
@@ -99,7 +99,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
   EXPECT_EQ(options.request.voxel_size, 0.125);
   EXPECT_EQ(options.request.origin, (Vec3d{-1, -2.5, 3}));
   EXPECT_EQ(options.request.separability, 2u);
-  EXPECT_FALSE(options.request.minimal);
+  EXPECT_EQ(options.request.minimal, false);
   EXPECT_EQ(options.request.region, (IndexBox{{-1, -2, -3}, {4, 5, 6}}));
   EXPECT_EQ(options.request.bounds, (WorldBox{{-0.5, 1, 2}, {0.5, 1, 1000}}));
   EXPECT_EQ(options.quantization_bits, 0);
@@ -147,15 +147,15 @@ TEST(Options, OfASolidSayWhatIsInside) {
 TEST(Options, ASupercoverIsNotMinimal) {
   const VoxelizeRequest request = Parse({"--resolution", "9", "--cover", "supercover"}).request;
   EXPECT_EQ(request.cover, Cover::kSupercover);
-  EXPECT_FALSE(request.minimal);
-  EXPECT_FALSE(Parse({"--resolution", "9", "--cover", "supercover", "--no-minimal"}).request.minimal);
+  EXPECT_EQ(request.minimal, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--cover", "supercover", "--no-minimal"}).request.minimal, false);
   EXPECT_EQ(Parse({"--resolution", "9"}).request.cover, Cover::kSeparating);
 }
 
 TEST(Options, MinimalMaySayWhether) {
-  EXPECT_TRUE(Parse({"--resolution", "9", "--minimal=true"}).request.minimal);
-  EXPECT_FALSE(Parse({"--resolution", "9", "--minimal=false"}).request.minimal);
-  EXPECT_FALSE(Parse({"--resolution", "9", "--no-minimal"}).request.minimal);
+  EXPECT_EQ(Parse({"--resolution", "9", "--minimal=true"}).request.minimal, true);
+  EXPECT_EQ(Parse({"--resolution", "9", "--minimal=false"}).request.minimal, false);
+  EXPECT_EQ(Parse({"--resolution", "9", "--no-minimal"}).request.minimal, false);
   EXPECT_THAT(Refusal({"--resolution", "9", "--minimal=1"}), HasSubstr("--minimal"));
 }
 
@@ -244,8 +244,8 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
     EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
   }
   EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
-  EXPECT_TRUE(Parse({"--resolution", "9", "--no-minimal", "--minimal"}).request.minimal);  // the last one counts
-  EXPECT_FALSE(Parse({"--resolution", "9", "--minimal", "--no-minimal"}).request.minimal);
+  EXPECT_EQ(Parse({"--resolution", "9", "--no-minimal", "--minimal"}).request.minimal, true);  // the last one counts
+  EXPECT_EQ(Parse({"--resolution", "9", "--minimal", "--no-minimal"}).request.minimal, false);
   refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
   refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
   refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});

@@ -122,7 +122,7 @@ TEST(Report, SaysHowAMeshWasFilled) {
   report.summary.certificate.solid->unbalanced_lines = 7;
   EXPECT_THAT(ToText(report), HasSubstr("not filled: 7 lattice lines"));
   EXPECT_THAT(ToJson(report), AllOf(HasSubstr("\"fill\": \"solid\""), HasSubstr("\"interior_rule\": \"winding\""),
-                                    HasSubstr("\"with_surface\": false"), HasSubstr("\"unbalanced_lines\": 7")));
+                                    HasSubstr("\"surface\": false"), HasSubstr("\"unbalanced_lines\": 7")));
 }
 
 class Command : public FilesTest {};

@@ -1,6 +1,6 @@
 // What a narrow band is: the lattice points near a surface, each with its distance.
-#ifndef LATVOX_CORE_BAND_BAND_H_
-#define LATVOX_CORE_BAND_BAND_H_
+#ifndef LATVOX_CORE_REQUEST_BAND_H_
+#define LATVOX_CORE_REQUEST_BAND_H_
 
 #include <cstdint>
 
@@ -26,4 +26,4 @@ inline double WidthOf(const Band& band, const Lattice& lattice) {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_BAND_BAND_H_
+#endif  // LATVOX_CORE_REQUEST_BAND_H_

@@ -1,6 +1,6 @@
 // What a solid is: the lattice points inside of a mesh.
-#ifndef LATVOX_CORE_SOLID_SOLID_H_
-#define LATVOX_CORE_SOLID_SOLID_H_
+#ifndef LATVOX_CORE_REQUEST_SOLID_H_
+#define LATVOX_CORE_REQUEST_SOLID_H_
 
 #include <cstdint>
 #include <string_view>
@@ -28,4 +28,4 @@ struct Solid {
 
 }  // namespace latvox
 
-#endif  // LATVOX_CORE_SOLID_SOLID_H_
+#endif  // LATVOX_CORE_REQUEST_SOLID_H_

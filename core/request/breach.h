@@ -1,0 +1,30 @@
+// What a rule finds wrong with a request.
+#ifndef LATVOX_CORE_REQUEST_BREACH_H_
+#define LATVOX_CORE_REQUEST_BREACH_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "core/base/vec.h"
+
+namespace latvox {
+
+struct Breach {
+  std::string field;    // path in the request: "shard.count"
+  std::string message;  // names field, value and limit
+  std::string value = "";
+  std::string limit = "";
+};
+
+// INVALID_ARGUMENT with field, value and limit as payloads (core/base/status_payload.h).
+absl::Status ToStatus(const Breach& breach);
+
+// Breaches of rules that several fields share; nullopt: none.
+std::optional<Breach> FindNotFinite(std::string_view field, const Vec3d& v);
+std::optional<Breach> FindNotPositive(std::string_view field, double x);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_REQUEST_BREACH_H_

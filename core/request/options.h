@@ -1,0 +1,42 @@
+// A request as its caller puts it: each option by itself, whether or not they go together. core/request/rules.h judges.
+#ifndef LATVOX_CORE_REQUEST_OPTIONS_H_
+#define LATVOX_CORE_REQUEST_OPTIONS_H_
+
+#include <cstdint>
+#include <optional>
+
+#include "core/base/vec.h"
+#include "core/brick/brick.h"
+#include "core/mesh/mesh.h"
+#include "core/request/algorithm.h"
+#include "core/request/band.h"
+#include "core/request/fields.h"
+#include "core/request/solid.h"
+
+namespace latvox {
+
+// The index-th of `count` parts of a job that cost about the same: tiles that follow each other in the canonical order.
+struct Shard {
+  uint32_t index = 0, count = 1;  // index < count <= kMaxShards
+};
+
+inline constexpr uint32_t kMaxShards = 1 << 20;
+
+struct VoxelizeOptions {
+  int64_t separability = 0;                          // k: 0, 1 or 2
+  std::optional<bool> minimal = std::nullopt;        // thin to k-minimality; by default wherever that is possible
+  std::optional<IndexBox> region = std::nullopt;     // only these voxels, as they are in the whole
+  std::optional<Bounds> bounds = std::nullopt;       // only voxels whose centers lie in this box: see WorldBox
+  Algorithm algorithm = Algorithm::kExact;           // how to find the surface's voxels
+  std::optional<Shard> shard = std::nullopt;         // only this part of the tiles
+  std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
+  std::optional<Solid> solid = std::nullopt;         // the points inside the mesh, too
+  Cover cover = Cover::kSeparating;                  // which voxels belong to the surface
+  std::optional<Band> band = std::nullopt;           // points near the mesh instead of a surface's voxels
+  FieldList fields = {};                             // what each voxel carries
+  bool verify = false;                               // count tunnels and redundant voxels of the finished set
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_REQUEST_OPTIONS_H_

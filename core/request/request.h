@@ -1,0 +1,75 @@
+// A request that keeps all rules: one set of lattice points, and the fields that each of them carries.
+#ifndef LATVOX_CORE_REQUEST_REQUEST_H_
+#define LATVOX_CORE_REQUEST_REQUEST_H_
+
+#include <optional>
+#include <variant>
+
+#include "absl/status/statusor.h"
+#include "core/base/vec.h"
+#include "core/brick/brick.h"
+#include "core/mesh/mesh.h"
+#include "core/request/algorithm.h"
+#include "core/request/band.h"
+#include "core/request/fields.h"
+#include "core/request/options.h"
+#include "core/request/solid.h"
+
+namespace latvox {
+
+// The voxels of a surface.
+struct SurfaceSet {
+  Algorithm algorithm = Algorithm::kExact;
+  Cover cover = Cover::kSeparating;
+  bool minimal = true;  // thinned to k-minimality: only kExact with kSeparating
+};
+
+// The lattice points inside a mesh, together with the surface's voxels if solid.surface is set.
+struct SolidSet {
+  Solid solid;
+  SurfaceSet surface;
+};
+
+// The lattice points near a mesh, each with its distance.
+struct BandSet {
+  Band band;
+};
+
+// A new set is one more struct here.
+using PointSet = std::variant<SurfaceSet, SolidSet, BandSet>;
+
+// What a request leaves out of the whole. The rest is exactly as in the whole.
+struct Part {
+  std::optional<IndexBox> region = std::nullopt;     // keep only these voxels
+  std::optional<Bounds> bounds = std::nullopt;       // keep only voxels whose centers lie in this box
+  std::optional<Shard> shard = std::nullopt;         // keep only this part of the tiles
+  std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: drop this tile and all before it
+};
+
+struct VoxelRequest {
+  int separability = 0;  // k: 0, 1 or 2
+  PointSet set = SurfaceSet{};
+  FieldList fields = {};
+  Part part = {};
+  bool verify = false;  // count tunnels and redundant voxels of the finished set
+
+  // Null if the request asks for another set.
+  const Solid* solid() const;
+  const Band* band() const;
+  // The surface that is digitized, alone or as part of a solid; null for a band.
+  const SurfaceSet* surface() const;
+
+  // kExact for a band.
+  Algorithm algorithm() const;
+  bool is_supercover() const;
+  // Whether the surface is thinned to k-minimality.
+  bool is_minimal() const;
+};
+
+// Judges options by all rules that need no mesh: see core/request/rules.h. Errors: INVALID_ARGUMENT with the field, the
+// value and the limit of the first rule that is broken, in the message and as payloads (core/base/status_payload.h).
+absl::StatusOr<VoxelRequest> MakeRequest(const VoxelizeOptions& options);
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_REQUEST_REQUEST_H_

@@ -1,0 +1,161 @@
+#include "core/request/rules.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+
+namespace latvox {
+namespace {
+
+using Found = std::optional<Breach>;
+
+Found CheckSeparability(const VoxelizeOptions& options) {
+  const int64_t k = options.separability;
+  if (k >= 0 && k <= 2) return std::nullopt;
+  return Breach{"separability", absl::StrCat("separability ", k, k < 0 ? " is below 0" : " exceeds 2"), absl::StrCat(k),
+                k < 0 ? "0" : "2"};
+}
+
+Found CheckRegion(const VoxelizeOptions& options) {
+  for (size_t m = 0; options.region && m < 3; ++m) {
+    const int32_t min = options.region->min[m], max = options.region->max[m];
+    if (min < max) continue;
+    const std::string field = absl::StrCat("region.max.", std::string(1, "ijk"[m]));
+    return Breach{field, absl::StrCat(field, " ", max, " is not above region.min's ", min), absl::StrCat(max),
+                  absl::StrCat(min)};
+  }
+  return std::nullopt;
+}
+
+Found CheckBounds(const VoxelizeOptions& options) {
+  if (!options.bounds) return std::nullopt;
+  const auto& [low, high] = *options.bounds;
+  if (Found breach = FindNotFinite("bounds.min", low)) return breach;
+  if (Found breach = FindNotFinite("bounds.max", high)) return breach;
+  for (size_t m = 0; m < 3; ++m) {
+    if (low[m] <= high[m]) continue;
+    const std::string field = absl::StrCat("bounds.max.", std::string(1, "xyz"[m]));
+    return Breach{field, absl::StrCat(field, " ", high[m], " is below bounds.min's ", low[m]), absl::StrCat(high[m]),
+                  absl::StrCat(low[m])};
+  }
+  return std::nullopt;
+}
+
+Found CheckShard(const VoxelizeOptions& options) {
+  if (!options.shard) return std::nullopt;
+  const auto& [index, count] = *options.shard;
+  if (count < 1 || count > kMaxShards) {
+    return Breach{"shard.count", absl::StrCat("shard.count ", count, " is not within 1 to ", kMaxShards),
+                  absl::StrCat(count), absl::StrCat(kMaxShards)};
+  }
+  if (index < count) return std::nullopt;
+  return Breach{"shard.index", absl::StrCat("shard.index ", index, " is not below shard.count ", count),
+                absl::StrCat(index), absl::StrCat(count - 1)};
+}
+
+Found CheckBand(const VoxelizeOptions& options) {
+  if (!options.band) return std::nullopt;
+  return FindNotPositive(options.band->in_voxels ? "band.voxels" : "band.width", options.band->width);
+}
+
+constexpr std::array kValueRules{
+    ValueRule{"separability", CheckSeparability},
+    ValueRule{"region", CheckRegion},
+    ValueRule{"bounds", CheckBounds},
+    ValueRule{"shard", CheckShard},
+    ValueRule{"band", CheckBand},
+};
+
+using O = VoxelizeOptions;
+
+std::string None(const O&) { return ""; }
+
+// A value that is the default of its option is not given.
+constexpr std::array kOptions{
+    Option{"separability", "separability", "`separability` above 0", [](const O& o) { return o.separability != 0; },
+           [](const O& o) { return absl::StrCat(o.separability); }},
+    Option{"minimal", "minimal", "`minimal` true", [](const O& o) { return o.minimal.value_or(false); }, None},
+    Option{"algorithm", "algorithm", "`algorithm` other than exact",
+           [](const O& o) { return o.algorithm != Algorithm::kExact; },
+           [](const O& o) { return std::string{NameOf(o.algorithm)}; }},
+    Option{"supercover", "cover", "`cover` supercover", [](const O& o) { return o.cover == Cover::kSupercover; },
+           [](const O&) -> std::string { return "supercover"; }},
+    Option{"solid", "fill.mode", "`fill.mode` solid", [](const O& o) { return o.solid.has_value(); },
+           [](const O&) -> std::string { return "solid"; }},
+    Option{"interior alone", "fill.surface", "`fill.surface` false",
+           [](const O& o) { return o.solid && !o.solid->surface; }, [](const O&) -> std::string { return "false"; }},
+    Option{"band", "band", "`band`", [](const O& o) { return o.band.has_value(); }, None},
+    Option{"attributes", "attributes", "`attributes`", [](const O& o) { return !o.fields.empty(); }, None},
+    Option{"region", "region", "`region`", [](const O& o) { return o.region.has_value(); }, None},
+    Option{"bounds", "bounds", "`bounds`", [](const O& o) { return o.bounds.has_value(); }, None},
+    Option{"shard", "shard", "`shard`", [](const O& o) { return o.shard.has_value(); }, None},
+    Option{"verify", "verify", "`verify`", [](const O& o) { return o.verify; }, None},
+};
+
+constexpr std::array kExclusions{
+    Exclusion{"minimal", "algorithm", ", which is not thinned"},
+    Exclusion{"minimal", "supercover", ", which is not thinned"},
+    Exclusion{"minimal", "band", ", which is not thinned"},
+    Exclusion{"minimal", "interior alone", ", which is not thinned"},
+    Exclusion{"supercover", "algorithm"},
+    Exclusion{"supercover", "interior alone", ", which has no voxels of the surface"},
+    Exclusion{"solid", "algorithm"},
+    Exclusion{"separability", "interior alone", ", which has no voxels of the surface"},
+    Exclusion{"band", "algorithm"},
+    Exclusion{"band", "supercover"},
+    Exclusion{"band", "solid"},
+    Exclusion{"separability", "band"},
+    Exclusion{"attributes", "algorithm"},
+    Exclusion{"attributes", "solid", ", since no triangle is near its inside"},
+    Exclusion{"attributes", "band"},
+    Exclusion{"verify", "region"},
+    Exclusion{"verify", "bounds"},
+    Exclusion{"verify", "shard"},
+    Exclusion{"verify", "solid"},
+    Exclusion{"verify", "band"},
+};
+
+constexpr const Option* OptionNamed(std::string_view name) {
+  const auto* const found = std::ranges::find(kOptions, name, &Option::name);
+  return found == kOptions.end() ? nullptr : found;
+}
+
+static_assert(std::ranges::all_of(kExclusions,
+                                  [](const Exclusion& rule) {
+                                    return OptionNamed(rule.option) != nullptr && OptionNamed(rule.other) != nullptr;
+                                  }),
+              "exclusions name options of the table");
+
+std::string Shown(const Option& option, const std::string& value) {
+  return value.empty() ? std::string{option.field} : absl::StrCat(std::string{option.field}, " ", value);
+}
+
+Found FindExclusion(const Exclusion& rule, const VoxelizeOptions& options) {
+  const Option &option = *OptionNamed(rule.option), &other = *OptionNamed(rule.other);
+  if (!option.is_given(options) || !other.is_given(options)) return std::nullopt;
+  const std::string value = option.value(options);
+  return Breach{std::string{option.field},
+                absl::StrCat(Shown(option, value), ": not together with ", Shown(other, other.value(options)),
+                             std::string{rule.why}),
+                value};
+}
+
+}  // namespace
+
+std::span<const ValueRule> ValueRules() { return kValueRules; }
+std::span<const Option> Options() { return kOptions; }
+std::span<const Exclusion> Exclusions() { return kExclusions; }
+
+absl::Status CheckRules(const VoxelizeOptions& options) {
+  for (const ValueRule& rule : kValueRules) {
+    if (const Found breach = rule.find(options)) return ToStatus(*breach);
+  }
+  for (const Exclusion& rule : kExclusions) {
+    if (const Found breach = FindExclusion(rule, options)) return ToStatus(*breach);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace latvox

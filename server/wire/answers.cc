@@ -1,0 +1,148 @@
+#include "server/wire/answers.h"
+
+#include <string>
+
+#include "core/snap/snap.h"
+#include "server/wire/enums.h"
+#include "server/wire/vectors.h"
+
+namespace latvox {
+namespace {
+
+// Whether nothing of the surface can lie outside of what all shards deliver. The box in `facts` is clipped to the
+// region, so that one which touches the region's border may have been longer.
+bool IsUncut(const Part& part, const JobFacts& facts) {
+  if (facts.cut_by_bounds) return false;
+  if (!part.region) return true;
+  if (!facts.index_box) return false;
+  for (size_t m = 0; m < 3; ++m) {
+    if (facts.index_box->min[m] <= part.region->min[m] || facts.index_box->max[m] >= part.region->max[m]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void GridToProto(const Grid& grid, v1::Grid& out) {
+  const Mat3d& basis = grid.lattice.basis();
+  ToProto(basis[0], *out.mutable_basis()->mutable_a());
+  ToProto(basis[1], *out.mutable_basis()->mutable_b());
+  ToProto(basis[2], *out.mutable_basis()->mutable_c());
+  ToProto(grid.origin, *out.mutable_origin());
+  out.set_voxel_size(grid.lattice.voxel_size());
+}
+
+void MeshFactsToProto(const JobFacts& facts, const MeshSource& source, v1::MeshFacts& out) {
+  out.set_triangles(facts.triangles);
+  out.set_vertices(facts.vertices);
+  out.set_degenerate_triangles(facts.degenerate_triangles);
+  out.set_closed(facts.closed);
+  out.set_quantization_bits(source.quantization_bits);
+  out.set_snap_error_max(facts.snap_error_max);
+  ToProto(source.bounds.min, *out.mutable_min());
+  ToProto(source.bounds.max, *out.mutable_max());
+}
+
+// Claims of the surface that a set holds. The exact algorithm keeps them by construction, another one if they were
+// counted.
+void ClaimsToProto(const VoxelRequest& request, const JobFacts& facts, const std::optional<Verdict>& verdict,
+                   v1::Certificate& out) {
+  const bool is_exact = request.algorithm() == Algorithm::kExact;
+  if (!is_exact) {
+    const bool is_minimal = verdict && verdict->tunnels == 0 && verdict->redundant == 0;
+    out.set_tunnel_free(verdict && verdict->tunnels == 0);
+    out.set_minimal(is_minimal);
+    out.set_whole_minimal(is_minimal);
+    return;
+  }
+  const bool has_surface = request.surface() != nullptr && (request.solid() == nullptr || request.solid()->surface);
+  const bool one_of_several = request.part.shard && request.part.shard->count > 1;
+  const bool is_minimal = has_surface && request.is_minimal(), uncut = IsUncut(request.part, facts);
+  out.set_tunnel_free(has_surface);
+  out.set_whole_minimal(is_minimal && (uncut || !one_of_several));
+  out.set_minimal(is_minimal && uncut && !one_of_several);
+}
+
+void BandToProto(const Band& band, const JobFacts& facts, const JobTotals& totals, v1::BandCertificate& out) {
+  out.set_width(facts.band_width);
+  out.set_is_signed(band.is_signed);
+  out.set_digest(totals.values.ToHex());
+}
+
+void SolidToProto(const Solid& solid, const JobFacts& facts, v1::FillFacts& out) {
+  out.set_rule(std::string{NameOf(solid.rule)});
+  out.set_surface(solid.surface);
+  out.set_unbalanced_lines(facts.unbalanced_lines);
+}
+
+void FieldsToProto(const FieldList& fields, const JobTotals& totals, v1::AttributeCertificate& out) {
+  for (const Field field : fields) out.add_attributes(static_cast<v1::Attribute>(NumberOf(kFieldNumbers, field)));
+  out.set_digest(totals.attributes.ToHex());
+}
+
+}  // namespace
+
+v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, const JobFacts& facts,
+                             const MeshSource& source) {
+  v1::Accepted accepted;
+  accepted.set_request_id(request_id);
+  GridToProto(grid, *accepted.mutable_grid());
+  if (facts.index_box) {
+    ToProto(facts.index_box->min, *accepted.mutable_index_box()->mutable_min());
+    ToProto(facts.index_box->max, *accepted.mutable_index_box()->mutable_max());
+  }
+  accepted.set_tiles_in_box(facts.tiles_in_box);
+  MeshFactsToProto(facts, source, *accepted.mutable_mesh());
+  return accepted;
+}
+
+v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,
+                                   const JobTotals& totals, const std::optional<Verdict>& verdict) {
+  const VoxelRequest& request = spec.request;
+  v1::Certificate certificate;
+  certificate.set_lattice(std::string{spec.grid.lattice.name()});
+  certificate.set_separability(static_cast<uint32_t>(request.separability));
+  ClaimsToProto(request, facts, verdict, certificate);
+  const Verdict counted = verdict.value_or(Verdict{});
+  certificate.set_verified(verdict.has_value());
+  certificate.set_tunnels(counted.tunnels);
+  certificate.set_redundant(counted.redundant);
+  certificate.set_closed(facts.closed);
+  certificate.set_snap_error_max(facts.snap_error_max);
+  certificate.set_quantization_bits(source.quantization_bits);
+  certificate.set_algorithm(std::string{NameOf(request.algorithm())});
+  certificate.set_cover(std::string{NameOf(request.is_supercover() ? Cover::kSupercover : Cover::kSeparating)});
+  certificate.set_version(LATVOX_VERSION);
+  certificate.set_digest(totals.digest.ToHex());
+  if (const auto& shard = request.part.shard) {
+    certificate.mutable_shard()->set_index(shard->index);
+    certificate.mutable_shard()->set_count(shard->count);
+  }
+  if (const Solid* solid = request.solid()) SolidToProto(*solid, facts, *certificate.mutable_fill());
+  if (const Band* band = request.band()) BandToProto(*band, facts, totals, *certificate.mutable_band());
+  if (!request.fields.empty()) FieldsToProto(request.fields, totals, *certificate.mutable_attributes());
+  return certificate;
+}
+
+v1::GetLimitsResponse LimitsToProto(const Limits& limits) {
+  v1::GetLimitsResponse response;
+  response.set_max_mesh_bytes(limits.max_mesh_bytes);
+  response.set_max_triangles(limits.max_triangles);
+  response.set_max_vertices(limits.max_vertices);
+  response.set_max_extent(kMaxExtent);
+  response.set_max_jobs(limits.max_jobs);
+  response.set_max_message_bytes(limits.max_message_bytes);
+  response.set_subvoxel_bits(kSubvoxelBits);
+  response.set_version(LATVOX_VERSION);
+  response.set_max_points(limits.max_points());
+  response.set_max_crossings(limits.max_crossings());
+  response.set_max_pixels(limits.max_pixels());
+  response.set_max_queued_jobs(limits.max_queued_jobs);
+  response.set_max_jobs_per_client(limits.max_jobs_per_client);
+  response.set_memory_budget_bytes(limits.memory_budget_bytes);
+  response.set_mesh_store_bytes(limits.mesh_store_bytes);
+  response.set_max_visited_points(limits.max_visited_points);
+  return response;
+}
+
+}  // namespace latvox

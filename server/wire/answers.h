@@ -1,0 +1,36 @@
+// The answers: core -> protocol.
+#ifndef LATVOX_SERVER_WIRE_ANSWERS_H_
+#define LATVOX_SERVER_WIRE_ANSWERS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/lattice/grid.h"
+#include "core/mesh/mesh.h"
+#include "core/verify/verify.h"
+#include "core/voxelizer/voxelizer.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/base/limits.h"
+#include "server/wire/convert.h"
+
+namespace latvox {
+
+// What core does not know of a mesh.
+struct MeshSource {
+  Bounds bounds;
+  uint32_t quantization_bits = 0;
+};
+
+v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, const JobFacts& facts,
+                             const MeshSource& source);
+
+// `verdict` is set if the result was verified.
+v1::Certificate CertificateToProto(const JobSpec& spec, const JobFacts& facts, const MeshSource& source,
+                                   const JobTotals& totals, const std::optional<Verdict>& verdict);
+
+v1::GetLimitsResponse LimitsToProto(const Limits& limits);
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_WIRE_ANSWERS_H_

@@ -1,0 +1,86 @@
+// The protocol's enumerations, each as a table of its numbers and what they mean in core.
+#ifndef LATVOX_SERVER_WIRE_ENUMS_H_
+#define LATVOX_SERVER_WIRE_ENUMS_H_
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "core/lattice/named.h"
+#include "core/request/algorithm.h"
+#include "core/request/fields.h"
+#include "core/request/solid.h"
+#include "latvox/v1/voxelizer.pb.h"
+#include "server/base/errors.h"
+#include "server/wire/brick_batch.h"
+
+namespace latvox {
+
+template <class T, size_t N>
+using EnumTable = std::array<std::pair<int, T>, N>;
+
+// The protocol numbers named lattices as core's table does, from 1.
+static_assert(v1::NamedLattice_MAX == kNamedLattices.size());
+inline constexpr auto kLatticeNumbers = [] {
+  EnumTable<NamedLattice, kNamedLattices.size()> table{};
+  for (size_t n = 0; n < table.size(); ++n) table[n] = {static_cast<int>(n) + 1, kNamedLattices[n].lattice};
+  return table;
+}();
+
+inline constexpr EnumTable<Algorithm, 5> kAlgorithmNumbers{
+    {{v1::ALGORITHM_UNSPECIFIED, Algorithm::kExact},
+     {v1::ALGORITHM_EXACT, Algorithm::kExact},
+     {v1::ALGORITHM_BRUTE_FORCE, Algorithm::kBruteForce},
+     {v1::ALGORITHM_INCREMENTAL, Algorithm::kIncremental},
+     {v1::ALGORITHM_OPTIMIZED_INCREMENTAL, Algorithm::kOptimizedIncremental}}};
+
+inline constexpr EnumTable<Cover, 3> kCoverNumbers{{{v1::COVER_UNSPECIFIED, Cover::kSeparating},
+                                                    {v1::COVER_SEPARATING, Cover::kSeparating},
+                                                    {v1::COVER_SUPERCOVER, Cover::kSupercover}}};
+
+// Whether the set holds the points inside, too.
+inline constexpr EnumTable<bool, 3> kFillModeNumbers{
+    {{v1::FILL_MODE_UNSPECIFIED, false}, {v1::FILL_MODE_SURFACE, false}, {v1::FILL_MODE_SOLID, true}}};
+
+inline constexpr EnumTable<InteriorRule, 3> kInteriorRuleNumbers{
+    {{v1::INTERIOR_RULE_UNSPECIFIED, InteriorRule::kParity},
+     {v1::INTERIOR_RULE_PARITY, InteriorRule::kParity},
+     {v1::INTERIOR_RULE_WINDING, InteriorRule::kWinding}}};
+
+inline constexpr EnumTable<BrickEncoding, 4> kEncodingNumbers{
+    {{v1::BRICK_ENCODING_UNSPECIFIED, BrickEncoding::kMasks},
+     {v1::BRICK_ENCODING_MASKS, BrickEncoding::kMasks},
+     {v1::BRICK_ENCODING_PACKED, BrickEncoding::kPacked},
+     {v1::BRICK_ENCODING_PACKED_ZSTD, BrickEncoding::kPackedZstd}}};
+
+inline constexpr EnumTable<Field, 3> kFieldNumbers{{{v1::ATTRIBUTE_PART, Field::kPart},
+                                                    {v1::ATTRIBUTE_MATERIAL, Field::kMaterial},
+                                                    {v1::ATTRIBUTE_COLOR, Field::kColor}}};
+
+// What a number of the wire means. Errors: INVALID_ARGUMENT with an ErrorCause if the table does not have it.
+//   kind   "an algorithm"
+template <class T, size_t N>
+absl::StatusOr<T> Meaning(const EnumTable<T, N>& table, int number, absl::string_view field, absl::string_view kind) {
+  for (const auto& [known, meaning] : table) {
+    if (known == number) return meaning;
+  }
+  return BadSpec(absl::StrCat(field, " ", number, " is not ", kind), field, absl::StrCat(number),
+                 absl::StrCat(table.front().first, " to ", table.back().first));
+}
+
+// The number that stands for a meaning, the last one of the table's. Precondition: the table has it.
+template <class T, size_t N>
+constexpr int NumberOf(const EnumTable<T, N>& table, const T& meaning) {
+  int number = 0;
+  for (const auto& [known, other] : table) {
+    if (other == meaning) number = known;
+  }
+  return number;
+}
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_WIRE_ENUMS_H_

@@ -1,0 +1,129 @@
+// The rules of a request: what each one refuses, and in which words.
+#include "core/request/rules.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/base/status_payload.h"
+#include "core/request/grid_request.h"
+#include "core/request/request.h"
+
+namespace latvox {
+namespace {
+
+using testing::HasSubstr;
+
+std::string Payload(const absl::Status& status, const char* url) {
+  return std::string{status.GetPayload(url).value_or(absl::Cord())};
+}
+
+// Message, field, value and limit of what MakeRequest refuses.
+std::vector<std::string> RefusalOf(const VoxelizeOptions& options) {
+  const absl::Status status = MakeRequest(options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  return {std::string{status.message()}, Payload(status, kRefusedField), Payload(status, kRefusedValue),
+          Payload(status, kRefusedLimit)};
+}
+
+TEST(Rules, NameFieldValueAndLimitOfAValue) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(RefusalOf({.separability = 3}), (Words{"separability 3 exceeds 2", "separability", "3", "2"}));
+  EXPECT_EQ(RefusalOf({.separability = -1}), (Words{"separability -1 is below 0", "separability", "-1", "0"}));
+  EXPECT_EQ(RefusalOf({.region = IndexBox{{0, 4, 0}, {9, 4, 9}}}),
+            (Words{"region.max.j 4 is not above region.min's 4", "region.max.j", "4", "4"}));
+  EXPECT_EQ(RefusalOf({.bounds = Bounds{{0, 0, 0}, {1, INFINITY, 1}}}),
+            (Words{"bounds.max.y inf is not finite", "bounds.max.y", "inf", ""}));
+  EXPECT_EQ(RefusalOf({.bounds = Bounds{{0, 0, 2}, {1, 1, 1}}}),
+            (Words{"bounds.max.z 1 is below bounds.min's 2", "bounds.max.z", "1", "2"}));
+  EXPECT_EQ(RefusalOf({.shard = Shard{0, 0}}),
+            (Words{"shard.count 0 is not within 1 to 1048576", "shard.count", "0", "1048576"}));
+  EXPECT_EQ(RefusalOf({.shard = Shard{3, 3}}),
+            (Words{"shard.index 3 is not below shard.count 3", "shard.index", "3", "2"}));
+  EXPECT_EQ(RefusalOf({.band = Band{0, true}}),
+            (Words{"band.voxels 0 is not a finite number above 0", "band.voxels", "0", "0"}));
+  EXPECT_EQ(RefusalOf({.band = Band{NAN, false}}),
+            (Words{"band.width nan is not a finite number above 0", "band.width", "nan", "0"}));
+}
+
+TEST(Rules, SayWhichTwoOptionsDoNotGoTogether) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(RefusalOf({.minimal = true, .cover = Cover::kSupercover}),
+            (Words{"minimal: not together with cover supercover, which is not thinned", "minimal", "", ""}));
+  EXPECT_EQ(RefusalOf({.solid = Solid{}, .band = Band{1, true}}),
+            (Words{"band: not together with fill.mode solid", "band", "", ""}));
+  EXPECT_EQ(RefusalOf({.algorithm = Algorithm::kBruteForce, .fields = {Field::kPart}}),
+            (Words{"attributes: not together with algorithm brute-force", "attributes", "", ""}));
+  EXPECT_EQ(RefusalOf({.separability = 2, .solid = Solid{.surface = false}}),
+            (Words{"separability 2: not together with fill.surface false, which has no voxels of the surface",
+                   "separability", "2", ""}));
+}
+
+TEST(Rules, EachExclusionStandsOnceAndNamesTwoOptions) {
+  std::vector<std::pair<std::string_view, std::string_view>> pairs;
+  for (const Exclusion& rule : Exclusions()) {
+    EXPECT_NE(rule.option, rule.other);
+    pairs.emplace_back(std::min(rule.option, rule.other), std::max(rule.option, rule.other));
+  }
+  std::ranges::sort(pairs);
+  EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
+}
+
+TEST(Rules, StandInTheContractsPageAsTheyAre) {
+  std::string table = "| option | other | reason |\n|---|---|---|\n";
+  const auto words = [](std::string_view name) { return std::ranges::find(Options(), name, &Option::name)->words; };
+  for (const Exclusion& rule : Exclusions()) {
+    const std::string_view why = rule.why.starts_with(", ") ? rule.why.substr(2) : rule.why;
+    table += "| " + std::string{words(rule.option)} + " | " + std::string{words(rule.other)} + " | " +
+             std::string{why} + " |\n";
+  }
+  std::ostringstream page;
+  page << std::ifstream(LATVOX_PROTO_README).rdbuf();
+  EXPECT_THAT(page.str(), HasSubstr(table));
+}
+
+TEST(MakeRequest, ThinsWhereverThatIsPossible) {
+  const auto is_minimal = [](const VoxelizeOptions& options) { return MakeRequest(options)->is_minimal(); };
+  EXPECT_TRUE(is_minimal({}));
+  EXPECT_TRUE(is_minimal({.minimal = true}));
+  EXPECT_TRUE(is_minimal({.solid = Solid{}}));
+  EXPECT_FALSE(is_minimal({.minimal = false}));
+  EXPECT_FALSE(is_minimal({.algorithm = Algorithm::kIncremental}));
+  EXPECT_FALSE(is_minimal({.cover = Cover::kSupercover}));
+  EXPECT_FALSE(is_minimal({.band = Band{1, true}}));
+}
+
+TEST(MakeRequest, PutsEachSetIntoItsAlternative) {
+  const VoxelRequest surface = *MakeRequest({.algorithm = Algorithm::kBruteForce});
+  EXPECT_TRUE(surface.surface() != nullptr && surface.solid() == nullptr && surface.band() == nullptr);
+  EXPECT_EQ(surface.algorithm(), Algorithm::kBruteForce);
+  const VoxelRequest solid = *MakeRequest({.solid = Solid{.force_open = true}, .cover = Cover::kSupercover});
+  EXPECT_TRUE(solid.surface() != nullptr && solid.solid() != nullptr && solid.band() == nullptr);
+  EXPECT_TRUE(solid.solid()->force_open && solid.is_supercover());
+  const VoxelRequest band = *MakeRequest({.band = Band{2, true, true}});
+  EXPECT_TRUE(band.surface() == nullptr && band.solid() == nullptr && band.band() != nullptr);
+  EXPECT_TRUE(band.band()->is_signed);
+  EXPECT_EQ(band.algorithm(), Algorithm::kExact);
+}
+
+TEST(MakeGridRequest, WantsASamplingOfANamedLatticeAlone) {
+  const Mat3d basis{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}};
+  EXPECT_THAT(std::string{MakeGridRequest({NamedLattice::kBcc, {}, {}}).status().message()},
+              HasSubstr("sampling: a named lattice needs voxel_size or resolution"));
+  EXPECT_TRUE(MakeGridRequest({NamedLattice::kBcc, {.resolution = 9}, {}}).ok());
+  const auto unscaled = MakeGridRequest({basis, {}, {}});
+  ASSERT_TRUE(unscaled.ok());
+  EXPECT_DOUBLE_EQ(unscaled->lattice.voxel_size(), 2);
+  const absl::Status singular = MakeGridRequest({Mat3d{}, {}, {}}).status();
+  EXPECT_EQ(singular.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(Payload(singular, kRefusedField), "lattice.basis");
+}
+
+}  // namespace
+}  // namespace latvox
