@@ -45,7 +45,7 @@ void AddBand(const Band& band, Json& json) {
 }
 
 void AddNote(const MeshNote& note, Json& json) {
-  if (!note.up.empty()) json["up"] = note.up;
+  if (!note.up_axis.empty()) json["up_axis"] = note.up_axis;
   if (note.scale) json["scale"] = *note.scale;
   if (!note.input_format.empty()) json["input_format"] = note.input_format;
   if (note.quantization) json["quantization"] = *note.quantization;

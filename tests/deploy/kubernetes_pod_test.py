@@ -106,14 +106,14 @@ class Pods(Case):
         folder.chmod(0o777)  # as fsGroup does on Kubernetes
         return folder
 
-    def test_a_worker_of_the_batch_farm_does_its_shard(self):
+    def test_a_worker_of_the_batch_farm_does_its_jobs(self):
         meshes, results = self.volume("latvox-meshes"), self.volume("latvox-results")
         (meshes / "bunny.obj").write_bytes(BUNNY.read_bytes())
         jobs = [{"mesh": "bunny.obj", "out": f"{n}.vdb", "lattice": "bcc", "resolution": 64} for n in range(4)]
         (meshes / "jobs.jsonl").write_text("".join(json.dumps(job) + "\n" for job in jobs))
         pod = pod_of(OVERLAYS / "batch" / "job.yaml", "Job")
         environment = pod["spec"]["containers"][0]["env"]
-        self.assertEqual([variable["name"] for variable in environment], ["LATVOX_SHARD_COUNT"])
+        self.assertEqual([variable["name"] for variable in environment], ["LATVOX_WORKER_COUNT"])
         environment[0]["value"] = "2"  # as kustomize does
         environment.append({"name": "JOB_COMPLETION_INDEX", "value": "1"})  # as the Job's controller does
         container = self.play(pod)

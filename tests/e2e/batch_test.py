@@ -1,4 +1,4 @@
-"""Many meshes in one command: what fails stops nothing else, what was done is not done again, shards make up the whole."""
+"""Many meshes in one command: what fails stops nothing else, what was done is not done again, workers make up the whole."""
 
 import collections
 import contextlib
@@ -16,7 +16,7 @@ import harness
 from harness import BIN, BUNNY, Case, encode_drc, latvox, octahedron, write_obj, write_ply, write_stl
 
 OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED, STOPPED = range(7)
-ENGINES = ("JOB_COMPLETION_INDEX", "LATVOX_SHARD_COUNT", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN")
+ENGINES = ("JOB_COMPLETION_INDEX", "LATVOX_WORKER_COUNT", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN")
 LONG = {"mesh": str(BUNNY), "resolution": 30000, "out": "long.csv"}  # minutes of work
 
 
@@ -169,7 +169,7 @@ class Jobs(Batch):
             "# a comment",
             {"mesh": "octahedron.obj", "resolution": 8, "out": "0.vdb"},
         )
-        for options in ([], ["--shard", "0/4"]):
+        for options in ([], ["--worker", "0/4"]):
             lines = self.batch(jobs, *options, code=BAD_INPUT).stderr.splitlines()
             self.assertEqual(len(lines), 4, lines)
             self.assertRegex(lines[0], r"jobs\.jsonl:2: resolution: .*70000.*65536")
@@ -192,7 +192,7 @@ class Jobs(Batch):
     def test_wrong_usage_is_2_and_no_server_is_4(self):
         jobs = self.jobs(*self.small(1))
         for options, says in (
-            (["--shard", "3/3"], r"--shard: \"3/3\""),
+            (["--worker", "3/3"], r"--worker: \"3/3\""),
             (["--jobs", "0"], r"--jobs: \"0\".* 1 to 256"),
             (["--frobnicate"], "frobnicate"),
         ):
@@ -310,15 +310,15 @@ class Resume(Batch):
 class Shards(Batch):
     COUNT = 11
 
-    def test_shards_make_up_the_whole(self):
+    def test_workers_make_up_the_whole(self):
         jobs = self.jobs(*self.small(self.COUNT))
         whole = self.dir / "whole"
         self.batch(jobs, out=whole)
         parts = {}
         started = time.time_ns() // 10**6
         for index in range(3):
-            done = self.batch(jobs, "--shard", f"{index}/3")
-            self.assertRegex(done.stderr, rf"(?m)^latvox: shard {index}/3 \(--shard\): [34] of 11 jobs$")
+            done = self.batch(jobs, "--worker", f"{index}/3")
+            self.assertRegex(done.stderr, rf"(?m)^latvox: worker {index}/3 \(--worker\): [34] of 11 jobs$")
             part = self.digests(self.results(f"results-{index}-of-3.jsonl"))
             self.assertIn(len(part), (3, 4))
             self.assertEqual(parts.keys() & part.keys(), set())
@@ -330,30 +330,30 @@ class Shards(Batch):
             self.assertEqual(result["output_bytes"], [(self.out / name).stat().st_size for name in result["outputs"]])
         # However they were shared, what is done is done.
         self.assertRegex(self.batch(jobs, "--resume").stdout, "^0 of 11 jobs done, 11 skipped")
-        self.assertRegex(self.batch(jobs, "--resume", "--shard", "1/2").stdout, "^0 of 5 jobs done, 5 skipped")
+        self.assertRegex(self.batch(jobs, "--resume", "--worker", "1/2").stdout, "^0 of 5 jobs done, 5 skipped")
 
-    def test_engines_tell_the_shard(self):
+    def test_engines_tell_the_worker(self):
         jobs = self.jobs(*self.small(self.COUNT))
-        kubernetes = [{"JOB_COMPLETION_INDEX": str(n), "LATVOX_SHARD_COUNT": "3"} for n in range(3)]
+        kubernetes = [{"JOB_COMPLETION_INDEX": str(n), "LATVOX_WORKER_COUNT": "3"} for n in range(3)]
         slurm = [{"SLURM_ARRAY_TASK_ID": str(5 + n), "SLURM_ARRAY_TASK_MIN": "5", "SLURM_ARRAY_TASK_COUNT": "3"} for n in range(3)]
         for name, environments in (("kubernetes", kubernetes), ("slurm", slurm)):
             lines = []
             for index, environment in enumerate(environments):
                 done = self.batch(jobs, out=self.dir / name, **environment)
-                self.assertRegex(done.stderr, rf"(?m)^latvox: shard {index}/3 \({next(iter(environment))}, \w+\): [34] of 11 jobs$")
+                self.assertRegex(done.stderr, rf"(?m)^latvox: worker {index}/3 \({next(iter(environment))}, \w+\): [34] of 11 jobs$")
                 lines += [r["line"] for r in self.results(f"results-{index}-of-3.jsonl", out=self.dir / name)]
             self.assertEqual(sorted(lines), list(range(1, self.COUNT + 1)))
 
     def test_an_index_without_a_count_is_never_the_whole(self):
         jobs = self.jobs(*self.small(1))
-        for environment in ({"JOB_COMPLETION_INDEX": "0"}, {"SLURM_ARRAY_TASK_ID": "0"}, {"LATVOX_SHARD_COUNT": "2"}):
+        for environment in ({"JOB_COMPLETION_INDEX": "0"}, {"SLURM_ARRAY_TASK_ID": "0"}, {"LATVOX_WORKER_COUNT": "2"}):
             done = self.batch(jobs, code=USAGE, **environment)
             self.assertIn(next(iter(environment)), done.stderr)
             self.assertFalse(self.out.exists())
-        self.batch(jobs, "--shard", "0/1", JOB_COMPLETION_INDEX="0")
+        self.batch(jobs, "--worker", "0/1", JOB_COMPLETION_INDEX="0")
 
-    def test_two_workers_with_one_shard_wait_for_each_other(self):
-        first = self.start(self.jobs(*self.small(2), LONG), "--jobs", "1", "--shard", "0/1")
+    def test_two_workers_with_one_index_wait_for_each_other(self):
+        first = self.start(self.jobs(*self.small(2), LONG), "--jobs", "1", "--worker", "0/1")
         self.wait_for_lines(first, 2)
         small = self.jobs(*self.small(2))
         waiting = [self.start(small, "--resume") for _ in range(3)]

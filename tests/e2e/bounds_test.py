@@ -61,7 +61,7 @@ class Bounds(Case):
 
     def test_scale_and_up_come_before(self):
         mesh = write_obj(self.dir / "octahedron.obj", octahedron())
-        options = ["--scale", "8", "--up", "y", "--voxel-size", "0.5"]
+        options = ["--scale", "8", "--up-axis", "y", "--voxel-size", "0.5"]
         whole = self.voxelize(mesh, *options)
         everything = rows(self.dir / "out.csv")
         self.voxelize(mesh, *options, option([-8, -8, 4, 8, 8, 8]))

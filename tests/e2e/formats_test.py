@@ -81,14 +81,14 @@ class Formats(Case):
             ["--voxel-size", "0.1", "--cover", "supercover"],
             ["--voxel-size", "0.1", "--band", "2v", "--signed"],
             ["--resolution", "20", "--algorithm", "incremental", "--verify"],
-            ["--voxel-size", "0.2", "--up", "z", "--scale", "2", "--quantization", "14", "--input-format", "obj"],
-            ["--voxel-size", "0.1", "--up", "y", "--scale", "0.3", "--quantization", "0", "--band", "2v"],
+            ["--voxel-size", "0.2", "--up-axis", "z", "--scale", "2", "--quantization", "14", "--input-format", "obj"],
+            ["--voxel-size", "0.1", "--up-axis", "y", "--scale", "0.3", "--quantization", "0", "--band", "2v"],
         )):
             with self.subTest(options):
                 summary = self.voxelize(BUNNY, *options, out=f"{n}.vdb")
                 (grid,), _ = pyopenvdb.readAll(str(self.dir / f"{n}.vdb"))
                 request = json.loads(grid["latvox_request"])
-                for name in {"--up", "--scale", "--quantization", "--input-format"} & set(options):
+                for name in {"--up-axis", "--scale", "--quantization", "--input-format"} & set(options):
                     self.assertEqual(str(request[name[2:].replace("-", "_")]).removesuffix(".0"), options[options.index(name) + 1])
                 line = {"mesh": str(BUNNY), "out": f"again{n}.vdb"} | request
                 (self.dir / "jobs.jsonl").write_text(json.dumps(line) + "\n")

@@ -1,4 +1,4 @@
-"""However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up."""
+"""However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up-axis."""
 
 import json
 import subprocess
@@ -60,11 +60,11 @@ class Input(InputCase):
     def test_up_and_scale_move_the_vertices(self):
         path = write_obj(self.dir / "a.obj", MESH)
         for options, move in (
-            (["--up", "z"], lambda x, y, z: (x, y, z)),
-            (["--up", "y"], lambda x, y, z: (x, -z, y)),
-            (["--up", "x"], lambda x, y, z: (-z, y, x)),
+            (["--up-axis", "z"], lambda x, y, z: (x, y, z)),
+            (["--up-axis", "y"], lambda x, y, z: (x, -z, y)),
+            (["--up-axis", "x"], lambda x, y, z: (-z, y, x)),
             (["--scale", "0.3"], lambda x, y, z: (0.3 * x, 0.3 * y, 0.3 * z)),
-            (["--up", "y", "--scale", "1.7"], lambda x, y, z: (1.7 * x, -1.7 * z, 1.7 * y)),
+            (["--up-axis", "y", "--scale", "1.7"], lambda x, y, z: (1.7 * x, -1.7 * z, 1.7 * y)),
         ):
             with self.subTest(options):
                 wanted = self.expected(mapped(MESH, move))
@@ -74,7 +74,7 @@ class Input(InputCase):
 
     def test_encode_writes_what_voxelize_reads(self):
         path, drc = write_obj(self.dir / "mesh.obj", MESH), self.dir / "mesh.drc"
-        for options in [], ["--up", "y", "--scale", "0.5"]:
+        for options in [], ["--up-axis", "y", "--scale", "0.5"]:
             with self.subTest(options):
                 done = latvox("encode", path, *options, "-o", drc)
                 self.assertEqual(done.returncode, 0, done.stderr)
@@ -92,7 +92,7 @@ class Input(InputCase):
         job = {"mesh": "a.obj", "voxel_size": 0.25, "origin": [0, 0, 0], "quantization": 0, "out": "a.csv"}
         wanted = self.expected(mapped(MESH, lambda x, y, z: (2 * x, -2 * z, 2 * y)))
         for scale, status in ((2, "done"), (2, "skipped"), (3, "done")):
-            line = job | {"up": "y", "scale": scale, "weld_report": True, "input_format": "obj"}
+            line = job | {"up_axis": "y", "scale": scale, "weld_report": True, "input_format": "obj"}
             (self.dir / "jobs.jsonl").write_text(json.dumps(line))
             done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir, "--resume", *self.server)
             self.assertEqual(done.returncode, 0, done.stderr)

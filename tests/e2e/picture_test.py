@@ -100,15 +100,15 @@ class Picture(Case):
             _, _, lines = self.render(self.dir / "box.vdb", "--size", 96, "--view", "0,0", *options)
             return [max(c) - min(c) for c in zip(*self.covered(lines))]
 
-        wide = {axis: extent(*(["--up", axis] if axis else [])) for axis in ("", "x", "y", "z")}
+        wide = {axis: extent(*(["--view-up", axis] if axis else [])) for axis in ("", "x", "y", "z")}
         self.assertEqual(wide[""], wide["y"])
         ratio = {axis: size[0] / size[1] for axis, size in wide.items()}
         self.assertLess(abs(ratio["y"] - 1 / 2), 0.15, wide)  # x to the right, y up
         self.assertLess(abs(ratio["z"] - 1 / 4), 0.15, wide)
         self.assertLess(abs(ratio["x"] - 4 / 1), 1.2, wide)  # z to the right
 
-        self.voxelize(box, "--resolution", "33", "--up", "z", out="up.png")
-        self.assertEqual(latvox("render", self.dir / "box.vdb", "-o", self.dir / "same.png", "--up", "z").returncode, OK)
+        self.voxelize(box, "--resolution", "33", "--up-axis", "z", out="up.png")
+        self.assertEqual(latvox("render", self.dir / "box.vdb", "-o", self.dir / "same.png", "--view-up", "z").returncode, OK)
         self.assertEqual((self.dir / "up.png").read_bytes(), (self.dir / "same.png").read_bytes())
 
     def test_options_do_what_they_say(self):

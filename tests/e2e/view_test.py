@@ -107,10 +107,10 @@ class View(Case):
 
     def test_any_axis_may_point_up(self):
         for options, metadata, up in [
-            (["--up", "x"], {}, "x"),
-            (["--up", "z"], {}, "z"),
-            ([], {"latvox_request": '{"lattice":"fcc","up":"y"}'}, "z"),
-            (["--up", "y"], {"latvox_request": '{"lattice":"fcc","up":"y"}'}, "y"),
+            (["--view-up", "x"], {}, "x"),
+            (["--view-up", "z"], {}, "z"),
+            ([], {"latvox_request": '{"lattice":"fcc","up_axis":"y"}'}, "z"),
+            (["--view-up", "y"], {"latvox_request": '{"lattice":"fcc","up_axis":"y"}'}, "y"),
         ]:
             with self.subTest(options=options, **metadata):
                 cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"], **metadata)
@@ -121,7 +121,7 @@ class View(Case):
 
     def test_a_mesh_that_was_turned_stands_upright(self):
         mesh = write_obj(self.dir / "a.obj", octahedron())
-        for options, up in [(["--up", "y"], "z"), ([], "y")]:
+        for options, up in [(["--up-axis", "y"], "z"), ([], "y")]:
             self.voxelize(mesh, "--resolution", 6, *options, out="a.vdb")
             self.view(self.dir / "a.vdb")
             self.assertEqual(self.tab.run("'xyz'[data.axes.findIndex(([x, y, z]) => y === 1)]"), up)
@@ -321,7 +321,7 @@ class Page(Case):
         for status, pattern, *arguments in [
             (USAGE, "--out", self.dir / "a.vdb"),
             (USAGE, r"page\.png.*\.html", self.dir / "a.vdb", "-o", self.dir / "page.png"),
-            (USAGE, "--up", self.dir / "a.vdb", "-o", page, "--up", "w"),
+            (USAGE, "--view-up", self.dir / "a.vdb", "-o", page, "--view-up", "w"),
             (BAD_INPUT, "none.vdb: no such file", self.dir / "none.vdb", "-o", page),
             (BAD_INPUT, "a.obj: is not a readable .vdb file", no_vdb, "-o", page),
         ]:

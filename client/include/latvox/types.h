@@ -158,7 +158,7 @@ struct VoxelizeRequest {
 // How a mesh was read and encoded before it was sent, as far as that is not by default: what grids tell beside the
 // request, for those who repeat it. The fields of these names in a line of `latvox batch`.
 struct MeshNote {
-  std::string up;                   // "x", "y" or "z": the axis of the file that became z
+  std::string up_axis;              // "x", "y" or "z": the axis of the file that became z
   std::optional<double> scale;      // of its coordinates
   std::string input_format;         // "ply", ...: whatever its extension says
   std::optional<int> quantization;  // bits of a position on the way to the server; 0: lossless

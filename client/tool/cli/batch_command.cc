@@ -16,7 +16,7 @@ namespace {
 void Say(const std::string& line) { std::fprintf(stderr, "latvox: %s\n", line.c_str()); }
 
 absl::StatusOr<JobFile> ReadJobs(const BatchOptions& options, const Cancellation& cancellation) {
-  auto file = ReadJobFile(options.jobs_file, options.directory, options.shard.shard, cancellation);
+  auto file = ReadJobFile(options.jobs_file, options.directory, options.worker.worker, cancellation);
   if (!file.ok() || file->wrong == 0) return file;
   for (const std::string& error : file->errors) Say(error);
   return absl::InvalidArgumentError(absl::StrCat(NameOfInput(options.jobs_file), ": ", file->wrong, " of ", file->jobs,
@@ -36,13 +36,13 @@ absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancella
   const absl::Time start = absl::Now();
   const auto file = ReadJobs(options, cancellation);
   if (!file.ok()) return file.status();
-  const auto& [shard, source] = options.shard;
+  const auto& [worker, source] = options.worker;
   if (!source.empty()) {
-    Say(absl::StrCat("shard ", shard.index, "/", shard.count, " (", source, "): ", file->lines.size(), " of ",
+    Say(absl::StrCat("worker ", worker.index, "/", worker.count, " (", source, "): ", file->lines.size(), " of ",
                      file->jobs, " jobs"));
   }
   if (auto status = MakeDirectory(options.directory); !status.ok()) return status;
-  const std::string results = (std::filesystem::path(options.directory) / ResultsName(shard)).string();
+  const std::string results = (std::filesystem::path(options.directory) / ResultsName(worker)).string();
   const auto results_file = ResultsFile::Open(results, cancellation, Say);
   if (!results_file.ok()) return results_file.status();
   // Once nobody else adds to this worker's file.

@@ -23,7 +23,7 @@ void AddBatchOptions(CLI::App& command, BatchWords& words) {
       ->type_name("DIR")
       ->required();
   command
-      .add_option("--shard", words.shard,
+      .add_option("--worker", words.worker,
                   "only every Nth job from job I on, 0 <= I < N (default: what Kubernetes or Slurm says)")
       ->type_name("I/N")
       ->check(CheckShard);
@@ -39,7 +39,7 @@ void AddBatchOptions(CLI::App& command, BatchWords& words) {
 
 BatchOptions Interpret(const BatchWords& words) {
   BatchOptions options = words.options;
-  options.shard = ChooseShard(words.shard);
+  options.worker = ChooseWorker(words.worker);
   if (options.jobs == 0) options.jobs = options.server.address.empty() ? kPrivateJobs : kServerJobs;
   return options;
 }

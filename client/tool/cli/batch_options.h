@@ -5,8 +5,8 @@
 #include <CLI/App.hpp>
 #include <string>
 
-#include "client/tool/cli/line_shard.h"
 #include "client/tool/cli/session.h"
+#include "client/tool/cli/worker.h"
 
 namespace latvox::client {
 
@@ -16,7 +16,7 @@ inline constexpr int kPrivateJobs = 2, kServerJobs = 4;
 
 struct BatchOptions {
   std::string jobs_file, directory;
-  ChosenShard shard;
+  ChosenWorker worker;
   int jobs = 0;  // at once
   bool resume = false, json = false;
   ServerChoice server;  // whose timeout is each job's
@@ -25,13 +25,13 @@ struct BatchOptions {
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct BatchWords {
   BatchOptions options;  // filled in part by parsing; jobs is 0 if it was not given
-  std::string shard;
+  std::string worker;
 };
 
 // Adds the options to a command. Parsing checks each option by itself.
 void AddBatchOptions(CLI::App& command, BatchWords& words);
 
-// What the words mean together with the environment. Throws CLI::ValidationError, as ChooseShard.
+// What the words mean together with the environment. Throws CLI::ValidationError, as ChooseWorker.
 BatchOptions Interpret(const BatchWords& words);
 
 }  // namespace latvox::client

@@ -35,9 +35,9 @@ uint64_t Whole(const nlohmann::json& number) {
 
 }  // namespace
 
-std::string ResultsName(const Shard& shard) {
-  if (shard.count == 1) return "results.jsonl";
-  return absl::StrCat("results-", shard.index, "-of-", shard.count, ".jsonl");
+std::string ResultsName(const Worker& worker) {
+  if (worker.count == 1) return "results.jsonl";
+  return absl::StrCat("results-", worker.index, "-of-", worker.count, ".jsonl");
 }
 
 ResultsFile::ResultsFile(std::string path, int fd) : path_(std::move(path)), fd_(fd) {}

@@ -14,14 +14,14 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client/tool/cli/job_line.h"
-#include "client/tool/cli/line_shard.h"
+#include "client/tool/cli/worker.h"
 #include "client/tool/cli/report.h"
 #include "latvox/cancellation.h"
 
 namespace latvox::client {
 
 // results.jsonl, or results-I-of-N.jsonl, so that no two workers write one file.
-std::string ResultsName(const Shard& shard);
+std::string ResultsName(const Worker& worker);
 
 // Lines of `report.h`'s ToJsonLine, appended whole as jobs end. Threads: Append may be called at once.
 class ResultsFile {

@@ -71,7 +71,7 @@ class Claims {
 
 }  // namespace
 
-absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Shard& shard,
+absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Worker& worker,
                                     const Cancellation& cancellation) {
   auto bytes = path == kStandardInput ? ReadStandardInput("a job file") : ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
@@ -89,7 +89,7 @@ absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& 
     ++number;
     if (cancellation.cancelled()) return absl::CancelledError("cancelled");
     if (absl::StripAsciiWhitespace(text).empty()) continue;
-    if (Takes(shard, file.jobs++)) file.lines.push_back(JobLine{number, text});
+    if (DoesJob(worker, file.jobs++)) file.lines.push_back(JobLine{number, text});
     const auto job = parser.Parse(text);
     const absl::Status status = job.ok() ? claims.Add(number, *job) : job.status();
     if (!status.ok()) tell(number, status.message());

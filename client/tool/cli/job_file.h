@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client/tool/cli/line_shard.h"
+#include "client/tool/cli/worker.h"
 #include "latvox/cancellation.h"
 
 namespace latvox::client {
@@ -31,7 +31,7 @@ struct JobFile {
 // Reads the file, or standard input, "-", and holds every line of it, whosever it is, against the rules, and against
 // each other: outputs and ids must differ, and no output may take the place of a mesh. Errors: those of ReadBytes;
 // INVALID_ARGUMENT if there is no job at all; CANCELLED. Lines that are wrong are none.
-absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Shard& shard,
+absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Worker& worker,
                                     const Cancellation& cancellation);
 
 }  // namespace latvox::client

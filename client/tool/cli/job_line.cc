@@ -45,7 +45,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"bounds", Kind::kNumbers},
     {"shard", Kind::kText},
     {"encoding", Kind::kText},
-    {"up", Kind::kText},
+    {"up_axis", Kind::kText},
     {"scale", Kind::kNumber},
     {"input_format", Kind::kText},
     {"weld_report", Kind::kFlag},

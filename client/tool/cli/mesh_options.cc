@@ -17,9 +17,9 @@ void AddMeshes(CLI::App& command, MeshSource& mesh) {
 }
 
 void AddMeshOptions(CLI::App& command, MeshWords& words) {
-  command.add_option("--up", words.up, "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)")
+  command.add_option("--up-axis", words.up_axis, "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)")
       ->check(OneOf(UpNames()));
-  command.add_option("--scale", words.scale, "multiply the mesh's coordinates, after --up")
+  command.add_option("--scale", words.scale, "multiply the mesh's coordinates, after --up-axis")
       ->type_name("S")
       ->check(CheckPositive);
   command.add_option("--input-format", words.input_format, "of MESH, whatever its extension and its first bytes say")
@@ -27,7 +27,7 @@ void AddMeshOptions(CLI::App& command, MeshWords& words) {
 }
 
 void InterpretMesh(const MeshWords& words, MeshSource& mesh) {
-  if (!words.up.empty()) mesh.up = ValueNamed(UpNames(), words.up);
+  if (!words.up_axis.empty()) mesh.up = ValueNamed(UpNames(), words.up_axis);
   if (!words.scale.empty()) ParseNumber(words.scale, mesh.scale);
   if (!words.input_format.empty()) mesh.format = ValueNamed(MeshFormats(), words.input_format);
 }

@@ -11,13 +11,13 @@ namespace latvox::client {
 
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct MeshWords {
-  std::string up, scale, input_format;
+  std::string up_axis, scale, input_format;
 };
 
 // Adds the positional MESH, one or several.
 void AddMeshes(CLI::App& command, MeshSource& mesh);
 
-// Adds --up, --scale and --input-format.
+// Adds --up-axis, --scale and --input-format.
 void AddMeshOptions(CLI::App& command, MeshWords& words);
 
 // What the words mean.

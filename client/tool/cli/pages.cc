@@ -18,7 +18,7 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
      "Examples:\n"
      "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
      "  latvox voxelize bunny.obj --voxel-size 0.05 --origin 0,0,0 -o bunny.csv --verify\n"
-     "  latvox voxelize - --up y --scale 10 --resolution 64 --weld-report -o bunny.glb < bunny.obj\n"},
+     "  latvox voxelize - --up-axis y --scale 10 --resolution 64 --weld-report -o bunny.glb < bunny.obj\n"},
     {"batch",
      "Examples:\n"
      "  echo '{\"mesh\": \"bunny.obj\", \"lattice\": \"fcc\", \"resolution\": 64}' > jobs.jsonl\n"
@@ -103,8 +103,8 @@ std::string ManPageOf(const CLI::App& app) {
        "LATVOX_LATVOXD is the program that is started as a private server, in place of the latvoxd beside latvox.\n"
        "LATVOX_THREADS, LATVOX_MEMORY_BUDGET and the others of latvoxd(8) hold for it as well, but for those of\n"
        "its configuration file, addresses, TLS and tokens. XDG_RUNTIME_DIR is where its socket is, else /tmp.\n"
-       "JOB_COMPLETION_INDEX with LATVOX_SHARD_COUNT, or SLURM_ARRAY_TASK_ID with its companions, say which shard\n"
-       "batch does.\n"
+       "JOB_COMPLETION_INDEX with LATVOX_WORKER_COUNT, or SLURM_ARRAY_TASK_ID with its companions, say which worker\n"
+       "batch is.\n"
        "TRACEPARENT and TRACESTATE, without --traceparent, are the W3C trace context that calls belong to; "
        "malformed ones are not sent."}};
   page.see_also = {"latvoxd(8)"};

@@ -62,7 +62,7 @@ void AddRenderOptions(CLI::App& command, RenderWords& words) {
   command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
   AddOutputOption(command, {".png"}, words.outputs);
   AddSizeOption(command, "pixels of each side", words.picture.side);
-  command.add_option("--up", words.up, "the axis that points up (default: y)")->check(OneOf(UpNames()));
+  command.add_option("--view-up", words.view_up, "the axis that points up (default: y)")->check(OneOf(UpNames()));
   command
       .add_option("--view", words.view,
                   "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)")
@@ -78,7 +78,7 @@ PictureOptions Interpret(const RenderWords& words) {
   if (words.outputs.size() != 1) Refuse("--out: one file, not ", words.outputs.size());
   CheckOutputs(words.outputs, words.input, "file");
   PictureOptions options = words.picture;
-  if (!words.up.empty()) options.up = ValueNamed(UpNames(), words.up);
+  if (!words.view_up.empty()) options.up = ValueNamed(UpNames(), words.view_up);
   if (std::array<double, 2> view; ParseNumbers(words.view, view)) {
     options.azimuth = view[0];
     options.elevation = view[1];

@@ -13,7 +13,7 @@ namespace latvox::client {
 
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct RenderWords {
-  std::string input, up, view, color, color_by;
+  std::string input, view_up, view, color, color_by;
   std::vector<std::string> outputs;
   PictureOptions picture;
 };

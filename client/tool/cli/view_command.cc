@@ -13,13 +13,13 @@
 namespace latvox::client {
 namespace {
 
-// The mesh's axis that `up` of the request names has become z. Files of others, or of a mesh as it was, say nothing.
+// The mesh's axis that `up_axis` of the request names has become z. Files of others, or of a mesh as it was, say nothing.
 UpAxis UpOf(const GridFileInfo& info) {
   const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
   const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
   if (found == info.metadata.end()) return UpAxis::kY;
   const auto request = nlohmann::json::parse(found->second, nullptr, /*allow_exceptions=*/false);
-  return request.contains("up") ? UpAxis::kZ : UpAxis::kY;
+  return request.contains("up_axis") ? UpAxis::kZ : UpAxis::kY;
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ UpAxis UpOf(const GridFileInfo& info) {
 void AddViewOptions(CLI::App& command, ViewWords& words) {
   command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
   AddOutputOption(command, {".html"}, words.outputs);
-  command.add_option("--up", words.up, "the axis that points up (default: z if the mesh was turned by --up, else y)")
+  command.add_option("--view-up", words.view_up, "the axis that points up (default: z if the mesh was turned by --up-axis, else y)")
       ->check(OneOf(UpNames()));
 }
 
@@ -41,7 +41,7 @@ absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& 
   const auto content = ReadGridContent(words.input);
   if (!content.ok()) return content.status();
   const GridFileInfo& info = content->file.info;
-  const UpAxis up = words.up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.up);
+  const UpAxis up = words.view_up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.view_up);
   const auto page = ViewPage(*content, std::filesystem::path(words.input).filename().string(), up);
   if (!page.ok()) return page.status();
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");

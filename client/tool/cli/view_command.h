@@ -13,7 +13,7 @@ namespace latvox::client {
 
 // The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
 struct ViewWords {
-  std::string input, up;
+  std::string input, view_up;
   std::vector<std::string> outputs;
 };
 

@@ -159,7 +159,7 @@ void AddFillOptions(CLI::App& command, VoxelizeWords& words) {
 // What repeats the mesh as it is asked for.
 MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   MeshNote note;
-  note.up = words.up;
+  note.up_axis = words.up_axis;
   if (!words.scale.empty()) note.scale = options.mesh.scale;
   note.input_format = words.input_format;
   note.quantization = options.quantization_bits;
@@ -324,7 +324,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   }
   options.output_options.dense_npy = words.npy == "dense";
   InterpretMesh(words, options.mesh);
-  if (!words.up.empty()) options.output_options.picture_up = UpAxis::kZ;
+  if (!words.up_axis.empty()) options.output_options.picture_up = UpAxis::kZ;
   if (!words.shard.empty()) request.shard = ParseShard(words.shard);
   if (!words.band.empty()) {
     request.band = ParseBand(words.band);

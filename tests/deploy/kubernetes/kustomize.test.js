@@ -21,9 +21,9 @@ for (const overlay of OVERLAYS) {
   });
 }
 
-test('batch: workers count as many shards as there are', () => {
+test('batch: workers count as many workers as there are', () => {
   const { spec } = rendered(command, 'overlays/batch').find(({ kind }) => kind === 'Job');
-  const { value } = spec.template.spec.containers[0].env.find(({ name }) => name === 'LATVOX_SHARD_COUNT');
+  const { value } = spec.template.spec.containers[0].env.find(({ name }) => name === 'LATVOX_WORKER_COUNT');
   assert.equal(value, String(spec.completions));
 });
 

@@ -26,7 +26,7 @@ test('each overlay has all of its objects', () => {
     'PersistentVolumeClaim/latvox-results'].sort());
 });
 
-test('batch: a shard is tried again by itself, but not for what stays wrong, and its pod asks for what it takes', () => {
+test('batch: a worker is tried again by itself, but not for what stays wrong, and its pod asks for what it takes', () => {
   const { spec } = find(load('batch'), 'Job');
   assert.equal(spec.backoffLimitPerIndex, 3);
   assert.deepEqual(spec.podFailurePolicy.rules.map(({ action }) => action), ['Ignore', 'FailIndex']);

@@ -13,7 +13,7 @@
 #include "client/tool/cli/batch_results.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/job_digest.h"
-#include "client/tool/cli/line_shard.h"
+#include "client/tool/cli/worker.h"
 #include "latvox/error.h"
 #include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client/files.h"
@@ -27,12 +27,12 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 // With an environment that names no engine, whatever runs the test.
-class Shards : public testing::Test {
+class Workers : public testing::Test {
  protected:
-  Shards() {
+  Workers() {
     for (const char* name : kNames) unsetenv(name);
   }
-  ~Shards() override {
+  ~Workers() override {
     for (const char* name : kNames) unsetenv(name);
   }
   static void Set(const std::map<std::string, std::string>& variables) {
@@ -42,48 +42,48 @@ class Shards : public testing::Test {
   static std::string Refusal(const std::map<std::string, std::string>& variables) {
     Set(variables);
     try {
-      ChooseShard("");
+      ChooseWorker("");
     } catch (const CLI::ValidationError& error) {
       return error.what();
     }
     return "accepted";
   }
-  static constexpr const char* kNames[] = {"JOB_COMPLETION_INDEX",   "LATVOX_SHARD_COUNT",   "SLURM_ARRAY_TASK_ID",
+  static constexpr const char* kNames[] = {"JOB_COMPLETION_INDEX",   "LATVOX_WORKER_COUNT",   "SLURM_ARRAY_TASK_ID",
                                            "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"};
 };
 
-TEST_F(Shards, WithoutAWordItIsTheWhole) {
-  EXPECT_EQ(ChooseShard("").shard, (Shard{0, 1}));
-  EXPECT_EQ(ChooseShard("").source, "");
+TEST_F(Workers, WithoutAWordItIsTheWhole) {
+  EXPECT_EQ(ChooseWorker("").worker, (Worker{0, 1}));
+  EXPECT_EQ(ChooseWorker("").source, "");
 }
 
-TEST_F(Shards, TheOptionGoesBeforeTheEnvironment) {
+TEST_F(Workers, TheOptionGoesBeforeTheEnvironment) {
   Set({{"JOB_COMPLETION_INDEX", "1"}});
-  EXPECT_EQ(ChooseShard("2/3").shard, (Shard{2, 3}));
-  EXPECT_EQ(ChooseShard("2/3").source, "--shard");
+  EXPECT_EQ(ChooseWorker("2/3").worker, (Worker{2, 3}));
+  EXPECT_EQ(ChooseWorker("2/3").source, "--worker");
 }
 
-TEST_F(Shards, EnginesTellTheirs) {
-  Set({{"JOB_COMPLETION_INDEX", "1"}, {"LATVOX_SHARD_COUNT", "4"}});
-  EXPECT_EQ(ChooseShard("").shard, (Shard{1, 4}));
-  EXPECT_EQ(ChooseShard("").source, "JOB_COMPLETION_INDEX, LATVOX_SHARD_COUNT");
+TEST_F(Workers, EnginesTellTheirs) {
+  Set({{"JOB_COMPLETION_INDEX", "1"}, {"LATVOX_WORKER_COUNT", "4"}});
+  EXPECT_EQ(ChooseWorker("").worker, (Worker{1, 4}));
+  EXPECT_EQ(ChooseWorker("").source, "JOB_COMPLETION_INDEX, LATVOX_WORKER_COUNT");
   Set({{"SLURM_ARRAY_TASK_ID", "9"}, {"SLURM_ARRAY_TASK_COUNT", "4"}, {"SLURM_ARRAY_TASK_MIN", "8"}});
-  EXPECT_EQ(ChooseShard("").shard, (Shard{1, 4}));
+  EXPECT_EQ(ChooseWorker("").worker, (Worker{1, 4}));
   Set({{"SLURM_ARRAY_TASK_ID", "14"},
        {"SLURM_ARRAY_TASK_COUNT", "4"},
        {"SLURM_ARRAY_TASK_MIN", "8"},
        {"SLURM_ARRAY_TASK_STEP", "2"},
        {"JOB_COMPLETION_INDEX", ""}});
-  EXPECT_EQ(ChooseShard("").shard, (Shard{3, 4}));
-  EXPECT_EQ(ChooseShard("").source, "SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_COUNT");
+  EXPECT_EQ(ChooseWorker("").worker, (Worker{3, 4}));
+  EXPECT_EQ(ChooseWorker("").source, "SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_COUNT");
 }
 
-TEST_F(Shards, WhatIsIncompleteOrOutOfRangeIsRefused) {
-  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "1"}}), HasSubstr("LATVOX_SHARD_COUNT is not"));
-  EXPECT_THAT(Refusal({{"LATVOX_SHARD_COUNT", "4"}}), HasSubstr("JOB_COMPLETION_INDEX is not"));
-  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "4"}, {"LATVOX_SHARD_COUNT", "4"}}),
+TEST_F(Workers, WhatIsIncompleteOrOutOfRangeIsRefused) {
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "1"}}), HasSubstr("LATVOX_WORKER_COUNT is not"));
+  EXPECT_THAT(Refusal({{"LATVOX_WORKER_COUNT", "4"}}), HasSubstr("JOB_COMPLETION_INDEX is not"));
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "4"}, {"LATVOX_WORKER_COUNT", "4"}}),
               HasSubstr("4 is not below the count, 4"));
-  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "-1"}, {"LATVOX_SHARD_COUNT", "4"}}),
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "-1"}, {"LATVOX_WORKER_COUNT", "4"}}),
               HasSubstr("JOB_COMPLETION_INDEX: \"-1\""));
   EXPECT_THAT(Refusal({{"SLURM_ARRAY_TASK_ID", "1"}, {"SLURM_ARRAY_TASK_MIN", "0"}}),
               HasSubstr("SLURM_ARRAY_TASK_COUNT is not"));
@@ -96,9 +96,9 @@ TEST_F(Shards, WhatIsIncompleteOrOutOfRangeIsRefused) {
                        {"SLURM_ARRAY_TASK_MIN", "1"},
                        {"SLURM_ARRAY_TASK_STEP", "2"}}),
               HasSubstr("steps of 2"));
-  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_SHARD_COUNT", "1"}, {"SLURM_ARRAY_TASK_ID", "0"}}),
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_WORKER_COUNT", "1"}, {"SLURM_ARRAY_TASK_ID", "0"}}),
               HasSubstr("both set"));
-  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_SHARD_COUNT", "1048577"}}),
+  EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_WORKER_COUNT", "1048577"}}),
               HasSubstr("exceeds 1048576"));
   for (const char* text : {"", "1", "1/1", "-1/2", "0/0", "1/2/3", "a/2", "0/4294967296"}) {
     EXPECT_THAT(CheckShard(text), HasSubstr("is not I/N with 0 <= I < N <= 1048576")) << text;
@@ -106,7 +106,7 @@ TEST_F(Shards, WhatIsIncompleteOrOutOfRangeIsRefused) {
   EXPECT_EQ(CheckShard("0/1"), "");
 }
 
-TEST_F(Shards, JobsAtOnceDependOnWhoseServerItIs) {
+TEST_F(Workers, JobsAtOnceDependOnWhoseServerItIs) {
   BatchWords words;
   EXPECT_EQ(Interpret(words).jobs, kPrivateJobs);
   words.options.server.address = "a:1";
@@ -300,7 +300,7 @@ TEST_F(Results, LinesThatAreNoResultsAreIgnored) {
   EXPECT_EQ(DoneJobs::Read(Path("out"), Cancellation())->Find(MakeJob(), "abc"), std::nullopt);
 }
 
-TEST_F(Results, EachShardHasAFileOfItsOwn) {
+TEST_F(Results, EachWorkerHasAFileOfItsOwn) {
   EXPECT_EQ(ResultsName({}), "results.jsonl");
   EXPECT_EQ(ResultsName({2, 7}), "results-2-of-7.jsonl");
 }

@@ -8,7 +8,7 @@
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/job_file.h"
 #include "client/tool/cli/job_line.h"
-#include "client/tool/cli/line_shard.h"
+#include "client/tool/cli/worker.h"
 #include "tests/unit/client/files.h"
 
 namespace latvox::client {
@@ -202,8 +202,8 @@ class JobFileTest : public FilesTest {
     return job.ok() ? std::string(CheckPlaces(*job).message()) : "";
   }
 
-  JobFile ReadJobs(const std::string& text, const Shard& shard = {}) const {
-    auto file = ReadJobFile(Write("jobs.jsonl", text), Path("out"), shard, Cancellation());
+  JobFile ReadJobs(const std::string& text, const Worker& worker = {}) const {
+    auto file = ReadJobFile(Write("jobs.jsonl", text), Path("out"), worker, Cancellation());
     EXPECT_TRUE(file.ok()) << file.status();
     return file.ok() ? *std::move(file) : JobFile();
   }
@@ -220,7 +220,7 @@ TEST_F(JobFileTest, BlankLinesAreNoJobsAndLinesKeepTheirNumbers) {
   EXPECT_EQ(file.lines[1].text, job + "\"b\"}");
 }
 
-TEST_F(JobFileTest, ShardsShareTheJobsEvenly) {
+TEST_F(JobFileTest, WorkersShareTheJobsEvenly) {
   std::string text;
   for (int n = 0; n < 100; ++n)
     text += "{\"mesh\": \"" + std::to_string(n) + ".obj\", \"resolution\": 8}\n" + std::string(n % 3, '\n');

@@ -86,7 +86,7 @@ TEST(Options, EveryOptionArrivesWhereItBelongs) {
                                          "optimized-incremental",
                                          "--fill",
                                          "surface",
-                                         "--up",
+                                         "--up-axis",
                                          "y",
                                          "--scale",
                                          "2.5",
@@ -226,7 +226,7 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--band"});
   refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
   refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
-  refuses({"--resolution", "9", "--up", "w"}, {"--up", "w", "x,y"});
+  refuses({"--resolution", "9", "--up-axis", "w"}, {"--up-axis", "w", "x,y"});
   refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
   refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
   refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});

@@ -1,4 +1,4 @@
-#include "client/tool/cli/line_shard.h"
+#include "client/tool/cli/worker.h"
 
 #include <cstdlib>
 #include <optional>
@@ -9,7 +9,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr char kKubernetesIndex[] = "JOB_COMPLETION_INDEX", kCount[] = "LATVOX_SHARD_COUNT";
+constexpr char kKubernetesIndex[] = "JOB_COMPLETION_INDEX", kCount[] = "LATVOX_WORKER_COUNT";
 constexpr char kSlurmId[] = "SLURM_ARRAY_TASK_ID", kSlurmCount[] = "SLURM_ARRAY_TASK_COUNT";
 constexpr char kSlurmMin[] = "SLURM_ARRAY_TASK_MIN", kSlurmStep[] = "SLURM_ARRAY_TASK_STEP";
 
@@ -24,22 +24,22 @@ std::optional<uint32_t> Variable(const char* name) {
 
 uint32_t Needed(const char* name, const char* because) {
   const std::optional<uint32_t> number = Variable(name);
-  if (!number) Refuse(because, " is set, but ", name, " is not; give both, or --shard I/N");
+  if (!number) Refuse(because, " is set, but ", name, " is not; give both, or --worker I/N");
   return *number;
 }
 
-Shard Below(uint32_t index, uint32_t count, const std::string& sources) {
+Worker Below(uint32_t index, uint32_t count, const std::string& sources) {
   if (count > kMaxShards) Refuse(sources, ": the count, ", count, ", exceeds ", kMaxShards);
-  if (index >= count) Refuse(sources, ": shard ", index, " is not below the count, ", count);
+  if (index >= count) Refuse(sources, ": worker ", index, " is not below the count, ", count);
   return {index, count};
 }
 
-ChosenShard FromKubernetes(uint32_t index) {
+ChosenWorker FromKubernetes(uint32_t index) {
   const std::string sources = absl::StrCat(kKubernetesIndex, ", ", kCount);
   return {Below(index, Needed(kCount, kKubernetesIndex), sources), sources};
 }
 
-ChosenShard FromSlurm(uint32_t id) {
+ChosenWorker FromSlurm(uint32_t id) {
   const uint32_t count = Needed(kSlurmCount, kSlurmId), min = Needed(kSlurmMin, kSlurmId);
   const uint32_t step = Variable(kSlurmStep).value_or(1);
   if (id < min || step == 0 || (id - min) % step != 0) {
@@ -51,14 +51,14 @@ ChosenShard FromSlurm(uint32_t id) {
 
 }  // namespace
 
-ChosenShard ChooseShard(const std::string& given) {
-  if (const auto shard = ParseShard(given)) return {*shard, "--shard"};
+ChosenWorker ChooseWorker(const std::string& given) {
+  if (const auto worker = ParseShard(given)) return {{worker->index, worker->count}, "--worker"};
   const std::optional<uint32_t> kubernetes = Variable(kKubernetesIndex), slurm = Variable(kSlurmId);
-  if (kubernetes && slurm) Refuse(kKubernetesIndex, " and ", kSlurmId, " are both set; --shard I/N decides");
+  if (kubernetes && slurm) Refuse(kKubernetesIndex, " and ", kSlurmId, " are both set; --worker I/N decides");
   if (kubernetes) return FromKubernetes(*kubernetes);
   if (slurm) return FromSlurm(*slurm);
   // Workers that were counted but not numbered would each do the whole.
-  if (Variable(kCount)) Refuse(kCount, " is set, but ", kKubernetesIndex, " is not; give both, or --shard I/N");
+  if (Variable(kCount)) Refuse(kCount, " is set, but ", kKubernetesIndex, " is not; give both, or --worker I/N");
   return {};
 }
 
