@@ -58,7 +58,7 @@ std::string Show(const openvdb::math::Transform& transform) {
   return text;
 }
 
-absl::Status CheckTransform(const PartFile& part, const PartFile& first) {
+absl::Status CheckSameTransform(const PartFile& part, const PartFile& first) {
   if (!part.transform()->isLinear()) {
     return absl::InvalidArgumentError(absl::StrCat(part.path(), ": the grid's transform is not affine"));
   }
@@ -174,7 +174,7 @@ bool IsTrue(const PartFile& part, const char* name) {
 absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
   const PartFile& first = *parts.front();
   for (const auto& part : parts) {
-    if (auto status = CheckTransform(*part, first); !status.ok()) return status;
+    if (auto status = CheckSameTransform(*part, first); !status.ok()) return status;
     if (auto status = CheckFields(*part, first); !status.ok()) return status;
   }
   const auto shards = CheckShards(parts);

@@ -1,8 +1,7 @@
-// What a command's options are, for those who write about them.
+// What a command's options are, for those who write about them: CommandParser::Describe makes it.
 #ifndef LATVOX_MANUAL_COMMAND_FACTS_H_
 #define LATVOX_MANUAL_COMMAND_FACTS_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
@@ -22,8 +21,6 @@ struct CommandFacts {
   std::vector<OptionFacts> positionals, options;  // in the order of definition, --help first; none that is hidden
   std::vector<CommandFacts> commands;
 };
-
-CommandFacts Describe(const CLI::App& app);
 
 }  // namespace latvox
 

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -41,18 +40,18 @@ bool IsLike(absl::string_view name, absl::string_view option, size_t distance) {
   return distance <= 1 + std::min(name.size(), option.size()) / 4 || IsPartOf(name, option);
 }
 
-std::vector<std::string> VariablesOf(const CLI::App& app) {
+std::vector<std::string> VariablesOf(const std::vector<OptionState>& options) {
   std::vector<std::string> names = {EnvironmentName("--config")};
-  for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_envname().empty()) names.push_back(option->get_envname());
+  for (const OptionState& option : options) {
+    if (!option.environment.empty()) names.push_back(option.environment);
   }
   return names;
 }
 
 }  // namespace
 
-std::vector<MisspeltVariable> MisspeltVariables(const CLI::App& app) {
-  const std::vector<std::string> options = VariablesOf(app);
+std::vector<MisspeltVariable> MisspeltVariables(const std::vector<OptionState>& options) {
+  const std::vector<std::string> names = VariablesOf(options);
   std::vector<MisspeltVariable> misspelt;
   for (char** variable = environ; *variable != nullptr; ++variable) {
     absl::string_view name = *variable;
@@ -61,7 +60,7 @@ std::vector<MisspeltVariable> MisspeltVariables(const CLI::App& app) {
     const absl::string_view rest = name.substr(kPrefix.size());
     const std::string* nearest = nullptr;
     size_t least = 0;
-    for (const std::string& option : options) {
+    for (const std::string& option : names) {
       const absl::string_view words = absl::string_view(option).substr(kPrefix.size());
       const size_t distance = Distance(rest, words);
       if (!IsLike(rest, words, distance) || (nearest != nullptr && distance >= least)) continue;

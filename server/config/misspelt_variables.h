@@ -2,9 +2,10 @@
 #ifndef LATVOX_SERVER_CONFIG_MISSPELT_VARIABLES_H_
 #define LATVOX_SERVER_CONFIG_MISSPELT_VARIABLES_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
+
+#include "deploy/manual/command_parser.h"
 
 namespace latvox {
 
@@ -14,7 +15,7 @@ struct MisspeltVariable {
 
 // Those of the environment. Other programs have variables that begin with LATVOX_, too, and Kubernetes makes some for a
 // Service of the name latvox: what is not like the name of any option is none of these.
-std::vector<MisspeltVariable> MisspeltVariables(const CLI::App& app);
+std::vector<MisspeltVariable> MisspeltVariables(const std::vector<OptionState>& options);
 
 }  // namespace latvox
 

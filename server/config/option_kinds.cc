@@ -1,14 +1,12 @@
 #include "server/config/option_kinds.h"
 
-#include <cmath>
 #include <cstdlib>
-#include <istream>
-#include <memory>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 
 namespace latvox {
@@ -20,16 +18,33 @@ std::string FromEnvironment(absl::string_view flag) {
   return value == nullptr ? "" : value;
 }
 
-// CLI11 lets the file win over the environment.
-class ConfigBelowEnvironment : public CLI::ConfigTOML {
- public:
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::vector<CLI::ConfigItem> settings = CLI::ConfigTOML::from_config(input);
-    std::erase_if(settings,
-                  [](const CLI::ConfigItem& item) { return !FromEnvironment(absl::StrCat("--", item.name)).empty(); });
-    return settings;
-  }
-};
+// What would be taken otherwise: -1 for 2^64 - 1, and 010 for 8.
+std::string CheckWithoutSign(const std::string& text) {
+  const bool is_number = !text.empty() && absl::ascii_isdigit(static_cast<uint8_t>(text[0]));
+  const bool is_octal_or_hexadecimal = text.size() > 1 && text[0] == '0' && absl::StrContains("0123456789xX", text[1]);
+  return is_number && !is_octal_or_hexadecimal ? "" : absl::StrCat("\"", text, "\" is not a whole number from 0 on");
+}
+
+std::string CheckAtLeastOne(const std::string& text) { return text == "0" ? "0 is below 1" : ""; }
+
+std::string NotInRange(const std::string& text, const std::string& low, const std::string& high) {
+  return absl::StrCat("Value ", text, " not in range ", low, " to ", high);
+}
+
+OptionRow Row(const std::string& flag, OptionTarget target, const std::string& help, const std::string& standard) {
+  return {.names = flag,
+          .target = std::move(target),
+          .help = help,
+          .environment = EnvironmentName(flag),
+          .standard = standard};
+}
+
+template <class T>
+OptionRow NumberRow(const std::string& flag, T& value, const std::string& help) {
+  OptionRow row = Row(flag, &value, help, absl::StrCat(value));
+  row.checks = {{CheckWithoutSign}};
+  return row;
+}
 
 }  // namespace
 
@@ -37,67 +52,85 @@ std::string EnvironmentName(absl::string_view flag) {
   return absl::StrCat("LATVOX_", absl::AsciiStrToUpper(absl::StrReplaceAll(flag.substr(2), {{"-", "_"}})));
 }
 
-const CLI::Validator& AtLeastOne() {
-  static const auto& validator = *new CLI::Validator(
-      [](std::string& value) { return value == "0" ? std::string("0 is below 1") : std::string(); }, "of at least 1");
-  return validator;
+OptionRow Text(const std::string& flag, std::string& value, const std::string& help) {
+  return Row(flag, &value, help, value);
 }
 
-const CLI::Validator& WithoutSign() {
-  static const auto& validator = *new CLI::Validator(
-      [](std::string& value) {
-        const bool is_number = !value.empty() && absl::ascii_isdigit(static_cast<uint8_t>(value[0]));
-        const bool is_octal_or_hexadecimal =
-            value.size() > 1 && value[0] == '0' && absl::StrContains("0123456789xX", value[1]);
-        return is_number && !is_octal_or_hexadecimal ? ""
-                                                     : absl::StrCat("\"", value, "\" is not a whole number from 0 on");
-      },
-      "");
-  return validator;
+OptionRow File(const std::string& flag, std::string& path, const std::string& help) {
+  OptionRow row = Text(flag, path, help);
+  row.value = "FILE";
+  return row;
 }
 
-// Of two that change the value, the one that is added last comes first.
-CLI::Option* TakeBytes(CLI::Option* option) {
-  return option->transform(CLI::AsSizeValue(false))->transform(WithoutSign());
+OptionRow Address(const std::string& flag, std::string& value, const std::string& help) {
+  OptionRow row = Text(flag, value, help);
+  row.value = "ADDRESS";
+  return row;
 }
 
-CLI::Option* AddBytes(CLI::App& app, const std::string& flag, uint64_t& value, const std::string& description) {
-  return TakeBytes(Add(app, flag, value, description))->check(AtLeastOne());
+OptionRow Texts(const std::string& flag, std::vector<std::string>& values, const std::string& help) {
+  OptionRow row = Row(flag, &values, help, absl::StrCat("[", absl::StrJoin(values, ","), "]"));
+  row.delimiter = ',';
+  return row;
 }
 
-CLI::Option* AddSeconds(CLI::App& app, const std::string& flag, double least, absl::Duration& value,
-                        const std::string& description) {
+OptionRow Number(const std::string& flag, uint64_t& value, const std::string& help) {
+  return NumberRow(flag, value, help);
+}
+
+OptionRow Number(const std::string& flag, uint32_t& value, const std::string& help) {
+  return NumberRow(flag, value, help);
+}
+
+OptionRow NumberTo(int most, const std::string& flag, int& value, const std::string& help) {
+  OptionRow row = NumberRow(flag, value, help);
+  row.checks.push_back({[most](const std::string& text) -> std::string {
+                          int number = 0;
+                          const bool is_good = absl::SimpleAtoi(text, &number) && number >= 0 && number <= most;
+                          return is_good ? "" : NotInRange(text, "0", absl::StrCat(most));
+                        },
+                        absl::StrCat("INT in [0 - ", most, "]")});
+  return row;
+}
+
+OptionRow Bytes(const std::string& flag, uint64_t& value, const std::string& help) {
+  OptionRow row = NumberRow(flag, value, help);
+  row.is_size = true;
+  return row;
+}
+
+OptionRow AtLeastOne(OptionRow row) {
+  row.checks.push_back({CheckAtLeastOne, "of at least 1"});
+  return row;
+}
+
+OptionRow Seconds(const std::string& flag, double least, absl::Duration& value, const std::string& help) {
   constexpr double kMost = 86400;
-  return app
-      .add_option_function<double>(
-          flag, [&value](double seconds) { value = absl::Seconds(seconds); }, description)
-      ->envname(EnvironmentName(flag))
-      ->default_str(absl::StrCat(absl::ToDoubleSeconds(value)))
-      ->type_name("SECONDS")
-      ->check(CLI::Range(least, kMost))
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            double seconds = 0;
-            const bool is_finite = absl::SimpleAtod(text, &seconds) && std::isfinite(seconds);
-            return is_finite ? "" : absl::StrCat("\"", text, "\" is not a number");
-          },
-          ""));
+  const auto set = [&value](const std::string& text) {
+    double seconds = 0;
+    if (absl::SimpleAtod(text, &seconds)) value = absl::Seconds(seconds);
+  };
+  const auto check_range = [least](const std::string& text) -> std::string {
+    double seconds = 0;
+    const bool is_good = absl::SimpleAtod(text, &seconds) && seconds >= least && seconds <= kMost;
+    return is_good ? "" : NotInRange(text, std::to_string(least), std::to_string(kMost));
+  };
+  OptionRow row = Row(flag, set, help, absl::StrCat(absl::ToDoubleSeconds(value)));
+  row.value = "SECONDS";
+  row.checks = {{check_range, absl::StrCat("FLOAT in [", least, " - ", kMost, "]")}};
+  return row;
 }
 
-CLI::Option* AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::string& description) {
-  return app.add_flag(flag, value, description)->envname(EnvironmentName(flag))->default_str("false");
+OptionRow Switch(const std::string& flag, bool& value, const std::string& help) {
+  return Row(flag, &value, help, "false");
 }
 
-// CLI11 does not look at the environment for the file's own name.
-void AddConfigurationFile(CLI::App& app) {
-  const std::string named = FromEnvironment("--config");
-  app.set_config("--config", named,
-                 absl::StrCat("Configuration file (TOML) with the options' long names as keys (",
-                              EnvironmentName("--config"), ")"),
-                 /*config_required=*/!named.empty());
-  app.get_config_ptr()->type_name("FILE");
-  app.allow_config_extras(CLI::config_extras_mode::error);
-  app.config_formatter(std::make_shared<ConfigBelowEnvironment>());
+// The library that parses does not look at the environment for the file's own name.
+void AddConfigurationFile(CommandParser& parser) {
+  parser.ReadFile("--config", FromEnvironment("--config"),
+                  absl::StrCat("Configuration file (TOML) with the options' long names as keys (",
+                               EnvironmentName("--config"), ")"),
+                  [](const std::string& name) { return !FromEnvironment(absl::StrCat("--", name)).empty(); });
 }
 
 }  // namespace latvox

@@ -1,71 +1,68 @@
-// The kinds of options that latvoxd has. Each is a flag, an environment variable and a key of the configuration file:
-// --max-jobs, LATVOX_MAX_JOBS, max-jobs.
+// The kinds of options that latvoxd has, as rows of a table. Each is a flag, an environment variable and a key of the
+// configuration file: --max-jobs, LATVOX_MAX_JOBS, max-jobs.
 #ifndef LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
 #define LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "deploy/manual/command_parser.h"
+#include "deploy/manual/option_row.h"
 
 namespace latvox {
 
 // --max-jobs -> LATVOX_MAX_JOBS
 std::string EnvironmentName(absl::string_view flag);
 
-const CLI::Validator& AtLeastOne();
+OptionRow Text(const std::string& flag, std::string& value, const std::string& help);
+OptionRow File(const std::string& flag, std::string& path, const std::string& help);
+OptionRow Address(const std::string& flag, std::string& value, const std::string& help);
 
-// What CLI11 would take otherwise: -1 for 2^64 - 1, and 010 for 8.
-const CLI::Validator& WithoutSign();
+// Several texts, each time or with commas between them.
+OptionRow Texts(const std::string& flag, std::vector<std::string>& values, const std::string& help);
 
-template <class T>
-CLI::Option* Add(CLI::App& app, const std::string& flag, T& value, const std::string& description) {
-  CLI::Option* option = app.add_option(flag, value, description)->envname(EnvironmentName(flag));
-  if constexpr (std::is_integral_v<T>) option->check(WithoutSign());
-  return option->capture_default_str();
-}
+// A whole number from 0 on.
+OptionRow Number(const std::string& flag, uint64_t& value, const std::string& help);
+OptionRow Number(const std::string& flag, uint32_t& value, const std::string& help);
 
-// Makes the option's value a number of bytes, as 1073741824 or 1GiB, or 0.
-CLI::Option* TakeBytes(CLI::Option* option);
+// The same from 0 to `most`.
+OptionRow NumberTo(int most, const std::string& flag, int& value, const std::string& help);
 
-// The same of at least 1.
-CLI::Option* AddBytes(CLI::App& app, const std::string& flag, uint64_t& value, const std::string& description);
+// A number of bytes, as 1073741824 or 1GiB, or 0.
+OptionRow Bytes(const std::string& flag, uint64_t& value, const std::string& help);
+
+// The same number, but not 0.
+OptionRow AtLeastOne(OptionRow row);
 
 // A number of seconds from `least` to a day.
-CLI::Option* AddSeconds(CLI::App& app, const std::string& flag, double least, absl::Duration& value,
-                        const std::string& description);
+OptionRow Seconds(const std::string& flag, double least, absl::Duration& value, const std::string& help);
 
 // One of some words. `value` must be that of one of them.
 template <class T>
-CLI::Option* AddChoice(CLI::App& app, const std::string& flag, const std::vector<std::pair<std::string, T>>& choices,
-                       T& value, const std::string& description) {
-  std::vector<std::string> words;
-  std::string chosen;
-  for (const auto& [word, choice] : choices) {
-    words.push_back(word);
-    if (choice == value) chosen = word;
-  }
-  const auto set = [choices, &value](const std::string& name) {
+OptionRow Choice(const std::string& flag, const std::vector<std::pair<std::string, T>>& choices, T& value,
+                 const std::string& help) {
+  const auto choose = [choices, &value](const std::string& name) {
     for (const auto& [word, choice] : choices) {
       if (word == name) value = choice;
     }
   };
-  return app.add_option_function<std::string>(flag, set, description)
-      ->envname(EnvironmentName(flag))
-      ->default_str(chosen)
-      ->check(CLI::IsMember(words));
+  OptionRow row{.names = flag, .target = choose, .help = help, .environment = EnvironmentName(flag)};
+  for (const auto& [word, choice] : choices) {
+    row.words.push_back(word);
+    if (choice == value) row.standard = word;
+  }
+  return row;
 }
 
 // Off unless given.
-CLI::Option* AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::string& description);
+OptionRow Switch(const std::string& flag, bool& value, const std::string& help);
 
 // Adds --config; the file stands below the environment, and must exist if it is named.
-void AddConfigurationFile(CLI::App& app);
+void AddConfigurationFile(CommandParser& parser);
 
 }  // namespace latvox
 

@@ -1,15 +1,12 @@
 #include "server/config/settings.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdlib>
 
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
 
 namespace latvox {
 namespace {
@@ -35,16 +32,9 @@ std::string Literal(const std::string& text) {
   return absl::StrCat(quote, text, quote);
 }
 
-std::vector<std::string> ValuesOf(const CLI::Option& option) {
-  if (option.count() > 0) return option.reduced_results();
-  const std::string text = option.get_default_str();
-  if (text.size() < 2 || text.front() != '[') return {text};
-  return absl::StrSplit(text.substr(1, text.size() - 2), ',');  // a list, as CLI11 writes it
-}
-
-std::string ValueOf(const CLI::Option& option) {
-  const std::vector<std::string> values = ValuesOf(option);
-  if (option.get_expected_max() > 1) {
+std::string ValueOf(const OptionState& option) {
+  const std::vector<std::string>& values = option.values;
+  if (option.is_list) {
     return absl::StrCat(
         "[", absl::StrJoin(values, ", ", [](std::string* out, const std::string& value) { *out += Literal(value); }),
         "]");
@@ -52,14 +42,18 @@ std::string ValueOf(const CLI::Option& option) {
   return values.empty() || values.front().empty() ? "" : Literal(values.front());
 }
 
-std::string SourceOf(const CLI::App& app, const CLI::Option& option) {
-  // What the command line has, CLI11 lists.
-  const auto& flags = app.parse_order();
-  if (std::find(flags.begin(), flags.end(), &option) != flags.end()) return "flag";
-  if (option.count() == 0) return "default";
-  const char* environment = option.get_envname().empty() ? nullptr : std::getenv(option.get_envname().c_str());
-  if (environment != nullptr && *environment != '\0') return absl::StrCat("environment ", option.get_envname());
-  return absl::StrCat("file ", app.get_config_ptr()->as<std::string>());
+std::string SourceOf(const OptionState& option, const std::string& file) {
+  switch (option.source) {
+    case OptionState::Source::kFlag:
+      return "flag";
+    case OptionState::Source::kEnvironment:
+      return absl::StrCat("environment ", option.environment);
+    case OptionState::Source::kFile:
+      return absl::StrCat("file ", file);
+    case OptionState::Source::kDefault:
+      break;
+  }
+  return "default";
 }
 
 absl::string_view Mark(const Setting& setting) {
@@ -75,12 +69,11 @@ bool FileDecides(const Setting& setting) {
   return setting.source == "default" || absl::StartsWith(setting.source, "file ");
 }
 
-std::vector<Setting> SettingsOf(const CLI::App& app) {
+std::vector<Setting> SettingsOf(const std::vector<OptionState>& options, const std::string& file) {
   std::vector<Setting> settings;
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_single_name();
-    if (Tells(name) || option == app.get_config_ptr()) continue;
-    settings.push_back({name, ValueOf(*option), SourceOf(app, *option), ReloadOf(name)});
+  for (const OptionState& option : options) {
+    if (Tells(option.name)) continue;
+    settings.push_back({option.name, ValueOf(option), SourceOf(option, file), ReloadOf(option.name)});
   }
   return settings;
 }

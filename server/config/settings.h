@@ -2,9 +2,10 @@
 #ifndef LATVOX_SERVER_CONFIG_SETTINGS_H_
 #define LATVOX_SERVER_CONFIG_SETTINGS_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
+
+#include "deploy/manual/command_parser.h"
 
 namespace latvox {
 
@@ -25,8 +26,9 @@ struct Setting {
 // Whether the configuration file has a say in it: neither a flag nor a variable of the environment wins over it.
 bool FileDecides(const Setting& setting);
 
-// All options but --help, --version and the like, in the order they were added. After app.parse.
-std::vector<Setting> SettingsOf(const CLI::App& app);
+// All options but --help, --version and the like, in the order they were added.
+//   file   path of the configuration file, or ""
+std::vector<Setting> SettingsOf(const std::vector<OptionState>& options, const std::string& file);
 
 // A configuration file that has all of `settings`, with their sources as comments.
 std::string ToToml(const std::vector<Setting>& settings);

@@ -17,7 +17,7 @@
 namespace latvox {
 namespace {
 
-constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
+constexpr auto kProbesCloseTimeout = std::chrono::milliseconds(500);
 constexpr int kMostRequestBytes = 4096;
 
 // Reflection is a plugin of every server that is built; not of this one.
@@ -26,14 +26,14 @@ class WithoutPlugins final : public grpc::ServerBuilderOption {
   void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override { plugins->clear(); }
 };
 
-class Server final : public HealthServer {
+class ProbedServer final : public HealthServer {
  public:
   // UNAVAILABLE naming the address.
   absl::Status Listen(const std::string& address);
 
-  ~Server() override {
+  ~ProbedServer() override {
     if (!server_) return;
-    server_->Shutdown(std::chrono::system_clock::now() + kCloseTimeout);
+    server_->Shutdown(std::chrono::system_clock::now() + kProbesCloseTimeout);
     socket_files_.Remove();
   }
 
@@ -50,7 +50,7 @@ class Server final : public HealthServer {
   SocketFiles socket_files_;
 };
 
-absl::Status Server::Listen(const std::string& address) {
+absl::Status ProbedServer::Listen(const std::string& address) {
   if (absl::Status status = CheckAddressIsFree(address); !status.ok()) return status;
   grpc::ServerBuilder builder;
   builder.SetOption(std::make_unique<WithoutPlugins>());
@@ -73,7 +73,7 @@ absl::Status Server::Listen(const std::string& address) {
 
 absl::StatusOr<std::unique_ptr<HealthServer>> HealthServer::Start(const std::string& address) {
   grpc::EnableDefaultHealthCheckService(true);
-  auto server = std::make_unique<Server>();
+  auto server = std::make_unique<ProbedServer>();
   if (absl::Status status = server->Listen(address); !status.ok()) return status;
   return server;
 }

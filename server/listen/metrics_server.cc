@@ -20,9 +20,9 @@ const std::vector<std::string>& Settings() {
   return settings;
 }
 
-class Server final : public MetricsServer {
+class PrometheusServer final : public MetricsServer {
  public:
-  Server(const std::string& address, std::shared_ptr<prometheus::Collectable> collectable)
+  PrometheusServer(const std::string& address, std::shared_ptr<prometheus::Collectable> collectable)
       : collectable_(std::move(collectable)), exposer_(WithAddress(address)), address_(address) {
     exposer_.RegisterCollectable(collectable_);
     if (absl::EndsWith(address, ":0")) {
@@ -49,7 +49,7 @@ class Server final : public MetricsServer {
 absl::StatusOr<std::unique_ptr<MetricsServer>> MetricsServer::Start(const std::string& address,
                                                                     const Metrics& metrics) {
   try {
-    return std::make_unique<Server>(address, metrics.collectable());
+    return std::make_unique<PrometheusServer>(address, metrics.collectable());
   } catch (const std::exception&) {  // it says no more than "null context when constructing CivetServer"
     return absl::UnavailableError(
         absl::StrCat("cannot listen on ", address,

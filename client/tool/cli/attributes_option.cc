@@ -1,6 +1,5 @@
 #include "client/tool/cli/attributes_option.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <set>
 
@@ -33,21 +32,17 @@ std::string CheckAttributes(const std::string& text) {
 
 }  // namespace
 
-void AddAttributesOption(CLI::App& command, VoxelizeWords& words) {
-  command
-      .add_option("--attributes", words.attributes,
-                  "voxels carry these of the nearest triangle: part, material, color, or a list of them")
-      ->type_name("NAME,...")
-      ->check(CheckAttributes)
-      ->excludes(command.get_option("--band"))
-      ->group("Voxels");
+OptionRow AttributesRow(VoxelizeWords& words) {
+  return {.names = "--attributes",
+          .target = &words.attributes,
+          .help = "voxels carry these of the nearest triangle: part, material, color, or a list of them",
+          .value = "NAME,...",
+          .checks = {{CheckAttributes}}};
 }
 
 void InterpretAttributes(const VoxelizeWords& words, VoxelizeOptions& options) {
   if (words.attributes.empty()) return;
   VoxelizeRequest& request = options.request;
-  if (request.solid) Refuse("--attributes excludes --fill solid, whose inside no triangle is near to");
-  if (request.algorithm != Algorithm::kExact) Refuse("--attributes excludes --algorithm ", words.algorithm);
   if (options.output_options.dense_npy) Refuse("--attributes excludes --npy dense");
   for (const absl::string_view word : absl::StrSplit(words.attributes, ',')) {
     request.attributes.push_back(ValueNamed(AttributeNames(), std::string(word)));

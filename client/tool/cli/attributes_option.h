@@ -2,19 +2,18 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_ATTRIBUTES_OPTION_H_
 #define LATVOX_CLIENT_TOOL_CLI_ATTRIBUTES_OPTION_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
 #include "absl/strings/string_view.h"
 #include "client/tool/cli/voxelize_options.h"
+#include "deploy/manual/option_row.h"
 
 namespace latvox::client {
 
-// After --band, which it excludes.
-void AddAttributesOption(CLI::App& command, VoxelizeWords& words);
+OptionRow AttributesRow(VoxelizeWords& words);
 
-// What the option asks for, if it is given. Throws CLI::ValidationError, as InterpretRequest.
+// What the option asks for, if it is given. Throws UsageError, as InterpretRequest.
 //   options   all else is interpreted
 void InterpretAttributes(const VoxelizeWords& words, VoxelizeOptions& options);
 

@@ -1,7 +1,5 @@
 #include "client/tool/cli/batch_options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
 
@@ -12,28 +10,30 @@ constexpr int kMaxJobs = 256;
 
 }  // namespace
 
-void AddBatchOptions(CLI::App& command, BatchWords& words) {
+void AddBatchOptions(CommandParser& command, BatchWords& words) {
   BatchOptions& options = words.options;
-  command
-      .add_option("jobs-file", options.jobs_file,
-                  "a job a line, as a JSON object, or - for standard input; see README.md, \"Many meshes\"")
-      ->type_name("JOBS.jsonl")
-      ->required();
-  command.add_option("-o,--out", options.directory, "directory of outputs and results; made if there is none")
-      ->type_name("DIR")
-      ->required();
-  command
-      .add_option("--worker", words.worker,
-                  "only every Nth job from job I on, 0 <= I < N (default: what Kubernetes or Slurm says)")
-      ->type_name("I/N")
-      ->check(CheckShard);
-  command.add_flag("--resume", options.resume, "skip jobs that are done");
-  command
-      .add_option("--jobs", options.jobs,
-                  absl::StrCat("jobs at once (default: ", kPrivateJobs, "; with --server ", kServerJobs, ")"))
-      ->type_name("P")
-      ->check(Whole(1, kMaxJobs));
-  command.add_flag("--json", options.json, "machine-readable summary on standard output");
+  command.Add({{.names = "jobs-file",
+                .target = &options.jobs_file,
+                .help = "a job a line, as a JSON object, or - for standard input; see README.md, \"Many meshes\"",
+                .value = "JOBS.jsonl",
+                .required = true},
+               {.names = "-o,--out",
+                .target = &options.directory,
+                .help = "directory of outputs and results; made if there is none",
+                .value = "DIR",
+                .required = true},
+               {.names = "--worker",
+                .target = &words.worker,
+                .help = "only every Nth job from job I on, 0 <= I < N (default: what Kubernetes or Slurm says)",
+                .value = "I/N",
+                .checks = {{CheckShard}}},
+               {.names = "--resume", .target = &options.resume, .help = "skip jobs that are done"},
+               {.names = "--jobs",
+                .target = &options.jobs,
+                .help = absl::StrCat("jobs at once (default: ", kPrivateJobs, "; with --server ", kServerJobs, ")"),
+                .value = "P",
+                .checks = {Whole(1, kMaxJobs)}},
+               JsonRow("machine-readable summary on standard output", options.json)});
   AddServerOptions(command, options.server);
 }
 

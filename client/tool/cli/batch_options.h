@@ -2,11 +2,11 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_BATCH_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_BATCH_OPTIONS_H_
 
-#include <CLI/App.hpp>
 #include <string>
 
 #include "client/tool/cli/session.h"
 #include "client/tool/cli/worker.h"
+#include "deploy/manual/command_parser.h"
 
 namespace latvox::client {
 
@@ -22,16 +22,16 @@ struct BatchOptions {
   ServerChoice server;  // whose timeout is each job's
 };
 
-// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+// The words as they are given; parsing writes into them.
 struct BatchWords {
   BatchOptions options;  // filled in part by parsing; jobs is 0 if it was not given
   std::string worker;
 };
 
 // Adds the options to a command. Parsing checks each option by itself.
-void AddBatchOptions(CLI::App& command, BatchWords& words);
+void AddBatchOptions(CommandParser& command, BatchWords& words);
 
-// What the words mean together with the environment. Throws CLI::ValidationError, as ChooseWorker.
+// What the words mean together with the environment. Throws UsageError, as ChooseWorker.
 BatchOptions Interpret(const BatchWords& words);
 
 }  // namespace latvox::client

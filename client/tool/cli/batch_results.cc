@@ -29,7 +29,7 @@ bool IsResultsName(const std::string& name) {
 }
 
 // Throws nlohmann::json::exception if it is none.
-uint64_t Whole(const nlohmann::json& number) {
+uint64_t WholeNumber(const nlohmann::json& number) {
   return number.get_ref<const nlohmann::json::number_unsigned_t&>();  // get() would convert what is not in its range
 }
 
@@ -122,10 +122,10 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
       Done done;
       done.job_digest = json.at("job_digest").get<std::string>();
       done.digest = json.at("summary").at("digest").get<std::string>();
-      if (json.contains("ended_unix_ms")) done.ended_unix_ms = Whole(json["ended_unix_ms"]);
+      if (json.contains("ended_unix_ms")) done.ended_unix_ms = WholeNumber(json["ended_unix_ms"]);
       if (json.contains("output_bytes")) {
         for (const auto& bytes : json["output_bytes"].get_ref<const nlohmann::json::array_t&>())
-          done.bytes.push_back(Whole(bytes));
+          done.bytes.push_back(WholeNumber(bytes));
       }
       Add(json.at("outputs").at(0).get<std::string>(), std::move(done));
     } catch (const nlohmann::json::exception&) {

@@ -14,8 +14,8 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client/tool/cli/job_line.h"
-#include "client/tool/cli/worker.h"
 #include "client/tool/cli/report.h"
+#include "client/tool/cli/worker.h"
 #include "latvox/cancellation.h"
 
 namespace latvox::client {

@@ -1,7 +1,5 @@
 #include "client/tool/cli/color_by_option.h"
 
-#include <CLI/CLI.hpp>
-
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
 
@@ -18,11 +16,11 @@ Names<ColorBy> NamesOf(bool distances) {
 
 }  // namespace
 
-void AddColorByOption(CLI::App& command, bool distances, std::string& word) {
-  command
-      .add_option("--color-by", word,
-                  "what gives voxels their colors, of what the file has (default: the first that it has)")
-      ->check(OneOf(NamesOf(distances)));
+OptionRow ColorByRow(bool distances, std::string& word) {
+  return {.names = "--color-by",
+          .target = &word,
+          .help = "what gives voxels their colors, of what the file has (default: the first that it has)",
+          .words = WordsOf(NamesOf(distances))};
 }
 
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content) {

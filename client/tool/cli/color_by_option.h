@@ -2,19 +2,19 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_COLOR_BY_OPTION_H_
 #define LATVOX_CLIENT_TOOL_CLI_COLOR_BY_OPTION_H_
 
-#include <CLI/App.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/tool/output/voxel_colors.h"
+#include "deploy/manual/option_row.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 
 //   distances   a band may be colored by them, and is unless somebody says otherwise
-void AddColorByOption(CLI::App& command, bool distances, std::string& word);
+OptionRow ColorByRow(bool distances, std::string& word);
 
 // What the word names; empty: what the file has, in the order of DefaultColorBy.
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content);

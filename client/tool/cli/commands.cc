@@ -11,7 +11,7 @@
 namespace latvox::client {
 namespace {
 
-std::string Show(const Vec3d& v) { return absl::StrFormat("%.9g %.9g %.9g", v[0], v[1], v[2]); }
+std::string NineDigits(const Vec3d& v) { return absl::StrFormat("%.9g %.9g %.9g", v[0], v[1], v[2]); }
 
 }  // namespace
 
@@ -28,10 +28,10 @@ absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
     text += "active box     empty\n";
   }
   absl::StrAppendFormat(&text, "voxel size     %.9g\n", info->transform.voxel_size);
-  absl::StrAppend(&text, "step in i      ", Show(info->transform.basis.a), "\n");
-  absl::StrAppend(&text, "step in j      ", Show(info->transform.basis.b), "\n");
-  absl::StrAppend(&text, "step in k      ", Show(info->transform.basis.c), "\n");
-  absl::StrAppend(&text, "origin         ", Show(info->transform.origin), "\n");
+  absl::StrAppend(&text, "step in i      ", NineDigits(info->transform.basis.a), "\n");
+  absl::StrAppend(&text, "step in j      ", NineDigits(info->transform.basis.b), "\n");
+  absl::StrAppend(&text, "step in k      ", NineDigits(info->transform.basis.c), "\n");
+  absl::StrAppend(&text, "origin         ", NineDigits(info->transform.origin), "\n");
   for (const auto& [name, value] : info->metadata) {
     // OpenVDB's box of nothing is from the highest number to the lowest.
     const bool empty = info->active_voxels == 0 && absl::StartsWith(name, "file_bbox_");

@@ -1,6 +1,5 @@
 #include "client/tool/cli/common_options.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -46,41 +45,39 @@ std::string CheckShard(const std::string& text) {
   return absl::StrCat("\"", text, "\" is not I/N with 0 <= I < N <= ", kMaxShards);
 }
 
-CLI::Validator Whole(int low, int high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) -> std::string {
-        int64_t number = 0;
-        if (ParseNumber(text, number) && number >= low && number <= high) return "";
-        return absl::StrCat("\"", text, "\" is not a whole number from ", low, " to ", high);
-      },
-      "");
+OptionCheck Whole(int low, int high) {
+  return {[low, high](const std::string& text) -> std::string {
+    int64_t number = 0;
+    if (ParseNumber(text, number) && number >= low && number <= high) return "";
+    return absl::StrCat("\"", text, "\" is not a whole number from ", low, " to ", high);
+  }};
 }
 
-void Group(CLI::App& command, const char* name) { command.option_defaults()->group(name); }
-
-void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs) {
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs) {
   const std::string known = absl::StrJoin(extensions, " ");
-  const auto check = [extensions, known](const std::string& path) -> std::string {
+  const auto wrong = [extensions, known](const std::string& path) -> std::string {
     const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return "";
     return absl::StrCat("\"", path, "\": extension \"", extension, "\" is not one of ", known);
   };
-  command.add_option("-o,--out", outputs, absl::StrCat("output by extension: ", known, "; may be repeated"))
-      ->type_name("OUT")
-      ->required()
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false)  // what follows may be a mesh
-      ->check(check);
+  return {.names = "-o,--out",
+          .target = &outputs,
+          .help = absl::StrCat("output by extension: ", known, "; may be repeated"),
+          .value = "OUT",
+          .checks = {{wrong}},
+          .required = true,
+          .one_each_time = true};
 }
 
-void AddSizeOption(CLI::App& command, const std::string& what, int& size) {
-  command
-      .add_option("--size", size,
-                  absl::StrCat(what, ", ", kMinPictureSide, " to ", kMaxPictureSide, " (default: ", size, ")"))
-      ->type_name("N")
-      ->check(Whole(kMinPictureSide, kMaxPictureSide));
+OptionRow SizeRow(const std::string& what, int& size) {
+  return {.names = "--size",
+          .target = &size,
+          .help = absl::StrCat(what, ", ", kMinPictureSide, " to ", kMaxPictureSide, " (default: ", size, ")"),
+          .value = "N",
+          .checks = {Whole(kMinPictureSide, kMaxPictureSide)}};
 }
+
+OptionRow JsonRow(const std::string& help, bool& json) { return {.names = "--json", .target = &json, .help = help}; }
 
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what) {
   std::set<std::filesystem::path> places;
@@ -92,49 +89,66 @@ void CheckOutputs(const std::vector<std::string>& outputs, const std::string& in
 
 namespace {
 
-void AddCredentials(CLI::App& command, ServerChoice& choice) {
+std::vector<OptionRow> CredentialRows(ServerChoice& choice) {
   Credentials& credentials = choice.credentials;
-  command.add_flag("--tls", credentials.tls, "encrypt, and believe a server with a certificate of the system's roots")
-      ->needs("--server");
-  const auto add_file = [&command](const char* name, std::string& path, const char* description) {
-    command.add_option(name, path, description)->type_name("FILE")->needs("--server");
-  };
-  add_file("--tls-ca", credentials.tls_ca_file, "the same with these roots (PEM)");
-  add_file("--tls-cert", credentials.tls_cert_file, "certificate of this client (PEM), for a server that wants one");
-  add_file("--tls-key", credentials.tls_key_file, "its key (PEM)");
-  add_file("--token-file", choice.token_file,
-           "file with a bearer token; it is not sent in plain text to another machine");
+  return {{.names = "--tls",
+           .target = &credentials.tls,
+           .help = "encrypt, and believe a server with a certificate of the system's roots"},
+          {.names = "--tls-ca",
+           .target = &credentials.tls_ca_file,
+           .help = "the same with these roots (PEM)",
+           .value = "FILE"},
+          {.names = "--tls-cert",
+           .target = &credentials.tls_cert_file,
+           .help = "certificate of this client (PEM), for a server that wants one",
+           .value = "FILE"},
+          {.names = "--tls-key", .target = &credentials.tls_key_file, .help = "its key (PEM)", .value = "FILE"},
+          {.names = "--token-file",
+           .target = &choice.token_file,
+           .help = "file with a bearer token; it is not sent in plain text to another machine",
+           .value = "FILE"}};
+}
+
+std::string CheckTraceparent(const std::string& text) {
+  return IsTraceparent(text) ? "" : absl::StrCat("\"", text, "\" is not VERSION-TRACE-SPAN-FLAGS of W3C");
 }
 
 }  // namespace
 
-void AddServerOptions(CLI::App& command, ServerChoice& choice) {
-  Group(command, "Server");
-  command
-      .add_option("--server", choice.address,
-                  "the server, as HOST:PORT or unix:PATH, or several with commas (default: a private latvoxd)")
-      ->type_name("ADDRESS");
-  command.add_option("--timeout", choice.timeout_seconds, "give up after S seconds")
-      ->type_name("S")
-      ->check(CheckPositive);
-  command
-      .add_option("--retries", choice.retries,
-                  absl::StrCat("times to try again, without progress, when a server is lost or full (default: ",
-                               RetryPolicy().max_retries, ")"))
-      ->type_name("N")
-      ->check(Whole(0, kMaxRetries));
-  command.add_option("--threads", choice.threads, "threads of a private latvoxd")
-      ->type_name("N")
-      ->check(Whole(1, kMaxThreads))
-      ->excludes("--server");
-  AddCredentials(command, choice);
-  command
-      .add_option("--traceparent", choice.traceparent,
-                  "the W3C trace that the calls belong to, for the server's log (default: $TRACEPARENT)")
-      ->type_name("TRACE")
-      ->check([](const std::string& text) -> std::string {
-        return IsTraceparent(text) ? "" : absl::StrCat("\"", text, "\" is not VERSION-TRACE-SPAN-FLAGS of W3C");
-      });
+void AddServerOptions(CommandParser& command, ServerChoice& choice) {
+  command.Add({{.names = "--server",
+                .target = &choice.address,
+                .help = "the server, as HOST:PORT or unix:PATH, or several with commas (default: a private latvoxd)",
+                .value = "ADDRESS",
+                .group = "Server"},
+               {.names = "--timeout",
+                .target = &choice.timeout_seconds,
+                .help = "give up after S seconds",
+                .value = "S",
+                .checks = {{CheckPositive}}},
+               {.names = "--retries",
+                .target = &choice.retries,
+                .help = absl::StrCat("times to try again, without progress, when a server is lost or full (default: ",
+                                     RetryPolicy().max_retries, ")"),
+                .value = "N",
+                .checks = {Whole(0, kMaxRetries)}},
+               {.names = "--threads",
+                .target = &choice.threads,
+                .help = "threads of a private latvoxd",
+                .value = "N",
+                .checks = {Whole(1, kMaxThreads)}}});
+  command.Add(CredentialRows(choice));
+  command.Add({{.names = "--traceparent",
+                .target = &choice.traceparent,
+                .help = "the W3C trace that the calls belong to, for the server's log (default: $TRACEPARENT)",
+                .value = "TRACE",
+                .checks = {{CheckTraceparent}}}});
+  command.Exclude({{"--threads", "--server"}});
+  command.Need({{"--tls", "--server"},
+                {"--tls-ca", "--server"},
+                {"--tls-cert", "--server"},
+                {"--tls-key", "--server"},
+                {"--token-file", "--server"}});
 }
 
 }  // namespace latvox::client

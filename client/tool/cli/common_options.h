@@ -1,10 +1,7 @@
-// What the options of several commands share. CLI11 puts an option's name before what a check returns.
+// What the options of several commands share.
 #ifndef LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_
 
-#include <CLI/App.hpp>
-#include <CLI/Error.hpp>
-#include <CLI/Validators.hpp>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -22,6 +19,8 @@
 #include "absl/strings/string_view.h"
 #include "client/mesh/up_axis.h"
 #include "client/tool/cli/session.h"
+#include "deploy/manual/command_parser.h"
+#include "deploy/manual/option_row.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -68,7 +67,7 @@ std::optional<Shard> ParseShard(const std::string& text);
 std::string CheckShard(const std::string& text);
 
 // A whole number within low to high.
-CLI::Validator Whole(int low, int high);
+OptionCheck Whole(int low, int high);
 
 // Words for the values of an enumeration.
 template <class T>
@@ -83,10 +82,10 @@ auto NamesOfLattices(const Table& table) {
 }
 
 template <class T>
-CLI::Validator OneOf(const Names<T>& names) {
+std::vector<std::string> WordsOf(const Names<T>& names) {
   std::vector<std::string> words;
   for (const auto& [word, unused] : names) words.push_back(word);
-  return CLI::IsMember(words);
+  return words;
 }
 
 // The first value if `word` is none of the names.
@@ -100,29 +99,29 @@ T ValueNamed(const Names<T>& names, const std::string& word) {
 
 const Names<UpAxis>& UpNames();
 
-// What Interpret does with words that do not go together: throws CLI::ValidationError.
+// What Interpret does with words that do not go together: throws UsageError.
 template <class... Parts>
 [[noreturn]] void Refuse(const Parts&... parts) {
-  throw CLI::ValidationError(absl::StrCat(parts...), CLI::ExitCodes::ValidationError);
+  throw UsageError(absl::StrCat(parts...));
 }
 
 // Where a path leads: absolute, links resolved as far as it exists.
 std::filesystem::path Place(const std::string& path);
 
-// The group, in help and manual, of the options that are added after this.
-void Group(CLI::App& command, const char* name);
+// -o, --out
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
 
-// Adds -o, --out.
-void AddOutputOption(CLI::App& command, const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
+// --size, of a picture.
+OptionRow SizeRow(const std::string& what, int& size);
 
-// Adds --size, of a picture.
-void AddSizeOption(CLI::App& command, const std::string& what, int& size);
+// --json
+OptionRow JsonRow(const std::string& help, bool& json);
 
 // Refuses an output that is given twice, or in the place of the input, which is called `what`.
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what);
 
 // Adds --server and whatever says how to talk to it.
-void AddServerOptions(CLI::App& command, ServerChoice& choice);
+void AddServerOptions(CommandParser& command, ServerChoice& choice);
 
 }  // namespace latvox::client
 

@@ -1,6 +1,5 @@
 #include "client/tool/cli/compare_command.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -101,12 +100,13 @@ std::string ToText(const Report& report, const CompareWords& words) {
 
 }  // namespace
 
-void AddCompareOptions(CLI::App& command, CompareWords& words) {
-  command.add_option("a", words.a, "a .vdb file")->type_name("A.vdb")->required();
-  command.add_option("b", words.b, "another")->type_name("B.vdb")->required();
-  command.add_flag("--voxels", words.voxels_only,
-                   "voxels and their places decide, not what they have or the metadata say");
-  command.add_flag("--json", words.json, "machine-readable report on standard output");
+void AddCompareOptions(CommandParser& command, CompareWords& words) {
+  command.Add({{.names = "a", .target = &words.a, .help = "a .vdb file", .value = "A.vdb", .required = true},
+               {.names = "b", .target = &words.b, .help = "another", .value = "B.vdb", .required = true},
+               {.names = "--voxels",
+                .target = &words.voxels_only,
+                .help = "voxels and their places decide, not what they have or the metadata say"},
+               {.names = "--json", .target = &words.json, .help = "machine-readable report on standard output"}});
 }
 
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {

@@ -2,20 +2,20 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_COMPARE_COMMAND_H_
 #define LATVOX_CLIENT_TOOL_CLI_COMPARE_COMMAND_H_
 
-#include <CLI/App.hpp>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "deploy/manual/command_parser.h"
 
 namespace latvox::client {
 
-// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+// The words as they are given; parsing writes into them.
 struct CompareWords {
   std::string a, b;
   bool voxels_only = false, json = false;
 };
 
-void AddCompareOptions(CLI::App& command, CompareWords& words);
+void AddCompareOptions(CommandParser& command, CompareWords& words);
 
 struct Comparison {
   bool equal = false;

@@ -1,6 +1,5 @@
 #include "client/tool/cli/encode_command.h"
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -25,13 +24,15 @@ absl::StatusOr<Mesh> ReadMesh(const MeshSource& source) {
 
 }  // namespace
 
-void AddEncodeOptions(CLI::App& command, EncodeWords& words) {
-  AddMeshes(command, words.mesh);
-  AddOutputOption(command, {".drc"}, words.outputs);
-  command.add_option("--quantization", words.quantization, "position bits, 1 to 30; 0 (default): lossless")
-      ->type_name("0..30")
-      ->check(Whole(0, kMaxQuantizationBits));
-  AddMeshOptions(command, words);
+void AddEncodeOptions(CommandParser& command, EncodeWords& words) {
+  command.Add({MeshRow(words.mesh),
+               OutputRow({".drc"}, words.outputs),
+               {.names = "--quantization",
+                .target = &words.quantization,
+                .help = "position bits, 1 to 30; 0 (default): lossless",
+                .value = "0..30",
+                .checks = {Whole(0, kMaxQuantizationBits)}}});
+  command.Add(MeshRows(words));
 }
 
 MeshSource Interpret(const EncodeWords& words) {

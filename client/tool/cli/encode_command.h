@@ -2,26 +2,26 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_ENCODE_COMMAND_H_
 #define LATVOX_CLIENT_TOOL_CLI_ENCODE_COMMAND_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/tool/cli/mesh_options.h"
+#include "deploy/manual/command_parser.h"
 #include "latvox/cancellation.h"
 
 namespace latvox::client {
 
-// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+// The words as they are given; parsing writes into them.
 struct EncodeWords : MeshWords {
   MeshSource mesh;  // its paths
   std::vector<std::string> outputs;
   int quantization = 0;
 };
 
-void AddEncodeOptions(CLI::App& command, EncodeWords& words);
+void AddEncodeOptions(CommandParser& command, EncodeWords& words);
 
-// Throws CLI::ValidationError if the words do not go together.
+// Throws UsageError if the words do not go together.
 MeshSource Interpret(const EncodeWords& words);
 
 // Writes the mesh as a Draco stream; returns what belongs on standard output. The output appears only if everything

@@ -12,7 +12,7 @@ namespace latvox::client {
 namespace {
 
 template <class... Parts>
-absl::Status Wrong(const std::string& text, const Parts&... parts) {
+absl::Status WrongUrl(const std::string& text, const Parts&... parts) {
   return absl::InvalidArgumentError(absl::StrCat("\"", text, "\": ", parts...));
 }
 
@@ -36,7 +36,7 @@ absl::StatusOr<std::string> Decode(absl::string_view encoded, const std::string&
     const absl::string_view digits = encoded.substr(n + 1, 2);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
     if (digits.size() < 2 || error != std::errc() || end != digits.data() + 2) {
-      return Wrong(text, "two hexadecimal digits belong after each %");
+      return WrongUrl(text, "two hexadecimal digits belong after each %");
     }
     path += static_cast<char>(byte);
     n += 2;
@@ -50,13 +50,14 @@ absl::StatusOr<std::string> PathOf(const std::string& text, const std::string& f
   const std::string scheme = SchemeOf(text);
   absl::StatusOr<std::string> path = text;
   if (!scheme.empty()) {
-    if (scheme != "file") return Wrong(text, "scheme \"", scheme, "\" is not file");
+    if (scheme != "file") return WrongUrl(text, "scheme \"", scheme, "\" is not file");
     absl::string_view rest = absl::string_view(text).substr(text.find(':') + 1);
     if (absl::ConsumePrefix(&rest, "//")) absl::ConsumePrefix(&rest, "localhost");
-    if (!absl::StartsWith(rest, "/")) return Wrong(text, "is not file:///PATH, with an absolute path on this machine");
+    if (!absl::StartsWith(rest, "/"))
+      return WrongUrl(text, "is not file:///PATH, with an absolute path on this machine");
     path = Decode(rest, text);
   }
-  if (path.ok() && absl::StrContains(*path, '\0')) return Wrong(text, "holds a NUL");
+  if (path.ok() && absl::StrContains(*path, '\0')) return WrongUrl(text, "holds a NUL");
   if (path.ok()) path = (std::filesystem::path(folder) / *path).string();
   return path;
 }

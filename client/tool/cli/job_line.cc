@@ -1,6 +1,5 @@
 #include "client/tool/cli/job_line.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -12,12 +11,13 @@
 #include "absl/strings/str_replace.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_url.h"
+#include "client/tool/cli/request_rows.h"
 #include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {
 
-using Json = nlohmann::json;
+using LineJson = nlohmann::json;
 
 enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts };
 
@@ -62,20 +62,20 @@ absl::Status Wrong(const Parts&... parts) {
 }
 
 // As JSON, cut where it is too long for a line of people's.
-std::string Show(const Json& value) {
+std::string Show(const LineJson& value) {
   constexpr size_t kMost = 100;
-  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = value.dump(-1, ' ', false, LineJson::error_handler_t::replace);
   return text.size() <= kMost ? text : text.substr(0, kMost) + "...";
 }
 
-absl::Status WrongType(const std::string& field, const Json& value, const char* type) {
+absl::Status WrongType(const std::string& field, const LineJson& value, const char* type) {
   return Wrong(field, ": ", Show(value), " is not ", type);
 }
 
-bool IsText(const Json& value) { return value.is_string() && !value.get_ref<const std::string&>().empty(); }
+bool IsText(const LineJson& value) { return value.is_string() && !value.get_ref<const std::string&>().empty(); }
 
-bool Is(const Json& value, Kind kind) {
-  const auto is_number = [](const Json& element) { return element.is_number(); };
+bool Is(const LineJson& value, Kind kind) {
+  const auto is_number = [](const LineJson& element) { return element.is_number(); };
   switch (kind) {
     case Kind::kText:
       return IsText(value);
@@ -96,26 +96,26 @@ bool Is(const Json& value, Kind kind) {
 }
 
 // As the option takes it, lists with this between their elements. Numbers come out so that they read back as the same.
-std::string TextOf(const Json& value, const char* between = ",") {
+std::string TextOf(const LineJson& value, const char* between = ",") {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
-  return absl::StrJoin(value, between, [](std::string* out, const Json& element) { *out += TextOf(element); });
+  return absl::StrJoin(value, between, [](std::string* out, const LineJson& element) { *out += TextOf(element); });
 }
 
 // An error in JSON without the library's number of the line, which is always 1.
-absl::Status NoJson(const Json::exception& error) {
+absl::Status NoJson(const LineJson::exception& error) {
   const absl::string_view what = error.what();
   const size_t column = what.find("column "), at = column == absl::string_view::npos ? what.find("] ") + 2 : column;
   return Wrong("no JSON: ", what.substr(at));
 }
 
-absl::StatusOr<Json> ParseObject(absl::string_view line) try {
-  using Event = Json::parse_event_t;
+absl::StatusOr<LineJson> ParseObject(absl::string_view line) try {
+  using Event = LineJson::parse_event_t;
   constexpr int kDeepest = 1;  // of a field's array; deeper ones would cost stack
   std::set<std::string> keys;
   std::string twice;
   bool deep = false;
-  const auto see = [&](int depth, Event event, Json& parsed) {
+  const auto see = [&](int depth, Event event, LineJson& parsed) {
     if (depth == 1 && event == Event::key && !keys.insert(parsed.get<std::string>()).second) {
       twice = parsed.get<std::string>();
     }
@@ -123,17 +123,17 @@ absl::StatusOr<Json> ParseObject(absl::string_view line) try {
     deep = deep || too_deep;
     return !too_deep;
   };
-  Json object = Json::parse(line, see);
+  LineJson object = LineJson::parse(line, see);
   if (deep) return Wrong("an array or object stands within a field's array or object");
   if (!object.is_object()) return Wrong(Show(object), " is not a JSON object");
   if (!twice.empty()) return Wrong(twice, ": stands twice");
   return object;
-} catch (const Json::exception& error) {
+} catch (const LineJson::exception& error) {
   return NoJson(error);
 }
 
 // The name of an output in normal form.
-absl::StatusOr<std::string> OutputName(const Json& value) {
+absl::StatusOr<std::string> OutputName(const LineJson& value) {
   if (!IsText(value)) return WrongType("out", value, "a file name or an array of file names");
   const std::filesystem::path path = value.get<std::string>(), name = path.lexically_normal();
   if (absl::StrContains(path.string(), '\0') || path.is_absolute() || *name.begin() == ".." || !name.has_filename()) {
@@ -142,12 +142,12 @@ absl::StatusOr<std::string> OutputName(const Json& value) {
   return name.string();
 }
 
-absl::StatusOr<std::vector<std::string>> OutputNames(const Json& object, const std::string& mesh) {
-  Json given = object.value("out", Json(std::filesystem::path(mesh).stem().string() + ".vdb"));
-  if (!given.is_array()) given = Json::array({given});
+absl::StatusOr<std::vector<std::string>> OutputNames(const LineJson& object, const std::string& mesh) {
+  LineJson given = object.value("out", LineJson(std::filesystem::path(mesh).stem().string() + ".vdb"));
+  if (!given.is_array()) given = LineJson::array({given});
   if (given.empty()) return WrongType("out", given, "a file name or an array of file names");
   std::vector<std::string> names;
-  for (const Json& one : given) {
+  for (const LineJson& one : given) {
     auto name = OutputName(one);
     if (!name.ok()) return name.status();
     names.push_back(*std::move(name));
@@ -155,10 +155,10 @@ absl::StatusOr<std::vector<std::string>> OutputNames(const Json& object, const s
   return names;
 }
 
-absl::StatusOr<std::vector<std::string>> MeshPaths(const Json& given, const std::string& folder) {
+absl::StatusOr<std::vector<std::string>> MeshPaths(const LineJson& given, const std::string& folder) {
   if (!Is(given, Kind::kTexts)) return WrongType("mesh", given, "a path or a file: URL, or an array of these");
   std::vector<std::string> paths;
-  for (const Json& one : given.is_array() ? given : Json::array({given})) {
+  for (const LineJson& one : given.is_array() ? given : LineJson::array({given})) {
     auto path = PathOf(one.get<std::string>(), folder);
     if (!path.ok()) return Wrong("mesh: ", path.status().message());
     // No job reads standard input.
@@ -176,7 +176,7 @@ absl::Status Unknown(const std::string& field) {
 }
 
 // The words of a command line that asks for what the object does, outputs aside.
-absl::StatusOr<std::vector<std::string>> Words(const Json& object, const CLI::App& app) {
+absl::StatusOr<std::vector<std::string>> Words(const LineJson& object, const CommandParser& parser) {
   std::vector<std::string> words;
   for (const auto& [field, value] : object.items()) {
     if (field == "mesh" || field == "out" || field == "id") continue;
@@ -190,7 +190,7 @@ absl::StatusOr<std::vector<std::string>> Words(const Json& object, const CLI::Ap
       words.push_back(absl::StrCat(option, "=", TextOf(value)));
     } else if (value.get<bool>()) {
       words.push_back(option);
-    } else if (const std::string no = "--no-" + field; app.get_option_no_throw(no) != nullptr) {
+    } else if (const std::string no = "--no-" + field; parser.HasOption(no)) {
       words.push_back(no);
     }  // a flag without its contrary is off unless it is given
   }
@@ -201,7 +201,7 @@ absl::StatusOr<std::vector<std::string>> Words(const Json& object, const CLI::Ap
 
 JobParser::JobParser(std::string folder, std::string directory)
     : folder_(std::move(folder)), directory_(std::move(directory)) {
-  AddRequestOptions(app_, words_);
+  AddRequestOptions(parser_, words_);
   names_.emplace_back("--out", "out");
   for (const auto& [field, kind] : kFields) names_.emplace_back(OptionOf(field), field);
 }
@@ -209,19 +209,18 @@ JobParser::JobParser(std::string folder, std::string directory)
 absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   const auto object = ParseObject(line);
   if (!object.ok()) return object.status();
-  const Json mesh = object->value("mesh", Json()), id = object->value("id", Json());
+  const LineJson mesh = object->value("mesh", LineJson()), id = object->value("id", LineJson());
   if (object->contains("id") && !IsText(id)) return WrongType("id", id, kTypes[0]);
   auto paths = MeshPaths(mesh, folder_);
   if (!paths.ok()) return paths.status();
   auto names = OutputNames(*object, paths->front());
   if (!names.ok()) return names.status();
-  auto words = Words(*object, app_);
+  auto words = Words(*object, parser_);
   if (!words.ok()) return words.status();
   for (const std::string& name : *names) words->push_back("--out=" + name);
-  std::reverse(words->begin(), words->end());  // as CLI11 wants vectors
   words_ = VoxelizeWords();
   try {
-    app_.parse(*std::move(words));
+    parser_.Parse(*std::move(words));
     words_.options.mesh.paths = *std::move(paths);
     if (std::string& align = words_.options.align; !align.empty()) {
       auto place = PathOf(align, folder_);
@@ -231,7 +230,7 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
     for (std::string& out : words_.options.outputs) out = (std::filesystem::path(directory_) / out).string();
     return Job{id.is_null() ? names->front() : id.get<std::string>(), TextOf(mesh, " + "), *std::move(names),
                InterpretRequest(words_)};
-  } catch (const CLI::ParseError& error) {
+  } catch (const UsageError& error) {
     return Wrong(absl::StrReplaceAll(error.what(), names_));
   }
 }
@@ -239,7 +238,7 @@ absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
 absl::Status CheckPlaces(const Job& job) try {
   for (const std::string& mesh : job.options.mesh.paths) CheckOutputs(job.options.outputs, mesh, "mesh");
   return absl::OkStatus();
-} catch (const CLI::ValidationError& error) {
+} catch (const UsageError& error) {
   return Wrong(absl::StrReplaceAll(error.what(), {{"--out", "out"}}));
 }
 

@@ -10,7 +10,6 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_JOB_LINE_H_
 #define LATVOX_CLIENT_TOOL_CLI_JOB_LINE_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "client/tool/cli/voxelize_options.h"
+#include "deploy/manual/command_parser.h"
 
 namespace latvox::client {
 
@@ -42,8 +42,8 @@ class JobParser {
 
  private:
   const std::string folder_, directory_;
-  VoxelizeWords words_;  // what app_ writes into
-  CLI::App app_;
+  VoxelizeWords words_;  // what parser_ writes into
+  CommandParser parser_;
   std::vector<std::pair<std::string, std::string>> names_;  // option and field, "--voxel-size" and "voxel_size"
 };
 

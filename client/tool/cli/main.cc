@@ -2,12 +2,12 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/tool/cli/abandoned_work.h"
@@ -27,6 +27,7 @@
 #include "client/tool/cli/terminal.h"
 #include "client/tool/cli/view_command.h"
 #include "client/tool/cli/voxelize_command.h"
+#include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
 
 namespace latvox::client {
@@ -78,146 +79,162 @@ ExitStatus Compare(const CompareWords& words, const Cancellation& cancellation) 
   return printed == ExitStatus::kDone && !comparison->equal ? ExitStatus::kOther : printed;
 }
 
-// The commands and what parsing them fills.
-struct Commands {
-  CLI::App app{"latvox: triangle meshes to exact sparse voxels on any 3D lattice", "latvox"};
-  VoxelizeWords words;
-  BatchWords batch_words;
-  PixelizeWords pixelize_words;
-  EncodeWords encode_words;
-  MergeWords merge_words;
-  RenderWords render_words;
-  SliceWords slice_words;
-  CompareWords compare_words;
-  ViewWords view_words;
-  std::string info_path, shell;
-  ServerChoice server;
-  bool json = false;
-  CLI::App* voxelize = app.add_subcommand("voxelize", "voxelize a mesh file");
-  CLI::App* batch = app.add_subcommand("batch", "voxelize many mesh files");
-  CLI::App* pixelize = app.add_subcommand("pixelize", "pixelize a drawing: the same in the plane");
-  CLI::App* encode = app.add_subcommand("encode", "write mesh files as one Draco file, as servers take it");
-  CLI::App* merge =
-      app.add_subcommand("merge", "join parts of a voxelization: .vdb files of --region, --bounds or --shard");
-  CLI::App* render = app.add_subcommand("render", "draw a picture of a .vdb file's voxels");
-  CLI::App* slice = app.add_subcommand("slice", "draw one layer of a .vdb file's voxels, or list them");
-  CLI::App* view = app.add_subcommand("view", "make a page that shows a .vdb file's voxels in a browser");
-  CLI::App* compare = app.add_subcommand("compare", "tell what differs between two .vdb files");
-  CLI::App* info = app.add_subcommand("info", "tell what a .vdb file holds");
-  CLI::App* health = app.add_subcommand("health", "ask a server whether it takes requests");
-  CLI::App* limits = app.add_subcommand("limits", "ask a server for its limits");
-  CLI::App* completions = app.add_subcommand("completions", "print completions for a shell");
-  CLI::App* man = app.add_subcommand("man", "print the manual page, as troff reads it");
-
-  Commands() {
-    app.set_version_flag("--version", "latvox " LATVOX_VERSION);
-    app.require_subcommand(0, 1);
-    AddVoxelizeOptions(*voxelize, words);
-    AddBatchOptions(*batch, batch_words);
-    AddPixelizeOptions(*pixelize, pixelize_words);
-    AddEncodeOptions(*encode, encode_words);
-    AddMergeOptions(*merge, merge_words);
-    AddRenderOptions(*render, render_words);
-    AddSliceOptions(*slice, slice_words);
-    AddViewOptions(*view, view_words);
-    AddCompareOptions(*compare, compare_words);
-    info->add_option("file", info_path, "a .vdb file")->type_name("OUT.vdb")->required();
-    info->add_flag("--json", json, "as a JSON object");
-    AddServerOptions(*health, server);
-    AddServerOptions(*limits, server);
-    limits->add_flag("--json", json, "as a JSON object");
-    completions->add_option("shell", shell, "the shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
-    AddFooters(app);
-  }
-};
-
-std::string Completions(const CLI::App& app, const std::string& shell) {
-  const CommandFacts facts = Describe(app);
+std::string Completions(const CommandFacts& facts, const std::string& shell) {
   return shell == "bash" ? BashCompletions(facts) : shell == "zsh" ? ZshCompletions(facts) : FishCompletions(facts);
 }
 
-ExitStatus Run(const Commands& commands) {
-  const Cancellation cancellation;
-  if (*commands.completions) return Print(Completions(commands.app, commands.shell));
-  if (*commands.man) return Print(ManPageOf(commands.app));
-  if (*commands.info) return Print(RunInfo(commands.info_path, commands.json));
-  if (*commands.voxelize) {
-    const VoxelizeOptions options = Interpret(commands.words);
-    const Interrupt interrupt(cancellation);
-    return Print(Voxelize(options, cancellation));
+// The commands, what parsing them fills, and what runs them.
+class Program {
+ public:
+  Program() {
+    parser_.SetVersion("latvox " LATVOX_VERSION);
+    parser_.SetFooter(Footer());
+    AddCallers();
+    AddReaders();
+    AddQuestions();
   }
-  if (*commands.batch) {
-    const BatchOptions options = Interpret(commands.batch_words);
-    const Interrupt interrupt(cancellation);
-    return Batch(options, cancellation);
-  }
-  if (*commands.pixelize) {
-    const PixelizeOptions options = Interpret(commands.pixelize_words);
-    const Interrupt interrupt(cancellation);
-    return Print(Pixelize(options, cancellation));
-  }
-  if (*commands.encode) {
-    const MeshSource source = Interpret(commands.encode_words);
-    const Interrupt interrupt(cancellation);
-    return Print(RunEncode(commands.encode_words, source, cancellation));
-  }
-  if (*commands.merge) {
-    Check(commands.merge_words);
-    const Interrupt interrupt(cancellation);
-    return Print(RunMerge(commands.merge_words, cancellation));
-  }
-  if (*commands.render) {
-    PictureOptions options = Interpret(commands.render_words);
-    options.cancellation = cancellation;
-    const Interrupt interrupt(cancellation);
-    return Print(RunRender(commands.render_words, options));
-  }
-  if (*commands.slice) {
-    Check(commands.slice_words);
-    const Interrupt interrupt(cancellation);
-    return Print(RunSlice(commands.slice_words, cancellation));
-  }
-  if (*commands.view) {
-    Check(commands.view_words);
-    const Interrupt interrupt(cancellation);
-    return Print(RunView(commands.view_words, cancellation));
-  }
-  const Interrupt interrupt(cancellation);
-  if (*commands.compare) return Compare(commands.compare_words, cancellation);
-  if (*commands.health) return Print(RunHealth(commands.server, cancellation));
-  if (*commands.limits) return Print(RunLimits(commands.server, commands.json, cancellation));
-  return Print(Introduction());
-}
 
-// The words after the program's name, the last first, as CLI11 wants vectors; "help COMMAND" is "COMMAND --help".
-std::vector<std::string> Words(const CLI::App& app, int argc, char** argv) {
-  std::vector<std::string> words(argv + 1, argv + argc);
-  if (!words.empty() && words[0] == "help") {
-    words.erase(words.begin());
-    const auto is_known = [&](const CLI::App* command) { return command->check_name(words[0]); };
-    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-    if (words.empty() || std::any_of(commands.begin(), commands.end(), is_known)) words.emplace_back("--help");
+  // Throws UsageError.
+  ExitStatus Run(std::vector<std::string> words) {
+    // "help COMMAND" is "COMMAND --help".
+    if (!words.empty() && words[0] == "help") {
+      words.erase(words.begin());
+      if (words.empty() || parser_.HasCommand(words[0])) words.emplace_back("--help");
+    }
+    if (const std::string page = parser_.Parse(std::move(words)); !page.empty()) return Print(page);
+    for (const auto& [command, run] : runs_) {
+      if (command->was_given()) return run();
+    }
+    return Print(Introduction());
   }
-  return {words.rbegin(), words.rend()};
-}
+
+ private:
+  template <class Words>
+  using AddOptions = void (*)(CommandParser&, Words&);
+
+  CommandParser& Add(const char* name, const char* description, std::function<ExitStatus()> run) {
+    CommandParser& command = parser_.AddCommand(name, description);
+    command.SetFooter(FooterOf(name));
+    runs_.emplace_back(&command, std::move(run));
+    return command;
+  }
+
+  // One that an interrupt cancels, once its words are understood.
+  //   interpret(words)              throws UsageError; what it returns is passed to `run`
+  //   run(options, cancellation)    returns an ExitStatus
+  template <class Words, class Interpret, class Run>
+  void Add(const char* name, const char* description, AddOptions<Words> add_options, Words& words,
+           const Interpret& interpret, const Run& run) {
+    CommandParser& command = Add(name, description, [&words, interpret, run] {
+      const auto options = interpret(words);
+      const Cancellation cancellation;
+      const Interrupt interrupt(cancellation);
+      return run(options, cancellation);
+    });
+    add_options(command, words);
+  }
+
+  // Commands that turn files into files.
+  void AddCallers() {
+    using Cancel = const Cancellation&;
+    Add(
+        "voxelize", "voxelize a mesh file", &AddVoxelizeOptions, voxelize_,
+        [](const auto& words) { return Interpret(words); },
+        [](const auto& options, Cancel cancel) { return Print(Voxelize(options, cancel)); });
+    Add(
+        "batch", "voxelize many mesh files", &AddBatchOptions, batch_,
+        [](const auto& words) { return Interpret(words); },
+        [](const auto& options, Cancel cancel) { return Batch(options, cancel); });
+    Add(
+        "pixelize", "pixelize a drawing: the same in the plane", &AddPixelizeOptions, pixelize_,
+        [](const auto& words) { return Interpret(words); },
+        [](const auto& options, Cancel cancel) { return Print(Pixelize(options, cancel)); });
+    Add(
+        "encode", "write mesh files as one Draco file, as servers take it", &AddEncodeOptions, encode_,
+        [](const auto& words) { return Interpret(words); },
+        [this](const auto& source, Cancel cancel) { return Print(RunEncode(encode_, source, cancel)); });
+  }
+
+  // Commands that read .vdb files.
+  void AddReaders() {
+    using Cancel = const Cancellation&;
+    const auto checked = [](const auto& words) {
+      Check(words);
+      return &words;
+    };
+    Add("merge", "join parts of a voxelization: .vdb files of --region, --bounds or --shard", &AddMergeOptions, merge_,
+        checked, [](const auto* words, Cancel cancel) { return Print(RunMerge(*words, cancel)); });
+    Add(
+        "render", "draw a picture of a .vdb file's voxels", &AddRenderOptions, render_,
+        [](const auto& words) { return Interpret(words); },
+        [this](PictureOptions options, Cancel cancel) {
+          options.cancellation = cancel;
+          return Print(RunRender(render_, options));
+        });
+    Add("slice", "draw one layer of a .vdb file's voxels, or list them", &AddSliceOptions, slice_, checked,
+        [](const auto* words, Cancel cancel) { return Print(RunSlice(*words, cancel)); });
+    Add("view", "make a page that shows a .vdb file's voxels in a browser", &AddViewOptions, view_, checked,
+        [](const auto* words, Cancel cancel) { return Print(RunView(*words, cancel)); });
+    Add(
+        "compare", "tell what differs between two .vdb files", &AddCompareOptions, compare_,
+        [](const auto& words) { return &words; },
+        [](const auto* words, Cancel cancel) { return Compare(*words, cancel); });
+  }
+
+  // Commands that tell something.
+  void AddQuestions() {
+    Add("info", "tell what a .vdb file holds", [this] { return Print(RunInfo(info_path_, json_)); })
+        .Add({{.names = "file", .target = &info_path_, .help = "a .vdb file", .value = "OUT.vdb", .required = true},
+              JsonRow("as a JSON object", json_)});
+    const auto add_call = [this](const char* name, const char* description, auto run) -> CommandParser& {
+      CommandParser& command = Add(name, description, [run] {
+        const Cancellation cancellation;
+        const Interrupt interrupt(cancellation);
+        return Print(run(cancellation));
+      });
+      AddServerOptions(command, server_);
+      return command;
+    };
+    add_call("health", "ask a server whether it takes requests",
+             [this](const Cancellation& cancellation) { return RunHealth(server_, cancellation); });
+    add_call("limits", "ask a server for its limits", [this](const Cancellation& cancellation) {
+      return RunLimits(server_, json_, cancellation);
+    }).Add({JsonRow("as a JSON object", json_)});
+    Add("completions", "print completions for a shell",
+        [this] { return Print(Completions(parser_.Describe(), shell_)); })
+        .Add({{.names = "shell",
+               .target = &shell_,
+               .help = "the shell",
+               .words = {"bash", "zsh", "fish"},
+               .required = true}});
+    Add("man", "print the manual page, as troff reads it", [this] { return Print(ManPageOf(parser_.Describe())); });
+  }
+
+  CommandParser parser_{"latvox: triangle meshes to exact sparse voxels on any 3D lattice", "latvox"};
+  std::vector<std::pair<CommandParser*, std::function<ExitStatus()>>> runs_;
+  VoxelizeWords voxelize_;
+  BatchWords batch_;
+  PixelizeWords pixelize_;
+  EncodeWords encode_;
+  MergeWords merge_;
+  RenderWords render_;
+  SliceWords slice_;
+  CompareWords compare_;
+  ViewWords view_;
+  std::string info_path_, shell_;
+  ServerChoice server_;
+  bool json_ = false;
+};
 
 ExitStatus Main(int argc, char** argv) {
   // Writing to a pipe that nobody reads is an error of that write, not the end.
   signal(SIGPIPE, SIG_IGN);
   // What gRPC would say on standard error comes back in its statuses.
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
-  Commands commands;
   try {
-    commands.app.parse(Words(commands.app, argc, argv));
-    return Run(commands);
-  } catch (const CLI::Success& wanted) {  // --help, --version
-    commands.app.exit(wanted);
-    return ExitStatus::kDone;
-  } catch (const CLI::ExtrasError& error) {
-    Tell(absl::StrCat(error.what(), "; see latvox --help, latvox COMMAND --help"));
-    return ExitStatus::kWrongUsage;
-  } catch (const CLI::ParseError& error) {
-    Tell(error.what());
+    return Program().Run({argv + 1, argv + argc});
+  } catch (const UsageError& error) {
+    Tell(absl::StrCat(error.what(), error.is_unknown_word ? "; see latvox --help, latvox COMMAND --help" : ""));
     return ExitStatus::kWrongUsage;
   } catch (const std::exception& error) {
     return Fail(absl::UnknownError(error.what()));

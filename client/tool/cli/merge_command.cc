@@ -2,8 +2,6 @@
 
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
-
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/tool/cli/common_options.h"
@@ -24,13 +22,14 @@ void AllowManyOpenFiles() {
 
 }  // namespace
 
-void AddMergeOptions(CLI::App& command, MergeWords& words) {
-  command
-      .add_option("parts", words.parts, "parts of one mesh and request: .vdb files of --region, --bounds or --shard")
-      ->type_name("PART.vdb")
-      ->required();
-  AddOutputOption(command, {".vdb"}, words.outputs);
-  command.add_flag("--json", words.json, "machine-readable summary on standard output");
+void AddMergeOptions(CommandParser& command, MergeWords& words) {
+  command.Add({{.names = "parts",
+                .target = &words.parts,
+                .help = "parts of one mesh and request: .vdb files of --region, --bounds or --shard",
+                .value = "PART.vdb",
+                .required = true},
+               OutputRow({".vdb"}, words.outputs),
+               JsonRow("machine-readable summary on standard output", words.json)});
 }
 
 void Check(const MergeWords& words) {

@@ -1,6 +1,5 @@
 #include "client/tool/cli/mesh_options.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "client/tool/cli/common_options.h"
@@ -8,22 +7,28 @@
 
 namespace latvox::client {
 
-void AddMeshes(CLI::App& command, MeshSource& mesh) {
-  command
-      .add_option("mesh", mesh.paths,
-                  "mesh file: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input; several are one mesh")
-      ->type_name("MESH")
-      ->required();
+OptionRow MeshRow(MeshSource& mesh) {
+  return {.names = "mesh",
+          .target = &mesh.paths,
+          .help = "mesh file: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input; several are one mesh",
+          .value = "MESH",
+          .required = true};
 }
 
-void AddMeshOptions(CLI::App& command, MeshWords& words) {
-  command.add_option("--up-axis", words.up_axis, "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)")
-      ->check(OneOf(UpNames()));
-  command.add_option("--scale", words.scale, "multiply the mesh's coordinates, after --up-axis")
-      ->type_name("S")
-      ->check(CheckPositive);
-  command.add_option("--input-format", words.input_format, "of MESH, whatever its extension and its first bytes say")
-      ->check(OneOf(MeshFormats()));
+std::vector<OptionRow> MeshRows(MeshWords& words) {
+  return {{.names = "--up-axis",
+           .target = &words.up_axis,
+           .help = "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)",
+           .words = WordsOf(UpNames())},
+          {.names = "--scale",
+           .target = &words.scale,
+           .help = "multiply the mesh's coordinates, after --up-axis",
+           .value = "S",
+           .checks = {{CheckPositive}}},
+          {.names = "--input-format",
+           .target = &words.input_format,
+           .help = "of MESH, whatever its extension and its first bytes say",
+           .words = WordsOf(MeshFormats())}};
 }
 
 void InterpretMesh(const MeshWords& words, MeshSource& mesh) {

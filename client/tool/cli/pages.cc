@@ -1,6 +1,5 @@
 #include "client/tool/cli/pages.h"
 
-#include <CLI/CLI.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -84,13 +83,14 @@ std::string Footer() {
       "Options of a command: latvox COMMAND --help. An introduction: latvox alone.\nExit status: ", kExitStatus, "\n");
 }
 
-void AddFooters(CLI::App& app) {
-  app.footer(Footer());
-  for (const auto& [name, examples] : kExamples) app.get_subcommand(name)->footer(examples);
+std::string FooterOf(const std::string& command) {
+  for (const auto& [name, examples] : kExamples) {
+    if (name == command) return examples;
+  }
+  return "";
 }
 
-std::string ManPageOf(const CLI::App& app) {
-  CommandFacts facts = Describe(app);
+std::string ManPageOf(CommandFacts facts) {
   facts.description = "exact sparse voxels of triangle meshes on any lattice";
   ManPage page;
   page.version = LATVOX_VERSION;

@@ -1,19 +1,17 @@
 #include "client/tool/cli/pixelize_options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/pixel_output.h"
 
 namespace latvox::client {
 namespace {
 
-const Names<NamedPlaneLattice>& LatticeNames() {
+const Names<NamedPlaneLattice>& PlaneLatticeNames() {
   static const auto* const kNames = new Names<NamedPlaneLattice>(NamesOfLattices(kNamedPlaneLattices));
   return *kNames;
 }
 
-const Names<LineAlgorithm>& AlgorithmNames() {
+const Names<LineAlgorithm>& LineAlgorithmNames() {
   static const auto* const kNames = new Names<LineAlgorithm>{{"exact", LineAlgorithm::kExact},
                                                              {"brute-force", LineAlgorithm::kBruteForce},
                                                              {"incremental", LineAlgorithm::kIncremental},
@@ -21,44 +19,69 @@ const Names<LineAlgorithm>& AlgorithmNames() {
   return *kNames;
 }
 
+std::vector<OptionRow> PlaneLatticeRows(PixelizeWords& words) {
+  return {{.names = "--lattice",
+           .target = &words.lattice,
+           .help = "default: square",
+           .group = "Lattice",
+           .words = WordsOf(PlaneLatticeNames())},
+          {.names = "--basis",
+           .target = &words.basis,
+           .help = "two basis vectors a, b of any lattice, the drawing's units",
+           .value = "a1,a2,b1,b2",
+           .checks = {{CheckNumbers<double, 4>}}},
+          {.names = "--pixel-size",
+           .target = &words.pixel_size,
+           .help = "edge of a square with a pixel's area, the drawing's units",
+           .value = "S",
+           .checks = {{CheckPositive}}},
+          {.names = "--resolution",
+           .target = &words.resolution,
+           .help = "pixels along the drawing's longer side, 2 to 65536",
+           .value = "N",
+           .checks = {Whole(kMinResolution, kMaxResolution)}},
+          {.names = "--origin",
+           .target = &words.origin,
+           .help = "position of lattice point 0 (default: the drawing's low corner)",
+           .value = "X,Y",
+           .checks = {{CheckNumbers<double, 2>}}}};
+}
+
+std::vector<OptionRow> PixelRows(PixelizeWords& words) {
+  PixelizeRequest& request = words.options.request;
+  return {{.names = "--separability",
+           .target = &request.separability,
+           .help = "0 (stronger, the default) or 1",
+           .value = "K",
+           .group = "Pixels",
+           .words = {"0", "1"}},
+          {.names = "--minimal,!--no-minimal",
+           .target = &request.minimal,
+           .help = "remove every pixel that can go (default)"},
+          {.names = "--algorithm",
+           .target = &words.algorithm,
+           .help = "default: exact; the others are there to compare with",
+           .words = WordsOf(LineAlgorithmNames())}};
+}
+
 }  // namespace
 
-void AddPixelizeOptions(CLI::App& command, PixelizeWords& words) {
+void AddPixelizeOptions(CommandParser& command, PixelizeWords& words) {
   PixelizeOptions& options = words.options;
-  command
-      .add_option("input", options.input,
-                  "drawing: .txt (a polyline a line: x,y x,y ... [z]) or .svg, or - for standard input")
-      ->type_name("INPUT")
-      ->required();
-  Group(command, "Output");
-  AddOutputOption(command, PixelExtensions(), options.outputs);
-  Group(command, "Lattice");
-  CLI::Option* lattice =
-      command.add_option("--lattice", words.lattice, "default: square")->check(OneOf(LatticeNames()));
-  command.add_option("--basis", words.basis, "two basis vectors a, b of any lattice, the drawing's units")
-      ->type_name("a1,a2,b1,b2")
-      ->check(CheckNumbers<double, 4>)
-      ->excludes(lattice);
-  CLI::Option* pixel_size =
-      command.add_option("--pixel-size", words.pixel_size, "edge of a square with a pixel's area, the drawing's units")
-          ->type_name("S")
-          ->check(CheckPositive);
-  command.add_option("--resolution", words.resolution, "pixels along the drawing's longer side, 2 to 65536")
-      ->type_name("N")
-      ->check(Whole(kMinResolution, kMaxResolution))
-      ->excludes(pixel_size);
-  command.add_option("--origin", words.origin, "position of lattice point 0 (default: the drawing's low corner)")
-      ->type_name("X,Y")
-      ->check(CheckNumbers<double, 2>);
-  Group(command, "Pixels");
-  command.add_option("--separability", options.request.separability, "0 (stronger, the default) or 1")
-      ->type_name("K")
-      ->check(CLI::IsMember({0, 1}));
-  command.add_flag("--minimal,!--no-minimal", options.request.minimal, "remove every pixel that can go (default)");
-  command.add_option("--algorithm", words.algorithm, "default: exact; the others are there to compare with")
-      ->check(OneOf(AlgorithmNames()));
-  Group(command, "Output");
-  command.add_flag("--json", options.json, "machine-readable summary on standard output");
+  command.Add({{.names = "input",
+                .target = &options.input,
+                .help = "drawing: .txt (a polyline a line: x,y x,y ... [z]) or .svg, or - for standard input",
+                .value = "INPUT",
+                .required = true}});
+  OptionRow output = OutputRow(PixelExtensions(), options.outputs);
+  output.group = "Output";
+  command.Add({std::move(output)});
+  command.Add(PlaneLatticeRows(words));
+  command.Add(PixelRows(words));
+  OptionRow json = JsonRow("machine-readable summary on standard output", options.json);
+  json.group = "Output";
+  command.Add({std::move(json)});
+  command.Exclude({{"--basis", "--lattice"}, {"--resolution", "--pixel-size"}});
   AddServerOptions(command, options.server);
 }
 
@@ -66,13 +89,13 @@ PixelizeOptions Interpret(const PixelizeWords& words) {
   PixelizeOptions options = words.options;
   PixelizeRequest& request = options.request;
   if (words.basis.empty()) {
-    request.lattice = ValueNamed(LatticeNames(), words.lattice);
+    request.lattice = ValueNamed(PlaneLatticeNames(), words.lattice);
   } else {
     std::array<double, 4> n{};
     ParseNumbers(words.basis, n);
     request.lattice = PlaneBasis{{n[0], n[1]}, {n[2], n[3]}};
   }
-  request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
+  request.algorithm = ValueNamed(LineAlgorithmNames(), words.algorithm);
   if (!words.pixel_size.empty()) ParseNumber(words.pixel_size, request.pixel_size.emplace());
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());

@@ -1,6 +1,5 @@
 #include "client/tool/cli/render_command.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,20 +57,25 @@ double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
 
 }  // namespace
 
-void AddRenderOptions(CLI::App& command, RenderWords& words) {
-  command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
-  AddOutputOption(command, {".png"}, words.outputs);
-  AddSizeOption(command, "pixels of each side", words.picture.side);
-  command.add_option("--view-up", words.view_up, "the axis that points up (default: y)")->check(OneOf(UpNames()));
-  command
-      .add_option("--view", words.view,
-                  "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)")
-      ->type_name("AZIMUTH,ELEVATION")
-      ->check(CheckView);
-  command.add_option("--color", words.color, "of the surface (default: 769ed2)")
-      ->type_name("RRGGBB")
-      ->check(CheckColor);
-  AddColorByOption(command, /*distances=*/false, words.color_by);
+void AddRenderOptions(CommandParser& command, RenderWords& words) {
+  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
+               OutputRow({".png"}, words.outputs),
+               SizeRow("pixels of each side", words.picture.side),
+               {.names = "--view-up",
+                .target = &words.view_up,
+                .help = "the axis that points up (default: y)",
+                .words = WordsOf(UpNames())},
+               {.names = "--view",
+                .target = &words.view,
+                .help = "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)",
+                .value = "AZIMUTH,ELEVATION",
+                .checks = {{CheckView}}},
+               {.names = "--color",
+                .target = &words.color,
+                .help = "of the surface (default: 769ed2)",
+                .value = "RRGGBB",
+                .checks = {{CheckColor}}},
+               ColorByRow(/*distances=*/false, words.color_by)});
 }
 
 PictureOptions Interpret(const RenderWords& words) {

@@ -28,7 +28,7 @@ absl::StatusOr<std::string> ReadToken(const std::string& path) {
   return token;
 }
 
-std::string Variable(const char* name) {
+std::string EnvironmentValue(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
 }
@@ -68,8 +68,8 @@ CallOptions MakeCallOptions(const ServerChoice& choice, const Cancellation& canc
   if (choice.timeout_seconds) options.deadline = absl::Now() + absl::Seconds(*choice.timeout_seconds);
   options.traceparent = choice.traceparent;
   if (choice.traceparent.empty()) {
-    options.traceparent = Variable("TRACEPARENT");
-    options.tracestate = Variable("TRACESTATE");
+    options.traceparent = EnvironmentValue("TRACEPARENT");
+    options.tracestate = EnvironmentValue("TRACESTATE");
   }
   return options;
 }

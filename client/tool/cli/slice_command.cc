@@ -1,6 +1,5 @@
 #include "client/tool/cli/slice_command.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -121,21 +120,23 @@ absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_
 
 }  // namespace
 
-void AddSliceOptions(CLI::App& command, SliceWords& words) {
-  command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
-  AddOutputOption(command, {".png", ".csv"}, words.outputs);
-  command
-      .add_option("--axis", words.axis,
-                  "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these")
-      ->type_name("AXIS")
-      ->required()
-      ->check(OneOf(kAxes));
-  command.add_option("--index", words.index, "the layer's lattice coordinate on that axis")
-      ->type_name("N")
-      ->required()
-      ->check(Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
-  AddSizeOption(command, "pixels of the picture's longer side", words.size);
-  AddColorByOption(command, /*distances=*/true, words.color_by);
+void AddSliceOptions(CommandParser& command, SliceWords& words) {
+  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
+               OutputRow({".png", ".csv"}, words.outputs),
+               {.names = "--axis",
+                .target = &words.axis,
+                .help = "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these",
+                .value = "AXIS",
+                .words = WordsOf(kAxes),
+                .required = true},
+               {.names = "--index",
+                .target = &words.index,
+                .help = "the layer's lattice coordinate on that axis",
+                .value = "N",
+                .checks = {Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max())},
+                .required = true},
+               SizeRow("pixels of the picture's longer side", words.size),
+               ColorByRow(/*distances=*/true, words.color_by)});
 }
 
 void Check(const SliceWords& words) { CheckOutputs(words.outputs, words.input, "file"); }

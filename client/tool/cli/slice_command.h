@@ -2,28 +2,28 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_SLICE_COMMAND_H_
 #define LATVOX_CLIENT_TOOL_CLI_SLICE_COMMAND_H_
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/tool/output/pixel_picture.h"
+#include "deploy/manual/command_parser.h"
 #include "latvox/cancellation.h"
 #include "latvox/plane_types.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
-// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+// The words as they are given; parsing writes into them.
 struct SliceWords {
   std::string input, axis, color_by;
   int index = 0, size = kPixelPictureSide;
   std::vector<std::string> outputs;
 };
 
-void AddSliceOptions(CLI::App& command, SliceWords& words);
+void AddSliceOptions(CommandParser& command, SliceWords& words);
 
-// Throws CLI::ValidationError if the words do not go together.
+// Throws UsageError if the words do not go together.
 void Check(const SliceWords& words);
 
 // The lattice points of which coordinate `axis` is `index`, as a lattice of their plane. Its first basis vector points

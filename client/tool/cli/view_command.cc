@@ -13,7 +13,8 @@
 namespace latvox::client {
 namespace {
 
-// The mesh's axis that `up_axis` of the request names has become z. Files of others, or of a mesh as it was, say nothing.
+// The mesh's axis that `up_axis` of the request names has become z. Files of others, or of a mesh as it was, say
+// nothing.
 UpAxis UpOf(const GridFileInfo& info) {
   const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
   const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
@@ -24,11 +25,13 @@ UpAxis UpOf(const GridFileInfo& info) {
 
 }  // namespace
 
-void AddViewOptions(CLI::App& command, ViewWords& words) {
-  command.add_option("file", words.input, "a .vdb file")->type_name("IN.vdb")->required();
-  AddOutputOption(command, {".html"}, words.outputs);
-  command.add_option("--view-up", words.view_up, "the axis that points up (default: z if the mesh was turned by --up-axis, else y)")
-      ->check(OneOf(UpNames()));
+void AddViewOptions(CommandParser& command, ViewWords& words) {
+  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
+               OutputRow({".html"}, words.outputs),
+               {.names = "--view-up",
+                .target = &words.view_up,
+                .help = "the axis that points up (default: z if the mesh was turned by --up-axis, else y)",
+                .words = WordsOf(UpNames())}});
 }
 
 void Check(const ViewWords& words) {

@@ -14,9 +14,9 @@ namespace {
 
 using Mask = decltype(Brick::mask);
 
-std::string Show(const Vec3d& v) { return absl::StrFormat("%.17g,%.17g,%.17g", v[0], v[1], v[2]); }
+std::string AllDigits(const Vec3d& v) { return absl::StrFormat("%.17g,%.17g,%.17g", v[0], v[1], v[2]); }
 
-class Comparison {
+class FieldComparison {
  public:
   void Add(const Vec3i& brick_ijk, const Mask& a, const Mask& b) {
     for (const bool in_a : {true, false}) {
@@ -52,7 +52,7 @@ double VoxelDifference::Jaccard() const {
 
 VoxelDifference CompareVoxels(std::span<const Brick> a, std::span<const Brick> b) {
   constexpr Mask kNone{};
-  Comparison comparison;
+  FieldComparison comparison;
   ForEachPair(a, b, [&](const Brick* of_a, const Brick* of_b) {
     comparison.Add((of_a ? of_a : of_b)->brick_ijk, of_a ? of_a->mask : kNone, of_b ? of_b->mask : kNone);
   });
@@ -64,10 +64,10 @@ std::vector<FieldDifference> CompareFields(const GridFileInfo& a, const GridFile
     std::map<std::string, std::string> words(info.metadata.begin(), info.metadata.end());
     std::erase_if(words, [](const auto& word) { return absl::StartsWith(word.first, "file_"); });
     for (const char* name : {"latvox_basis", "latvox_origin", "latvox_voxel_size", "latvox_request"}) words.erase(name);
-    words["step in i"] = Show(info.transform.basis.a);
-    words["step in j"] = Show(info.transform.basis.b);
-    words["step in k"] = Show(info.transform.basis.c);
-    words["origin"] = Show(info.transform.origin);
+    words["step in i"] = AllDigits(info.transform.basis.a);
+    words["step in j"] = AllDigits(info.transform.basis.b);
+    words["step in k"] = AllDigits(info.transform.basis.c);
+    words["origin"] = AllDigits(info.transform.origin);
     return words;
   };
   const auto of_a = fields(a), of_b = fields(b);

@@ -2,7 +2,6 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_VOXELIZE_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_VOXELIZE_OPTIONS_H_
 
-#include <CLI/App.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "client/tool/cli/session.h"
 #include "client/tool/mesh_files/mesh_source.h"
 #include "client/tool/output/output.h"
+#include "deploy/manual/command_parser.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -28,25 +28,19 @@ struct VoxelizeOptions {
   ServerChoice server;
 };
 
-// The words as they are given; CLI11 writes into them, so that they must outlive its parsing.
+// The words as they are given; parsing writes into them.
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // filled in part by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string npy;
-  int separability = 0;
-  std::string algorithm, encoding, fill, interior_rule, cover, band, attributes;
+  std::string npy, separability, algorithm, encoding, fill, interior_rule, cover, band, attributes;
   bool without_surface = false, force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };
 
-// Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by
-// itself.
-void AddRequestOptions(CLI::App& command, VoxelizeWords& words);
-
 // Adds all options.
-void AddVoxelizeOptions(CLI::App& command, VoxelizeWords& words);
+void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words);
 
-// What the words mean together. Throws CLI::ValidationError, as parsing does, naming option, value and limit: options
+// What the words mean together. Throws UsageError, as parsing does, naming option, value and limit: options
 // that exclude or need each other.
 VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
 

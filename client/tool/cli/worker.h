@@ -25,7 +25,7 @@ struct ChosenWorker {
 // What --worker says; if that is empty, what the engine's variables say:
 //   Kubernetes, an Indexed Job   JOB_COMPLETION_INDEX; the number of workers is LATVOX_WORKER_COUNT, as it gives none
 //   Slurm, a job array           SLURM_ARRAY_TASK_ID, counted from _MIN on in steps of _STEP, of SLURM_ARRAY_TASK_COUNT
-// Throws CLI::ValidationError, naming variable, value and limit: a part without the other, not below the count, both engines at
+// Throws UsageError, naming variable, value and limit: a part without the other, not below the count, both engines at
 // once.
 ChosenWorker ChooseWorker(const std::string& given);
 

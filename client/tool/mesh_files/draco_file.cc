@@ -10,14 +10,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/mesh_files/bad.h"
 
 namespace latvox::client {
 namespace {
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 // What a full color is in the floats that Draco makes of an attribute's numbers.
 float FullColor(const draco::PointAttribute& colors) {

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/mesh_files/bad.h"
 
 namespace latvox::client {
 namespace {
@@ -17,11 +18,6 @@ using Json = nlohmann::json;
 
 constexpr uint64_t kMaxElements = uint64_t{1} << 22;  // without a buffer that bounds them
 constexpr uint64_t kMaxStride = 252;                  // of the specification
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 absl::Status In(absl::string_view where, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(where, ": ", status.message()));
@@ -156,7 +152,7 @@ absl::StatusOr<std::vector<float>> ToFloats(const Elements& elements, bool norma
 
 // `read`, of an accessor, with its number before what is wrong.
 template <class Result, class Read>
-absl::StatusOr<Result> Named(uint64_t number, const Json& root, const Read& read) {
+absl::StatusOr<Result> OfAccessor(uint64_t number, const Json& root, const Read& read) {
   absl::StatusOr<Result> result;
   try {
     result = read(root.at("accessors").at(number));
@@ -170,7 +166,7 @@ absl::StatusOr<Result> Named(uint64_t number, const Json& root, const Read& read
 }  // namespace
 
 absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const Json& root, GltfBuffers& buffers) {
-  return Named<GltfFloats>(accessor, root, [&](const Json& described) -> absl::StatusOr<GltfFloats> {
+  return OfAccessor<GltfFloats>(accessor, root, [&](const Json& described) -> absl::StatusOr<GltfFloats> {
     const auto elements = Take(described, root, buffers);
     if (!elements.ok()) return elements.status();
     auto values = ToFloats(*elements, described.value("normalized", false));
@@ -181,7 +177,7 @@ absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const Json& root, G
 
 absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const Json& root, GltfBuffers& buffers) {
   using Indices = std::vector<uint32_t>;
-  return Named<Indices>(accessor, root, [&](const Json& described) -> absl::StatusOr<Indices> {
+  return OfAccessor<Indices>(accessor, root, [&](const Json& described) -> absl::StatusOr<Indices> {
     const auto elements = Take(described, root, buffers);
     if (!elements.ok()) return elements.status();
     const uint64_t type = elements->component_type;

@@ -7,15 +7,11 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 // With "%20" and the like as the bytes that they stand for.
 std::string Unescaped(absl::string_view uri) {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/tool/mesh_files/bad.h"
 
 namespace latvox::client {
 namespace {
@@ -14,11 +15,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr uint64_t kMost = uint64_t{1} << 53;  // up to which every JSON library counts
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 // The JSON and the binary chunk of a file.
 struct Chunks {

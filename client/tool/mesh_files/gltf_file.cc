@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 #include "client/tool/mesh_files/gltf_document.h"
 #include "client/tool/mesh_files/gltf_primitive.h"
@@ -26,11 +27,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr uint32_t kNoMaterial = UINT32_MAX;  // until all are numbered
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 // The status of what stands there.
 absl::Status In(absl::string_view list, size_t number, const absl::Status& status) {

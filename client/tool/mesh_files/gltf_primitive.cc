@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/draco_file.h"
 #include "client/tool/mesh_files/gltf_accessor.h"
 
@@ -17,11 +18,6 @@ namespace {
 using Json = nlohmann::json;
 
 enum Mode : uint64_t { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kStrip, kFan };
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 // Of so many corners.
 uint64_t PointsOrLines(Mode mode, uint64_t corners) {

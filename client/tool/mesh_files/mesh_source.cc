@@ -14,7 +14,8 @@
 namespace latvox::client {
 namespace {
 
-constexpr char kOwnAttributes[] = "; those of a .drc count where it is sent as it is: alone, without --up-axis and --scale";
+constexpr char kOwnAttributes[] =
+    "; those of a .drc count where it is sent as it is: alone, without --up-axis and --scale";
 
 Affine ToWorld(const MeshSource& input) {
   constexpr Affine kFromX = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};

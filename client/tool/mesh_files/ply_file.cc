@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/ply_body.h"
 #include "client/tool/mesh_files/ply_header.h"
 #include "client/tool/mesh_files/polygon.h"
@@ -16,11 +17,6 @@
 // anyone could have checked their indices.
 namespace latvox::client {
 namespace {
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 absl::Status EndsEarly(const PlyElement& element, uint64_t at) {
   return Bad("ends or is damaged at ", element.name, " ", at, " of ", element.count);
@@ -35,7 +31,7 @@ using Triangle = std::array<uint32_t, 3>;
 using Names = std::array<const char*, 3>;
 
 // Which of the names a single number of a vertex has.
-std::optional<size_t> PlaceOf(const PlyProperty& property, const Names& names) {
+std::optional<size_t> PositionOf(const PlyProperty& property, const Names& names) {
   const auto found = std::find(names.begin(), names.end(), property.name);
   if (property.count_type || found == names.end()) return std::nullopt;
   return static_cast<size_t>(found - names.begin());
@@ -60,7 +56,7 @@ const Names* ColorNamesOf(const PlyElement& element) {
 }
 
 // What a full color is in a number of this type; 0: nobody knows.
-double FullColor(PlyScalar type) {
+double FullScalar(PlyScalar type) {
   switch (type) {
     case PlyScalar::kUint8:
       return 255;
@@ -76,7 +72,7 @@ double FullColor(PlyScalar type) {
 
 // The part of a color, as a byte; nothing, and why in mesh.no_color, if it is none.
 uint8_t ToColorPart(double number, const PlyProperty& property, uint64_t vertex, Mesh& mesh) {
-  const double full = FullColor(property.type);
+  const double full = FullScalar(property.type);
   if (full > 0 && number >= 0 && number <= full) return static_cast<uint8_t>(std::nearbyint(number / full * 255));
   if (mesh.no_color.empty()) {
     mesh.no_color = full > 0 ? absl::StrCat(property.name, " ", number, " of vertex ", vertex, " is not within 0 and ",
@@ -94,9 +90,9 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
     Vec3f position{};
     Color color{};
     for (const PlyProperty& property : element.properties) {
-      if (const auto axis = PlaceOf(property, kAxes)) {
+      if (const auto axis = PositionOf(property, kAxes)) {
         position[*axis] = body.TakeFloat(property.type);
-      } else if (const auto part = color_names ? PlaceOf(property, *color_names) : std::nullopt) {
+      } else if (const auto part = color_names ? PositionOf(property, *color_names) : std::nullopt) {
         color[*part] = ToColorPart(body.TakeNumber(property.type), property, n, mesh);
       } else {
         SkipProperty(property, body);
@@ -137,7 +133,7 @@ absl::Status TakeCorners(const PlyProperty& property, uint64_t n, size_t vertice
   return absl::OkStatus();
 }
 
-absl::Status ReadFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
     return Bad("PLY header: element face has no list vertex_indices");
   }
@@ -221,7 +217,7 @@ absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
   Mesh mesh;
   for (const PlyElement& element : header->elements) {
     absl::Status status = element.name == "vertex"      ? ReadVertices(element, body, mesh)
-                          : element.name == "face"      ? ReadFaces(element, body, mesh)
+                          : element.name == "face"      ? ReadPlyFaces(element, body, mesh)
                           : element.name == "tristrips" ? ReadStrips(element, body, mesh)
                                                         : SkipElement(element, body);
     if (!status.ok()) return status;

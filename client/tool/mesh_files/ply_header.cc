@@ -5,14 +5,10 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/tool/mesh_files/bad.h"
 
 namespace latvox::client {
 namespace {
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 constexpr std::pair<absl::string_view, PlyScalar> kNames[] = {
     {"char", PlyScalar::kInt8},      {"int8", PlyScalar::kInt8},       {"uchar", PlyScalar::kUint8},

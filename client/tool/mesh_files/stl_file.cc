@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/float_text.h"
 
 // Why not assimp: its decimal parser misses the nearest float32, and its errors name no line.
@@ -18,11 +19,6 @@ namespace latvox::client {
 namespace {
 
 constexpr size_t kHead = 84, kTriangle = 50, kNormal = 12;
-
-template <class... Parts>
-absl::Status Bad(const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat(parts...));
-}
 
 uint32_t DeclaredTriangles(absl::string_view bytes) {
   uint32_t triangles;

@@ -33,7 +33,7 @@ constexpr int kMaxDepth = 64;  // of components within components
 constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 
-absl::Status ReadVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3f>& positions) {
+absl::Status ReadThreeMfVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3f>& positions) {
   Vec3f& position = positions.emplace_back();
   for (size_t m = 0; m < 3; ++m) {
     const char* const name = m == 0 ? "x" : m == 1 ? "y" : "z";
@@ -65,7 +65,7 @@ absl::StatusOr<Mesh> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& obj
   Mesh mesh;
   for (const pugi::xml_node& vertex : Child(node, "vertices")) {
     if (LocalName(vertex.name()) != "vertex") continue;
-    if (auto status = ReadVertex(part, vertex, mesh.positions); !status.ok()) return status;
+    if (auto status = ReadThreeMfVertex(part, vertex, mesh.positions); !status.ok()) return status;
   }
   ThreeMfCarrier carrier(part, object, properties);
   for (const pugi::xml_node& triangle : Child(node, "triangles")) {
@@ -105,7 +105,7 @@ absl::StatusOr<double> MillimetresOf(const ThreeMfPart& part) {
 }
 
 // What a file needs to be understood is in namespaces, whose prefixes it chooses itself.
-absl::Status CheckExtensions(const ThreeMfPart& part) {
+absl::Status CheckRequiredExtensions(const ThreeMfPart& part) {
   const absl::string_view required = part.root().attribute("requiredextensions").value();
   for (const absl::string_view prefix : absl::StrSplit(required, ' ', absl::SkipEmpty())) {
     const absl::string_view space = part.root().attribute(absl::StrCat("xmlns:", prefix).c_str()).value();
@@ -165,7 +165,7 @@ class Reader {
     auto part = ThreeMfPart::Parse(name, *std::move(text));
     if (!part.ok()) return part.status();
     if (LocalName((*part)->root().name()) != "model") return (*part)->Error((*part)->root(), "is not <model>");
-    if (auto status = CheckExtensions(**part); !status.ok()) return status;
+    if (auto status = CheckRequiredExtensions(**part); !status.ok()) return status;
     Model& model = models_[name];
     for (const pugi::xml_node& object : Child((*part)->root(), "resources")) {
       if (LocalName(object.name()) == "object") model.objects.emplace(object.attribute("id").value(), object);

@@ -9,7 +9,7 @@
 namespace latvox::client {
 namespace {
 
-absl::Status Bad(absl::string_view what, zip_error_t* error) {
+absl::Status BadZip(absl::string_view what, zip_error_t* error) {
   return absl::InvalidArgumentError(absl::StrCat(what, " (", zip_error_strerror(error), ")"));
 }
 
@@ -31,7 +31,7 @@ absl::StatusOr<ZipArchive> ZipArchive::Open(absl::string_view bytes, uint64_t ma
     if (out.archive_ == nullptr) zip_source_free(source);
   }
   absl::Status status;
-  if (out.archive_ == nullptr) status = Bad("is not a whole zip archive", &error);
+  if (out.archive_ == nullptr) status = BadZip("is not a whole zip archive", &error);
   zip_error_fini(&error);
   if (!status.ok()) return status;
   out.max_bytes_ = out.left_ = max_bytes;
@@ -41,13 +41,13 @@ absl::StatusOr<ZipArchive> ZipArchive::Open(absl::string_view bytes, uint64_t ma
 absl::StatusOr<std::string> ZipArchive::Read(const std::string& name) {
   constexpr uint64_t kLeast = uint64_t{1} << 16;
   const std::unique_ptr<zip_file_t, CloseEntry> file(zip_fopen(archive_.get(), name.c_str(), ZIP_FL_NOCASE));
-  if (file == nullptr) return Bad(absl::StrCat("part \"", name, "\" cannot be read"), zip_get_error(archive_.get()));
+  if (file == nullptr) return BadZip(absl::StrCat("part \"", name, "\" cannot be read"), zip_get_error(archive_.get()));
   std::string bytes;
   for (;;) {
     const size_t before = bytes.size();
     bytes.resize(before + std::min(std::max<uint64_t>(kLeast, before), left_ + 1));
     const zip_int64_t count = zip_fread(file.get(), bytes.data() + before, bytes.size() - before);
-    if (count < 0) return Bad(absl::StrCat("part \"", name, "\" is damaged"), zip_file_get_error(file.get()));
+    if (count < 0) return BadZip(absl::StrCat("part \"", name, "\" is damaged"), zip_file_get_error(file.get()));
     bytes.resize(before + static_cast<size_t>(count));
     if (count == 0) return bytes;
     if (static_cast<uint64_t>(count) > left_) {

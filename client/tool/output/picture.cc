@@ -27,10 +27,10 @@ using Vec3f = std::array<float, 3>;
 
 constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colours here
 
-float Dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float FloatDot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 Vec3f Unit(const Vec3f& v) {
-  const float length = std::sqrt(Dot(v, v));
+  const float length = std::sqrt(FloatDot(v, v));
   return {v[0] / length, v[1] / length, v[2] / length};
 }
 
@@ -255,10 +255,10 @@ class Renderer {
     Vec3f normal;
     for (size_t m = 0; m < 3; ++m) normal[m] = facets * facet[m] + (1 - facets) * smooth[m];
     normal = Unit(normal);
-    float key = std::max(0.0F, Dot(normal, lights_[PhaseOf(x, y)]));
+    float key = std::max(0.0F, FloatDot(normal, lights_[PhaseOf(x, y)]));
     if (key > 0 && !Lit(x, y, smooth, cell_ < 12 ? 2.0F : 0.02F)) key = 0;
     const float sky = 0.5F + 0.5F * normal[1], open = 1 - Occlusion(x, y, smooth);
-    const float fill = std::max(0.0F, Dot(normal, Unit({0.8F, 0.1F, 0.6F})));
+    const float fill = std::max(0.0F, FloatDot(normal, Unit({0.8F, 0.1F, 0.6F})));
     const float value = (open * open * (0.13F + 0.22F * sky + 0.16F * fill) + 1.05F * key) *
                         (1 - 0.45F * static_cast<float>(edge_[at]) / 255);
     Rgb color = ColorAt(at);

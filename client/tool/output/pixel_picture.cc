@@ -14,30 +14,30 @@ namespace latvox::client {
 namespace {
 
 constexpr int kShortestSide = 64;
-constexpr double kFilled = 0.94;  // share of the picture
-constexpr int kSamples = 3;       // per sample of the picture and axis
+constexpr double kCellsFilled = 0.94;  // share of the picture
+constexpr int kCellSamples = 3;        // per sample of the picture and axis
 
-using Rgb = std::array<float, 3>;
+using CellColor = std::array<float, 3>;
 
-constexpr Rgb kBackground = {0.97F, 0.97F, 0.96F};
-constexpr Rgb kEmptyBorder = {0.90F, 0.90F, 0.89F};
-constexpr Rgb kCellBorder = {0.33F, 0.47F, 0.66F};
-constexpr Rgb kCurve = {0.82F, 0.27F, 0.16F};
-constexpr Rgb kContour = {0, 0, 0};
+constexpr CellColor kPaper = {0.97F, 0.97F, 0.96F};
+constexpr CellColor kEmptyBorder = {0.90F, 0.90F, 0.89F};
+constexpr CellColor kCellBorder = {0.33F, 0.47F, 0.66F};
+constexpr CellColor kCurve = {0.82F, 0.27F, 0.16F};
+constexpr CellColor kContour = {0, 0, 0};
 
-Rgb Mix(const Rgb& a, const Rgb& b, float share_of_b) {
-  Rgb out;
+CellColor Mix(const CellColor& a, const CellColor& b, float share_of_b) {
+  CellColor out;
   for (size_t m = 0; m < 3; ++m) out[m] = a[m] + (b[m] - a[m]) * share_of_b;
   return out;
 }
 
-Rgb ToRgb(uint32_t color) {
+CellColor ToRgb(uint32_t color) {
   const auto part = [color](int shift) { return static_cast<float>(color >> shift & 0xFF) / 255; };
   return {part(16), part(8), part(0)};
 }
 
 Vec2d operator-(const Vec2d& a, const Vec2d& b) { return {a[0] - b[0], a[1] - b[1]}; }
-double Dot(const Vec2d& a, const Vec2d& b) { return a[0] * b[0] + a[1] * b[1]; }
+double PlaneDot(const Vec2d& a, const Vec2d& b) { return a[0] * b[0] + a[1] * b[1]; }
 
 // Where a point of the world lies among Voronoi cells.
 struct CellSite {
@@ -52,11 +52,11 @@ class CellFinder {
   explicit CellFinder(const PlaneTransform& grid) : origin_(grid.origin), u_(grid.basis.a), v_(grid.basis.b) {
     constexpr int kMaxSteps = 64;  // of a foreign basis; one of core's takes a few
     for (int step = 0; step < kMaxSteps; ++step) {
-      if (Dot(u_, u_) > Dot(v_, v_)) {
+      if (PlaneDot(u_, u_) > PlaneDot(v_, v_)) {
         std::swap(u_, v_);
         std::swap(u_ij_, v_ij_);
       }
-      const double times = std::round(Dot(u_, v_) / Dot(u_, u_));
+      const double times = std::round(PlaneDot(u_, v_) / PlaneDot(u_, u_));
       if (times == 0 || !(std::abs(times) < 1 << 30)) break;
       for (size_t m = 0; m < 2; ++m) {
         v_[m] -= times * u_[m];
@@ -67,7 +67,7 @@ class CellFinder {
   }
 
   // No point of a cell is farther from its centre.
-  double reach() const { return (std::sqrt(Dot(u_, u_)) + std::sqrt(Dot(v_, v_))) / 2; }
+  double reach() const { return (std::sqrt(PlaneDot(u_, u_)) + std::sqrt(PlaneDot(v_, v_))) / 2; }
 
   CellSite Find(const Vec2d& world) const {
     const Vec2d d = world - origin_;
@@ -79,14 +79,14 @@ class CellFinder {
     for (size_t n = 0; n < 4; ++n) {
       const double i = s + static_cast<double>(n & 1), j = t + static_cast<double>(n >> 1);
       for (size_t m = 0; m < 2; ++m) corner[n][m] = i * u_[m] + j * v_[m] - d[m];
-      square[n] = Dot(corner[n], corner[n]);
+      square[n] = PlaneDot(corner[n], corner[n]);
       if (square[n] < square[nearest]) nearest = n;
     }
     CellSite site{Index(s, t, nearest), {}, std::numeric_limits<double>::max()};
     for (size_t n = 0; n < 4; ++n) {
       if (n == nearest) continue;
       const Vec2d step = corner[n] - corner[nearest];
-      const double to_border = (square[n] - square[nearest]) / (2 * std::sqrt(Dot(step, step)));
+      const double to_border = (square[n] - square[nearest]) / (2 * std::sqrt(PlaneDot(step, step)));
       if (to_border < site.to_border) {
         site.to_border = to_border;
         site.neighbor = Index(s, t, n);
@@ -116,8 +116,8 @@ class PixelPicture {
   // What the picture shows of the world.
   void Frame(const Vec2d& low, const Vec2d& high, bool y_down, int longer_side) {
     const Vec2d size = high - low;
-    scale_ = kFilled * longer_side / std::max({size[0], size[1], grid_.pixel_size});
-    const double margin = (1 - kFilled) * longer_side;
+    scale_ = kCellsFilled * longer_side / std::max({size[0], size[1], grid_.pixel_size});
+    const double margin = (1 - kCellsFilled) * longer_side;
     const auto side = [&](double length) {
       return std::clamp(static_cast<int>(std::lround(length * scale_ + margin)), std::min(kShortestSide, longer_side),
                         longer_side);
@@ -145,7 +145,7 @@ class PixelPicture {
     rgb.reserve(3 * curve_.size());
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        const Rgb color = Mix(ShadeCells(x, y), kCurve, curve_[At(x, y)]);
+        const CellColor color = Mix(ShadeCells(x, y), kCurve, curve_[At(x, y)]);
         for (const float component : color) rgb.push_back(static_cast<uint8_t>(component * 255 + 0.5F));
       }
     }
@@ -171,13 +171,13 @@ class PixelPicture {
   }
 
   // Those of plain cells are blue, those of others darker than the cell.
-  static Rgb BorderOf(const PictureCell& cell) {
+  static CellColor BorderOf(const PictureCell& cell) {
     return cell.color == kCellColor ? kCellBorder : Mix(ToRgb(cell.color), {}, 0.35F);
   }
 
   // Borders where cells are large enough for them, those of empty cells only where they are larger still. Contours
   // always.
-  Rgb ShadeSample(const Vec2d& world) const {
+  CellColor ShadeSample(const Vec2d& world) const {
     constexpr double kLeastBordered = 5, kLeastRuled = 9;
     const CellSite site = finder_.Find(world);
     const PictureCell* const cell = CellAt(site.cell);
@@ -189,14 +189,15 @@ class PixelPicture {
       if (on_border && (cell || other)) return BorderOf(cell ? *cell : *other);
       if (on_border && cell_ >= kLeastRuled) return kEmptyBorder;
     }
-    return cell ? ToRgb(cell->color) : kBackground;
+    return cell ? ToRgb(cell->color) : kPaper;
   }
 
-  Rgb ShadeCells(int x, int y) const {
-    Rgb sum{};
-    for (int s = 0; s < kSamples * kSamples; ++s) {
-      const Rgb sample = ShadeSample(ToWorld(x + (s % kSamples + 0.5) / kSamples, y + (s / kSamples + 0.5) / kSamples));
-      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kSamples * kSamples);
+  CellColor ShadeCells(int x, int y) const {
+    CellColor sum{};
+    for (int s = 0; s < kCellSamples * kCellSamples; ++s) {
+      const CellColor sample = ShadeSample(
+          ToWorld(x + (s % kCellSamples + 0.5) / kCellSamples, y + (s / kCellSamples + 0.5) / kCellSamples));
+      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kCellSamples * kCellSamples);
     }
     return sum;
   }
@@ -205,7 +206,7 @@ class PixelPicture {
   void DrawSegment(const Vec2d& p, const Vec2d& q) {
     const Vec2d along = q - p;
     const size_t major = std::abs(along[0]) >= std::abs(along[1]) ? 0 : 1, minor = 1 - major;
-    const double radius = std::clamp(0.07 * cell_, 0.6, 1.5), square = Dot(along, along);
+    const double radius = std::clamp(0.07 * cell_, 0.6, 1.5), square = PlaneDot(along, along);
     const double reach = radius * std::sqrt(2) + 1;  // across, at the steepest
     const std::array<int, 2> size = {width_, height_};
     const auto first = [&](double x, size_t m) { return std::clamp(static_cast<int>(std::floor(x)), 0, size[m] - 1); };
@@ -218,7 +219,7 @@ class PixelPicture {
       for (int b = first(across - reach, minor), end = first(across + reach, minor); b <= end; ++b) {
         const Vec2d at = major == 0 ? Vec2d{a + 0.5, b + 0.5} : Vec2d{b + 0.5, a + 0.5};
         const Vec2d d = at - p;
-        const double t = square > 0 ? std::clamp(Dot(d, along) / square, 0.0, 1.0) : 0;
+        const double t = square > 0 ? std::clamp(PlaneDot(d, along) / square, 0.0, 1.0) : 0;
         const double distance = std::hypot(d[0] - t * along[0], d[1] - t * along[1]);
         float& covered = curve_[At(static_cast<int>(at[0]), static_cast<int>(at[1]))];
         covered = std::max(covered, static_cast<float>(std::clamp(radius + 0.5 - distance, 0.0, 1.0)));

@@ -34,7 +34,7 @@ void AppendWords(std::initializer_list<uint32_t> words, std::string& out) {
   for (const uint32_t word : words) out.append(reinterpret_cast<const char*>(&word), sizeof(word));
 }
 
-Vec3i Sum(const Vec3i& a, const Vec3i& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vec3i IndexSum(const Vec3i& a, const Vec3i& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 // Triangles, with corners of their own for each voxel.
 struct Surface {
@@ -83,7 +83,7 @@ Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>&
       return known;
     };
     for (const CellFace& face : cell.faces) {
-      if (voxels.Has(Sum(ijk, face.neighbor))) continue;
+      if (voxels.Has(IndexSum(ijk, face.neighbor))) continue;
       for (size_t n = 2; n < face.corners.size(); ++n) {
         surface.triangles.push_back({corner(face.corners[0]), corner(face.corners[n - 1]), corner(face.corners[n])});
       }

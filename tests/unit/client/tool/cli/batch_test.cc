@@ -1,7 +1,6 @@
 // Which jobs of a batch are a worker's, and what a later run can go on from.
 #include <gmock/gmock.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -43,12 +42,12 @@ class Workers : public testing::Test {
     Set(variables);
     try {
       ChooseWorker("");
-    } catch (const CLI::ValidationError& error) {
+    } catch (const UsageError& error) {
       return error.what();
     }
     return "accepted";
   }
-  static constexpr const char* kNames[] = {"JOB_COMPLETION_INDEX",   "LATVOX_WORKER_COUNT",   "SLURM_ARRAY_TASK_ID",
+  static constexpr const char* kNames[] = {"JOB_COMPLETION_INDEX",   "LATVOX_WORKER_COUNT",  "SLURM_ARRAY_TASK_ID",
                                            "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"};
 };
 

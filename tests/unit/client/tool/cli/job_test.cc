@@ -1,14 +1,15 @@
 // Job files and their lines.
 #include <gmock/gmock.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/job_file.h"
 #include "client/tool/cli/job_line.h"
+#include "client/tool/cli/request_rows.h"
 #include "client/tool/cli/worker.h"
+#include "deploy/manual/command_parser.h"
 #include "tests/unit/client/files.h"
 
 namespace latvox::client {
@@ -98,12 +99,12 @@ TEST(JobLine, ABandIsANumberOrAText) {
 }
 
 TEST(JobLine, EveryOptionOfARequestHasItsField) {
-  CLI::App app;
+  CommandParser parser;
   VoxelizeWords words;
-  AddRequestOptions(app, words);
+  AddRequestOptions(parser, words);
   int fields = 0;
-  for (const CLI::Option* option : app.get_options()) {
-    std::string field = option->get_lnames().front();
+  for (const OptionState& option : parser.States()) {
+    std::string field = option.name;
     if (field == "help" || field == "out") continue;
     std::replace(field.begin(), field.end(), '-', '_');
     EXPECT_THAT(Refusal("{\"mesh\": \"m\", \"" + field + "\": null}"), StartsWith(field + ": null is not "));

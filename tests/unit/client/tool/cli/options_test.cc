@@ -1,7 +1,6 @@
 // The command line: what options mean, and which are refused.
 #include <gmock/gmock.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "client/tool/cli/voxelize_command.h"
 #include "client/tool/cli/voxelize_options.h"
 #include "client/tool/output/vec3.h"
+#include "deploy/manual/command_parser.h"
 #include "latvox/stretched.h"
 
 namespace latvox::client {
@@ -20,19 +20,18 @@ using testing::HasSubstr;
 
 // Parses as the tool does. Throws what it throws.
 VoxelizeOptions Parse(std::vector<std::string> arguments) {
-  CLI::App app;
+  CommandParser parser;
   VoxelizeWords words;
-  AddVoxelizeOptions(app, words);
+  AddVoxelizeOptions(parser, words);
   arguments.insert(arguments.begin(), {"mesh.obj", "-o", "out.vdb"});
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants vectors
-  app.parse(arguments);
+  parser.Parse(std::move(arguments));
   return Interpret(words);
 }
 
 std::string Refusal(const std::vector<std::string>& arguments) {
   try {
     Parse(arguments);
-  } catch (const CLI::ParseError& error) {
+  } catch (const UsageError& error) {
     return error.what();
   }
   return "accepted";

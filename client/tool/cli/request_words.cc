@@ -1,0 +1,37 @@
+#include "client/tool/cli/request_words.h"
+
+namespace latvox::client {
+
+const Names<NamedLattice>& LatticeNames() {
+  static const auto* const kNames = new Names<NamedLattice>(NamesOfLattices(kNamedLattices));
+  return *kNames;
+}
+
+const Names<Algorithm>& AlgorithmNames() {
+  static const auto* const kNames = new Names<Algorithm>{{"exact", Algorithm::kExact},
+                                                         {"brute-force", Algorithm::kBruteForce},
+                                                         {"incremental", Algorithm::kIncremental},
+                                                         {"optimized-incremental", Algorithm::kOptimizedIncremental}};
+  return *kNames;
+}
+
+const Names<InteriorRule>& RuleNames() {
+  static const auto* const kNames =
+      new Names<InteriorRule>{{"parity", InteriorRule::kParity}, {"winding", InteriorRule::kWinding}};
+  return *kNames;
+}
+
+const Names<Cover>& CoverNames() {
+  static const auto* const kNames =
+      new Names<Cover>{{"separating", Cover::kSeparating}, {"supercover", Cover::kSupercover}};
+  return *kNames;
+}
+
+const Names<BrickEncoding>& EncodingNames() {
+  static const auto* const kNames = new Names<BrickEncoding>{{"packed", BrickEncoding::kPacked},
+                                                             {"packed-zstd", BrickEncoding::kPackedZstd},
+                                                             {"masks", BrickEncoding::kMasks}};
+  return *kNames;
+}
+
+}  // namespace latvox::client

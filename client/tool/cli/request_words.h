@@ -1,0 +1,19 @@
+// The words of options whose values are enumerations.
+#ifndef LATVOX_CLIENT_TOOL_CLI_REQUEST_WORDS_H_
+#define LATVOX_CLIENT_TOOL_CLI_REQUEST_WORDS_H_
+
+#include "client/tool/cli/common_options.h"
+#include "latvox/types.h"
+
+namespace latvox::client {
+
+// The first of each is the default.
+const Names<NamedLattice>& LatticeNames();
+const Names<Algorithm>& AlgorithmNames();
+const Names<InteriorRule>& RuleNames();
+const Names<Cover>& CoverNames();
+const Names<BrickEncoding>& EncodingNames();
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_REQUEST_WORDS_H_
