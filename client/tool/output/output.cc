@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <iterator>
-#include <span>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -102,12 +101,15 @@ std::unique_ptr<Output> NewAttributeVdbOutput(std::unique_ptr<AtomicFile> file, 
                                                       &AttributeGrids::Write);
 }
 
-using NewTable = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const TableColumns&);
+std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                     const OutputOptions& options) {
+  return NewPictureOutput(std::move(file), request, options.picture_up);
+}
 
-template <NewTable new_table>
-std::unique_ptr<Output> NewTableOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                       const OutputOptions&) {
-  return new_table(std::move(file), {request.band.has_value(), request.attributes});
+template <const char* extension>
+std::unique_ptr<Output> NewTable(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                 const OutputOptions&) {
+  return NewTableOutput(extension, std::move(file), {request.band.has_value(), request.attributes});
 }
 
 // One that is the same whatever was asked for.
@@ -118,50 +120,46 @@ std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const V
 
 std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&,
                                              const OutputOptions& options) {
-  return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewNpyOutput(std::move(file), {});
-}
-
-std::unique_ptr<Output> NewPngOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
-                                     const OutputOptions& options) {
-  return NewPictureOutput(std::move(file), request, options.picture_up);
+  return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewTableOutput(".npy", std::move(file), {});
 }
 
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
                                               const OutputOptions&);
-using Formats = std::span<const std::pair<const char*, NewOutput>>;
 
-constexpr std::pair<const char*, NewOutput> kFormats[] = {
-    {".vdb", NewVdbOutput},
-    {".nvdb", NewNvdbOutput},
-    {".csv", NewTableOutput<NewCsvOutput>},
-    {".npy", NewCoordinatesOutput},
-    {".ply", NewTableOutput<NewPlyOutput>},
-    {".png", NewPngOutput},
-    {".glb", NewPlainOutput<NewGlbOutput>},
-    {".binvox", NewPlainOutput<NewBinvoxOutput>},
-    {".vox", NewPlainOutput<NewVoxOutput>},
+// What opens a file of a format; null: the format cannot hold it.
+struct Format {
+  const char* extension;
+  NewOutput of_voxels, of_band, of_attributes;
+  bool color_alone = false;  // of the attributes, it holds no others
 };
 
-constexpr std::pair<const char*, NewOutput> kDistanceFormats[] = {
-    {".vdb", NewDistanceVdbOutput},
-    {".csv", NewTableOutput<NewCsvOutput>},
-    {".npy", NewTableOutput<NewNpyOutput>},
-    {".ply", NewTableOutput<NewPlyOutput>},
-    {".png", NewPngOutput},
+constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply";
+
+constexpr Format kFormats[] = {
+    {".vdb", NewVdbOutput, NewDistanceVdbOutput, NewAttributeVdbOutput},
+    {".nvdb", NewNvdbOutput, nullptr, nullptr},
+    {kCsv, NewTable<kCsv>, NewTable<kCsv>, NewTable<kCsv>},
+    {kNpy, NewCoordinatesOutput, NewTable<kNpy>, NewTable<kNpy>},
+    {kPly, NewTable<kPly>, NewTable<kPly>, NewTable<kPly>},
+    {".png", NewPngOutput, NewPngOutput, NewPngOutput},
+    {".glb", NewPlainOutput<NewGlbOutput>, nullptr, NewPlainOutput<NewGlbOutput>, /*color_alone=*/true},
+    {".binvox", NewPlainOutput<NewBinvoxOutput>, nullptr, nullptr},
+    {".vox", NewPlainOutput<NewVoxOutput>, nullptr, nullptr},
 };
 
-constexpr std::pair<const char*, NewOutput> kAttributeFormats[] = {
-    {".vdb", NewAttributeVdbOutput},
-    {".csv", NewTableOutput<NewCsvOutput>},
-    {".npy", NewTableOutput<NewNpyOutput>},
-    {".ply", NewTableOutput<NewPlyOutput>},
-    {".png", NewPngOutput},
-    {".glb", NewPlainOutput<NewGlbOutput>},  // the last, for it holds colors alone
-};
+NewOutput OutputOf(const Format& format, bool band, const std::vector<Attribute>& attributes) {
+  if (band) return format.of_band;
+  if (attributes.empty()) return format.of_voxels;
+  const bool fits = !format.color_alone || attributes == std::vector<Attribute>{Attribute::kColor};
+  return fits ? format.of_attributes : nullptr;
+}
 
-Formats FormatsFor(const std::vector<Attribute>& attributes) {
-  const bool color_alone = attributes == std::vector<Attribute>{Attribute::kColor};
-  return Formats(kAttributeFormats).first(std::size(kAttributeFormats) - (color_alone ? 0 : 1));
+std::vector<std::string> ExtensionsFor(bool band, const std::vector<Attribute>& attributes) {
+  std::vector<std::string> extensions;
+  for (const Format& format : kFormats) {
+    if (OutputOf(format, band, attributes) != nullptr) extensions.push_back(format.extension);
+  }
+  return extensions;
 }
 
 std::string ExtensionOf(const std::string& path) {
@@ -173,18 +171,12 @@ absl::Status WrongExtension(const std::string& path, const std::vector<std::stri
       absl::StrCat(path, ": extension \"", ExtensionOf(path), "\" is not one of ", absl::StrJoin(extensions, " ")));
 }
 
-std::vector<std::string> ExtensionsOf(Formats formats) {
-  std::vector<std::string> extensions;
-  for (const auto& [extension, unused] : formats) extensions.push_back(extension);
-  return extensions;
-}
-
 }  // namespace
 
-std::vector<std::string> DistanceExtensions() { return ExtensionsOf(kDistanceFormats); }
+std::vector<std::string> DistanceExtensions() { return ExtensionsFor(/*band=*/true, {}); }
 
 std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes) {
-  return ExtensionsOf(FormatsFor(attributes));
+  return ExtensionsFor(/*band=*/false, attributes);
 }
 
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions) {
@@ -192,24 +184,22 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 }
 
 const std::vector<std::string>& OutputExtensions() {
-  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsOf(kFormats));
+  static const auto* const kExtensions = new std::vector<std::string>(ExtensionsFor(/*band=*/false, {}));
   return *kExtensions;
 }
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,
                                                    const OutputOptions& options) {
-  const bool carries = !request.attributes.empty();
-  const Formats formats = request.band ? kDistanceFormats
-                          : carries    ? FormatsFor(request.attributes)
-                                       : Formats(kFormats);
-  const std::string wanted = ExtensionOf(path);
-  for (const auto& [extension, new_output] : formats) {
-    if (wanted != extension) continue;
+  const bool band = request.band.has_value();
+  const std::string extension = ExtensionOf(path);
+  for (const Format& format : kFormats) {
+    const NewOutput new_output = OutputOf(format, band, request.attributes);
+    if (extension != format.extension || new_output == nullptr) continue;
     auto file = AtomicFile::Create(path);
     if (!file.ok()) return file.status();
     return new_output(*std::move(file), request, options);
   }
-  return WrongExtension(path, ExtensionsOf(formats));
+  return WrongExtension(path, ExtensionsFor(band, request.attributes));
 }
 
 }  // namespace latvox::client

@@ -1,8 +1,10 @@
 #include "client/tool/output/table_output.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -183,16 +185,23 @@ class PlyOutput final : public TableOutput {
   }
 };
 
+template <class Format>
+std::unique_ptr<Output> NewFormat(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
+  return std::make_unique<Format>(std::move(file), columns);
+}
+
+constexpr std::pair<absl::string_view, decltype(&NewFormat<CsvOutput>)> kTableFormats[] = {
+    {".csv", &NewFormat<CsvOutput>},
+    {".npy", &NewFormat<NpyOutput>},
+    {".ply", &NewFormat<PlyOutput>},
+};
+
 }  // namespace
 
-std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
-  return std::make_unique<CsvOutput>(std::move(file), columns);
-}
-std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
-  return std::make_unique<NpyOutput>(std::move(file), columns);
-}
-std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns) {
-  return std::make_unique<PlyOutput>(std::move(file), columns);
+std::unique_ptr<Output> NewTableOutput(absl::string_view extension, std::unique_ptr<AtomicFile> file,
+                                       const TableColumns& columns) {
+  const auto is_it = [extension](const auto& format) { return format.first == extension; };
+  return std::find_if(std::begin(kTableFormats), std::end(kTableFormats), is_it)->second(std::move(file), columns);
 }
 
 }  // namespace latvox::client

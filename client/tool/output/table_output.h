@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "absl/strings/string_view.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/output.h"
 #include "latvox/types.h"
@@ -17,9 +18,9 @@ struct TableColumns {
   std::vector<Attribute> attributes = {};  // that voxels carry
 };
 
-std::unique_ptr<Output> NewCsvOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns);
-std::unique_ptr<Output> NewNpyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns);
-std::unique_ptr<Output> NewPlyOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns);
+// For the format of an extension in lower case: ".csv", ".npy" or ".ply".
+std::unique_ptr<Output> NewTableOutput(absl::string_view extension, std::unique_ptr<AtomicFile> file,
+                                       const TableColumns& columns);
 
 }  // namespace latvox::client
 
