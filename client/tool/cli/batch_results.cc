@@ -9,7 +9,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -17,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "client/tool/json.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -28,9 +28,9 @@ bool IsResultsName(const std::string& name) {
   return name == "results.jsonl" || (absl::StartsWith(name, "results-") && absl::EndsWith(name, ".jsonl"));
 }
 
-// Throws nlohmann::json::exception if it is none.
-uint64_t WholeNumber(const nlohmann::json& number) {
-  return number.get_ref<const nlohmann::json::number_unsigned_t&>();  // get() would convert what is not in its range
+// Throws SortedJson::exception if it is none.
+uint64_t WholeNumber(const SortedJson& number) {
+  return number.get_ref<const SortedJson::number_unsigned_t&>();  // get() would convert what is not in its range
 }
 
 }  // namespace
@@ -116,19 +116,19 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
     if (cancellation.cancelled()) return absl::CancelledError("cancelled");
-    const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (!json.is_object() || json.value("/status"_json_pointer, nlohmann::json()) != "done") continue;
+    const auto json = SortedJson::parse(line, nullptr, /*allow_exceptions=*/false);
+    if (!json.is_object() || json.value("/status"_json_pointer, SortedJson()) != "done") continue;
     try {
       Done done;
       done.job_digest = json.at("job_digest").get<std::string>();
       done.digest = json.at("summary").at("digest").get<std::string>();
       if (json.contains("ended_unix_ms")) done.ended_unix_ms = WholeNumber(json["ended_unix_ms"]);
       if (json.contains("output_bytes")) {
-        for (const auto& bytes : json["output_bytes"].get_ref<const nlohmann::json::array_t&>())
+        for (const auto& bytes : json["output_bytes"].get_ref<const SortedJson::array_t&>())
           done.bytes.push_back(WholeNumber(bytes));
       }
       Add(json.at("outputs").at(0).get<std::string>(), std::move(done));
-    } catch (const nlohmann::json::exception&) {
+    } catch (const SortedJson::exception&) {
       // A line of somebody else's.
     }
   }

@@ -1,7 +1,6 @@
 #include "client/tool/cli/compare_command.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -9,12 +8,11 @@
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
+#include "client/tool/json.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Report {
   bool equal;

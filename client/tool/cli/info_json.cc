@@ -1,11 +1,10 @@
 #include "client/tool/cli/info_json.h"
 
-#include <nlohmann/json.hpp>
+#include "client/tool/json.h"
 
 namespace latvox::client {
 
 std::string ToJson(const GridFileInfo& info) {
-  using Json = nlohmann::ordered_json;
   const auto& [a, b, c] = info.transform.basis;
   Json json = {{"grid", {{"name", info.name}, {"type", info.value_type}}},
                {"voxels", info.active_voxels},

@@ -1,17 +1,15 @@
 #include "client/tool/cli/job_digest.h"
 
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "absl/strings/escaping.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/json.h"
 #include "client/tool/mesh_files/input.h"
 #include "latvox/mesh_id.h"
 
 namespace latvox::client {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 template <class T>
 Json OrNull(const std::optional<T>& value) {

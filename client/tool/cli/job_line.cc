@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "absl/strings/match.h"
@@ -12,12 +11,11 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/request_rows.h"
+#include "client/tool/json.h"
 #include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {
-
-using LineJson = nlohmann::json;
 
 enum class Kind { kText, kNumber, kNumberOrText, kNumberOrNumbers, kNumbers, kFlag, kTexts };
 
@@ -62,20 +60,20 @@ absl::Status Wrong(const Parts&... parts) {
 }
 
 // As JSON, cut where it is too long for a line of people's.
-std::string Show(const LineJson& value) {
+std::string Show(const SortedJson& value) {
   constexpr size_t kMost = 100;
-  const std::string text = value.dump(-1, ' ', false, LineJson::error_handler_t::replace);
+  const std::string text = value.dump(-1, ' ', false, SortedJson::error_handler_t::replace);
   return text.size() <= kMost ? text : text.substr(0, kMost) + "...";
 }
 
-absl::Status WrongType(const std::string& field, const LineJson& value, const char* type) {
+absl::Status WrongType(const std::string& field, const SortedJson& value, const char* type) {
   return Wrong(field, ": ", Show(value), " is not ", type);
 }
 
-bool IsText(const LineJson& value) { return value.is_string() && !value.get_ref<const std::string&>().empty(); }
+bool IsText(const SortedJson& value) { return value.is_string() && !value.get_ref<const std::string&>().empty(); }
 
-bool Is(const LineJson& value, Kind kind) {
-  const auto is_number = [](const LineJson& element) { return element.is_number(); };
+bool Is(const SortedJson& value, Kind kind) {
+  const auto is_number = [](const SortedJson& element) { return element.is_number(); };
   switch (kind) {
     case Kind::kText:
       return IsText(value);
@@ -96,26 +94,26 @@ bool Is(const LineJson& value, Kind kind) {
 }
 
 // As the option takes it, lists with this between their elements. Numbers come out so that they read back as the same.
-std::string TextOf(const LineJson& value, const char* between = ",") {
+std::string TextOf(const SortedJson& value, const char* between = ",") {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
-  return absl::StrJoin(value, between, [](std::string* out, const LineJson& element) { *out += TextOf(element); });
+  return absl::StrJoin(value, between, [](std::string* out, const SortedJson& element) { *out += TextOf(element); });
 }
 
 // An error in JSON without the library's number of the line, which is always 1.
-absl::Status NoJson(const LineJson::exception& error) {
+absl::Status NoJson(const SortedJson::exception& error) {
   const absl::string_view what = error.what();
   const size_t column = what.find("column "), at = column == absl::string_view::npos ? what.find("] ") + 2 : column;
   return Wrong("no JSON: ", what.substr(at));
 }
 
-absl::StatusOr<LineJson> ParseObject(absl::string_view line) try {
-  using Event = LineJson::parse_event_t;
+absl::StatusOr<SortedJson> ParseObject(absl::string_view line) try {
+  using Event = SortedJson::parse_event_t;
   constexpr int kDeepest = 1;  // of a field's array; deeper ones would cost stack
   std::set<std::string> keys;
   std::string twice;
   bool deep = false;
-  const auto see = [&](int depth, Event event, LineJson& parsed) {
+  const auto see = [&](int depth, Event event, SortedJson& parsed) {
     if (depth == 1 && event == Event::key && !keys.insert(parsed.get<std::string>()).second) {
       twice = parsed.get<std::string>();
     }
@@ -123,17 +121,17 @@ absl::StatusOr<LineJson> ParseObject(absl::string_view line) try {
     deep = deep || too_deep;
     return !too_deep;
   };
-  LineJson object = LineJson::parse(line, see);
+  SortedJson object = SortedJson::parse(line, see);
   if (deep) return Wrong("an array or object stands within a field's array or object");
   if (!object.is_object()) return Wrong(Show(object), " is not a JSON object");
   if (!twice.empty()) return Wrong(twice, ": stands twice");
   return object;
-} catch (const LineJson::exception& error) {
+} catch (const SortedJson::exception& error) {
   return NoJson(error);
 }
 
 // The name of an output in normal form.
-absl::StatusOr<std::string> OutputName(const LineJson& value) {
+absl::StatusOr<std::string> OutputName(const SortedJson& value) {
   if (!IsText(value)) return WrongType("out", value, "a file name or an array of file names");
   const std::filesystem::path path = value.get<std::string>(), name = path.lexically_normal();
   if (absl::StrContains(path.string(), '\0') || path.is_absolute() || *name.begin() == ".." || !name.has_filename()) {
@@ -142,12 +140,12 @@ absl::StatusOr<std::string> OutputName(const LineJson& value) {
   return name.string();
 }
 
-absl::StatusOr<std::vector<std::string>> OutputNames(const LineJson& object, const std::string& mesh) {
-  LineJson given = object.value("out", LineJson(std::filesystem::path(mesh).stem().string() + ".vdb"));
-  if (!given.is_array()) given = LineJson::array({given});
+absl::StatusOr<std::vector<std::string>> OutputNames(const SortedJson& object, const std::string& mesh) {
+  SortedJson given = object.value("out", SortedJson(std::filesystem::path(mesh).stem().string() + ".vdb"));
+  if (!given.is_array()) given = SortedJson::array({given});
   if (given.empty()) return WrongType("out", given, "a file name or an array of file names");
   std::vector<std::string> names;
-  for (const LineJson& one : given) {
+  for (const SortedJson& one : given) {
     auto name = OutputName(one);
     if (!name.ok()) return name.status();
     names.push_back(*std::move(name));
@@ -155,10 +153,10 @@ absl::StatusOr<std::vector<std::string>> OutputNames(const LineJson& object, con
   return names;
 }
 
-absl::StatusOr<std::vector<std::string>> MeshPaths(const LineJson& given, const std::string& folder) {
+absl::StatusOr<std::vector<std::string>> MeshPaths(const SortedJson& given, const std::string& folder) {
   if (!Is(given, Kind::kTexts)) return WrongType("mesh", given, "a path or a file: URL, or an array of these");
   std::vector<std::string> paths;
-  for (const LineJson& one : given.is_array() ? given : LineJson::array({given})) {
+  for (const SortedJson& one : given.is_array() ? given : SortedJson::array({given})) {
     auto path = PathOf(one.get<std::string>(), folder);
     if (!path.ok()) return Wrong("mesh: ", path.status().message());
     // No job reads standard input.
@@ -176,7 +174,7 @@ absl::Status Unknown(const std::string& field) {
 }
 
 // The words of a command line that asks for what the object does, outputs aside.
-absl::StatusOr<std::vector<std::string>> Words(const LineJson& object, const CommandParser& parser) {
+absl::StatusOr<std::vector<std::string>> Words(const SortedJson& object, const CommandParser& parser) {
   std::vector<std::string> words;
   for (const auto& [field, value] : object.items()) {
     if (field == "mesh" || field == "out" || field == "id") continue;
@@ -209,7 +207,7 @@ JobParser::JobParser(std::string folder, std::string directory)
 absl::StatusOr<Job> JobParser::Parse(absl::string_view line) {
   const auto object = ParseObject(line);
   if (!object.ok()) return object.status();
-  const LineJson mesh = object->value("mesh", LineJson()), id = object->value("id", LineJson());
+  const SortedJson mesh = object->value("mesh", SortedJson()), id = object->value("id", SortedJson());
   if (object->contains("id") && !IsText(id)) return WrongType("id", id, kTypes[0]);
   auto paths = MeshPaths(mesh, folder_);
   if (!paths.ok()) return paths.status();

@@ -1,17 +1,14 @@
 #include "client/tool/cli/report.h"
 
-#include <nlohmann/json.hpp>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/exit_status.h"
+#include "client/tool/json.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Text from outside that is not UTF-8, a file's name for one, must not stop the report.
 std::string Dump(const Json& json, int indent = 2) {

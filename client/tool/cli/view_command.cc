@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/json.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/grid_content.h"
@@ -19,7 +19,7 @@ UpAxis UpOf(const GridFileInfo& info) {
   const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
   const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
   if (found == info.metadata.end()) return UpAxis::kY;
-  const auto request = nlohmann::json::parse(found->second, nullptr, /*allow_exceptions=*/false);
+  const auto request = SortedJson::parse(found->second, nullptr, /*allow_exceptions=*/false);
   return request.contains("up_axis") ? UpAxis::kZ : UpAxis::kY;
 }
 

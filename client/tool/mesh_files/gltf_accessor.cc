@@ -14,8 +14,6 @@
 namespace latvox::client {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr uint64_t kMaxElements = uint64_t{1} << 22;  // without a buffer that bounds them
 constexpr uint64_t kMaxStride = 252;                  // of the specification
 
@@ -41,7 +39,7 @@ struct Elements {
   uint64_t size() const { return components * SizeOf(component_type); }
 };
 
-absl::StatusOr<uint64_t> ComponentsOf(const Json& accessor) {
+absl::StatusOr<uint64_t> ComponentsOf(const SortedJson& accessor) {
   constexpr std::pair<absl::string_view, uint64_t> kTypes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
   const auto type = accessor.at("type").get<std::string>();
   for (const auto& [name, components] : kTypes) {
@@ -50,7 +48,7 @@ absl::StatusOr<uint64_t> ComponentsOf(const Json& accessor) {
   return Bad("type \"", type, "\" is not one of SCALAR, VEC2, VEC3, VEC4");
 }
 
-absl::Status TakeBase(const Json& accessor, const Json& root, GltfBuffers& buffers, Elements& elements) {
+absl::Status TakeBase(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers, Elements& elements) {
   const uint64_t size = elements.size(), count = elements.count;
   if (!accessor.contains("bufferView")) {
     if (count > kMaxElements) {
@@ -75,11 +73,11 @@ absl::Status TakeBase(const Json& accessor, const Json& root, GltfBuffers& buffe
 }
 
 // Changes some of the elements.
-absl::Status TakeSparse(const Json& sparse, GltfBuffers& buffers, Elements& elements) {
+absl::Status TakeSparse(const SortedJson& sparse, GltfBuffers& buffers, Elements& elements) {
   const auto changes = GltfNumber(sparse, "count");
   if (!changes.ok()) return In("sparse", changes.status());
   if (*changes > elements.count) return Bad("sparse: count ", *changes, " exceeds the accessor's ", elements.count);
-  const Json &indices = sparse.at("indices"), &values = sparse.at("values");
+  const SortedJson &indices = sparse.at("indices"), &values = sparse.at("values");
   const auto type = GltfNumber(indices, "componentType");
   if (!type.ok()) return In("sparse.indices", type.status());
   if (!IsIndex(*type)) return Bad("sparse.indices: componentType ", *type, " is not one of 5121, 5123, 5125");
@@ -98,7 +96,7 @@ absl::Status TakeSparse(const Json& sparse, GltfBuffers& buffers, Elements& elem
   return absl::OkStatus();
 }
 
-absl::StatusOr<Elements> Take(const Json& accessor, const Json& root, GltfBuffers& buffers) {
+absl::StatusOr<Elements> Take(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers) {
   const auto count = GltfNumber(accessor, "count"), type = GltfNumber(accessor, "componentType");
   const auto components = ComponentsOf(accessor);
   for (const auto* field : {&count, &type, &components}) {
@@ -152,11 +150,11 @@ absl::StatusOr<std::vector<float>> ToFloats(const Elements& elements, bool norma
 
 // `read`, of an accessor, with its number before what is wrong.
 template <class Result, class Read>
-absl::StatusOr<Result> OfAccessor(uint64_t number, const Json& root, const Read& read) {
+absl::StatusOr<Result> OfAccessor(uint64_t number, const SortedJson& root, const Read& read) {
   absl::StatusOr<Result> result;
   try {
     result = read(root.at("accessors").at(number));
-  } catch (const Json::exception& error) {
+  } catch (const SortedJson::exception& error) {
     result = GltfError(error);
   }
   if (!result.ok()) return In(absl::StrCat("accessors[", number, "]"), result.status());
@@ -165,8 +163,8 @@ absl::StatusOr<Result> OfAccessor(uint64_t number, const Json& root, const Read&
 
 }  // namespace
 
-absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const Json& root, GltfBuffers& buffers) {
-  return OfAccessor<GltfFloats>(accessor, root, [&](const Json& described) -> absl::StatusOr<GltfFloats> {
+absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers) {
+  return OfAccessor<GltfFloats>(accessor, root, [&](const SortedJson& described) -> absl::StatusOr<GltfFloats> {
     const auto elements = Take(described, root, buffers);
     if (!elements.ok()) return elements.status();
     auto values = ToFloats(*elements, described.value("normalized", false));
@@ -175,9 +173,9 @@ absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const Json& root, G
   });
 }
 
-absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const Json& root, GltfBuffers& buffers) {
+absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers) {
   using Indices = std::vector<uint32_t>;
-  return OfAccessor<Indices>(accessor, root, [&](const Json& described) -> absl::StatusOr<Indices> {
+  return OfAccessor<Indices>(accessor, root, [&](const SortedJson& described) -> absl::StatusOr<Indices> {
     const auto elements = Take(described, root, buffers);
     if (!elements.ok()) return elements.status();
     const uint64_t type = elements->component_type;

@@ -4,10 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/json.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 
 namespace latvox::client {
@@ -25,11 +25,10 @@ struct GltfFloats {
 
 // Integers as KHR_mesh_quantization has them: normalized ones are divided by the largest of their type, and not below
 // -1, others are as they are.
-absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const nlohmann::json& root, GltfBuffers& buffers);
+absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);
 
 // Unsigned integers, one in each element.
-absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const nlohmann::json& root,
-                                                      GltfBuffers& buffers);
+absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);
 
 }  // namespace latvox::client
 

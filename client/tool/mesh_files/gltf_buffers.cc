@@ -47,7 +47,7 @@ absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem
 }  // namespace
 
 absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
-  const nlohmann::json& buffer = document_.root.at("buffers").at(n);
+  const SortedJson& buffer = document_.root.at("buffers").at(n);
   const auto length = GltfNumber(buffer, "byteLength");
   if (!length.ok()) return Bad("buffers[", n, "]: ", length.status().message());
   absl::string_view bytes = document_.binary;
@@ -68,10 +68,10 @@ absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
   return bytes;
 }
 
-absl::StatusOr<absl::string_view> GltfBuffers::View(const nlohmann::json& object) {
+absl::StatusOr<absl::string_view> GltfBuffers::View(const SortedJson& object) {
   const auto number = GltfIndex(object, "bufferView", document_.root, "bufferViews");
   if (!number.ok()) return number.status();
-  const nlohmann::json& view = document_.root.at("bufferViews").at(*number);
+  const SortedJson& view = document_.root.at("bufferViews").at(*number);
   const auto buffer = GltfIndex(view, "buffer", document_.root, "buffers");
   const auto begin = GltfNumber(view, "byteOffset", 0), length = GltfNumber(view, "byteLength");
   for (const auto* field : {&buffer, &begin, &length}) {
@@ -86,7 +86,7 @@ absl::StatusOr<absl::string_view> GltfBuffers::View(const nlohmann::json& object
   return bytes->substr(*begin, *length);
 }
 
-absl::StatusOr<absl::string_view> GltfBuffers::Bytes(const nlohmann::json& object, uint64_t size) {
+absl::StatusOr<absl::string_view> GltfBuffers::Bytes(const SortedJson& object, uint64_t size) {
   const auto view = View(object);
   const auto offset = GltfNumber(object, "byteOffset", 0);
   if (!view.ok() || !offset.ok()) return view.ok() ? offset.status() : view.status();

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/json.h"
 #include "client/tool/mesh_files/gltf_document.h"
 
 namespace latvox::client {
@@ -24,10 +24,10 @@ class GltfBuffers {
       : document_(document), folder_(std::move(folder)) {}
 
   // All bytes of the buffer view that `object` names.
-  absl::StatusOr<absl::string_view> View(const nlohmann::json& object);
+  absl::StatusOr<absl::string_view> View(const SortedJson& object);
 
   // So many of them, from `object`'s byteOffset on.
-  absl::StatusOr<absl::string_view> Bytes(const nlohmann::json& object, uint64_t size);
+  absl::StatusOr<absl::string_view> Bytes(const SortedJson& object, uint64_t size);
 
  private:
   absl::StatusOr<absl::string_view> At(uint64_t n);

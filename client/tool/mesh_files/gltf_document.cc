@@ -12,9 +12,7 @@
 namespace latvox::client {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr uint64_t kMost = uint64_t{1} << 53;  // up to which every JSON library counts
+constexpr uint64_t kMostExact = uint64_t{1} << 53;  // up to which every JSON library counts
 
 // The JSON and the binary chunk of a file.
 struct Chunks {
@@ -56,16 +54,16 @@ bool LeavesTrianglesAlone(absl::string_view extension) {
                      [&](absl::string_view beginning) { return absl::StartsWith(extension, beginning); });
 }
 
-absl::Status CheckVersion(const Json& root) {
-  const Json& asset = root.at("asset");
+absl::Status CheckVersion(const SortedJson& root) {
+  const SortedJson& asset = root.at("asset");
   const auto version = asset.at("version").get<std::string>(), least = asset.value("minVersion", "2.0");
   if (!absl::StartsWith(version, "2.")) return Bad("asset.version \"", version, "\" is not 2.0");
   if (least != "2.0") return Bad("asset.minVersion \"", least, "\" is not 2.0");
   return absl::OkStatus();
 }
 
-absl::Status CheckExtensions(const Json& root) {
-  for (const Json& each : root.value("extensionsRequired", Json::array())) {
+absl::Status CheckExtensions(const SortedJson& root) {
+  for (const SortedJson& each : root.value("extensionsRequired", SortedJson::array())) {
     const auto name = each.get<std::string>();
     const bool read = name == "KHR_draco_mesh_compression" || name == "KHR_mesh_quantization";
     if (!read && !LeavesTrianglesAlone(name)) return Bad("extensionsRequired: ", name, " is not supported");
@@ -73,17 +71,17 @@ absl::Status CheckExtensions(const Json& root) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<uint64_t> Whole(const Json& value, const char* name) {
+absl::StatusOr<uint64_t> Whole(const SortedJson& value, const char* name) {
   const double number = value.is_number() ? value.get<double>() : -1;
-  if (!(number >= 0 && number <= static_cast<double>(kMost)) || number != std::floor(number)) {
-    return Bad(name, ": ", value.dump().substr(0, 40), " is not a whole number from 0 to ", kMost);
+  if (!(number >= 0 && number <= static_cast<double>(kMostExact)) || number != std::floor(number)) {
+    return Bad(name, ": ", value.dump().substr(0, 40), " is not a whole number from 0 to ", kMostExact);
   }
   return static_cast<uint64_t>(number);
 }
 
 }  // namespace
 
-absl::Status GltfError(const Json::exception& error) {
+absl::Status GltfError(const SortedJson::exception& error) {
   const absl::string_view what = error.what();  // "[json.exception.parse_error.101] parse error at line 2, ..."
   return Bad("JSON: ", what.substr(what.find("] ") + 2));
 }
@@ -91,22 +89,23 @@ absl::Status GltfError(const Json::exception& error) {
 absl::StatusOr<GltfDocument> ParseGltfDocument(absl::string_view bytes) try {
   const auto chunks = TakeApart(bytes);
   if (!chunks.ok()) return chunks.status();
-  GltfDocument document{Json::parse(chunks->json), chunks->binary};
+  GltfDocument document{SortedJson::parse(chunks->json), chunks->binary};
   if (auto status = CheckVersion(document.root); !status.ok()) return status;
   if (auto status = CheckExtensions(document.root); !status.ok()) return status;
   return document;
-} catch (const Json::exception& error) {
+} catch (const SortedJson::exception& error) {
   return GltfError(error);
 }
 
-absl::StatusOr<uint64_t> GltfNumber(const Json& object, const char* name, std::optional<uint64_t> otherwise) {
+absl::StatusOr<uint64_t> GltfNumber(const SortedJson& object, const char* name, std::optional<uint64_t> otherwise) {
   const auto found = object.find(name);
   if (found != object.end()) return Whole(*found, name);
   if (!otherwise) return Bad(name, " is missing");
   return *otherwise;
 }
 
-absl::StatusOr<uint64_t> GltfElement(const Json& value, const char* name, const Json& root, const char* list) {
+absl::StatusOr<uint64_t> GltfElement(const SortedJson& value, const char* name, const SortedJson& root,
+                                     const char* list) {
   const auto number = Whole(value, name);
   const auto elements = root.find(list);
   const size_t size = elements == root.end() ? 0 : elements->size();
@@ -114,7 +113,7 @@ absl::StatusOr<uint64_t> GltfElement(const Json& value, const char* name, const 
   return number;
 }
 
-absl::StatusOr<uint64_t> GltfIndex(const Json& object, const char* name, const Json& root, const char* list,
+absl::StatusOr<uint64_t> GltfIndex(const SortedJson& object, const char* name, const SortedJson& root, const char* list,
                                    std::optional<uint64_t> otherwise) {
   const auto number = GltfNumber(object, name, otherwise);
   return number.ok() ? GltfElement(*number, name, root, list) : number;

@@ -3,16 +3,16 @@
 #define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_DOCUMENT_H_
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/json.h"
 
 namespace latvox::client {
 
 struct GltfDocument {
-  nlohmann::json root;
+  SortedJson root;
   absl::string_view binary;  // the chunk of a .glb; null if there is none
 };
 
@@ -22,20 +22,20 @@ struct GltfDocument {
 absl::StatusOr<GltfDocument> ParseGltfDocument(absl::string_view bytes);
 
 // A field that is a whole number. Errors: INVALID_ARGUMENT: it is missing and there is no `otherwise`, it is none.
-absl::StatusOr<uint64_t> GltfNumber(const nlohmann::json& object, const char* name,
+absl::StatusOr<uint64_t> GltfNumber(const SortedJson& object, const char* name,
                                     std::optional<uint64_t> otherwise = std::nullopt);
 
 // `value`, a field of that name, which numbers an element of one of the document's lists. Errors: INVALID_ARGUMENT:
 // also if that has none such.
-absl::StatusOr<uint64_t> GltfElement(const nlohmann::json& value, const char* name, const nlohmann::json& root,
+absl::StatusOr<uint64_t> GltfElement(const SortedJson& value, const char* name, const SortedJson& root,
                                      const char* list);
 
 // The same of an object's field.
-absl::StatusOr<uint64_t> GltfIndex(const nlohmann::json& object, const char* name, const nlohmann::json& root,
-                                   const char* list, std::optional<uint64_t> otherwise = std::nullopt);
+absl::StatusOr<uint64_t> GltfIndex(const SortedJson& object, const char* name, const SortedJson& root, const char* list,
+                                   std::optional<uint64_t> otherwise = std::nullopt);
 
 // What the JSON library says of a field that is missing or of another type.
-absl::Status GltfError(const nlohmann::json::exception& error);
+absl::Status GltfError(const SortedJson::exception& error);
 
 }  // namespace latvox::client
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/tool/json.h"
 #include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 #include "client/tool/mesh_files/gltf_document.h"
@@ -24,8 +24,6 @@
 namespace latvox::client {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr uint32_t kNoMaterial = UINT32_MAX;  // until all are numbered
 
 // The status of what stands there.
@@ -35,11 +33,11 @@ absl::Status In(absl::string_view list, size_t number, const absl::Status& statu
 
 // So many numbers of a node.
 template <size_t kCount>
-absl::StatusOr<std::array<double, kCount>> Numbers(const Json& node, const char* name,
+absl::StatusOr<std::array<double, kCount>> Numbers(const SortedJson& node, const char* name,
                                                    const std::array<double, kCount>& otherwise) {
   const auto found = node.find(name);
   if (found == node.end()) return otherwise;
-  const auto is_number = [](const Json& each) { return each.is_number(); };
+  const auto is_number = [](const SortedJson& each) { return each.is_number(); };
   if (!found->is_array() || found->size() != kCount || !std::all_of(found->begin(), found->end(), is_number)) {
     return Bad(name, " is not ", kCount, " numbers");
   }
@@ -47,7 +45,7 @@ absl::StatusOr<std::array<double, kCount>> Numbers(const Json& node, const char*
 }
 
 // Scale, then rotation by the quaternion (x, y, z, w), which need not be exactly a unit, then translation.
-absl::StatusOr<Affine> PlaceOfParts(const Json& node) {
+absl::StatusOr<Affine> PlaceOfParts(const SortedJson& node) {
   const auto t = Numbers<3>(node, "translation", {0, 0, 0}), s = Numbers<3>(node, "scale", {1, 1, 1});
   const auto q = Numbers<4>(node, "rotation", {0, 0, 0, 1});
   if (!t.ok() || !s.ok()) return t.ok() ? s.status() : t.status();
@@ -65,7 +63,7 @@ absl::StatusOr<Affine> PlaceOfParts(const Json& node) {
   return place;
 }
 
-absl::StatusOr<Affine> PlaceOf(const Json& node) {
+absl::StatusOr<Affine> PlaceOf(const SortedJson& node) {
   if (!node.contains("matrix")) return PlaceOfParts(node);
   const auto columns = Numbers<16>(node, "matrix", {});
   if (!columns.ok()) return columns.status();
@@ -76,18 +74,18 @@ absl::StatusOr<Affine> PlaceOf(const Json& node) {
   return place;
 }
 
-std::string NameOfMaterial(const Json& material, uint64_t number) {
+std::string NameOfMaterial(const SortedJson& material, uint64_t number) {
   const std::string name = material.value("name", "");
   return name.empty() ? absl::StrCat("materials[", number, "]") : absl::StrCat("material \"", name, "\"");
 }
 
 // The color that all of a part has: the factor of its material, where that has no texture, which would change it.
 // Where there is none, nothing; and why in no_color.
-std::optional<Color> BaseColorOf(uint64_t number, const Json& root, std::string& no_color) {
-  const Json& material = root.at("materials").at(number);
-  const Json none = Json::object(), extensions = material.value("extensions", none);
+std::optional<Color> BaseColorOf(uint64_t number, const SortedJson& root, std::string& no_color) {
+  const SortedJson& material = root.at("materials").at(number);
+  const SortedJson none = SortedJson::object(), extensions = material.value("extensions", none);
   const bool specular = extensions.contains("KHR_materials_pbrSpecularGlossiness");
-  const Json look =
+  const SortedJson look =
       specular ? extensions.at("KHR_materials_pbrSpecularGlossiness") : material.value("pbrMetallicRoughness", none);
   if (look.contains(specular ? "diffuseTexture" : "baseColorTexture")) {
     no_color = absl::StrCat(NameOfMaterial(material, number), " has a texture, and textures are not sampled");
@@ -111,16 +109,16 @@ class SceneReader {
     Affine parent;
   };
 
-  absl::Status Push(const Json& owner, const char* list, const Affine& parent);
+  absl::Status Push(const SortedJson& owner, const char* list, const Affine& parent);
   absl::Status Add(const Visit& visit);
   absl::Status AddMesh(uint64_t number, const Affine& to_world);
-  absl::Status AddPrimitive(const Json& described, const Mesh& primitive, uint32_t part, const Affine& to_world);
+  absl::Status AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part, const Affine& to_world);
   absl::Status CheckSize(size_t triangles, size_t vertices) const;
-  absl::StatusOr<std::vector<Mesh>> ReadPrimitives(const Json& mesh);
-  absl::StatusOr<uint32_t> NumberOfMaterial(const Json& primitive);
-  void WarnOfWeights(const Json& node);
+  absl::StatusOr<std::vector<Mesh>> ReadPrimitives(const SortedJson& mesh);
+  absl::StatusOr<uint32_t> NumberOfMaterial(const SortedJson& primitive);
+  void WarnOfWeights(const SortedJson& node);
 
-  const Json& root_;
+  const SortedJson& root_;
   const size_t most_;  // triangles, and vertices
   GltfBuffers buffers_;
   std::vector<Visit> open_;                       // the next one last
@@ -133,7 +131,7 @@ class SceneReader {
 absl::StatusOr<Mesh> SceneReader::Read() {
   const auto number = GltfIndex(root_, "scene", root_, "scenes", 0);
   if (!number.ok()) return number.status();
-  seen_.resize(root_.value("nodes", Json::array()).size());
+  seen_.resize(root_.value("nodes", SortedJson::array()).size());
   if (auto status = Push(root_.at("scenes").at(*number), "nodes", kIdentity); !status.ok()) {
     return Bad("scenes[", *number, "]: ", status.message());
   }
@@ -154,9 +152,9 @@ absl::StatusOr<Mesh> SceneReader::Read() {
 }
 
 // The nodes of a list, to be visited in its order. Each only once: nodes are trees.
-absl::Status SceneReader::Push(const Json& owner, const char* list, const Affine& parent) {
+absl::Status SceneReader::Push(const SortedJson& owner, const char* list, const Affine& parent) {
   const size_t begin = open_.size();
-  for (const Json& each : owner.value(list, Json::array())) {
+  for (const SortedJson& each : owner.value(list, SortedJson::array())) {
     const auto node = GltfElement(each, list, root_, "nodes");
     if (!node.ok()) return node.status();
     if (seen_[*node]) return Bad(list, " ", *node, " is in the scene already");
@@ -169,7 +167,7 @@ absl::Status SceneReader::Push(const Json& owner, const char* list, const Affine
 
 absl::Status SceneReader::Add(const Visit& visit) {
   const auto named = [&](const absl::Status& status) { return Bad("nodes[", visit.node, "]: ", status.message()); };
-  const Json& node = root_.at("nodes").at(visit.node);
+  const SortedJson& node = root_.at("nodes").at(visit.node);
   const auto place = PlaceOf(node);
   if (!place.ok()) return named(place.status());
   const Affine to_world = visit.parent * *place;
@@ -188,14 +186,14 @@ absl::Status SceneReader::CheckSize(size_t triangles, size_t vertices) const {
   return absl::ResourceExhaustedError(absl::StrCat("the scene has more than ", most_, " triangles or vertices"));
 }
 
-absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const Json& mesh) {
+absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const SortedJson& mesh) {
   std::vector<Mesh> primitives;
   size_t triangles = mesh_.triangles.size(), vertices = mesh_.positions.size();
-  for (const Json& described : mesh.at("primitives")) {
+  for (const SortedJson& described : mesh.at("primitives")) {
     absl::StatusOr<Mesh> primitive;
     try {
       primitive = ReadGltfPrimitive(described, root_, buffers_);
-    } catch (const Json::exception& error) {
+    } catch (const SortedJson::exception& error) {
       primitive = GltfError(error);
     }
     const absl::Status& status = primitive.status();
@@ -213,7 +211,7 @@ absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const Json& mesh) 
 }
 
 absl::Status SceneReader::AddMesh(uint64_t number, const Affine& to_world) {
-  const Json& mesh = root_.at("meshes").at(number);
+  const SortedJson& mesh = root_.at("meshes").at(number);
   const auto [found, is_new] = meshes_.try_emplace(number);
   const auto named = [&](const absl::Status& status) {
     return absl::Status(status.code(), absl::StrCat("meshes[", number, "].", status.message()));
@@ -231,7 +229,7 @@ absl::Status SceneReader::AddMesh(uint64_t number, const Affine& to_world) {
   return absl::OkStatus();
 }
 
-absl::Status SceneReader::AddPrimitive(const Json& described, const Mesh& primitive, uint32_t part,
+absl::Status SceneReader::AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part,
                                        const Affine& to_world) {
   mesh_.skipped += primitive.skipped;
   if (primitive.triangles.empty()) return absl::OkStatus();
@@ -262,17 +260,17 @@ absl::Status SceneReader::AddPrimitive(const Json& described, const Mesh& primit
   return absl::OkStatus();
 }
 
-absl::StatusOr<uint32_t> SceneReader::NumberOfMaterial(const Json& primitive) {
+absl::StatusOr<uint32_t> SceneReader::NumberOfMaterial(const SortedJson& primitive) {
   if (!primitive.contains("material")) return kNoMaterial;
   const auto material = GltfIndex(primitive, "material", root_, "materials");
   if (!material.ok()) return material.status();
   return materials_.try_emplace(*material, static_cast<uint32_t>(materials_.size())).first->second;
 }
 
-void SceneReader::WarnOfWeights(const Json& node) {
-  const Json& mesh = root_.at("meshes").at(node.at("mesh").get<size_t>());
-  const Json weights = (node.contains("weights") ? node : mesh).value("weights", Json::array());
-  const auto moves = [](const Json& weight) { return weight != 0; };
+void SceneReader::WarnOfWeights(const SortedJson& node) {
+  const SortedJson& mesh = root_.at("meshes").at(node.at("mesh").get<size_t>());
+  const SortedJson weights = (node.contains("weights") ? node : mesh).value("weights", SortedJson::array());
+  const auto moves = [](const SortedJson& weight) { return weight != 0; };
   if (mesh_.warnings.empty() && std::any_of(weights.begin(), weights.end(), moves)) {
     mesh_.warnings.push_back(absl::StrCat("meshes[", node.at("mesh").dump(), "] has morph targets of weights ",
                                           weights.dump(), ", which are not applied"));
@@ -285,7 +283,7 @@ absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::p
   const auto document = ParseGltfDocument(bytes);
   if (!document.ok()) return document.status();
   return SceneReader(*document, folder, most).Read();
-} catch (const Json::exception& error) {
+} catch (const SortedJson::exception& error) {
   return GltfError(error);
 }
 

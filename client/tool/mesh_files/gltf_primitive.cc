@@ -15,8 +15,6 @@
 namespace latvox::client {
 namespace {
 
-using Json = nlohmann::json;
-
 enum Mode : uint64_t { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kStrip, kFan };
 
 // Of so many corners.
@@ -50,7 +48,7 @@ absl::Status AppendTriangles(Mode mode, const std::vector<uint32_t>& corners, Me
   return absl::OkStatus();
 }
 
-absl::Status TakePositions(uint64_t accessor, const Json& root, GltfBuffers& buffers, Mesh& mesh) {
+absl::Status TakePositions(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers, Mesh& mesh) {
   const auto positions = ReadGltfFloats(accessor, root, buffers);
   if (!positions.ok()) return positions.status();
   if (positions->components != 3) return Bad("POSITION has ", positions->components, " components, not 3");
@@ -61,7 +59,7 @@ absl::Status TakePositions(uint64_t accessor, const Json& root, GltfBuffers& buf
   return absl::OkStatus();
 }
 
-absl::Status TakeColors(uint64_t accessor, const Json& root, GltfBuffers& buffers, Mesh& mesh) {
+absl::Status TakeColors(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers, Mesh& mesh) {
   const auto colors = ReadGltfFloats(accessor, root, buffers);
   if (!colors.ok()) return colors.status();
   const size_t components = colors->components, count = colors->values.size() / components;
@@ -73,8 +71,8 @@ absl::Status TakeColors(uint64_t accessor, const Json& root, GltfBuffers& buffer
   return absl::OkStatus();
 }
 
-absl::StatusOr<Mesh> ReadDraco(const Json& extension, GltfBuffers& buffers) {
-  const Json& attributes = extension.at("attributes");
+absl::StatusOr<Mesh> ReadDraco(const SortedJson& extension, GltfBuffers& buffers) {
+  const SortedJson& attributes = extension.at("attributes");
   const auto bytes = buffers.View(extension);
   const auto positions = GltfNumber(attributes, "POSITION"), colors = GltfNumber(attributes, "COLOR_0", 0);
   if (!bytes.ok()) return bytes.status();
@@ -90,8 +88,9 @@ absl::StatusOr<Mesh> ReadDraco(const Json& extension, GltfBuffers& buffers) {
   return mesh;
 }
 
-absl::StatusOr<Mesh> ReadTriangles(Mode mode, const Json& primitive, const Json& root, GltfBuffers& buffers) {
-  const Json& attributes = primitive.at("attributes");
+absl::StatusOr<Mesh> ReadTriangles(Mode mode, const SortedJson& primitive, const SortedJson& root,
+                                   GltfBuffers& buffers) {
+  const SortedJson& attributes = primitive.at("attributes");
   const auto position = GltfIndex(attributes, "POSITION", root, "accessors");
   if (!position.ok()) return position.status();
   Mesh mesh;
@@ -115,9 +114,9 @@ absl::StatusOr<Mesh> ReadTriangles(Mode mode, const Json& primitive, const Json&
 }
 
 // Their coordinates are not looked at.
-absl::StatusOr<Mesh> CountPointsOrLines(Mode mode, const Json& primitive, const Json& root) {
+absl::StatusOr<Mesh> CountPointsOrLines(Mode mode, const SortedJson& primitive, const SortedJson& root) {
   const bool indexed = primitive.contains("indices");
-  const Json& named = indexed ? primitive : primitive.at("attributes");
+  const SortedJson& named = indexed ? primitive : primitive.at("attributes");
   const auto number = GltfIndex(named, indexed ? "indices" : "POSITION", root, "accessors");
   if (!number.ok()) return number.status();
   const auto count = GltfNumber(root.at("accessors").at(*number), "count");
@@ -129,14 +128,14 @@ absl::StatusOr<Mesh> CountPointsOrLines(Mode mode, const Json& primitive, const 
 
 }  // namespace
 
-absl::StatusOr<Mesh> ReadGltfPrimitive(const Json& primitive, const Json& root, GltfBuffers& buffers) {
+absl::StatusOr<Mesh> ReadGltfPrimitive(const SortedJson& primitive, const SortedJson& root, GltfBuffers& buffers) {
   const auto number = GltfNumber(primitive, "mode", kTriangles);
   if (!number.ok()) return number.status();
   if (*number > kFan) return Bad("mode ", *number, " exceeds ", +kFan);
   const Mode mode{*number};
   if (!primitive.at("attributes").contains("POSITION")) return Mesh();
   if (mode < kTriangles) return CountPointsOrLines(mode, primitive, root);
-  const Json extensions = primitive.value("extensions", Json::object());
+  const SortedJson extensions = primitive.value("extensions", SortedJson::object());
   const auto draco = extensions.find("KHR_draco_mesh_compression");
   return draco == extensions.end() ? ReadTriangles(mode, primitive, root, buffers) : ReadDraco(*draco, buffers);
 }

@@ -2,10 +2,9 @@
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_PRIMITIVE_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_PRIMITIVE_H_
 
-#include <nlohmann/json.hpp>
-
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
+#include "client/tool/json.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 
 namespace latvox::client {
@@ -14,8 +13,7 @@ namespace latvox::client {
 // lines it has instead. Without positions it is empty, as the specification asks. Errors: as ReadGltfFloats and
 // ParseDraco; INVALID_ARGUMENT, with value and limit: an index beyond the vertices, corners that are left over; also
 // the JSON library's exceptions.
-absl::StatusOr<Mesh> ReadGltfPrimitive(const nlohmann::json& primitive, const nlohmann::json& root,
-                                       GltfBuffers& buffers);
+absl::StatusOr<Mesh> ReadGltfPrimitive(const SortedJson& primitive, const SortedJson& root, GltfBuffers& buffers);
 
 }  // namespace latvox::client
 

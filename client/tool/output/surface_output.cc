@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,13 +10,12 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
+#include "client/tool/json.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_walk.h"
 
 namespace latvox::client {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Constants of glTF 2.0 and of its binary container: "glTF", version, length; then chunks: length, type, bytes.
 constexpr uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "absl/strings/escaping.h"
@@ -13,6 +12,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
+#include "client/tool/json.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_walk.h"
@@ -34,7 +34,6 @@ LATVOX_EMBED(latvox_view_controls, "/controls.js");
 namespace latvox::client {
 namespace {
 
-using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little && sizeof(Brick::brick_ijk) + sizeof(Brick::mask) == 76);
 
 constexpr int64_t kMaxSide = 65536;
