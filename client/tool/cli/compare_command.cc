@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {

@@ -4,7 +4,7 @@
 
 #include "absl/strings/escaping.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/mesh_files/input.h"
 #include "latvox/mesh_id.h"
 

@@ -11,7 +11,7 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/request_rows.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {

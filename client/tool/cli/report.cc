@@ -4,7 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/exit_status.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "latvox/error.h"
 
 namespace latvox::client {

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/grid_content.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 
 namespace latvox::client {

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/mesh_files/gltf_document.h"
 
 namespace latvox::client {

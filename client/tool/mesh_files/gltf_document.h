@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 
 namespace latvox::client {
 

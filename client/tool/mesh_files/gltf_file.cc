@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 #include "client/tool/mesh_files/gltf_document.h"

@@ -4,7 +4,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
-#include "client/tool/json.h"
+#include "client/tool/json/json.h"
 #include "client/tool/mesh_files/gltf_buffers.h"
 
 namespace latvox::client {

@@ -1,7 +1,7 @@
 // JSON of the tool. The header of the library that does it costs each file 1.6 s of compilation: include this one only
 // in a .cc, or in a header that passes values between the readers of glTF.
-#ifndef LATVOX_CLIENT_TOOL_JSON_H_
-#define LATVOX_CLIENT_TOOL_JSON_H_
+#ifndef LATVOX_CLIENT_TOOL_JSON_JSON_H_
+#define LATVOX_CLIENT_TOOL_JSON_JSON_H_
 
 #include <nlohmann/json.hpp>
 
@@ -12,4 +12,4 @@ using SortedJson = nlohmann::json;    // members stand by name: what was read fr
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_TOOL_JSON_H_
+#endif  // LATVOX_CLIENT_TOOL_JSON_JSON_H_
