@@ -9,11 +9,12 @@ latvox_add_test(client_curve_test SOURCES unit/client/tool/curve/curve_test.cc L
 latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_compare_test SOURCES unit/client/tool/cli/compare_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_colors_test SOURCES unit/client/tool/output/colors_test.cc
-                LIBRARIES latvox::tool latvox::grid GTest::gmock)
+                LIBRARIES latvox::tool latvox::grid latvox::openvdb_trees GTest::gmock)
 latvox_add_test(client_scene_test SOURCES unit/client/tool/output/scene_test.cc LIBRARIES latvox::tool GTest::gmock)
-latvox_add_test(client_grid_test SOURCES unit/client/grid/grid_test.cc LIBRARIES latvox::grid GTest::gmock)
+latvox_add_test(client_grid_test SOURCES unit/client/grid/grid_test.cc LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 foreach(name merge_test merge_errors_test)
-  latvox_add_test(client_${name} SOURCES unit/client/grid/${name}.cc LIBRARIES latvox::grid GTest::gmock)
+  latvox_add_test(client_${name} SOURCES unit/client/grid/${name}.cc
+                  LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 endforeach()
 foreach(name call_test attributes_call_test band_call_test call_end_test)
   latvox_add_test(client_${name} SOURCES unit/client/internal/${name}.cc LIBRARIES latvox::client latvox::proto GTest::gmock)
