@@ -24,6 +24,7 @@ ErrorDetails GetErrorDetails(const absl::Status& status) {
     details.field = Find(info, "field");
     details.value = Find(info, "value");
     details.limit = Find(info, "limit");
+    details.other = Find(info, "other");
   }
   google::rpc::RetryInfo retry;
   if (const auto payload = status.GetPayload(kRetryInfoType);
@@ -40,6 +41,7 @@ void SetErrorDetails(const ErrorDetails& details, absl::Status& status) {
   (*info.mutable_metadata())["field"] = details.field;
   (*info.mutable_metadata())["value"] = details.value;
   (*info.mutable_metadata())["limit"] = details.limit;
+  if (!details.other.empty()) (*info.mutable_metadata())["other"] = details.other;
   status.SetPayload(kErrorInfoType, absl::Cord(info.SerializeAsString()));
   status.ErasePayload(kRetryInfoType);
   if (!details.retry_after) return;

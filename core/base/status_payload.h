@@ -13,7 +13,7 @@ namespace latvox {
 
 // Payloads of a status.
 inline constexpr char kRefusedField[] = "latvox/field", kRefusedValue[] = "latvox/value",
-                      kRefusedLimit[] = "latvox/limit";
+                      kRefusedLimit[] = "latvox/limit", kRefusedOther[] = "latvox/other";
 
 inline absl::Status WithValue(absl::Status status, const std::string& value, const std::string& limit = "") {
   status.SetPayload(kRefusedValue, absl::Cord(value));

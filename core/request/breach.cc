@@ -8,7 +8,9 @@
 namespace latvox {
 
 absl::Status ToStatus(const Breach& breach) {
-  return WithField(absl::InvalidArgumentError(breach.message), breach.field, breach.value, breach.limit);
+  absl::Status status = WithField(absl::InvalidArgumentError(breach.message), breach.field, breach.value, breach.limit);
+  if (!breach.other.empty()) status.SetPayload(kRefusedOther, absl::Cord(breach.other));
+  return status;
 }
 
 std::optional<Breach> FindNotFinite(std::string_view field, const Vec3d& v) {

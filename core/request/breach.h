@@ -16,9 +16,10 @@ struct Breach {
   std::string message;  // names field, value and limit
   std::string value = "";
   std::string limit = "";
+  std::string other = "";  // the field that excludes this one, if that is what is wrong
 };
 
-// INVALID_ARGUMENT with field, value and limit as payloads (core/base/status_payload.h).
+// INVALID_ARGUMENT with field, value, limit and other as payloads (core/base/status_payload.h).
 absl::Status ToStatus(const Breach& breach);
 
 // Breaches of rules that several fields share; nullopt: none.

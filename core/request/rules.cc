@@ -139,7 +139,7 @@ Found FindExclusion(const Exclusion& rule, const VoxelizeOptions& options) {
   return Breach{std::string{option.field},
                 absl::StrCat(Shown(option, value), ": not together with ", Shown(other, other.value(options)),
                              std::string{rule.why}),
-                value};
+                value, "", std::string{other.field}};
 }
 
 }  // namespace

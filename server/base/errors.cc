@@ -43,6 +43,7 @@ google::rpc::ErrorInfo ToProto(const ErrorCause& cause) {
   if (!cause.limit.empty()) metadata["limit"] = cause.limit;
   const bool has_known_limit = cause.limit_name.empty() && cause.reason == "LIMIT_EXCEEDED";
   const absl::string_view limit_name = has_known_limit ? LimitNameOf(cause.field) : cause.limit_name;
+  if (!cause.other.empty()) metadata["other"] = cause.other;
   if (!limit_name.empty()) metadata["limit_name"] = std::string{limit_name};
   return info;
 }
@@ -113,7 +114,7 @@ std::optional<ErrorCause> CauseOf(const absl::Status& status) {
     const auto found = info.metadata().find(key);
     return found == info.metadata().end() ? std::string() : found->second;
   };
-  return ErrorCause{info.reason(), value("field"), value("value"), value("limit"), value("limit_name")};
+  return ErrorCause{info.reason(), value("field"), value("value"), value("limit"), value("limit_name"), value("other")};
 }
 
 absl::Status WithCause(absl::Status status, const ErrorCause& cause) {
@@ -135,6 +136,7 @@ absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields) {
   std::string field = payload(kRefusedField);
   if (field.empty()) field = std::string{status.message().substr(0, status.message().find(':'))};
   ErrorCause cause{field == "mesh" ? "BAD_MESH" : "BAD_SPEC", field, payload(kRefusedValue), payload(kRefusedLimit)};
+  cause.other = payload(kRefusedOther);
   if (field == "basis") cause.field = "lattice.basis";
   if (field == "band" && !cause.value.empty()) cause.field = fields.band;
   if (field == "voxel_size" || field == "pixel_size") {

@@ -41,6 +41,7 @@ struct ErrorCause {
   std::string value;
   std::string limit;
   std::string limit_name = "";  // the field of GetLimitsResponse that the limit is; of LIMIT_EXCEEDED by the field
+  std::string other = "";       // the field that excludes this one
 
   bool operator==(const ErrorCause&) const = default;
 };

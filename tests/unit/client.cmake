@@ -38,6 +38,12 @@ latvox_add_test(named_lattices_test SOURCES unit/both_ends/named_lattices_test.c
 latvox_add_test(plane_call_test SOURCES unit/both_ends/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
 target_compile_definitions(plane_call_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
 add_dependencies(plane_call_test latvoxd)
+latvox_add_test(request_rules_test UNSANITIZED SOURCES unit/both_ends/request_rules_test.cc
+                LIBRARIES latvox::client latvox::server latvox_server_meshes GTest::gmock)
+if(TARGET request_rules_test)
+  target_compile_definitions(request_rules_test PRIVATE LATVOX="$<TARGET_FILE:latvox>" LATVOXD="$<TARGET_FILE:latvoxd>")
+  add_dependencies(request_rules_test latvox latvoxd)
+endif()
 latvox_add_test(client_failover_test UNSANITIZED SOURCES unit/client/internal/failover_test.cc
                 LIBRARIES latvox::client latvox_server_meshes GTest::gmock)
 if(TARGET client_failover_test)

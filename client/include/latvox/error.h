@@ -23,6 +23,7 @@ struct ErrorDetails {
   std::string value;                          // what it was
   std::string limit;                          // what is allowed
   std::optional<absl::Duration> retry_after;  // trying the same again can help, after this long
+  std::string other = "";                     // the field that excludes `field`, if both together are wrong
 };
 
 // The details that came with a status of this SDK: from the server's google.rpc.ErrorInfo and RetryInfo, or from the

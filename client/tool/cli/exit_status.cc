@@ -14,6 +14,8 @@ ExitStatus ExitStatusOf(const absl::Status& status) {
     case absl::StatusCode::kOk:
       return ExitStatus::kDone;
     case absl::StatusCode::kInvalidArgument:
+      // Options that exclude each other are wrong usage, whoever finds it.
+      return GetErrorDetails(status).other.empty() ? ExitStatus::kBadInput : ExitStatus::kWrongUsage;
     case absl::StatusCode::kNotFound:
       return ExitStatus::kBadInput;
     case absl::StatusCode::kUnavailable:

@@ -10,7 +10,6 @@
 #include "client/mesh/mesh_encoder.h"
 #include "client/tool/cli/attributes_option.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/cli/request_rules.h"
 #include "client/tool/cli/request_words.h"
 #include "client/tool/output/output.h"
 
@@ -200,8 +199,9 @@ Rows RequestMeshRows(VoxelizeWords& words) {
 // Two ways to say one thing, of which a request could hold only one.
 const OptionPairs& OneOrTheOther() {
   static const auto* const kPairs =
-      new OptionPairs{{"--basis", "--lattice"},    {"--align", "--lattice"},    {"--align", "--basis"},
-                      {"--align", "--voxel-size"}, {"--align", "--resolution"}, {"--align", "--origin"}};
+      new OptionPairs{{"--basis", "--lattice"},        {"--align", "--lattice"},    {"--align", "--basis"},
+                      {"--align", "--voxel-size"},     {"--align", "--resolution"}, {"--align", "--origin"},
+                      {"--resolution", "--voxel-size"}};
   return *kPairs;
 }
 
@@ -213,7 +213,6 @@ void AddRequestOptions(CommandParser& command, VoxelizeWords& words) {
     command.Add(rows(words));
   }
   command.Exclude(OneOrTheOther());
-  command.Exclude(RequestExclusions());
   command.Need({{"--signed", "--band"}});
 }
 

@@ -8,7 +8,6 @@
 #include "client/tool/cli/attributes_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_rows.h"
-#include "client/tool/cli/request_rules.h"
 #include "client/tool/cli/request_words.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
@@ -131,10 +130,9 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   request.lattice = InterpretLattice(words);
   request.algorithm = ValueNamed(AlgorithmNames(), words.algorithm);
   request.cover = ValueNamed(CoverNames(), words.cover);
-  request.minimal = words.minimal.value_or(request.cover == Cover::kSeparating);
+  request.minimal = words.minimal;
   request.encoding = ValueNamed(EncodingNames(), words.encoding);
   request.solid = InterpretSolid(words);
-  CheckRequestRules(words, request);
   request.separability = InterpretSeparability(words, request.lattice);
   InterpretVoxelSize(words, request);
   CheckCubes(options);

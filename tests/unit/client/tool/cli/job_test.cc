@@ -150,7 +150,6 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
       {R"("origin": [1,2,"3"], "resolution": 8)", "origin: [1,2,\"3\"] is not an array of numbers"},
       {R"("minimal": 1, "resolution": 8)", "minimal: 1 is not true or false"},
       {R"("region": [0,0,0,0,1,1], "resolution": 8)", "region: \"0,0,0,0,1,1\" is empty"},
-      {R"("region": [0,0,0,1,1,1], "verify": true, "resolution": 8)", "verify excludes region"},
       {R"("quantization": 31, "resolution": 8)", "quantization: \"31\" is not auto or a whole number from 0 to 30"},
       {R"("shard": "3/3", "resolution": 8)", "shard: \"3/3\" is not I/N with 0 <= I < N"},
       {R"("id": "", "resolution": 8)", "id: \"\" is not a text"},

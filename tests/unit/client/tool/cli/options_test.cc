@@ -203,25 +203,14 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--origin", "1,2"}, {"--origin", "3 finite numbers"});
   refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
   refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
-  refuses({"--resolution", "9", "--region", "0,0,0,1,1,1", "--verify"}, {"--region", "--verify"});
   refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
   refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
-  refuses({"--resolution", "9", "--bounds", "0,0,0,1,1,1", "--verify"}, {"--bounds", "--verify"});
   refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
   refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
   refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
   refuses({"--resolution", "9", "--fill", "solid", "--interior-rule", "odd"}, {"--interior-rule", "odd", "parity"});
-  refuses({"--resolution", "9", "--fill", "solid", "--verify"}, {"--verify", "--fill"});
-  refuses({"--resolution", "9", "--fill", "solid", "--algorithm", "incremental"}, {"--fill", "solid", "exact"});
   refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
   refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
-  for (const auto& of_surface : {std::pair{"--separability", "2"}, {"--cover", "supercover"}}) {
-    refuses({"--resolution", "9", "--fill", "solid", "--without-surface", of_surface.first, of_surface.second},
-            {"--without-surface", of_surface.first});
-  }
-  refuses({"--resolution", "9", "--fill", "solid", "--without-surface", "--no-minimal"},
-          {"--without-surface", "--minimal"});
-  refuses({"--resolution", "9", "--band", "2v", "--no-minimal"}, {"--band", "--minimal"});
   refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--band"});
   refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
   refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
@@ -232,10 +221,6 @@ TEST(Options, RefusalsNameOptionValueAndLimit) {
   refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
   refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
   refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
-  refuses({"--resolution", "9", "--cover", "supercover", "--minimal"}, {"--minimal", "--cover supercover"});
-  refuses({"--resolution", "9", "--cover", "supercover", "--algorithm", "incremental"},
-          {"--cover supercover", "--algorithm incremental"});
-  refuses({"--resolution", "9", "--minimal", "--algorithm", "incremental"}, {"--minimal", "--algorithm incremental"});
   for (const char* path : {"a.vox", "a.BINVOX"}) {
     refuses({"--resolution", "9", "--lattice", "bcc", "-o", path}, {"--out", path, "--lattice cartesian"});
     refuses({"--voxel-size", "1,1,2", "-o", path}, {"--out", path, "--lattice cartesian"});
@@ -271,13 +256,6 @@ TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", width}), HasSubstr("is not a finite number above 0"));
   }
   EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--band")));
-  for (const auto& [other, value] :
-       {std::pair{"--separability", "1"}, {"--algorithm", "exact"}, {"--fill", "surface"}, {"--cover", "separating"}}) {
-    EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", other, value}),
-                AllOf(HasSubstr("--band"), HasSubstr(other)));
-  }
-  EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "--verify"}),
-              AllOf(HasSubstr("--band"), HasSubstr("--verify")));
   for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
                 HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .ply .png can"));

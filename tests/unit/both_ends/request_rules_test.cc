@@ -1,0 +1,264 @@
+// Every pair of options of a request: what the server, the SDK and the tool answer is what the one table of rules says.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/status_payload.h"
+#include "core/request/request.h"
+#include "core/request/rules.h"
+#include "latvox/client.h"
+#include "latvox/error.h"
+#include "server/listen/server.h"
+#include "server/wire/convert.h"
+#include "tests/unit/client/files.h"
+#include "tests/unit/server/decoders.h"
+#include "tests/unit/server/meshes.h"
+
+namespace latvox {
+namespace {
+
+using client::Client;
+using testing::HasSubstr;
+
+// One option as each layer has it. `name` is that of the table.
+struct Spelling {
+  std::string name;
+  std::function<void(VoxelizeOptions&)> in_core;
+  std::function<void(v1::VoxelizeSpec&)> in_protocol;
+  std::function<void(client::VoxelizeRequest&)> in_sdk;
+  std::vector<std::string> in_tool;
+};
+
+void SetFilled(bool surface, v1::VoxelizeSpec& spec) {
+  spec.mutable_fill()->set_mode(v1::FILL_MODE_SOLID);
+  spec.mutable_fill()->set_surface(surface);
+}
+
+std::vector<Spelling> SetSpellings() {
+  using Core = VoxelizeOptions;
+  using Proto = v1::VoxelizeSpec;
+  using Sdk = client::VoxelizeRequest;
+  return {
+      {"separability",
+       [](Core& o) { o.separability = 2; },
+       [](Proto& s) { s.set_separability(2); },
+       [](Sdk& r) { r.separability = 2; },
+       {"--separability", "2"}},
+      {"minimal",
+       [](Core& o) { o.minimal = true; },
+       [](Proto& s) { s.set_minimal(true); },
+       [](Sdk& r) { r.minimal = true; },
+       {"--minimal"}},
+      {"algorithm",
+       [](Core& o) { o.algorithm = Algorithm::kBruteForce; },
+       [](Proto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); },
+       [](Sdk& r) { r.algorithm = client::Algorithm::kBruteForce; },
+       {"--algorithm", "brute-force"}},
+      {"supercover",
+       [](Core& o) { o.cover = Cover::kSupercover; },
+       [](Proto& s) { s.set_cover(v1::COVER_SUPERCOVER); },
+       [](Sdk& r) { r.cover = client::Cover::kSupercover; },
+       {"--cover", "supercover"}},
+      {"solid",
+       [](Core& o) { o.solid = o.solid.value_or(Solid{}); },
+       [](Proto& s) { SetFilled(!s.fill().has_surface() || s.fill().surface(), s); },
+       [](Sdk& r) { r.solid = r.solid.value_or(client::Solid{}); },
+       {"--fill", "solid"}},
+      {"interior alone",
+       [](Core& o) { o.solid = Solid{.surface = false}; },
+       [](Proto& s) { SetFilled(false, s); },
+       [](Sdk& r) { r.solid = client::Solid{.surface = false}; },
+       {"--fill", "solid", "--without-surface"}},
+      {"band",
+       [](Core& o) {
+         o.band = Band{2, true};
+       },
+       [](Proto& s) { s.mutable_band()->set_voxels(2); },
+       [](Sdk& r) {
+         r.band = client::Band{2, true};
+       },
+       {"--band", "2v"}},
+  };
+}
+
+std::vector<Spelling> PartSpellings() {
+  using Core = VoxelizeOptions;
+  using Proto = v1::VoxelizeSpec;
+  using Sdk = client::VoxelizeRequest;
+  const auto set_region = [](Proto& spec) {
+    v1::Ijk& max = *spec.mutable_region()->mutable_max();
+    max.set_i(9), max.set_j(9), max.set_k(9);
+  };
+  const auto set_bounds = [](Proto& spec) {
+    spec.mutable_bounds()->mutable_min()->set_x(0);
+    v1::Vector3& max = *spec.mutable_bounds()->mutable_max();
+    max.set_x(9), max.set_y(9), max.set_z(9);
+  };
+  return {
+      {"attributes",
+       [](Core& o) { o.fields = {Field::kPart}; },
+       [](Proto& s) { s.add_attributes(v1::ATTRIBUTE_PART); },
+       [](Sdk& r) { r.attributes = {client::Attribute::kPart}; },
+       {"--attributes", "part"}},
+      {"region",
+       [](Core& o) {
+         o.region = IndexBox{{0, 0, 0}, {9, 9, 9}};
+       },
+       set_region,
+       [](Sdk& r) {
+         r.region = client::IndexBox{{0, 0, 0}, {9, 9, 9}};
+       },
+       {"--region", "0,0,0,9,9,9"}},
+      {"bounds",
+       [](Core& o) {
+         o.bounds = Bounds{{0, 0, 0}, {9, 9, 9}};
+       },
+       set_bounds,
+       [](Sdk& r) {
+         r.bounds = client::WorldBox{{0, 0, 0}, {9, 9, 9}};
+       },
+       {"--bounds", "0,0,0,9,9,9"}},
+      {"shard",
+       [](Core& o) {
+         o.shard = Shard{0, 2};
+       },
+       [](Proto& s) { s.mutable_shard()->set_count(2); },
+       [](Sdk& r) {
+         r.shard = client::Shard{0, 2};
+       },
+       {"--shard", "0/2"}},
+      {"verify",
+       [](Core& o) { o.verify = true; },
+       [](Proto& s) { s.set_verify(true); },
+       [](Sdk& r) { r.verify = true; },
+       {"--verify"}},
+  };
+}
+
+std::vector<Spelling> Spellings() {
+  std::vector<Spelling> all = SetSpellings();
+  for (Spelling& spelling : PartSpellings()) all.push_back(std::move(spelling));
+  return all;
+}
+
+// Message, field and other of a refusal; nothing if there is none.
+struct Answer {
+  std::string message, field, other;
+  bool operator==(const Answer&) const = default;
+  friend void PrintTo(const Answer& answer, std::ostream* out) {
+    *out << answer.message << " [" << answer.field << ", " << answer.other << "]";
+  }
+};
+
+Answer OfTable(const VoxelizeOptions& options) {
+  const absl::Status status = CheckRules(options);
+  const auto payload = [&](const char* url) { return std::string{status.GetPayload(url).value_or(absl::Cord())}; };
+  return {std::string{status.message()}, payload(kRefusedField), payload(kRefusedOther)};
+}
+
+Answer OfServer(v1::VoxelizeSpec spec) {
+  spec.mutable_lattice()->set_named(v1::NAMED_LATTICE_CARTESIAN);
+  spec.set_resolution(9);
+  const absl::Status status = JobSpecFromProto(spec, {}).status();
+  if (status.ok()) return {};
+  return {std::string{status.message()}, CauseOf(status)->field, CauseOf(status)->other};
+}
+
+class RequestRules : public client::FilesTest {
+ protected:
+  void SetUp() override {
+    ServerOptions options;
+    options.listen = {"unix:" + Path("socket")};
+    options.threads = 1;
+    options.decoder = TestDecoders();
+    auto server = VoxelServer::Start(options);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    auto connected = Client::Connect(server_->addresses()[0]);
+    ASSERT_TRUE(connected.ok()) << connected.status();
+    client_.emplace(*std::move(connected));
+    drc_ = EncodeDraco(Sphere(4), {});
+    Write("part.obj", "v 0 0 0\nv 8 0 0\nv 0 8 0\nv 0 0 8\ng a\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  }
+
+  Answer OfSdk(client::VoxelizeRequest request) {
+    request.resolution = 9;
+    const absl::Status status = client_->Voxelize(request, drc_, {}).status();
+    const client::ErrorDetails details = client::GetErrorDetails(status);
+    // The mesh has no attributes, which is another error: only what is wrong with the request counts.
+    if (status.ok() || details.reason != "BAD_SPEC") return {};
+    return {std::string{status.message()}, details.field, details.other};
+  }
+
+  // The tool's exit status and its line on standard error.
+  std::pair<int, std::string> OfTool(const std::vector<std::string>& options) {
+    const std::string command =
+        absl::StrCat(LATVOX, " voxelize ", Path("part.obj"), " --resolution 9 -o ", Path("out.csv"),
+                     " --json --server unix:", Path("socket"), " ", absl::StrJoin(options, " "), " 2>&1 >/dev/null");
+    FILE* const pipe = popen(command.c_str(), "r");
+    std::string line;
+    for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) line += static_cast<char>(c);
+    return {WEXITSTATUS(pclose(pipe)), line};
+  }
+
+  std::unique_ptr<VoxelServer> server_;
+  std::optional<Client> client_;
+  std::string drc_;
+};
+
+TEST_F(RequestRules, AreTheSameForServerSdkAndTool) {
+  const std::vector<Spelling> spellings = Spellings();
+  size_t refused = 0;
+  for (size_t n = 0; n < spellings.size(); ++n) {
+    for (size_t m = n + 1; m < spellings.size(); ++m) {
+      const Spelling &first = spellings[n], &second = spellings[m];
+      SCOPED_TRACE(absl::StrCat(first.name, " and ", second.name));
+      VoxelizeOptions options;
+      v1::VoxelizeSpec spec;
+      client::VoxelizeRequest request;
+      for (const Spelling* spelling : {&first, &second}) {
+        spelling->in_core(options);
+        spelling->in_protocol(spec);
+        spelling->in_sdk(request);
+      }
+      const Answer expected = OfTable(options);
+      EXPECT_EQ(OfServer(spec), expected);
+      EXPECT_EQ(OfSdk(request), expected);
+      std::vector<std::string> words = first.in_tool;
+      if (second.name != "interior alone" || first.name != "solid") {
+        words.insert(words.end(), second.in_tool.begin(), second.in_tool.end());
+      } else {
+        words = second.in_tool;
+      }
+      const auto [status, line] = OfTool(words);
+      if (expected.message.empty()) {
+        EXPECT_EQ(status, 0) << line;
+      } else {
+        ++refused;
+        EXPECT_EQ(status, 2) << line;
+        EXPECT_THAT(line, HasSubstr(expected.message));
+      }
+    }
+  }
+  EXPECT_EQ(refused,
+            Exclusions().size() + 4);  // both are refused, too, where one of them excludes what the other implies
+}
+
+TEST(Spellings, NameEveryOptionOfTheTable) {
+  std::vector<std::string> names, spelled;
+  for (const Option& option : Options()) names.emplace_back(option.name);
+  for (const Spelling& spelling : Spellings()) spelled.push_back(spelling.name);
+  EXPECT_EQ(spelled, names);
+}
+
+}  // namespace
+}  // namespace latvox
