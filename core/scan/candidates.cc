@@ -78,10 +78,10 @@ HWY_NOINLINE void ScanLarge(const Triangle& v, size_t place, const std::vector<S
     LineScan<int32_t> narrow;
     if (!Narrow(lines, rounded, narrow)) continue;
     ChooseShape(narrow);
-    if (ScanLines(narrow, in_box.astride(), &in_box, place, scan.frame, target, out)) return;
+    if (ScanSingle(narrow, in_box.astride(), &in_box, place, scan.frame, target, out)) return;
   }
   ChooseShape(lines);
-  ScanLines(lines, in_box.astride(), &in_box, place, scan.frame, target, out);
+  ScanSingle(lines, in_box.astride(), &in_box, place, scan.frame, target, out);
 }
 
 // What all triangles of a box have in common.
@@ -102,7 +102,7 @@ static_assert(kFewest % kTriangleLanes == 0);
 // Up to kTriangleLanes triangles.
 struct SomeTriangles {
   std::array<Ints3, 3> v;  // corners, by axis, in lattice units from the low corner of the box
-  Ints3 lowest, highest;   // as ScanTogether wants them
+  Ints3 lowest, highest;   // as ScanBatch wants them
   hn::Mask<Lanes> near;    // may have candidates in the box
   hn::Mask<Lanes> small;   // as LineBoxes wants them
 
@@ -222,8 +222,8 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
   if (together != 0) {
     const Ints longer = hn::IfThenElseZero(few, hn::Max(boxes.width, boxes.height));
     const bool by_spans = hn::GetLane(hn::MaxOfLanes(d, longer)) >= kLongRow;
-    const auto scan_together = by_spans ? ScanTogether<true> : ScanTogether<false>;
-    together = scan_together(lines, together, these.lowest, these.highest, scan.table, target, out);
+    const auto scan_batch = by_spans ? ScanBatch<true> : ScanBatch<false>;
+    together = scan_batch(lines, together, these.lowest, these.highest, scan.table, target, out);
   }
   const uint64_t by_themselves = lines.valid & ~together;
   if (by_themselves != 0) PrepareBlocks(scan.table, target.size, lines);
@@ -231,7 +231,7 @@ void ScanSome(const Scan& scan, std::span<const uint32_t> triangles, bool boxes_
     const auto t = static_cast<size_t>(std::countr_zero(some));
     uint32_t clip = 0;
     for (size_t m = 0; m < 3; ++m) clip |= static_cast<uint32_t>(lines.astride[m] >> t & 1) << m;
-    ScanLines(lines.At(t), clip, nullptr, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
+    ScanSingle(lines.At(t), clip, nullptr, t, scan.frames[static_cast<size_t>(lines.frame.of[t])].frame, target, out);
   }
   for (uint64_t large = BitsOf(hn::AndNot(these.small, these.near)); large != 0; large &= large - 1) {
     const auto t = static_cast<size_t>(std::countr_zero(large));

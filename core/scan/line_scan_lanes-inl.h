@@ -23,6 +23,7 @@ namespace {
 struct alignas(64) LaneInts {
   int32_t of[kTriangleLanes];
   HWY_INLINE void operator=(Ints v) { hn::Store(v, Lanes(), of); }
+  HWY_INLINE Ints Load() const { return hn::Load(Lanes(), of); }
 };
 
 // LineScan<int32_t> of each lane, and the number of its frame; shapes, steps of blocks and `astride` only once

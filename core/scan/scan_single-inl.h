@@ -10,8 +10,7 @@
 
 #include <type_traits>
 
-#include "core/base/append_lanes-inl.h"
-#include "core/scan/candidates.h"
+#include "core/scan/appender-inl.h"
 #include "core/scan/line_scan.h"
 #include "core/scan/line_scan_lanes-inl.h"
 
@@ -21,52 +20,6 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-// The box that candidates must lie in: its size, and the number of its low corner, from which voxels count here.
-struct Target {
-  Vec3i size;
-  BitsLayout layout;
-  int32_t number;
-};
-
-// Where the next candidates go, in registers.
-class Appender {
- public:
-  // Room for `most` candidates.
-  HWY_INLINE Appender(Candidates& out, size_t most) : out_(out) {
-    out.Reserve(most);
-    nearer_ = out.nearer.end();
-    farther_ = out.farther.end();
-    rim_ = out.rim.end();
-  }
-  HWY_INLINE ~Appender() {
-    if (nearer_ == nullptr) return;
-    out_.nearer.Grow(static_cast<size_t>(nearer_ - out_.nearer.end()));
-    out_.farther.Grow(static_cast<size_t>(farther_ - out_.farther.end()));
-    out_.rim.Grow(static_cast<size_t>(rim_ - out_.rim.end()));
-  }
-  Appender(const Appender&) = delete;
-  Appender& operator=(const Appender&) = delete;
-
-  // Leaves the candidates as they were.
-  void Drop() { nearer_ = nullptr; }
-
-  // Lanes hold a voxel with a place above it, and the step to the farther end of the edge there along the principal
-  // direction.
-  template <class D>
-  HWY_INLINE void Append(D d, hn::Vec<D> voxel, hn::Vec<D> to_farther, hn::Mask<D> crossed, hn::Mask<D> rim) {
-    const SelectedLanes<D> selected(d, crossed);
-    selected.Store(voxel, nearer_);
-    selected.Store(hn::Add(voxel, to_farther), farther_);
-    nearer_ += selected.count();
-    farther_ += selected.count();
-    rim_ += AppendLanes(d, voxel, rim, rim_);
-  }
-
- private:
-  Candidates& out_;
-  uint32_t *nearer_, *farther_, *rim_;
-};
 
 // Offsets of a block's lines from its first.
 template <class T>
@@ -106,24 +59,14 @@ void ChooseShape(LineScan<T>& s) {
   divide(Wide{s.level_b} << s.shape, s.down_depth, s.down_remainder);
 }
 
-// v + by where the mask says so: masks of bits make one instruction of a choice, and masks of whole lanes two.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V AddIf(D, hn::Mask<D> mask, V v, V by) {
-#if HWY_TARGET <= HWY_AVX3
-  return hn::IfThenElse(mask, hn::Add(v, by), v);
-#else
-  return hn::Add(v, hn::IfThenElseZero(mask, by));
-#endif
-}
-
 // Block after block of the triangle's lines.
 //   clip    bit m: candidates may lie outside of the target on axis m
 //   in_box  of large triangles, whose rows may have blocks without candidates before and behind; null: of others, whose
 //           remainders are exact, too
 // Returns false, and adds nothing, where the remainder of a candidate is in doubt.
 template <class T, class InBox>
-HWY_INLINE bool ScanLines(const LineScan<T>& s, uint32_t clip, InBox in_box, size_t place, const Frame& frame,
-                          const Target& target, Candidates& out) {
+HWY_INLINE bool ScanSingle(const LineScan<T>& s, uint32_t clip, InBox in_box, size_t place, const Frame& frame,
+                           const Target& target, Candidates& out) {
   constexpr bool kLarge = !std::is_null_pointer_v<InBox>;
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;

@@ -61,6 +61,7 @@ HWY_INLINE V FirstNonzero(const std::array<V, 3>& v) {
 }
 HWY_INLINE Ints Least(Ints a, Ints b, Ints c) { return hn::Min(a, hn::Min(b, c)); }
 HWY_INLINE Ints Most(Ints a, Ints b, Ints c) { return hn::Max(a, hn::Max(b, c)); }
+HWY_INLINE int32_t MostOfLanes(Ints v) { return hn::GetLane(hn::MaxOfLanes(Lanes(), v)); }
 
 // A form's values at three corners. Most coefficients are 0 or 1.
 template <class D, class V = hn::Vec<D> >
