@@ -1,18 +1,18 @@
 // The voxels that a set of triangles may contribute.
 //
-// In what order to read this folder, from the rule to its fastest forms, each of which says the same as those before:
-//   crossing.h                   the crossing rule: one triangle, one direction
-//   principal_scan.h, star.h     one triangle, all directions: candidates on the lines along its principal direction,
-//                                and which of them it contributes; plain C++ stops here
-//   line_scan.h                  that scan in integers that are linear over the lines, and fit lanes of 32 bits
-//   line_scan_lanes-inl.h        many triangles' scans in lanes
-//   row_spans-inl.h              of long rows of lines, those within rims and edges
-//   lines_together-inl.h         the lines of many small triangles together
-//   line_blocks-inl.h            the lines of one triangle, in blocks; candidates.cc puts all together
-//   stars.h                      many stars in lanes
-//   triangle_boxes.h             which triangles may have a voxel
-//   touching.h, sift.h, tiny.h   triangles smaller than voxels: those that no line meets, and the others' crossings
-// The supercover (supercover.h) is another rule.
+// The order to read these rooms in, from the rule to its fastest forms. Each form says the same as those before.
+//   core/digitize/crossing.h        the crossing rule: one triangle, one direction
+//   core/digitize/principal_scan.h  one triangle, all directions: candidates on the lines along its principal direction
+//   core/digitize/star.h            which of these candidates it contributes; plain C++ stops here
+//   line_scan.h                     that scan in integers that are linear over the lines, and fit lanes of 32 bits
+//   line_scan_lanes-inl.h           many triangles' scans in lanes
+//   row_spans-inl.h                 the lines of long rows that are within rims and edges
+//   scan_batch-inl.h                the lines of many small triangles together
+//   scan_single-inl.h               the lines of one triangle, in blocks; candidates.cc puts all together
+//   stars.h                         many stars in lanes
+//   triangle_boxes.h                which triangles may have a voxel
+//   core/tiny                       triangles smaller than voxels
+// The supercover (core/supercover) is another rule.
 #ifndef LATVOX_CORE_SCAN_CANDIDATES_H_
 #define LATVOX_CORE_SCAN_CANDIDATES_H_
 

@@ -190,14 +190,7 @@ struct LineBoxes {
       along = hn::Max(along, hn::Abs(dot));
     }
 
-    // Counter-clockwise in the projection: the normal must point along q.
-    const auto backward = hn::Lt(up, zero);
-    for (size_t m = 0; m < 3; ++m) {
-      normal[m] = hn::IfThenElse(backward, hn::Neg(normal[m]), normal[m]);
-      const Ints second = v[1][m];
-      v[1][m] = hn::IfThenElse(backward, v[2][m], second);
-      v[2][m] = hn::IfThenElse(backward, second, v[2][m]);
-    }
+    TurnWhere(hn::Lt(up, zero));
 
     const FramePick pick(frame);
     const Ints3 r0 = pick(frames.r[0]), r1 = pick(frames.r[1]);
@@ -232,6 +225,17 @@ struct LineBoxes {
     width = count(0, a), height = count(1, b);
     wanted = hn::And(wanted, hn::And(hn::Gt(along, zero), hn::Gt(hn::Min(width, height), zero)));
     valid = BitsOf(wanted);
+  }
+
+ private:
+  // Makes corners counter-clockwise in the projection, which needs a normal along q, where it is the other way round.
+  HWY_INLINE void TurnWhere(hn::Mask<Lanes> backward) {
+    for (size_t m = 0; m < 3; ++m) {
+      normal[m] = hn::IfThenElse(backward, hn::Neg(normal[m]), normal[m]);
+      const Ints second = v[1][m];
+      v[1][m] = hn::IfThenElse(backward, v[2][m], second);
+      v[2][m] = hn::IfThenElse(backward, second, v[2][m]);
+    }
   }
 };
 
