@@ -7,6 +7,8 @@ the first includes the second. Neither number may grow unnoticed: LIMITS records
 
 import collections
 import functools
+import os
+import pathlib
 import posixpath
 import re
 import unittest
@@ -150,6 +152,12 @@ class TheTree(unittest.TestCase):
         for top, names in ORDER.items():
             for name in names:
                 self.assertTrue((ROOT / top / name).exists(), f"{top}/{name}")
+
+    @unittest.skipUnless("LATVOX_BUILD_DIR" in os.environ, "needs LATVOX_BUILD_DIR")
+    def test_every_room_has_tests(self):
+        lines = (pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "rooms.txt").read_text().splitlines()
+        tested = {line.split()[0] for line in lines}
+        self.assertEqual({f"{top}/{name}" for top, names in ORDER.items() for name in names} - tested, set())
 
     def test_what_is_recorded_is_allowed(self):
         for top, limits in LIMITS.items():

@@ -180,63 +180,77 @@ TEST(Options, ABasisNeedsNoDensityButANamedLatticeDoes) {
   EXPECT_THAT(Refusal({"--lattice", "bcc"}), HasSubstr("--voxel-size or --resolution is required"));
 }
 
-TEST(Options, RefusalsNameOptionValueAndLimit) {
-  const auto refuses = [](const std::vector<std::string>& arguments, const std::vector<std::string>& says) {
-    for (const std::string& text : says) EXPECT_THAT(Refusal(arguments), HasSubstr(text));
-  };
-  refuses({"--resolution", "0"}, {"--resolution", "\"0\"", "2 to 65536"});
-  refuses({"--resolution", "70000"}, {"--resolution", "70000", "65536"});
-  refuses({"--resolution", "-5"}, {"--resolution", "-5"});
-  refuses({"--resolution", "8.5"}, {"--resolution", "8.5"});
-  refuses({"--resolution", "8", "--voxel-size", "1"}, {"--resolution", "--voxel-size"});
-  refuses({"--voxel-size", "0"}, {"--voxel-size", "above 0"});
-  refuses({"--voxel-size", "1,2"}, {"--voxel-size", "one number or three"});
-  refuses({"--voxel-size", "1,2,-3"}, {"--voxel-size", "above 0"});
-  refuses({"--voxel-size", "1,2,3", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--voxel-size", "--basis", "1,2,3"});
-  refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
-  refuses({"--voxel-size", "1e999"}, {"--voxel-size", "1e999"});
-  refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0,1,2,26,18,6"});
-  refuses({"--resolution", "9", "--lattice", "cubic"}, {"--lattice", "cubic", "hexagonal"});
-  refuses({"--lattice", "bcc", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--basis", "--lattice"});
-  refuses({"--basis", "1,0,0,0,1,0,0,0"}, {"--basis", "9 finite numbers"});
-  refuses({"--basis", "1,0,0,0,1,0,0,0,nan"}, {"--basis", "9 finite numbers"});
-  refuses({"--resolution", "9", "--origin", "1,2"}, {"--origin", "3 finite numbers"});
-  refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
-  refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
-  refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
-  refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
-  refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
-  refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
-  refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
-  refuses({"--resolution", "9", "--fill", "solid", "--interior-rule", "odd"}, {"--interior-rule", "odd", "parity"});
-  refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
-  refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
-  refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--band"});
-  refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
-  refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
-  refuses({"--resolution", "9", "--up-axis", "w"}, {"--up-axis", "w", "x,y"});
-  refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
-  refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
-  refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
-  refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
-  refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
-  refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
-  for (const char* path : {"a.vox", "a.BINVOX"}) {
-    refuses({"--resolution", "9", "--lattice", "bcc", "-o", path}, {"--out", path, "--lattice cartesian"});
-    refuses({"--voxel-size", "1,1,2", "-o", path}, {"--out", path, "--lattice cartesian"});
-    refuses({"--basis", "1,0,0,0,1,0,0,1,1", "-o", path}, {"--out", path, "--lattice cartesian"});
-    EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
-  }
+// The refusal of the arguments holds each text: the option, its value or its limit.
+void Refuses(const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) EXPECT_THAT(Refusal(arguments), HasSubstr(text));
+}
+
+TEST(Options, RefusalsOfLatticesNameOptionValueAndLimit) {
+  Refuses({"--resolution", "0"}, {"--resolution", "\"0\"", "2 to 65536"});
+  Refuses({"--resolution", "70000"}, {"--resolution", "70000", "65536"});
+  Refuses({"--resolution", "-5"}, {"--resolution", "-5"});
+  Refuses({"--resolution", "8.5"}, {"--resolution", "8.5"});
+  Refuses({"--resolution", "8", "--voxel-size", "1"}, {"--resolution", "--voxel-size"});
+  Refuses({"--voxel-size", "0"}, {"--voxel-size", "above 0"});
+  Refuses({"--voxel-size", "1,2"}, {"--voxel-size", "one number or three"});
+  Refuses({"--voxel-size", "1,2,-3"}, {"--voxel-size", "above 0"});
+  Refuses({"--voxel-size", "1,2,3", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--voxel-size", "--basis", "1,2,3"});
+  Refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
+  Refuses({"--voxel-size", "1e999"}, {"--voxel-size", "1e999"});
+  Refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0,1,2,26,18,6"});
+  Refuses({"--resolution", "9", "--lattice", "cubic"}, {"--lattice", "cubic", "hexagonal"});
+  Refuses({"--lattice", "bcc", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--basis", "--lattice"});
+  Refuses({"--basis", "1,0,0,0,1,0,0,0"}, {"--basis", "9 finite numbers"});
+  Refuses({"--basis", "1,0,0,0,1,0,0,0,nan"}, {"--basis", "9 finite numbers"});
+  Refuses({"--resolution", "9", "--origin", "1,2"}, {"--origin", "3 finite numbers"});
+}
+
+TEST(Options, RefusalsOfPartsNameOptionValueAndLimit) {
+  Refuses({"--resolution", "9", "--region", "0,0,0,0,1,1"}, {"--region", "axis 0"});
+  Refuses({"--resolution", "9", "--region", "0,0,0,9999999999,1,1"}, {"--region", "32-bit"});
+  Refuses({"--resolution", "9", "--bounds", "0,2,0,1,1,1"}, {"--bounds", "1 is below 2 on axis 1"});
+  Refuses({"--resolution", "9", "--bounds", "0,0,0,1,inf,1"}, {"--bounds", "6 finite numbers"});
+  Refuses({"--resolution", "9", "--quantization", "31"}, {"--quantization", "31", "30"});
+}
+
+TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
+  Refuses({"--resolution", "9", "--algorithm", "ibanez"}, {"--algorithm", "ibanez", "exact", "optimized-incremental"});
+  Refuses({"--resolution", "9", "--fill", "hollow"}, {"--fill", "hollow", "solid", "surface"});
+  Refuses({"--resolution", "9", "--fill", "solid", "--interior-rule", "odd"}, {"--interior-rule", "odd", "parity"});
+  Refuses({"--resolution", "9", "--interior-rule", "winding"}, {"--interior-rule", "--fill solid"});
+  Refuses({"--resolution", "9", "--without-surface"}, {"--without-surface", "--fill solid"});
+  Refuses({"--resolution", "9", "--band", "2v", "--npy", "dense", "-o", "a.npy"}, {"--npy", "dense", "--band"});
+  Refuses({"--align", "a.vdb", "--separability", "26"}, {"--separability", "26", "--lattice cartesian"});
+  Refuses({"--resolution", "9", "--fill", "surface", "--force-open"}, {"--force-open", "--fill solid"});
+  Refuses({"--resolution", "9", "--cover", "all"}, {"--cover", "all", "separating", "supercover"});
   EXPECT_EQ(Refusal({"--resolution", "9", "--no-minimal", "--algorithm", "incremental"}), "accepted");
   EXPECT_EQ(Parse({"--resolution", "9", "--no-minimal", "--minimal"}).request.minimal, true);  // the last one counts
   EXPECT_EQ(Parse({"--resolution", "9", "--minimal", "--no-minimal"}).request.minimal, false);
-  refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
-  refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
-  refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
-  refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
-  refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
-  refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
-  refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
+}
+
+TEST(Options, RefusalsOfFilesNameOptionValueAndLimit) {
+  Refuses({"--resolution", "9", "--up-axis", "w"}, {"--up-axis", "w", "x,y"});
+  Refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
+  Refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
+  Refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});
+  Refuses({"--resolution", "9", "--npy", "dense"}, {"--npy", "dense", "--out"});
+  Refuses({"--resolution", "9", "-", "-"}, {"-", "twice"});
+  for (const char* path : {"a.vox", "a.BINVOX"}) {
+    Refuses({"--resolution", "9", "--lattice", "bcc", "-o", path}, {"--out", path, "--lattice cartesian"});
+    Refuses({"--voxel-size", "1,1,2", "-o", path}, {"--out", path, "--lattice cartesian"});
+    Refuses({"--basis", "1,0,0,0,1,0,0,1,1", "-o", path}, {"--out", path, "--lattice cartesian"});
+    EXPECT_EQ(Refusal({"--basis", "2,0,0,0,2,0,0,0,2", "-o", path}), "accepted");
+  }
+  Refuses({"--resolution", "9", "-o", "a.xyz"}, {"a.xyz", ".vdb"});
+  Refuses({"--resolution", "9", "-o", "./out.vdb"}, {"out.vdb", "twice"});
+}
+
+TEST(Options, RefusalsOfRunsNameOptionValueAndLimit) {
+  Refuses({"--resolution", "9", "--threads", "0"}, {"--threads", "\"0\""});
+  Refuses({"--resolution", "9", "--timeout", "-1"}, {"--timeout", "-1"});
+  Refuses({"--resolution", "9", "--retries", "-1"}, {"--retries", "-1"});
+  Refuses({"--resolution", "9", "--threads", "2", "--server", "x:1"}, {"--threads", "--server"});
+  Refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
 }
 
 // Else a mesh that follows would be written over.

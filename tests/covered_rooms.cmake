@@ -1,0 +1,13 @@
+# Rooms without a test program of their own, and what tests them: programs of higher rooms, or whole programs.
+latvox_test_room(core/brick core_parts_test core_voxelizer_test)
+latvox_test_room(core/mesh core_water_test core_voxelizer_test)
+latvox_test_room(core/request core_thesis_test core_voxelizer_test)
+latvox_test_room(core/thin core_fine_test core_voxelizer_test)
+latvox_test_room(core/tile core_kernel_test core_tiny_test)
+
+# The code that the public headers have in them, and the code that they declare.
+latvox_test_room(client/include client_call_test client_encoder_test client_grid_test)
+
+latvox_test_room_from_outside(server/config TESTS e2e.config PROGRAMS latvox latvoxd)
+latvox_test_room_from_outside(server/main.cc TESTS e2e.config PROGRAMS latvox latvoxd)
+latvox_test_room_from_outside(client/tool/view TESTS e2e.view node.view PROGRAMS latvox latvoxd)
