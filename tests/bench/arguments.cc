@@ -22,7 +22,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
 // Options that are not of the type that they end as.
 struct Words {
   std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity", cover;
-  bool without_surface = false;
+  bool without_surface = false, minimal = true;
   std::vector<int32_t> region;
   std::vector<double> bounds;
   std::vector<uint32_t> shard;
@@ -48,7 +48,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   CLI::Option* lattice = app.add_option("--lattice", arguments.lattice)->check(CLI::IsMember(Lattices()));
   app.add_option("--basis", arguments.basis, "three basis vectors")->delimiter(',')->expected(9)->excludes(lattice);
   app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
-  app.add_flag("--minimal,!--no-minimal", options.minimal);
+  app.add_flag("--minimal,!--no-minimal", words.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
   app.add_option("--bounds", words.bounds, "x0,y0,z0,x1,y1,z1: only voxels with their centres in this box")
       ->delimiter(',')
@@ -120,6 +120,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
       return absl::InvalidArgumentError(absl::StrCat(option, ": needs --fill solid"));
     }
   }
+  if (app.count("--minimal") > 0) options.minimal = named.minimal;
   if (const auto& r = named.region; !r.empty()) options.region = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   if (const auto& b = named.bounds; !b.empty()) options.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
   if (const auto& shard = named.shard; !shard.empty()) options.shard = {shard[0], shard[1]};
