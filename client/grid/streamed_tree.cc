@@ -24,7 +24,7 @@ openvdb::Index64 BytesOf() {
 bool SameLower(const TreePlace& a, const TreePlace& b) { return a.upper == b.upper && a.lower == b.lower; }
 
 // The node of `leaf` and of the bricks after it that belong there; `leaf` is then the first of the next node.
-std::unique_ptr<Lower> TakeLower(BrickMerge& bricks, const Leaf*& leaf) {
+std::unique_ptr<Lower> MakeLower(BrickMerge& bricks, const Leaf*& leaf) {
   const TreePlace place = PlaceOf(leaf->origin());
   auto node = std::make_unique<Lower>(leaf->origin(), /*value=*/false, /*active=*/false);
   for (; leaf && SameLower(PlaceOf(leaf->origin()), place); leaf = bricks.Next()) node->addLeaf(new Leaf(*leaf));
@@ -79,7 +79,7 @@ void StreamedTree::writeTopology(std::ostream& out, bool to_half) const {
       if (!leaf) Stop();
       const TreePlace place = PlaceOf(leaf->origin());
       if (UpperCorner(place) != corner || place.lower != child.pos()) Stop();
-      TakeLower(bricks_, leaf)->writeTopology(out, to_half);
+      MakeLower(bricks_, leaf)->writeTopology(out, to_half);
     }
   }
   if (leaf || !bricks_.status().ok()) Stop();

@@ -67,23 +67,23 @@ void AnswerCheck::BeginStretch() {
   progress_ = 0;
 }
 
-absl::Status AnswerCheck::Take(const v1::VoxelizeResponse& answer) {
+absl::Status AnswerCheck::Receive(const v1::VoxelizeResponse& answer) {
   if (summary_) return Broken("an answer after the summary");
   if (!stretch_accepted_ && !answer.has_accepted()) return Broken("the first answer is not Accepted");
   switch (answer.part_case()) {
     case v1::VoxelizeResponse::kAccepted:
-      return TakeAccepted(answer.accepted());
+      return ReceiveAccepted(answer.accepted());
     case v1::VoxelizeResponse::kBricks:
-      return TakeBricks(answer.bricks());
+      return ReceiveBricks(answer.bricks());
     case v1::VoxelizeResponse::kSummary:
-      return TakeSummary(answer.summary());
+      return ReceiveSummary(answer.summary());
     case v1::VoxelizeResponse::PART_NOT_SET:
       break;
   }
   return Broken("an empty answer");
 }
 
-absl::Status AnswerCheck::TakeAccepted(const v1::Accepted& message) {
+absl::Status AnswerCheck::ReceiveAccepted(const v1::Accepted& message) {
   if (stretch_accepted_) return Broken("Accepted came twice");
   stretch_accepted_ = true;
   if (accepted_) return CompareAccepted(FromProto(message));
@@ -107,7 +107,7 @@ absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
   return Broken("the stream was resumed, and Accepted.", differs, " is not what it was before");
 }
 
-absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
+absl::Status AnswerCheck::ReceiveBricks(const v1::BrickBatch& message) {
   // Negated comparisons, so that NaN is caught.
   if (!(message.progress() >= progress_ && message.progress() <= 1)) {
     return Broken("progress ", message.progress(), " after ", progress_);
@@ -115,14 +115,14 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
   progress_ = message.progress();
   reported_ = std::max(reported_, progress_);
   const bool packed = !message.packed().empty() || message.packed_bytes() != 0;
-  if (absl::Status status = packed ? TakePacked(message) : TakeMasks(message); !status.ok()) return status;
+  if (absl::Status status = packed ? DecodePacked(message) : DecodeMasks(message); !status.ok()) return status;
   const uint64_t voxels_before = stretch_.voxels;
   for (size_t n = 0; n < batch_.size(); ++n) {
     if (auto status = CheckBrick(batch_[n], n == 0 ? nullptr : &batch_[n - 1]); !status.ok()) return status;
   }
   const uint64_t voxels = stretch_.voxels - voxels_before;
-  if (absl::Status status = TakeValues(message.values(), voxels); !status.ok()) return status;
-  if (absl::Status status = TakeAttributes(message.attributes(), voxels); !status.ok()) return status;
+  if (absl::Status status = ReceiveValues(message.values(), voxels); !status.ok()) return status;
+  if (absl::Status status = ReceiveAttributes(message.attributes(), voxels); !status.ok()) return status;
   if (handlers_.on_bricks) {
     if (auto status = handlers_.on_bricks({batch_, reported_, values_, attributes_}); !status.ok()) return status;
   }
@@ -130,7 +130,7 @@ absl::Status AnswerCheck::TakeBricks(const v1::BrickBatch& message) {
   return absl::OkStatus();
 }
 
-absl::Status AnswerCheck::TakePacked(const v1::BrickBatch& message) {
+absl::Status AnswerCheck::DecodePacked(const v1::BrickBatch& message) {
   if (message.brick_ijk_size() != 0 || !message.masks().empty()) return Broken("a batch of both masks and packed");
   absl::Status status;
   if (message.packed_bytes() != 0) {
@@ -142,7 +142,7 @@ absl::Status AnswerCheck::TakePacked(const v1::BrickBatch& message) {
   return status.ok() ? status : Broken(status.message());
 }
 
-absl::Status AnswerCheck::TakeMasks(const v1::BrickBatch& message) {
+absl::Status AnswerCheck::DecodeMasks(const v1::BrickBatch& message) {
   const size_t coordinates = static_cast<size_t>(message.brick_ijk_size());
   const size_t count = coordinates / 3;
   if (coordinates % 3 != 0) return Broken("brick_ijk has ", coordinates, " numbers, not a multiple of 3");
@@ -186,7 +186,7 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
 }
 
 // Of batch_, which has been checked, and has so many voxels.
-absl::Status AnswerCheck::TakeValues(std::string_view bytes, size_t voxels) {
+absl::Status AnswerCheck::ReceiveValues(std::string_view bytes, size_t voxels) {
   const size_t expected = band_ ? voxels * sizeof(float) : 0;
   if (bytes.size() != expected) {
     return Broken("values has ", bytes.size(), " bytes for ", voxels, " voxels", band_ ? "" : " without a band",
@@ -202,7 +202,7 @@ absl::Status AnswerCheck::TakeValues(std::string_view bytes, size_t voxels) {
   return absl::OkStatus();
 }
 
-absl::Status AnswerCheck::TakeAttributes(std::string_view bytes, size_t voxels) {
+absl::Status AnswerCheck::ReceiveAttributes(std::string_view bytes, size_t voxels) {
   const size_t numbers = voxels * asked_.size();
   if (bytes.size() != numbers * sizeof(uint32_t)) {
     return Broken("attributes has ", bytes.size(), " bytes for ", asked_.size(), " each of ", voxels, " voxels, not ",
@@ -254,7 +254,7 @@ absl::Status AnswerCheck::CheckAttributes(const std::optional<AttributeCertifica
   return Broken("attributes' digest ", certificate->digest, ", theirs is ", stretch_.attributes.ToHex());
 }
 
-absl::Status AnswerCheck::TakeSummary(const v1::Summary& message) {
+absl::Status AnswerCheck::ReceiveSummary(const v1::Summary& message) {
   Summary summary = FromProto(message);
   const auto check = [](const char* what, uint64_t theirs, uint64_t ours) {
     return theirs == ours ? absl::OkStatus() : Broken("summary of ", theirs, " ", what, " after ", ours);

@@ -29,7 +29,7 @@ class AnswerCheck {
   void BeginStretch();
 
   // Checks the next answer and hands it on. Errors: DATA_LOSS naming what is wrong with it; what the handler returned.
-  absl::Status Take(const v1::VoxelizeResponse& answer);
+  absl::Status Receive(const v1::VoxelizeResponse& answer);
 
   // Whether Accepted has been handed on, and the tile of the last brick that was: batches hold whole tiles.
   bool accepted() const { return accepted_.has_value(); }
@@ -40,15 +40,15 @@ class AnswerCheck {
   absl::StatusOr<Summary> End() const;
 
  private:
-  absl::Status TakeAccepted(const v1::Accepted& message);
+  absl::Status ReceiveAccepted(const v1::Accepted& message);
   absl::Status CompareAccepted(const Accepted& again) const;
-  absl::Status TakeBricks(const v1::BrickBatch& message);
-  absl::Status TakeMasks(const v1::BrickBatch& message);
-  absl::Status TakePacked(const v1::BrickBatch& message);
-  absl::Status TakeValues(std::string_view bytes, size_t voxels);
-  absl::Status TakeAttributes(std::string_view bytes, size_t voxels);
+  absl::Status ReceiveBricks(const v1::BrickBatch& message);
+  absl::Status DecodeMasks(const v1::BrickBatch& message);
+  absl::Status DecodePacked(const v1::BrickBatch& message);
+  absl::Status ReceiveValues(std::string_view bytes, size_t voxels);
+  absl::Status ReceiveAttributes(std::string_view bytes, size_t voxels);
   absl::Status CheckValue(float value) const;
-  absl::Status TakeSummary(const v1::Summary& message);
+  absl::Status ReceiveSummary(const v1::Summary& message);
   absl::Status CheckBand(const std::optional<BandCertificate>& band) const;
   absl::Status CheckAttributes(const std::optional<AttributeCertificate>& certificate) const;
   double BandWidth() const;

@@ -154,14 +154,14 @@ BrickStream::Iterator BrickStream::begin() { return Iterator(*this); }
 
 BrickStream::Iterator& BrickStream::Iterator::operator++() {
   if (batch_->ok()) {
-    Take();
+    Advance();
   } else {
     batch_.reset();
   }
   return *this;
 }
 
-void BrickStream::Iterator::Take() {
+void BrickStream::Iterator::Advance() {
   const absl::StatusOr<std::optional<BrickBatch>> next = stream_->Next();
   if (!next.ok()) {
     batch_ = next.status();

@@ -15,8 +15,8 @@ absl::Status Refused(const std::string& message, const ErrorDetails& details) {
   return status;
 }
 
-absl::Status CheckDensity(const char* size_name, const std::optional<double>& size,
-                          const std::optional<uint32_t>& resolution) {
+absl::Status CheckSampling(const char* size_name, const std::optional<double>& size,
+                           const std::optional<uint32_t>& resolution) {
   if (!size || !resolution) return absl::OkStatus();
   return Refused(absl::StrCat("resolution: ", *resolution, " not together with ", size_name, " ", *size),
                  {"BAD_SPEC", "resolution", absl::StrCat(*resolution), absl::StrCat("no ", size_name), std::nullopt});
@@ -31,11 +31,11 @@ absl::Status CheckMesh(std::string_view mesh_drc) {
 }
 
 absl::Status CheckRequest(const VoxelizeRequest& request) {
-  return CheckDensity("voxel_size", request.voxel_size, request.resolution);
+  return CheckSampling("voxel_size", request.voxel_size, request.resolution);
 }
 
 absl::Status CheckRequest(const PixelizeRequest& request) {
-  return CheckDensity("pixel_size", request.pixel_size, request.resolution);
+  return CheckSampling("pixel_size", request.pixel_size, request.resolution);
 }
 
 }  // namespace latvox::client

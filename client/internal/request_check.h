@@ -13,7 +13,7 @@ namespace latvox::client {
 // INVALID_ARGUMENT for no bytes: servers take them for a mesh that they are to have already.
 absl::Status CheckMesh(std::string_view mesh_drc);
 
-// INVALID_ARGUMENT for two densities, of which the protocol carries the last one set.
+// INVALID_ARGUMENT for both a size and a resolution: the protocol would carry only the last one set.
 absl::Status CheckRequest(const VoxelizeRequest& request);
 absl::Status CheckRequest(const PixelizeRequest& request);
 

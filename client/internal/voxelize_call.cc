@@ -62,7 +62,7 @@ AttemptEnd VoxelizeCall::Stretch(bool with_mesh) {
   absl::Status ours;
   for (v1::VoxelizeResponse answer; stream.Read(answer);) {
     bytes_received_ += answer.ByteSizeLong();
-    if (ours = Take(answer); !ours.ok()) {
+    if (ours = Receive(answer); !ours.ok()) {
       attempt.context().TryCancel();
       break;
     }
@@ -73,10 +73,10 @@ AttemptEnd VoxelizeCall::Stretch(bool with_mesh) {
   return failed_here_ ? AttemptEnd{ours} : attempt.End(status);
 }
 
-absl::Status VoxelizeCall::Take(const v1::VoxelizeResponse& answer) {
+absl::Status VoxelizeCall::Receive(const v1::VoxelizeResponse& answer) {
   const bool going_on = check_.accepted();
   const std::optional<Vec3i> before = check_.resume_after();
-  if (absl::Status status = check_.Take(answer); !status.ok()) return status;
+  if (absl::Status status = check_.Receive(answer); !status.ok()) return status;
   if (answer.has_accepted()) connection_.Remember(tries_.server(), mesh_);
   if (check_.resume_after() != before || !going_on) tries_.Progress();
   return answer.has_accepted() && going_on ? TellOfResumption() : absl::OkStatus();

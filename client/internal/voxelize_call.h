@@ -34,7 +34,7 @@ class VoxelizeCall {
  private:
   AttemptEnd TryServer();
   AttemptEnd Stretch(bool with_mesh);
-  absl::Status Take(const v1::VoxelizeResponse& answer);
+  absl::Status Receive(const v1::VoxelizeResponse& answer);
   absl::Status TellOfResumption();
 
   Connection& connection_;

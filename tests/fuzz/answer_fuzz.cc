@@ -26,7 +26,7 @@ void Take(const uint8_t* data, size_t size, const std::optional<latvox::client::
     }
     if (length > size) length = static_cast<uint16_t>(size);
     latvox::v1::VoxelizeResponse answer;
-    if (!answer.ParseFromArray(data, length) || !check.Take(answer).ok()) return;
+    if (!answer.ParseFromArray(data, length) || !check.Receive(answer).ok()) return;
     data += length;
     size -= length;
   }

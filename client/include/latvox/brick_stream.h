@@ -79,8 +79,8 @@ class BrickStream::Iterator {
 
  private:
   friend class BrickStream;
-  explicit Iterator(BrickStream& stream) : stream_(&stream) { Take(); }
-  void Take();
+  explicit Iterator(BrickStream& stream) : stream_(&stream) { Advance(); }
+  void Advance();
 
   BrickStream* stream_;
   std::optional<value_type> batch_;
