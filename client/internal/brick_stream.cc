@@ -11,11 +11,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "latvox/cancellation.h"
+#include "latvox/export.h"
 
 namespace latvox::client {
 
 // The call runs on `thread_`, as a call with handlers does, and leaves its batches in a ring, where Next finds them.
-class BrickStream::State {
+class LATVOX_HIDDEN BrickStream::State {
  public:
   State(Call call, const CallOptions& options);
   ~State();

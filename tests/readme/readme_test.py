@@ -75,7 +75,7 @@ class Examples(unittest.TestCase):
     def test_cpp_examples_compile(self):
         for page in [README, *PAGES]:
             for example in blocks("cpp", page):
-                command = ["g++", "-std=c++20", "-Wall", "-fsyntax-only", f"-I{ROOT}", "-xc++", "-"]
+                command = ["g++", "-std=c++20", "-Wall", "-fsyntax-only", f"-I{ROOT}/client/include", "-xc++", "-"]
                 done = subprocess.run(command, input=example, capture_output=True, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
 

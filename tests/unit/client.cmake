@@ -1,4 +1,7 @@
 # The client's tests: foreign files, foreign answers, what is written, how the tool ends.
+if(LATVOX_BUILD_MESH)
+  find_package(draco CONFIG REQUIRED)
+endif()
 latvox_add_test(client_mesh_test SOURCES unit/client/tool/mesh_files/mesh_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_gltf_test SOURCES unit/client/tool/mesh_files/gltf_test.cc
                 LIBRARIES latvox::tool nlohmann_json::nlohmann_json GTest::gmock)
@@ -36,8 +39,6 @@ latvox_add_test(client_batch_test SOURCES unit/client/tool/cli/batch_test.cc LIB
 latvox_add_test(named_lattices_test SOURCES unit/both_ends/named_lattices_test.cc
                 LIBRARIES latvox::core latvox::client latvox::proto)
 latvox_add_test(plane_call_test SOURCES unit/both_ends/plane_call_test.cc LIBRARIES latvox::client latvox::server GTest::gmock)
-target_compile_definitions(plane_call_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
-add_dependencies(plane_call_test latvoxd)
 latvox_add_test(request_rules_test UNSANITIZED SOURCES unit/both_ends/request_rules_test.cc
                 LIBRARIES latvox::client latvox::server latvox_server_meshes GTest::gmock)
 if(TARGET request_rules_test)
@@ -46,10 +47,12 @@ if(TARGET request_rules_test)
 endif()
 latvox_add_test(client_failover_test UNSANITIZED SOURCES unit/client/internal/failover_test.cc
                 LIBRARIES latvox::client latvox_server_meshes GTest::gmock)
-if(TARGET client_failover_test)
-  target_compile_definitions(client_failover_test PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
-  add_dependencies(client_failover_test latvoxd)
-endif()
+foreach(test plane_call_test client_failover_test)
+  if(TARGET ${test})
+    target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
+    add_dependencies(${test} latvoxd)
+  endif()
+endforeach()
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 latvox_add_test(brick_codec_test SOURCES unit/both_ends/brick_codec_test.cc

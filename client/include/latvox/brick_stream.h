@@ -19,6 +19,7 @@
 
 #include "absl/status/statusor.h"
 #include "latvox/call_options.h"
+#include "latvox/export.h"
 #include "latvox/types.h"
 #include "latvox/voxelize_handlers.h"
 
@@ -32,7 +33,7 @@ namespace latvox::client {
 // to be taken, the server is held back. A batch is copied once, which is little beside unpacking it.
 //
 // Threads: one at a time may use a handle. CallOptions.cancellation stops it from any other.
-class BrickStream {
+class LATVOX_EXPORT BrickStream {
  public:
   class Iterator;
 
@@ -66,7 +67,7 @@ class BrickStream {
 };
 
 // An input iterator; each step is a Next. Valid while its stream is, and is not moved.
-class BrickStream::Iterator {
+class LATVOX_EXPORT BrickStream::Iterator {
  public:
   using iterator_concept = std::input_iterator_tag;  // of the standard's concepts
   using value_type = absl::StatusOr<BrickBatch>;     // a batch, or the error that ends the loop

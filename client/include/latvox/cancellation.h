@@ -5,12 +5,14 @@
 #include <functional>
 #include <memory>
 
+#include "latvox/export.h"
+
 namespace latvox::client {
 
 // A handle on one cancellation; copies share it. Cancelling is final and may come before, during or after the call
 // that it is given to. Threads: every method may be called from any thread, and from the call's own callbacks. Not
 // from a signal handler.
-class Cancellation {
+class LATVOX_EXPORT Cancellation {
  public:
   Cancellation();  // a new one, not cancelled
 

@@ -13,10 +13,10 @@
 // gives a handle to take them from. The last two need the memory of some batches, however many bricks there are.
 //
 // A connection that breaks, a server that dies or drains, or is full for the moment, is no error as long as another try
-// can help (client/include/latvox/retry_policy.h): the call goes on after the last complete tile, on another connection
+// can help (latvox/retry_policy.h): the call goes on after the last complete tile, on another connection
 // or another server, and whoever takes the bricks notices nothing but time.
 //
-// Errors everywhere: absl::Status with the codes that client/include/latvox/error.h lists; GetErrorDetails there tells
+// Errors everywhere: absl::Status with the codes that latvox/error.h lists; GetErrorDetails there tells
 // field, value and limit. Nothing throws, nothing logs.
 #ifndef LATVOX_LATVOX_CLIENT_H_
 #define LATVOX_LATVOX_CLIENT_H_
@@ -30,6 +30,7 @@
 #include "latvox/brick_stream.h"
 #include "latvox/call_options.h"
 #include "latvox/connection_options.h"
+#include "latvox/export.h"
 #include "latvox/mesh_id.h"
 #include "latvox/plane_types.h"
 #include "latvox/types.h"
@@ -42,7 +43,7 @@ namespace latvox::client {
 // threads; calls share the connections, each of which carries any number. Ownership: movable, not copied; must outlive
 // its calls, but not its streams. Costs: making one connects; keeping one for many calls is what saves that, and
 // uploads.
-class Client {
+class LATVOX_EXPORT Client {
  public:
   // Connects to "HOST:PORT" or "unix:PATH", or to several of these with commas between them. Calls take turns over
   // the servers that can be reached: those listed, and all that a HOST resolves to. One at least must be reachable now.
@@ -53,7 +54,7 @@ class Client {
   static absl::StatusOr<Client> Connect(const std::vector<std::string>& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
 
-  // A client of something else, not null: see client/include/latvox/voxel_service.h.
+  // A client of something else, not null: see latvox/voxel_service.h.
   explicit Client(std::shared_ptr<VoxelService> service);
 
   Client(Client&&) noexcept;             // the other one may then be destroyed or assigned to, no more
@@ -84,7 +85,7 @@ class Client {
   absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
                                            const CallOptions& options = {}) const;
 
-  // Begins to voxelize likewise, and returns at once; see client/include/latvox/brick_stream.h. The bytes are the
+  // Begins to voxelize likewise, and returns at once; see latvox/brick_stream.h. The bytes are the
   // stream's: give them by std::move, or, to several streams, their MeshId.
   BrickStream Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options = {}) const;
   // The same without the bytes, as above.

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "latvox/export.h"
 
 namespace latvox::client {
 
@@ -28,14 +29,14 @@ struct ErrorDetails {
 
 // The details that came with a status of this SDK: from the server's google.rpc.ErrorInfo and RetryInfo, or from the
 // client itself. All empty if there are none.
-ErrorDetails GetErrorDetails(const absl::Status& status);
+LATVOX_EXPORT ErrorDetails GetErrorDetails(const absl::Status& status);
 
 // Puts the details on the status, replacing those that are there. An OK status stays as it is.
-void SetErrorDetails(const ErrorDetails& details, absl::Status& status);
+LATVOX_EXPORT void SetErrorDetails(const ErrorDetails& details, absl::Status& status);
 
 // Takes ErrorInfo and RetryInfo out of a serialized google.rpc.Status, as grpc-status-details-bin carries it, and puts
 // them on the status. Bytes that are not one are ignored: they come from outside, and the status itself still holds.
-void AttachWireDetails(const std::string& serialized_rpc_status, absl::Status& status);
+LATVOX_EXPORT void AttachWireDetails(const std::string& serialized_rpc_status, absl::Status& status);
 
 }  // namespace latvox::client
 

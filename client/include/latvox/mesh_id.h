@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "latvox/export.h"
 
 namespace latvox::client {
 
@@ -18,7 +19,7 @@ struct MeshId {
 };
 
 // The id of these bytes. Errors: INTERNAL if the machine's libcrypto offers no SHA-256.
-absl::StatusOr<MeshId> MeshIdOf(std::string_view mesh_drc);
+LATVOX_EXPORT absl::StatusOr<MeshId> MeshIdOf(std::string_view mesh_drc);
 
 }  // namespace latvox::client
 

@@ -1,4 +1,4 @@
-// What a pixelization asks for and what it answers, as plain values; see client/include/latvox/types.h, and Pixelize in
+// What a pixelization asks for and what it answers, as plain values; see latvox/types.h, and Pixelize in
 // proto/latvox/v1/voxelizer.proto.
 //
 // Frames: world coordinates are x, y in the polylines' units; lattice coordinates are the integers i, j, with
@@ -62,7 +62,7 @@ enum class LineAlgorithm {
 struct PixelizeRequest {
   std::vector<Polyline> polylines;  // one at least
   std::variant<NamedPlaneLattice, PlaneBasis> lattice =
-      NamedPlaneLattice::kSquare;      // a PlaneBasis is scaled if a density is given
+      NamedPlaneLattice::kSquare;      // a PlaneBasis is scaled to one of the next two
   std::optional<double> pixel_size;    // edge of a square with a Voronoi cell's area, world units
   std::optional<uint32_t> resolution;  // pixels along the longer side of the polylines' bounding box
   std::optional<Vec2d> origin;         // world position of lattice point 0; default: the polylines' low corner

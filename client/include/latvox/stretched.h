@@ -2,6 +2,7 @@
 #ifndef LATVOX_LATVOX_STRETCHED_H_
 #define LATVOX_LATVOX_STRETCHED_H_
 
+#include "latvox/export.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -12,7 +13,7 @@ namespace latvox::client {
 //
 // Neighbours, and with them what a separability means, are those of the Voronoi cells of the stretched lattice: on
 // kCartesian the same as ever, elsewhere other ones where the factors differ enough.
-Basis Stretched(NamedLattice lattice, const Vec3d& factors);
+LATVOX_EXPORT Basis Stretched(NamedLattice lattice, const Vec3d& factors);
 
 }  // namespace latvox::client
 

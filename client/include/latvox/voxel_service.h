@@ -17,6 +17,7 @@
 
 #include "absl/status/statusor.h"
 #include "latvox/call_options.h"
+#include "latvox/export.h"
 #include "latvox/mesh_id.h"
 #include "latvox/plane_types.h"
 #include "latvox/types.h"
@@ -35,7 +36,7 @@ struct MeshInput {
 // above it does: a stand-in says what the program under test is to see, no more.
 //
 // Threads: a Client calls from the threads that call it, at once if they do, and from that of a BrickStream.
-class VoxelService {
+class LATVOX_EXPORT VoxelService {
  public:
   VoxelService() = default;                               // for those derived
   VoxelService(const VoxelService&) = delete;             // shared, not copied

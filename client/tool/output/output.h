@@ -44,7 +44,7 @@ std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attri
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
 
 // Opens the output for the path's extension:
-//   .vdb   OpenVDB, see client/include/latvox/grid/voxel_grid.h
+//   .vdb   OpenVDB, see latvox/grid/voxel_grid.h
 //   .nvdb  NanoVDB, the same grid, its metadata as text
 //   .csv   header i,j,k,x,y,z; lattice coordinates, world position with 17 significant digits
 //   .npy   int32 array of shape (voxels, 3): lattice coordinates; or dense, see client/tool/output/dense_output.h
@@ -53,13 +53,13 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
 // Of a request for a band, one of DistanceExtensions is needed:
-//   .vdb   a grid of distances, see client/include/latvox/grid/distance_grid.h
+//   .vdb   a grid of distances, see latvox/grid/distance_grid.h
 //   .csv   a column more, distance, with 9 significant digits
 //   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
 //   .ply   a property more, float distance
 //   .png   picture of the voxels that are nearest to the surface, see client/tool/output/picture_scene.h
 // Of a request for attributes, one of AttributeExtensions:
-//   .vdb   a further grid each, see client/include/latvox/grid/attribute_grids.h
+//   .vdb   a further grid each, see latvox/grid/attribute_grids.h
 //   .csv   columns part, material; red, green, blue, 0 to 255
 //   .npy   structured array: fields part and material, int32; color, three uint8
 //   .ply   properties int part, material; uchar red, green, blue

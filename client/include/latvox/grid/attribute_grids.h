@@ -1,6 +1,6 @@
 // Voxels that carry attributes as OpenVDB grids. No OpenVDB header is needed to use this.
 //
-//   "voxels"            the set, as client/include/latvox/grid/voxel_grid.h has it
+//   "voxels"            the set, as latvox/grid/voxel_grid.h has it
 //   "part", "material"  a grid of 32-bit integers each; of OpenVDB's own programs, vdb_ax reads their values
 //   "color"             a grid of three floats from 0 to 1: red, green, blue
 //
@@ -14,12 +14,13 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "latvox/export.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
 // Grids being filled. Not thread-safe. Memory: for each brick about 2.5 KB an attribute, 7 KB a color.
-class AttributeGrids {
+class LATVOX_EXPORT AttributeGrids {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
   AttributeGrids(const GridTransform& transform, const std::vector<Attribute>& attributes);

@@ -1,6 +1,6 @@
 // Bands of distances as OpenVDB grids. No OpenVDB header is needed to use this.
 //
-//   index space, world space, metadata   as client/include/latvox/grid/voxel_grid.h has them, and latvox_band_width,
+//   index space, world space, metadata   as latvox/grid/voxel_grid.h has them, and latvox_band_width,
 //                                        latvox_band_signed, latvox_band_digest
 //   active voxels                        the band
 //   values                               the distances, world units; the width (the background) elsewhere
@@ -14,12 +14,13 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "latvox/export.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
 // A grid being filled: a FloatGrid named "distance". Not thread-safe. Memory: about 2.5 KB for each brick.
-class DistanceGrid {
+class LATVOX_EXPORT DistanceGrid {
  public:
   //   width   world units
   //   whole   nothing of the mesh is left out by a region, bounds or a shard

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "latvox/export.h"
 #include "latvox/grid/voxel_grid.h"
 #include "latvox/types.h"
 
@@ -27,13 +28,13 @@ struct GridContent {
 };
 
 // Reads voxels as ReadGridFile does, with the grids "part", "material" and "color" beside them (see
-// client/include/latvox/grid/attribute_grids.h); or, where the file's first grid is one of floats named "distance", a
-// band (see client/include/latvox/grid/distance_grid.h). What the metadata do not say of a band is found in its
+// latvox/grid/attribute_grids.h); or, where the file's first grid is one of floats named "distance", a
+// band (see latvox/grid/distance_grid.h). What the metadata do not say of a band is found in its
 // distances. Memory: that of ReadGridFile, 4 bytes for each number, and a grid at a time while it reads: see
 // DistanceGrid, AttributeGrids. Errors: as ReadGridFile; INVALID_ARGUMENT: a grid that has other voxels than the set;
 // values that latvox does not write.
 //   values   false: distances and attributes are left out
-absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
+LATVOX_EXPORT absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
 
 }  // namespace latvox::client
 

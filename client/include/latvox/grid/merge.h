@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "latvox/cancellation.h"
+#include "latvox/export.h"
 
 namespace latvox::client {
 
@@ -33,9 +34,9 @@ struct MergedGrid {
 // Errors: INVALID_ARGUMENT or NOT_FOUND, with the file: not a whole file of latvox's; parts that are not of one whole,
 // with field and values; a part that is given twice; shards that are missing. RESOURCE_EXHAUSTED: open files.
 // UNKNOWN: `path` cannot be written. CANCELLED.
-absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, const std::string& path,
-                                      const Cancellation& cancellation,
-                                      const std::function<void(double, uint64_t)>& progress);
+LATVOX_EXPORT absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, const std::string& path,
+                                                    const Cancellation& cancellation,
+                                                    const std::function<void(double, uint64_t)>& progress);
 
 }  // namespace latvox::client
 

@@ -1,4 +1,4 @@
-// Voxel sets as OpenVDB grids. No OpenVDB header is needed to use this; client/include/latvox/grid/openvdb_grid.h gives
+// Voxel sets as OpenVDB grids. No OpenVDB header is needed to use this; latvox/grid/openvdb_grid.h gives
 // the grid itself to programs that go on with OpenVDB.
 //
 //   index space     lattice coordinates ijk, on every lattice
@@ -19,17 +19,18 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "latvox/export.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
 
 // Whether OpenVDB takes the transform: all its maps that other programs know refuse a voxel of less than 3e-15 volume.
 // Errors: INVALID_ARGUMENT with ErrorDetails, naming voxel_size, its value and the limit.
-absl::Status CheckGridTransform(const GridTransform& transform);
+LATVOX_EXPORT absl::Status CheckGridTransform(const GridTransform& transform);
 
 // A grid being filled: a BoolGrid, the one type for sets that every OpenVDB program reads, python3-openvdb included,
 // named "voxels", one leaf for each brick. Not thread-safe. Memory: about 150 bytes for each brick.
-class VoxelGrid {
+class LATVOX_EXPORT VoxelGrid {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
   explicit VoxelGrid(const GridTransform& transform);
@@ -59,7 +60,7 @@ class VoxelGrid {
   // the blind data "latvox". Errors: as Write.
   absl::Status WriteNano(const std::string& path) const;
 
-  struct Content;                                       // in client/include/latvox/grid/openvdb_grid.h
+  struct Content;                                       // in latvox/grid/openvdb_grid.h
   const Content& content() const { return *content_; }  // for programs that go on with OpenVDB
 
  private:
@@ -78,7 +79,7 @@ struct GridFileInfo {
 
 // Reads the facts, and every voxel to count them. Errors: NOT_FOUND; INVALID_ARGUMENT (not a readable .vdb file, no
 // grid, a transform that is not affine), with the path.
-absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
+LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
 // A .vdb file's voxels: the grid "voxels", or else the first grid. Bricks are in lexicographic order of brick_ijk.
 struct GridFile {
@@ -89,10 +90,10 @@ struct GridFile {
 // Memory: 230 bytes for each brick while it reads, 80 then. Active tiles, which latvox does not write, are read as
 // bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31 voxels; a transform that is not
 // of finite numbers.
-absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
+LATVOX_EXPORT absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
 // The metadata latvox_digest of a .vdb file's first grid, empty if there is none; no voxel is read. Errors: as above.
-absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
+LATVOX_EXPORT absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
 
 }  // namespace latvox::client
 

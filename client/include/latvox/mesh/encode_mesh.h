@@ -12,6 +12,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "latvox/export.h"
 
 namespace latvox::client {
 
@@ -21,8 +22,9 @@ namespace latvox::client {
 // The stream was decoded again and holds every triangle with the sense of rotation it had. Thread-safe. Errors:
 // INVALID_ARGUMENT naming field and element: no triangle, an index out of range, a position that is not finite, bits
 // beyond 0 to 30; RESOURCE_EXHAUSTED (memory), INTERNAL.
-absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> positions,
-                                       std::span<const std::array<uint32_t, 3>> triangles, int quantization_bits = 0);
+LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> positions,
+                                                     std::span<const std::array<uint32_t, 3>> triangles,
+                                                     int quantization_bits = 0);
 
 }  // namespace latvox::client
 

@@ -1,0 +1,66 @@
+# What programs of others get: the SDK's libraries and headers, a CMake package, and files for pkg-config. All of it may
+# be moved together: no file holds a path of this machine.
+include(CMakePackageConfigHelpers)
+set(latvox_package ${CMAKE_INSTALL_LIBDIR}/cmake/latvox)
+
+# Installs the archive latvox_PART as latvox::PART, or with BUILD_SHARED_LIBS a shared library of the same objects. The
+# tool and the tests link the archives in any case: they use what a shared library hides.
+#   DESCRIPTION      for people, in pkg-config's file
+#   PUBLIC           the libraries that a user of latvox::PART links besides
+#   REQUIRES         pkg-config's names of packages that the public headers need
+#   REQUIRES_STATIC  the same, of packages that the archive needs to be linked
+#   LIBS_STATIC      the same, of libraries that pkg-config does not know
+function(latvox_install_part PART)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "DESCRIPTION" "PUBLIC;REQUIRES;REQUIRES_STATIC;LIBS_STATIC")
+  set(target latvox_${PART})
+  if(BUILD_SHARED_LIBS)
+    set(target latvox_${PART}_shared)
+    list(TRANSFORM ARG_PUBLIC REPLACE "^latvox_(.*)$" "latvox_\\1_shared")
+    set(ARG_REQUIRES_STATIC "") # they are linked already
+    set(ARG_LIBS_STATIC "")
+    add_library(${target} SHARED $<TARGET_OBJECTS:latvox_${PART}>)
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    # The archive gives what it needs; from those that come with it, nothing is shown.
+    target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE latvox_${PART})
+    target_link_options(${target} PRIVATE LINKER:--exclude-libs,ALL LINKER:-z,defs)
+    set_target_properties(${target} PROPERTIES
+      OUTPUT_NAME latvox_${PART} LINKER_LANGUAGE CXX INSTALL_RPATH $ORIGIN
+      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  endif()
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${PART})
+  install(TARGETS ${target} EXPORT latvox_${PART})
+  install(EXPORT latvox_${PART} NAMESPACE latvox:: DESTINATION ${latvox_package} FILE latvox-${PART}.cmake)
+  latvox_install_pkg_config(${PART})
+endfunction()
+
+# Of latvox_install_part, whose variables it uses.
+function(latvox_install_pkg_config PART)
+  set(name latvox)
+  if(NOT PART STREQUAL client)
+    set(name latvox-${PART})
+  endif()
+  file(RELATIVE_PATH up /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+  string(REGEX REPLACE "/$" "" up ${up})
+  list(JOIN ARG_REQUIRES " " requires)
+  list(JOIN ARG_REQUIRES_STATIC " " requires_static)
+  list(JOIN ARG_LIBS_STATIC " " libs_static)
+  configure_file(latvox.pc.in ${name}.pc @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endfunction()
+
+# Headers of what is built, and what find_package(latvox) reads.
+function(latvox_install_package)
+  install(DIRECTORY include/latvox DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN mesh EXCLUDE PATTERN grid EXCLUDE)
+  foreach(part mesh grid)
+    if(TARGET latvox_${part})
+      install(DIRECTORY include/latvox/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/latvox)
+    endif()
+  endforeach()
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  configure_package_config_file(latvoxConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake
+                                INSTALL_DESTINATION ${latvox_package})
+  write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake
+          DESTINATION ${latvox_package})
+endfunction()

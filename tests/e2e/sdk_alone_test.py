@@ -1,0 +1,174 @@
+"""The SDK built alone, without server, tool and grids: on gRPC, Protobuf, abseil and Draco, as archives and as shared
+libraries, for users of CMake and of pkg-config."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import harness
+from harness import BUNNY, latvox, server
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+ALONE = [f"-D{name}=OFF" for name in ("LATVOX_BUILD_SERVER", "LATVOX_BUILD_TOOL", "LATVOX_BUILD_GRID", "BUILD_TESTING")]
+# What the rest of the repository needs, by name of CMake's package, and as pieces of the names of files.
+FOREIGN = ("Boost", "CLI11", "OpenVDB", "PNG", "TBB", "hwy", "libzip", "nlohmann_json", "prometheus-cpp", "pugixml",
+           "spdlog")
+FOREIGN_FILE = (r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|libzip|zip\.h|nlohmann|prometheus|pugi|spdlog"
+                r"|/fmt/")
+MODULES = ("libxxhash", "libzstd", "re2")  # of pkg-config; gRPC's package asks for the last one
+KINDS = ("static", "shared")
+
+CACHED = {"CCACHE_NOHASHDIR": "1", "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
+
+
+def run(*words, **options):
+    done = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=300, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{words}: {done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def configure(source, build, *options, **more):
+    words = ["cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", *options]
+    return run(*words, **more)
+
+
+class Kind:
+    """One kind of library, in a folder of its own: the same paths in each, so that ccache knows the second one."""
+
+    def __init__(self, folder, source, shared):
+        self.folder, self.shared = folder, shared
+        self.build, self.prefix, self.examples = folder / "sdk", folder / "prefix", folder / "build"
+        modules = folder / "modules"
+        modules.mkdir(parents=True)
+        for name in MODULES:
+            found = run("pkg-config", "--variable=pcfiledir", name).strip()
+            (modules / f"{name}.pc").symlink_to(pathlib.Path(found) / f"{name}.pc")
+        self.cached = os.environ | CACHED | {"CCACHE_BASEDIR": str(folder.parent)}
+        missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in FOREIGN]
+        self.said = configure(source, self.build, *ALONE, *missing, f"-DBUILD_SHARED_LIBS={'ON' if shared else 'OFF'}",
+                              "-DCMAKE_POSITION_INDEPENDENT_CODE=ON", "-DCMAKE_CXX_FLAGS=-O0",
+                              env=os.environ | {"PKG_CONFIG_LIBDIR": str(modules)})
+        run("cmake", "--build", self.build, env=self.cached)
+        run("cmake", "--install", self.build, "--prefix", folder / "first")
+        (folder / "first").rename(self.prefix)  # programs are built where it was moved to
+        shutil.copytree(ROOT / "client/examples", folder / "source")
+        needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco") if shared]
+        configure(folder / "source", self.examples, f"-DCMAKE_PREFIX_PATH={self.prefix}",
+                  "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror", *needless)
+        run("cmake", "--build", self.examples, env=self.cached)
+
+    def pkg_config(self, *words):
+        environment = os.environ | {"PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
+        return run("pkg-config", *(() if self.shared else ("--static",)), *words, env=environment).split()
+
+    def by_pkg_config(self, example, package):
+        """The example's program, built as README.md says."""
+        made = self.folder / f"{example}.o"
+        compiler = ["ccache", "g++", "-std=c++20", *self.pkg_config("--cflags", package)]
+        run(*compiler, "-c", f"source/{example}.cc", "-o", made, cwd=self.folder, env=self.cached)
+        program = self.folder / f"{example}_by_pkg_config"
+        run("g++", made, "-o", program, *self.pkg_config("--libs", package))
+        return program
+
+    def output(self, program, *arguments):
+        environment = os.environ | {"LD_LIBRARY_PATH": str(self.prefix / "lib")}
+        return run(program, *arguments, env=environment)
+
+
+class SdkAlone(harness.Case):
+    @classmethod
+    def setUpClass(cls):
+        folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-sdk-")))
+        source = cls.source = folder / "repository"  # what it is built from: the rest is not there
+        for part in "proto", "client":
+            shutil.copytree(ROOT / part, source / part, ignore=shutil.ignore_patterns("tool"))
+        for file in "CMakeLists.txt", "LICENSE":
+            shutil.copy(ROOT / file, source)
+        cls.kinds = {name: Kind(folder / name, source, name == "shared") for name in KINDS}
+
+    def test_programs_find_what_the_tool_finds(self):
+        mesh = self.dir / "bunny.drc"
+        self.assertEqual(latvox("encode", BUNNY, "-o", mesh).returncode, 0)
+        octahedron = harness.write_obj(self.dir / "octahedron.obj", harness.octahedron())
+        with server(self.dir) as latvoxd:
+            bunny = self.voxelize(mesh, "--lattice", "bcc", "--resolution", 200, "--server", latvoxd.address)
+            expected = f"{bunny['voxels']} voxels in {bunny['bricks']} bricks, digest {bunny['digest']}\n"
+            own = self.voxelize(octahedron, "--resolution", 90, "--server", latvoxd.address)
+            for name, kind in self.kinds.items():
+                with self.subTest(name):
+                    for program in kind.examples / "hello", kind.by_pkg_config("hello", "latvox"):
+                        self.assertEqual(kind.output(program, latvoxd.address, mesh, 200), expected)
+                    for program in kind.examples / "own_mesh", kind.by_pkg_config("own_mesh", "latvox-mesh"):
+                        self.assertEqual(kind.output(program, latvoxd.address, 90),
+                                         f"{own['voxels']} voxels, digest {own['digest']}\n")
+                    self.assertEqual(kind.output(kind.examples / "fake_server"), "passed\n")
+
+    def test_nothing_of_the_tool_or_the_server_is_read(self):
+        for name, kind in self.kinds.items():
+            with self.subTest(name):
+                headers = run("ninja", "-C", kind.build, "-t", "deps").splitlines()
+                commands = run("ninja", "-C", kind.build, "-t", "commands") + run("ninja", "-C", kind.examples, "-t", "commands")
+                read = {line.strip() for line in headers} | set(commands.split())
+                for known in "/usr/include/grpcpp/channel.h", "/usr/include/draco/mesh/mesh.h", "libabsl_status":
+                    self.assertTrue(any(known in file for file in read), f"{known}: the lists were not understood")
+                self.assertEqual([file for file in read if re.search(FOREIGN_FILE, file)], [])
+                self.assertNotRegex(kind.said, "(?i)tbb|openvdb|boost")
+
+    def test_shared_libraries_bring_what_they_need(self):
+        """Their users' link lines have neither gRPC nor Protobuf nor Draco."""
+        kind = self.kinds["shared"]
+        self.assertNotRegex(run("ninja", "-C", kind.examples, "-t", "commands"), "grpc|protobuf|draco")
+        self.assertNotRegex(" ".join(kind.pkg_config("--cflags", "--libs", "latvox-mesh")), "grpc|protobuf|draco")
+        for name in "client", "mesh":
+            library = kind.prefix / f"lib/liblatvox_{name}.so"
+            self.assertRegex(run("readelf", "-d", library), rf"soname: \[liblatvox_{name}\.so\.\d+\.\d+\]")
+
+    def test_shared_libraries_show_what_the_headers_mark_and_no_more(self):
+        lib, include = self.kinds["shared"].prefix / "lib", ROOT / "client/include/latvox"
+        for name, headers in ("client", include.glob("*.h")), ("mesh", include.glob("mesh/*.h")):
+            text = "\n".join(header.read_text() for header in headers)
+            marked = set(re.findall(r"^class LATVOX_EXPORT (\w+)", text, re.M))
+            marked |= set(re.findall(r"^LATVOX_EXPORT [^(]*\b(\w+)\(", text, re.M))
+            symbols = run("nm", "-DC", "--defined-only", lib / f"liblatvox_{name}.so").splitlines()
+            shown = {symbol.split(maxsplit=2)[2] for symbol in symbols if "std::" not in symbol.split("(")[0]}
+            shown = {re.sub(r"^(vtable|typeinfo|typeinfo name) for ", "", symbol) for symbol in shown}
+            named = {re.match(r"latvox::client::(\w+)|", symbol)[1] for symbol in shown}
+            self.assertEqual(named, marked)
+
+    def test_everything_that_headers_leave_to_the_library_is_marked(self):
+        for header in (ROOT / "client/include/latvox").rglob("*.h"):
+            for line in header.read_text().splitlines():
+                if re.match(r"class .*\{$|(?!inline|constexpr|template|using)[\w:]+(<.*>)?[&*]? \w+\(", line):
+                    with self.subTest(f"{header.name}: {line}"):
+                        self.assertRegex(line, r"^class LATVOX_EXPORT ")
+
+    def test_the_package_names_no_place_of_the_build(self):
+        for name, kind in self.kinds.items():
+            with self.subTest(name):
+                files = [*kind.prefix.rglob("*.cmake"), *kind.prefix.rglob("*.pc")]
+                self.assertGreater(len(files), 5)
+                for file in files:
+                    self.assertNotIn(str(kind.folder.parent), file.read_text(), file)
+                self.assertFalse((kind.prefix / "include/latvox/grid").exists())
+
+    def test_options_that_exclude_each_other_are_named(self):
+        """The encoder may be left out, too."""
+        for options, wrong in (
+            (["-DLATVOX_BUILD_GRID=OFF"], r"LATVOX_BUILD_TOOL is ON and needs LATVOX_BUILD_GRID, which\s+is\s+OFF"),
+            ([*ALONE, "-DCMAKE_DISABLE_FIND_PACKAGE_draco=ON"], r"Draco is not found.*LATVOX_BUILD_MESH=OFF"),
+            ([*ALONE, "-DCMAKE_DISABLE_FIND_PACKAGE_draco=ON", "-DLATVOX_BUILD_MESH=OFF"], None),
+        ):
+            with self.subTest(options):
+                words = ["cmake", "-S", self.source, "-B", tempfile.mkdtemp(dir=self.dir), "-G", "Ninja", *options]
+                done = subprocess.run(words, capture_output=True, text=True, timeout=300)
+                self.assertEqual(done.returncode == 0, wrong is None, done.stderr)
+                self.assertRegex(done.stderr, f"(?s){wrong or ''}")
+
+
+if __name__ == "__main__":
+    unittest.main()
