@@ -13,7 +13,7 @@ set(latvox_package ${CMAKE_INSTALL_LIBDIR}/cmake/latvox)
 function(latvox_install_part PART)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "DESCRIPTION" "PUBLIC;REQUIRES;REQUIRES_STATIC;LIBS_STATIC")
   set(target latvox_${PART})
-  if(BUILD_SHARED_LIBS)
+  if(latvox_shared)
     set(target latvox_${PART}_shared)
     list(TRANSFORM ARG_PUBLIC REPLACE "^latvox_(.*)$" "latvox_\\1_shared")
     set(ARG_REQUIRES_STATIC "") # they are linked already
