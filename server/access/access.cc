@@ -1,7 +1,7 @@
 #include "server/access/access.h"
 
-#include "server/listen/endpoint.h"
-#include "server/listen/unix_socket.h"
+#include "server/base/endpoint.h"
+#include "server/base/unix_socket.h"
 
 namespace latvox {
 

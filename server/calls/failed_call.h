@@ -9,9 +9,9 @@ namespace latvox {
 
 // `Reactor` is one of gRPC's server reactors. The object owns itself.
 template <class Reactor>
-class Refusal final : public Reactor {
+class FailedCall final : public Reactor {
  public:
-  explicit Refusal(const grpc::Status& status) { this->Finish(status); }
+  explicit FailedCall(const grpc::Status& status) { this->Finish(status); }
   void OnCancel() override {}
   void OnDone() override { delete this; }
 };

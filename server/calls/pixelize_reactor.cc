@@ -36,8 +36,8 @@ void PixelizeReactor::Work() {
     queue_ms_ = MillisecondsSince(began_);
     computing_ = true;
   }
-  Lane& lane = LastsLong(request_) ? environment_.bulk : environment_.quick;
-  lane.Enqueue([self = shared_from_this()] { self->Compute(); });
+  WorkQueue& queue = LastsLong(request_) ? environment_.bulk : environment_.quick;
+  queue.Enqueue([self = shared_from_this()] { self->Compute(); });
 }
 
 void PixelizeReactor::Compute() {

@@ -111,8 +111,8 @@ void PutMeshReactor::Work() {
     queue_ms_ = MillisecondsSince(waits_since_);
     working_ = true;
   }
-  Lane& lane = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
-  lane.Enqueue([self = shared_from_this(), &lane] {
+  WorkQueue& queue = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
+  queue.Enqueue([self = shared_from_this(), &queue] {
     const absl::Status stored = WithoutExceptions([&self] { return self->Store(); });
     {
       const std::lock_guard lock(self->mu_);
@@ -121,7 +121,7 @@ void PutMeshReactor::Work() {
       self->finished_ = Clock::now();
       if (self->status_.ok()) self->status_ = stored;
     }
-    DoOrdinarily(lane, self->environment_.quick, [self] { self->SendStatus(); });
+    DoOrdinarily(queue, self->environment_.quick, [self] { self->SendStatus(); });
   });
 }
 

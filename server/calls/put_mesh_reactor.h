@@ -18,10 +18,10 @@
 #include "server/access/call_origin.h"
 #include "server/calls/call.h"
 #include "server/calls/call_registry.h"
-#include "server/calls/mesh_upload.h"
 #include "server/decode/mesh_store.h"
 #include "server/work/call_environment.h"
 #include "server/work/memory_budget.h"
+#include "server/work/mesh_upload.h"
 #include "server/work/work_queue.h"
 
 namespace latvox {

@@ -66,7 +66,7 @@ grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* VoxelizerSer
     grpc::CallbackServerContext* context) {
   CallOrigin origin = OriginOf("Voxelize", *context);
   if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
-    return new Refusal<grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>>(status);
+    return new FailedCall<grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>>(status);
   }
   const CallEnvironment environment = EnvironmentFor(origin.caller);
   const auto reactor = std::make_shared<VoxelizeReactor>(*context, std::move(origin), environment);
@@ -78,7 +78,7 @@ grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::Cal
                                                                        v1::PutMeshResponse* response) {
   CallOrigin origin = OriginOf("PutMesh", *context);
   if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
-    return new Refusal<grpc::ServerReadReactor<v1::PutMeshRequest>>(status);
+    return new FailedCall<grpc::ServerReadReactor<v1::PutMeshRequest>>(status);
   }
   const CallEnvironment environment = EnvironmentFor(origin.caller);
   const auto reactor = std::make_shared<PutMeshReactor>(*context, *response, std::move(origin), environment);
@@ -92,7 +92,7 @@ grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext
   DropUnknownFields(const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: it waits for its turn with them
   CallOrigin origin = OriginOf("Pixelize", *context);
   if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
-    return new Refusal<grpc::ServerUnaryReactor>(status);
+    return new FailedCall<grpc::ServerUnaryReactor>(status);
   }
   const CallEnvironment environment = EnvironmentFor(origin.caller);
   const auto reactor = std::make_shared<PixelizeReactor>(*context, *request, *response, std::move(origin), environment);

@@ -99,11 +99,11 @@ void VoxelizeReactor::Work() {
     computing_ = true;
   }
   if (!upload_) return Enqueue();
-  Lane& digesting = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
+  WorkQueue& digesting = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;
   digesting.Enqueue([self = shared_from_this(), &digesting] { self->TakeMesh(digesting); });
 }
 
-void VoxelizeReactor::TakeMesh(const Lane& digesting) {
+void VoxelizeReactor::TakeMesh(const WorkQueue& digesting) {
   const absl::Status status = computation_->TakeMesh(*std::exchange(upload_, std::nullopt));
   bool decode = false;
   {
@@ -128,10 +128,10 @@ void VoxelizeReactor::OnDecoded(const absl::Status& status) {
 }
 
 void VoxelizeReactor::Enqueue() {
-  lane().Enqueue([self = shared_from_this()] { self->Compute(); });
+  queue().Enqueue([self = shared_from_this()] { self->Compute(); });
 }
 
-Lane& VoxelizeReactor::lane() const { return computation_->IsLarge() ? environment_.bulk : environment_.quick; }
+WorkQueue& VoxelizeReactor::queue() const { return computation_->IsLarge() ? environment_.bulk : environment_.quick; }
 
 void VoxelizeReactor::Compute() {
   const absl::StatusOr<bool> done = ComputeSome();
@@ -148,7 +148,7 @@ void VoxelizeReactor::Compute() {
       paused_ = true;
     }
   }
-  ProceedFrom(lane());
+  ProceedFrom(queue());
 }
 
 bool VoxelizeReactor::HasCredit() {
@@ -160,10 +160,10 @@ absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
   const auto deliver = [this](v1::VoxelizeResponse&& response) { return Deliver(std::move(response)); };
   if (!std::exchange(started_, true)) {
     absl::Status status = computation_->Start(deliver);
-    // Only now it is known how large the job is: it may go on in the other lane.
+    // Only now it is known how large the job is: it may go on in the other queue.
     return status.ok() ? absl::StatusOr<bool>(false) : status;
   }
-  return computation_->Advance(deliver, [this] { return lane().contended(); });
+  return computation_->Advance(deliver, [this] { return queue().contended(); });
 }
 
 bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
@@ -174,7 +174,7 @@ bool VoxelizeReactor::Deliver(v1::VoxelizeResponse&& response) {
     outbox_.push_back(std::move(response));
     more = unwritten_bytes_ < kCredit;
   }
-  ProceedFrom(lane());
+  ProceedFrom(queue());
   return more;
 }
 
@@ -280,8 +280,8 @@ void VoxelizeReactor::Proceed() {
   if (step.await_turn) environment_.registry.AwaitTurn(this);
 }
 
-void VoxelizeReactor::ProceedFrom(const Lane& lane) {
-  DoOrdinarily(lane, environment_.quick, [self = shared_from_this()] { self->Proceed(); });
+void VoxelizeReactor::ProceedFrom(const WorkQueue& queue) {
+  DoOrdinarily(queue, environment_.quick, [self = shared_from_this()] { self->Proceed(); });
 }
 
 // Nothing else runs any more: no callback, no task.

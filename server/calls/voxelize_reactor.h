@@ -18,9 +18,9 @@
 #include "server/access/call_origin.h"
 #include "server/calls/call.h"
 #include "server/calls/call_registry.h"
-#include "server/calls/mesh_upload.h"
 #include "server/work/call_environment.h"
 #include "server/work/computation.h"
+#include "server/work/mesh_upload.h"
 #include "server/work/work_queue.h"
 
 namespace latvox {
@@ -30,7 +30,7 @@ namespace latvox {
 //   waiting    for its turn                                                   in the registry; no thread is held
 //   computing  Computation::TakeMesh                                          a task
 //   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
-//   computing  Computation::Start, then Advance again and again               tasks of a lane, one at a time
+//   computing  Computation::Start, then Advance again and again               tasks of a queue, one at a time
 //   paused     kCredit bytes wait to be written; others have its turn         until half of them are written
 //   waiting    for another turn                                               as before; then computing goes on
 //   ended      a status is decided; Finish follows once no decode, task or write is under way
@@ -73,10 +73,10 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   absl::Status TakeSpec(const v1::VoxelizeSpec& proto);
   void FinishReading();
   absl::Status CheckUpload() const;
-  void TakeMesh(const Lane& digesting);
+  void TakeMesh(const WorkQueue& digesting);
   void OnDecoded(const absl::Status& status);
   void Enqueue();
-  Lane& lane() const;
+  WorkQueue& queue() const;
   void Compute();
   bool HasCredit();
   absl::StatusOr<bool> ComputeSome();
@@ -85,7 +85,7 @@ class VoxelizeReactor final : public grpc::ServerBidiReactor<v1::VoxelizeRequest
   void EndLocked(const absl::Status& status);
   Step NextStep();
   void Proceed();
-  void ProceedFrom(const Lane& lane);
+  void ProceedFrom(const WorkQueue& queue);
 
   grpc::CallbackServerContext& context_;
   CallCanceller canceller_;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "latvox/v1/voxelizer.grpc.pb.h"
-#include "server/listen/endpoint.h"
-#include "server/listen/unix_socket.h"
+#include "server/base/endpoint.h"
+#include "server/base/unix_socket.h"
 
 namespace latvox {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/listen/unix_socket.h"
+#include "server/base/unix_socket.h"
 
 namespace latvox {
 

@@ -19,15 +19,15 @@
 #include "absl/strings/str_cat.h"
 #include "server/access/access.h"
 #include "server/base/control_group.h"
+#include "server/base/endpoint.h"
+#include "server/base/unix_socket.h"
 #include "server/calls/call_registry.h"
 #include "server/calls/metrics.h"
 #include "server/calls/service.h"
 #include "server/decode/decoder_pool.h"
 #include "server/decode/mesh_store.h"
-#include "server/listen/endpoint.h"
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
-#include "server/listen/unix_socket.h"
 #include "server/work/memory_budget.h"
 #include "server/work/work_queue.h"
 
@@ -153,9 +153,9 @@ class Server final : public VoxelServer {
 
   const ServerOptions options_;
   const int threads_;
-  // oneTBB starts one worker less than this, at most what both lanes have places for.
+  // oneTBB starts one worker less than this, at most what both queues have places for.
   const oneapi::tbb::global_control parallelism_;
-  Lane quick_, bulk_;
+  WorkQueue quick_, bulk_;
   const std::unique_ptr<DecoderPool> decoders_;
   MeshStore meshes_;
   MemoryBudget memory_;

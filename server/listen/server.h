@@ -10,8 +10,8 @@
 #include "absl/time/time.h"
 #include "server/access/access.h"
 #include "server/base/limits.h"
+#include "server/base/unix_socket.h"
 #include "server/decode/decoder_process.h"
-#include "server/listen/unix_socket.h"
 
 namespace latvox {
 

@@ -7,7 +7,7 @@
 namespace latvox {
 
 class CallRegistry;
-class Lane;
+class WorkQueue;
 class MemoryBudget;
 class MeshDecoder;
 class MeshStore;
@@ -19,8 +19,8 @@ struct CallEnvironment {
   MeshDecoder& decoder;
   MeshStore& meshes;
   MemoryBudget& memory;
-  Lane& quick;  // for what takes some milliseconds
-  Lane& bulk;   // for what takes longer
+  WorkQueue& quick;  // for what takes some milliseconds
+  WorkQueue& bulk;   // for what takes longer
   CallRegistry& registry;
   Metrics& metrics;
 };

@@ -17,13 +17,13 @@
 #include "core/base/stop_signal.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/v1/voxelizer.pb.h"
-#include "server/calls/mesh_upload.h"
 #include "server/decode/mesh_decoder.h"
 #include "server/wire/answers.h"
 #include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
 #include "server/work/call_environment.h"
 #include "server/work/memory_budget.h"
+#include "server/work/mesh_upload.h"
 
 namespace latvox {
 

@@ -31,7 +31,7 @@ int PlacesFor(int threads) { return std::max(threads, 2); }
 
 // A thread that waits in the arena for what comes in the end only. As everyone does who waits within oneTBB, it takes
 // up the arena's tasks meanwhile, and sleeps while there are none.
-class Lane::Resident {
+class WorkQueue::Resident {
  public:
   Resident(oneapi::tbb::task_arena& arena, int niceness)
       : end_(awaited_.defer([] {})), thread_([this, &arena, niceness] {
@@ -50,12 +50,12 @@ class Lane::Resident {
   std::thread thread_;
 };
 
-Lane::Lane(int threads, int niceness)
+WorkQueue::WorkQueue(int threads, int niceness)
     : threads_(threads), arena_(niceness == 0 ? threads : PlacesFor(threads), niceness == 0 ? 0 : PlacesFor(threads)) {
   if (niceness == 0) return;
   for (int n = 0; n < threads; ++n) residents_.push_back(std::make_unique<Resident>(arena_, niceness));
 }
 
-Lane::~Lane() noexcept { Wait(); }
+WorkQueue::~WorkQueue() noexcept { Wait(); }
 
 }  // namespace latvox

@@ -1,8 +1,8 @@
-// Where tasks compute. Small work must not wait for large work: each has a lane, with as many threads as there are
+// Where tasks compute. Small work must not wait for large work: each has a queue, with as many threads as there are
 // cores, and the operating system divides the cores between the two, by the priority of their threads.
 //
 // oneTBB's workers go from arena to arena, and a thread that has lowered its priority may not raise it again without
-// privileges (RLIMIT_NICE). Hence a lane of lower priority has threads of its own, which stay.
+// privileges (RLIMIT_NICE). Hence a queue of lower priority has threads of its own, which stay.
 #ifndef LATVOX_SERVER_WORK_WORK_QUEUE_H_
 #define LATVOX_SERVER_WORK_WORK_QUEUE_H_
 
@@ -17,20 +17,20 @@
 namespace latvox {
 
 // Thread-safe.
-class Lane {
+class WorkQueue {
  public:
-  // `niceness` is what the lane's threads add to the process's; 0: they are oneTBB's workers.
-  Lane(int threads, int niceness);
-  ~Lane() noexcept;  // as Wait
-  Lane(const Lane&) = delete;
-  Lane& operator=(const Lane&) = delete;
+  // `niceness` is what the queue's threads add to the process's; 0: they are oneTBB's workers.
+  WorkQueue(int threads, int niceness);
+  ~WorkQueue() noexcept;  // as Wait
+  WorkQueue(const WorkQueue&) = delete;
+  WorkQueue& operator=(const WorkQueue&) = delete;
 
   int threads() const { return threads_; }
 
   // Whether its threads have a lower priority than the process's others. Those that they start have it, too.
   bool nice() const { return !residents_.empty(); }
 
-  // Runs task() on a thread of the lane, after what was enqueued before. Parallel algorithms within it run on all.
+  // Runs task() on a thread of the queue, after what was enqueued before. Parallel algorithms within it run on all.
   template <class F>
   void Enqueue(F task) {
     ++waiting_;
@@ -57,11 +57,11 @@ class Lane {
   std::vector<std::unique_ptr<Resident>> residents_;
 };
 
-// Does for a task of `lane` what calls gRPC: at once, but from a nice lane on a thread of `ordinary`. For gRPC starts
+// Does for a task of `queue` what calls gRPC: at once, but from a nice queue on a thread of `ordinary`. For gRPC starts
 // threads of its own from those that call it, and holds locks meanwhile that other calls need.
 template <class F>
-void DoOrdinarily(const Lane& lane, Lane& ordinary, F act) {
-  lane.nice() ? ordinary.Enqueue(std::move(act)) : act();
+void DoOrdinarily(const WorkQueue& queue, WorkQueue& ordinary, F act) {
+  queue.nice() ? ordinary.Enqueue(std::move(act)) : act();
 }
 
 }  // namespace latvox

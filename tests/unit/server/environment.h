@@ -24,7 +24,7 @@ struct TestEnvironment {
   MeshDecoder& decoder;
   MeshStore meshes{limits.mesh_store_bytes};
   MemoryBudget memory{limits.memory_budget_bytes};
-  Lane quick{1, 0}, bulk{1, 10};
+  WorkQueue quick{1, 0}, bulk{1, 10};
   Authenticator everybody{""};
   Metrics metrics;
   CallRegistry registry{{limits.max_jobs, limits.max_queued_jobs, limits.max_jobs_per_client}};

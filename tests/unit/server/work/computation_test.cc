@@ -12,9 +12,9 @@
 
 #include "absl/time/clock.h"
 #include "server/base/errors.h"
-#include "server/calls/mesh_upload.h"
 #include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
+#include "server/work/mesh_upload.h"
 #include "tests/unit/server/environment.h"
 #include "tests/unit/server/meshes.h"
 #include "tests/unit/server/thread_decoder.h"

@@ -30,10 +30,10 @@ struct Seen {
   std::set<int> niceness;
 };
 
-// The threads of a parallel algorithm within a task, of which each part waits until as many have come as the lane has.
-Seen SeeParallelTask(Lane& lane) {
+// The threads of a parallel algorithm within a task, of which each part waits until as many have come as the queue has.
+Seen SeeParallelTask(WorkQueue& queue) {
   std::promise<Seen> promise;
-  lane.Enqueue([&] {
+  queue.Enqueue([&] {
     std::mutex mu;
     Seen seen;
     std::atomic<int> there = 0;
@@ -45,17 +45,17 @@ Seen SeeParallelTask(Lane& lane) {
         seen.niceness.insert(Niceness());
       }
       ++there;
-      while (there < lane.threads() && std::chrono::steady_clock::now() < patience) std::this_thread::yield();
+      while (there < queue.threads() && std::chrono::steady_clock::now() < patience) std::this_thread::yield();
     };
-    oneapi::tbb::parallel_for(0, lane.threads(), look, oneapi::tbb::simple_partitioner());
+    oneapi::tbb::parallel_for(0, queue.threads(), look, oneapi::tbb::simple_partitioner());
     promise.set_value(seen);
   });
   return promise.get_future().get();
 }
 
-TEST(Lane, AllThreadsOfANiceOneHaveItsPriorityAndOthersKeepTheirs) {
+TEST(WorkQueue, AllThreadsOfANiceOneHaveItsPriorityAndOthersKeepTheirs) {
   const oneapi::tbb::global_control enough_workers(oneapi::tbb::global_control::max_allowed_parallelism, kThreads + 1);
-  Lane quick(kThreads, 0), bulk(kThreads, kNiceness);
+  WorkQueue quick(kThreads, 0), bulk(kThreads, kNiceness);
   EXPECT_FALSE(quick.nice());
   EXPECT_TRUE(bulk.nice());
   const int own = Niceness();
@@ -73,12 +73,12 @@ TEST(Lane, AllThreadsOfANiceOneHaveItsPriorityAndOthersKeepTheirs) {
   for (const pid_t thread : quick_threads) EXPECT_FALSE(bulk_threads.contains(thread));
 }
 
-TEST(Lane, OneThreadIsAllThatANiceLaneOfOneHas) {
+TEST(WorkQueue, OneThreadIsAllThatANiceLaneOfOneHas) {
   std::promise<void> go_on;
   std::set<pid_t> threads;
   std::atomic<int> ran = 0;
   {
-    Lane bulk(1, kNiceness);
+    WorkQueue bulk(1, kNiceness);
     bulk.Enqueue([&] {
       go_on.get_future().wait();
       threads.insert(gettid());
@@ -98,40 +98,40 @@ TEST(Lane, OneThreadIsAllThatANiceLaneOfOneHas) {
 }
 
 // Threads that a thread of lower priority starts would keep it.
-TEST(Lane, WhatIsDoneOrdinarilyHasTheProcesssPriority) {
+TEST(WorkQueue, WhatIsDoneOrdinarilyHasTheProcesssPriority) {
   const int own = Niceness();
-  Lane quick(1, 0), bulk(1, kNiceness);
-  for (Lane* lane : {&quick, &bulk}) {
+  WorkQueue quick(1, 0), bulk(1, kNiceness);
+  for (WorkQueue* queue : {&quick, &bulk}) {
     std::promise<int> niceness;
-    lane->Enqueue([&] { DoOrdinarily(*lane, quick, [&] { niceness.set_value(Niceness()); }); });
+    queue->Enqueue([&] { DoOrdinarily(*queue, quick, [&] { niceness.set_value(Niceness()); }); });
     EXPECT_EQ(niceness.get_future().get(), own);
   }
 }
 
 // Each end of a task is a chance to fall asleep over the next one.
-TEST(Lane, NoTaskIsForgotten) {
+TEST(WorkQueue, NoTaskIsForgotten) {
   for (const int niceness : {0, kNiceness}) {
     for (const int threads : {1, kThreads}) {
-      Lane lane(threads, niceness);
+      WorkQueue queue(threads, niceness);
       for (int round = 0; round < 2000; ++round) {
         std::promise<void> done;
-        lane.Enqueue([&] { done.set_value(); });
+        queue.Enqueue([&] { done.set_value(); });
         ASSERT_EQ(done.get_future().wait_for(30s), std::future_status::ready) << round;
       }
     }
   }
 }
 
-TEST(Lane, EndsOnceItsTasksHaveRun) {
+TEST(WorkQueue, EndsOnceItsTasksHaveRun) {
   for (const int niceness : {0, kNiceness}) {
     std::atomic<int> ran = 0;
     const auto held = std::make_shared<int>(0);
     {
-      Lane lane(2, niceness);
+      WorkQueue queue(2, niceness);
       for (int n = 0; n < 100; ++n) {
-        lane.Enqueue([&ran, &lane, held] {
+        queue.Enqueue([&ran, &queue, held] {
           std::this_thread::sleep_for(100us);
-          lane.Enqueue([&ran, held] { ++ran; });
+          queue.Enqueue([&ran, held] { ++ran; });
         });
       }
     }
@@ -140,17 +140,17 @@ TEST(Lane, EndsOnceItsTasksHaveRun) {
   }
 }
 
-TEST(Lane, SaysWhetherTasksWait) {
+TEST(WorkQueue, SaysWhetherTasksWait) {
   std::promise<void> began, go_on;
-  Lane lane(1, kNiceness);
-  lane.Enqueue([&] {
+  WorkQueue queue(1, kNiceness);
+  queue.Enqueue([&] {
     began.set_value();
     go_on.get_future().wait();
   });
   began.get_future().wait();
-  EXPECT_FALSE(lane.contended());
-  lane.Enqueue([] {});
-  EXPECT_TRUE(lane.contended());
+  EXPECT_FALSE(queue.contended());
+  queue.Enqueue([] {});
+  EXPECT_TRUE(queue.contended());
   go_on.set_value();
 }
 

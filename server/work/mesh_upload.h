@@ -1,6 +1,6 @@
 // The encoded mesh while it arrives in pieces.
-#ifndef LATVOX_SERVER_CALLS_MESH_UPLOAD_H_
-#define LATVOX_SERVER_CALLS_MESH_UPLOAD_H_
+#ifndef LATVOX_SERVER_WORK_MESH_UPLOAD_H_
+#define LATVOX_SERVER_WORK_MESH_UPLOAD_H_
 
 #include <chrono>
 #include <cstdint>
@@ -43,4 +43,4 @@ class MeshUpload {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_CALLS_MESH_UPLOAD_H_
+#endif  // LATVOX_SERVER_WORK_MESH_UPLOAD_H_

@@ -1,4 +1,4 @@
-#include "server/calls/mesh_upload.h"
+#include "server/work/mesh_upload.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
 // The files of Unix sockets.
-#ifndef LATVOX_SERVER_LISTEN_UNIX_SOCKET_H_
-#define LATVOX_SERVER_LISTEN_UNIX_SOCKET_H_
+#ifndef LATVOX_SERVER_BASE_UNIX_SOCKET_H_
+#define LATVOX_SERVER_BASE_UNIX_SOCKET_H_
 
 #include <sys/types.h>
 
@@ -50,4 +50,4 @@ class SocketFiles {
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_LISTEN_UNIX_SOCKET_H_
+#endif  // LATVOX_SERVER_BASE_UNIX_SOCKET_H_

@@ -1,6 +1,6 @@
 // Addresses to listen on.
-#ifndef LATVOX_SERVER_LISTEN_ENDPOINT_H_
-#define LATVOX_SERVER_LISTEN_ENDPOINT_H_
+#ifndef LATVOX_SERVER_BASE_ENDPOINT_H_
+#define LATVOX_SERVER_BASE_ENDPOINT_H_
 
 #include <grpcpp/server_builder.h>
 
@@ -39,4 +39,4 @@ absl::Status CheckAddressIsFree(const std::string& address);
 
 }  // namespace latvox
 
-#endif  // LATVOX_SERVER_LISTEN_ENDPOINT_H_
+#endif  // LATVOX_SERVER_BASE_ENDPOINT_H_

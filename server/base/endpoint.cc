@@ -1,4 +1,4 @@
-#include "server/listen/endpoint.h"
+#include "server/base/endpoint.h"
 
 #include <arpa/inet.h>
 
@@ -6,7 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
-#include "server/listen/unix_socket.h"
+#include "server/base/unix_socket.h"
 
 namespace latvox {
 namespace {
