@@ -2,6 +2,8 @@
 #ifndef LATVOX_CLIENT_EXAMPLES_EXAMPLE_H_
 #define LATVOX_CLIENT_EXAMPLES_EXAMPLE_H_
 
+#include <latvox/error.h>
+
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -10,7 +12,6 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include <latvox/error.h>
 
 namespace example {
 

@@ -1,8 +1,8 @@
 // How to test a program that uses latvox without a server: its Client talks to an object of the test's own.
+#include <latvox/client.h>
+
 #include <cstdio>
 #include <memory>
-
-#include <latvox/client.h>
 
 namespace lv = latvox::client;
 

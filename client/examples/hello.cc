@@ -1,7 +1,8 @@
 // The shortest way from a mesh to voxels: all of them, in memory. A mesh to begin with:
 //   latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
-#include "example.h"
 #include <latvox/client.h>
+
+#include "example.h"
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

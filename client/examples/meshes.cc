@@ -1,10 +1,11 @@
 // Many meshes in parallel over one Client: threads that each take the next mesh when they are done with theirs.
+#include <latvox/client.h>
+
 #include <atomic>
 #include <thread>
 #include <vector>
 
 #include "example.h"
-#include <latvox/client.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

@@ -1,7 +1,8 @@
 // A mesh of one's own instead of a file: encoded here, by latvox::mesh, and voxelized.
-#include "example.h"
 #include <latvox/client.h>
 #include <latvox/mesh/encode_mesh.h>
+
+#include "example.h"
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

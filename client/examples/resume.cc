@@ -1,7 +1,8 @@
 // A stream that outlives its server: prints all bricks, and on standard error where it had to go on, and why.
 // Try it with a server that is killed and started again, or with two.
-#include "example.h"
 #include <latvox/client.h>
+
+#include "example.h"
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

@@ -1,9 +1,10 @@
 // One mesh in several parts at once, over one Client: it is uploaded once, and the parts refer to it.
+#include <latvox/client.h>
+
 #include <future>
 #include <vector>
 
 #include "example.h"
-#include <latvox/client.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

@@ -1,11 +1,12 @@
 // Takes the stream into a structure of one's own, a height for each column, and leaves it when it has seen enough.
+#include <latvox/client.h>
+
 #include <algorithm>
 #include <bit>
 #include <map>
 #include <utility>
 
 #include "example.h"
-#include <latvox/client.h>
 
 namespace lv = latvox::client;
 

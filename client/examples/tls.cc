@@ -1,6 +1,7 @@
 // A server that proves its name, and wants a token and perhaps a certificate of the client, too.
-#include "example.h"
 #include <latvox/client.h>
+
+#include "example.h"
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

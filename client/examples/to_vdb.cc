@@ -1,9 +1,10 @@
 // A .vdb file by the grid library: any lattice is the grid's transform, and the certificate its metadata.
+#include <latvox/client.h>
+#include <latvox/grid/voxel_grid.h>
+
 #include <optional>
 
 #include "example.h"
-#include <latvox/client.h>
-#include <latvox/grid/voxel_grid.h>
 
 int main(int argc, char** argv) {
   namespace lv = latvox::client;

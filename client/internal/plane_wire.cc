@@ -53,7 +53,8 @@ bool IsUsable(const PlaneTransform& grid) {
 }
 
 absl::Status ReadPixels(const v1::PixelizeResponse& response, std::vector<Vec2i>& pixels) {
-  if (response.pixels_size() % 2 != 0) return BrokenPlane("pixels has ", response.pixels_size(), " numbers, an odd number");
+  if (response.pixels_size() % 2 != 0)
+    return BrokenPlane("pixels has ", response.pixels_size(), " numbers, an odd number");
   for (int n = 0; n < response.pixels_size(); n += 2) {
     const Vec2i ij = {response.pixels(n), response.pixels(n + 1)};
     if (!pixels.empty() && !(pixels.back() < ij)) return BrokenPlane("pixel ", ij[0], ",", ij[1], " is out of order");

@@ -71,8 +71,8 @@ TEST(ErrorTable, NamesTheLimitThatGetLimitsTells) {
     const auto metadata = ErrorInfoOf(ToGrpcStatus(status)).metadata();
     return metadata.contains("limit_name") ? metadata.at("limit_name") : "";
   };
-  for (const char* field : {"mesh_bytes", "mesh.triangles", "mesh.vertices", "visited_points", "message_bytes", "memory",
-                            "points", "crossings", "pixels"}) {
+  for (const char* field : {"mesh_bytes", "mesh.triangles", "mesh.vertices", "visited_points", "message_bytes",
+                            "memory", "points", "crossings", "pixels"}) {
     const std::string limit_name = name(LimitExceeded(field, 2, 1));
     EXPECT_NE(limits.FindFieldByName(limit_name), nullptr) << field << ": " << limit_name;
   }
