@@ -258,7 +258,7 @@ std::vector<BadRequest> BadRequests() {
       {"unknown lattice", [](Proto& r) { r.mutable_lattice()->set_named(static_cast<v1::NamedPlaneLattice>(3)); },
        "lattice.named 3 is not a lattice", "lattice.named"},
       {"singular", [](Proto& r) { r.mutable_lattice()->mutable_basis()->mutable_a()->set_x(1); }, "", "lattice.basis"},
-      {"no density", [](Proto& r) { r.clear_sampling(); }, "needs pixel_size or resolution", "density"},
+      {"no sampling", [](Proto& r) { r.clear_sampling(); }, "needs pixel_size or resolution", "sampling"},
       {"pixel_size", [](Proto& r) { r.set_pixel_size(-1); }, "pixel_size -1 is not", "pixel_size"},
       {"resolution 1", [](Proto& r) { r.set_resolution(1); }, "resolution 1 is below 2", "resolution"},
       {"resolution 65537", [](Proto& r) { r.set_resolution(65537); }, "resolution 65537 exceeds 65536", "resolution"},

@@ -234,7 +234,7 @@ TEST_F(ResumeTest, HoldsAJobAgainstItsEstimatedVoxels) {
   EXPECT_TRUE(Voxelize(*stub_, Spec(20), SphereBytes()).status.ok());
   const Answer answer = Voxelize(*stub_, Spec(100), SphereBytes());
   EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_THAT(answer.status.error_message(), HasSubstr("voxels (estimated) "));
+  EXPECT_THAT(answer.status.error_message(), HasSubstr("visited_points (estimated) "));
   EXPECT_EQ(answer.trailer("grpc-retry-pushback-ms"), "-1");
   v1::VoxelizeSpec part = Spec(100);
   part.mutable_region()->mutable_max()->set_i(20);
