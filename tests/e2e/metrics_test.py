@@ -144,13 +144,13 @@ class Deploy(Case):
         self.assertEqual(named - there, set())
 
     def test_every_reason_that_they_name_is_one_of_the_servers(self):
-        source = "".join(path.read_text() for path in (ROOT / "server").glob("*.cc"))
+        source = "".join(path.read_text() for path in (ROOT / "server").rglob("*.cc"))
         named = [word for text in self.expressions() for words in re.findall(r'reason=~?"([^"]*)"', text) for word in words.split("|")]
         self.assertGreater(len(named), 2)
         self.assertEqual([word for word in named if f'"{word}"' not in source], [])
 
     def test_every_reason_and_code_is_counted_from_the_start(self):
-        source = "".join(path.read_text() for path in (ROOT / "server").glob("*.[ch]*"))
+        source = "".join(path.read_text() for path in (ROOT / "server").rglob("*.[ch]*"))
         reasons = set(re.findall(r'\{"([A-Z]+(?:_[A-Z]+)*)", "', source)) | {"TOO_MANY_JOBS", "TOO_MANY_JOBS_OF_CLIENT"}
         self.assertGreater(len(reasons), 10)
         table = (ROOT / "proto/latvox/v1/voxelizer.proto").read_text()

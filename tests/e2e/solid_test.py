@@ -80,8 +80,8 @@ class Solids(Case):
 
     def test_what_does_not_go_together_is_wrong_usage(self):
         for words, says in (
-            (("--verify", "--fill", "solid"), "--verify"),
-            (("--fill", "solid", "--algorithm", "incremental"), "--fill"),
+            (("--verify", "--fill", "solid"), "verify: not together with fill.mode solid"),
+            (("--fill", "solid", "--algorithm", "incremental"), "fill.mode solid: not together with algorithm incremental"),
             (("--without-surface",), "--fill solid"),
             (("--interior-rule", "winding"), "--fill solid"),
             (("--force-open",), "--fill solid"),

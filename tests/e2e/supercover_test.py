@@ -107,7 +107,7 @@ class Supercover(Case):
             words = ["--resolution", 20, "--cover", "supercover", option, *([value] if value else [])]
             done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", *words)
             self.assertEqual(done.returncode, 2)
-            self.assertIn(option, done.stderr)
+            self.assertIn(option.removeprefix("--"), done.stderr)
             self.assertIn("supercover", done.stderr)
         flat = "1,0.3,0,0.2,1.1,0,0.3,0.4,7000"
         done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", "--basis", flat, "--cover", "supercover")

@@ -26,8 +26,8 @@ enum class NamedPlaneLattice {
 
 // A common plane lattice: its value and its name.
 struct NamedPlaneBasis {
-  NamedPlaneLattice lattice;
-  const char* name;
+  NamedPlaneLattice lattice;  // its value
+  const char* name;           // in the protocol, in files and on the command line
 };
 
 // All of them, in the order of their values.

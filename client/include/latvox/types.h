@@ -29,17 +29,17 @@ struct Basis {
 
 // The common lattices, in the protocol's order.
 enum class NamedLattice {
-  kCartesian,
-  kBcc,        // body-centred cubic
+  kCartesian,  // cubes
+  kBcc,        // body-centered cubic
   kFcc,        // face-centred cubic
   kHexagonal,  // hexagonal prism
 };
 
 // A common lattice: its value, its name, and its basis up to scale.
 struct NamedBasis {
-  NamedLattice lattice;
-  const char* name;
-  Basis basis;
+  NamedLattice lattice;  // its value
+  const char* name;      // in the protocol, in files and on the command line
+  Basis basis;           // up to scale
 };
 
 // All of them, in the order of their values.
@@ -52,6 +52,7 @@ inline constexpr std::array kNamedLattices{
                {{1, 0, 0}, {0.5, 0x1.bb67ae8584caap-1, 0}, {0, 0, 1}}},  // (1/2, sqrt(3)/2, 0)
 };
 
+// "cartesian", "bcc", "fcc" or "hexagonal".
 constexpr const char* NameOf(NamedLattice lattice) { return kNamedLattices[static_cast<size_t>(lattice)].name; }
 
 // How to find the voxels. All but kExact are there to compare with.
