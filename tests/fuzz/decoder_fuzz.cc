@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto decoded = latvox::DecodeDraco(bytes, limits);
   if (decoded.ok() && !latvox::CheckMesh(decoded->mesh).ok()) std::abort();
   for (const auto attribute : {latvox::Field::kPart, latvox::Field::kColor}) {
-    const auto carrying = latvox::DecodeDraco(bytes, limits, {1, {attribute}});
+    const auto carrying = latvox::DecodeDraco(bytes, limits, {attribute});
     if (carrying.ok() && carrying->mesh.attributes.size() != decoded->mesh.vertices.size()) std::abort();
   }
   return 0;
