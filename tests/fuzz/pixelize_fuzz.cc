@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   latvox::PixelizationFacts facts;
   latvox::MemoryBudget budget(limits.memory_budget_bytes);
   latvox::MemoryReservation memory(budget);
-  const auto response = latvox::PixelizePolylines(request, limits, memory, StopSignal(), facts);
+  const auto response = latvox::PixelizePolylines(request, limits, memory, latvox::StopSignal(), facts);
   if (!response.ok()) return 0;
   if (response->tunnels() != 0 || response->ByteSizeLong() > limits.max_message_bytes) std::abort();
   if ((!request.has_minimal() || request.minimal()) && response->redundant() != 0) std::abort();
