@@ -6,25 +6,31 @@ set(latvox_package ${CMAKE_INSTALL_LIBDIR}/cmake/latvox)
 # Installs the archive latvox_PART as latvox::PART, or with BUILD_SHARED_LIBS a shared library of the same objects. The
 # tool and the tests link the archives in any case: they use what a shared library hides.
 #   DESCRIPTION      for people, in pkg-config's file
+#   MAP              the linker's list of what the shared library may show
 #   PUBLIC           the libraries that a user of latvox::PART links besides
 #   REQUIRES         pkg-config's names of packages that the public headers need
 #   REQUIRES_STATIC  the same, of packages that the archive needs to be linked
 #   LIBS_STATIC      the same, of libraries that pkg-config does not know
 function(latvox_install_part PART)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "DESCRIPTION" "PUBLIC;REQUIRES;REQUIRES_STATIC;LIBS_STATIC")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "DESCRIPTION;MAP" "PUBLIC;REQUIRES;REQUIRES_STATIC;LIBS_STATIC")
   set(target latvox_${PART})
   if(latvox_shared)
     set(target latvox_${PART}_shared)
     list(TRANSFORM ARG_PUBLIC REPLACE "^latvox_(.*)$" "latvox_\\1_shared")
     set(ARG_REQUIRES_STATIC "") # they are linked already
     set(ARG_LIBS_STATIC "")
+    set_target_properties(latvox_${PART} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     add_library(${target} SHARED $<TARGET_OBJECTS:latvox_${PART}>)
     target_compile_features(${target} PUBLIC cxx_std_20)
-    target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-    # The archive gives what it needs; from those that come with it, nothing is shown.
-    target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE latvox_${PART})
-    target_link_options(${target} PRIVATE LINKER:--exclude-libs,ALL LINKER:-z,defs)
+    target_include_directories(${target} PUBLIC
+      $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    # Never the client's archive: it would register the protocol's messages a second time.
+    get_target_property(libraries latvox_${PART} LINK_LIBRARIES)
+    list(TRANSFORM libraries REPLACE "^latvox_client$" latvox_client_shared)
+    target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${libraries})
+    target_link_options(${target} PRIVATE LINKER:--version-script,${CMAKE_CURRENT_SOURCE_DIR}/${ARG_MAP} LINKER:-z,defs)
     set_target_properties(${target} PROPERTIES
+      LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_MAP}
       OUTPUT_NAME latvox_${PART} LINKER_LANGUAGE CXX INSTALL_RPATH $ORIGIN
       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   endif()

@@ -2,6 +2,7 @@
 #   arm        whether the kernels compile for it; where a cross compiler is
 #   bench      what scripts rely on in latvox_bench
 #   layering   who depends on whom
+#   prose      the English of pages and comments
 #   node       a client of its own, from the protocol file alone
 #   e2e        command line tool, files, failures
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
@@ -81,6 +82,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(layering "${latvox_python};layering/layering_test.py")
   latvox_add_system_test(layering.function_length "${latvox_python};layering/function_length_test.py")
   latvox_add_system_test(layering.rooms "${latvox_python};layering/rooms_test.py")
+  latvox_add_system_test(prose "${latvox_python};prose/prose_test.py")
   latvox_add_system_test(node "node;--test;node/voxelize.test.js")
   latvox_add_system_test(readme "${latvox_python};readme/readme_test.py")
 endif()

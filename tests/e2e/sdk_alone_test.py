@@ -1,6 +1,7 @@
 """The SDK built alone, without server, tool and grids: on gRPC, Protobuf, abseil and Draco, as archives and as shared
 libraries, for users of CMake and of pkg-config."""
 
+import fnmatch
 import os
 import pathlib
 import re
@@ -35,6 +36,13 @@ def run(*words, **options):
 def configure(source, build, *options, **more):
     words = ["cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", *options]
     return run(*words, **more)
+
+
+def marked(headers):
+    """The names of the functions and classes that these headers mark with LATVOX_EXPORT."""
+    text = "\n".join(header.read_text() for header in headers)
+    classes, functions = r"^class LATVOX_EXPORT (\w+)", r"^LATVOX_EXPORT [^(]*\b(\w+)\("
+    return {*re.findall(classes, text, re.M), *re.findall(functions, text, re.M)}
 
 
 class Kind:
@@ -131,14 +139,16 @@ class SdkAlone(harness.Case):
     def test_shared_libraries_show_what_the_headers_mark_and_no_more(self):
         lib, include = self.kinds["shared"].prefix / "lib", ROOT / "client/include/latvox"
         for name, headers in ("client", include.glob("*.h")), ("mesh", include.glob("mesh/*.h")):
-            text = "\n".join(header.read_text() for header in headers)
-            marked = set(re.findall(r"^class LATVOX_EXPORT (\w+)", text, re.M))
-            marked |= set(re.findall(r"^LATVOX_EXPORT [^(]*\b(\w+)\(", text, re.M))
             symbols = run("nm", "-DC", "--defined-only", lib / f"liblatvox_{name}.so").splitlines()
-            shown = {symbol.split(maxsplit=2)[2] for symbol in symbols if "std::" not in symbol.split("(")[0]}
-            shown = {re.sub(r"^(vtable|typeinfo|typeinfo name) for ", "", symbol) for symbol in shown}
-            named = {re.match(r"latvox::client::(\w+)|", symbol)[1] for symbol in shown}
-            self.assertEqual(named, marked)
+            shown = {re.sub(r"^(vtable|typeinfo|typeinfo name) for ", "", line.split(maxsplit=2)[2]) for line in symbols}
+            self.assertEqual({re.match(r"latvox::client::(\w+)|", symbol)[1] for symbol in shown}, marked(headers))
+
+    def test_the_list_of_the_grid_library_has_what_its_headers_mark_and_no_more(self):
+        text = (ROOT / "client/grid/latvox_grid.map").read_text()
+        patterns = re.findall(r"^ +(latvox::client::\S+);$", text, re.M)
+        names = [f"latvox::client::{name}::" for name in marked((ROOT / "client/include/latvox/grid").glob("*.h"))]
+        self.assertEqual([name for name in names if not any(fnmatch.fnmatchcase(name, each) for each in patterns)], [])
+        self.assertEqual([each for each in patterns if not fnmatch.filter(names, each)], [])
 
     def test_everything_that_headers_leave_to_the_library_is_marked(self):
         for header in (ROOT / "client/include/latvox").rglob("*.h"):
