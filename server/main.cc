@@ -78,7 +78,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   for (const auto& [name, nearest] : configuration.misspelt) {
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
-  latvox::KeepFreedMemory(latvox::kMemoryKeptByJobs);
+  latvox::KeepHeap(latvox::kHeapOfJobs);
   TakeMoreFiles(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   const auto server = latvox::VoxelServer::Start(options.server);

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <new>
 
+#include "core/base/kept_memory.h"
+
 namespace latvox {
 namespace {
 
@@ -67,7 +69,7 @@ class KeptPages {
 
   std::mutex mutex_;
   std::array<Array, kKeptArrays> arrays_;  // the first count_, the oldest first
-  size_t count_ = 0, bytes_ = 0, limit_ = 0;
+  size_t count_ = 0, bytes_ = 0, limit_ = kKeptByDefault;
 };
 
 KeptPages& Kept() {

@@ -18,8 +18,8 @@ void* AllocatePages(size_t bytes);
 // What AllocatePages(bytes) returned.
 void FreePages(void* at, size_t bytes);
 
-// Lets FreePages keep so many bytes in all, of kKeptArrays arrays at most, for others of the same sizes; at first it
-// keeps none.
+// Lets FreePages keep so many bytes in all, of kKeptArrays arrays at most, for others of the same sizes. Default:
+// kKeptByDefault (core/base/kept_memory.h).
 inline constexpr size_t kKeptArrays = 16;
 void KeepPages(size_t bytes);
 

@@ -1,4 +1,4 @@
-// Memory that is given back, kept for what comes next.
+// Limits of the memory that ended jobs leave to later ones.
 #ifndef LATVOX_CORE_BASE_KEPT_MEMORY_H_
 #define LATVOX_CORE_BASE_KEPT_MEMORY_H_
 
@@ -11,23 +11,32 @@
 
 namespace latvox {
 
-// What a job gives back serves the next: without, a small job has 700 page faults, up to a quarter of its time. The
-// heap's part is no more than the C library by itself would keep after a job with arrays of 16 MiB; scans and arrays of
-// large pages are as much again. Idle programs have it all, beside what budgets of memory reserve for jobs at work.
-inline constexpr int kMemoryKeptByJobs = 32 << 20;
+// Ended jobs leave memory to later ones: scans (core/block/scan_pool.h) and arrays of large pages (FreePages). Without
+// it, a small job has 700 page faults, which take up to a quarter of its time, and a job of some 100 us takes 40 times
+// as long. A process keeps so many bytes of each kind, unless KeepJobMemory says otherwise.
+inline constexpr size_t kKeptByDefault = size_t{16} << 20;
 
-// Up to how many bytes of scans ended jobs leave to later ones: core/block/scan_pool.h.
-inline std::atomic<size_t> kept_scan_bytes = 0;
+// The limit of scans. Threads: any may read and write it.
+inline std::atomic<size_t> kept_scan_bytes = kKeptByDefault;
 
-// Lets the C library keep so many bytes of this process's freed memory, more where several threads free it, and half as
-// many each of scans and of arrays of large pages; by itself it returns it to the system, from which it would
-// have to be fetched, and cleared, page by page. For main functions.
-inline void KeepFreedMemory(int bytes) {
+// Sets both limits; 0 keeps nothing. Arrays beyond the new limit go back to the system at once, scans beyond it when a
+// job takes them. Threads: any.
+inline void KeepJobMemory(size_t bytes) {
+  KeepPages(bytes);
+  kept_scan_bytes = bytes;
+}
+
+// For the main functions of programs whose heap is used by jobs alone; core itself leaves the host's heap as it is. The
+// C library's heap keeps so many bytes that were freed, more where several threads free it; by itself it returns them
+// to the system, and a job must fetch and clear them again, page by page.
+inline void KeepHeap(int bytes) {
   mallopt(M_MMAP_THRESHOLD, bytes / 2);
   mallopt(M_TRIM_THRESHOLD, bytes);
-  KeepPages(static_cast<size_t>(bytes) / 2);
-  kept_scan_bytes = static_cast<size_t>(bytes) / 2;
 }
+
+// What the heap of a program with jobs should keep: no more than the C library would keep by itself after a job with
+// arrays of 16 MiB. An idle program has it beside the budgets of jobs at work.
+inline constexpr int kHeapOfJobs = 32 << 20;
 
 }  // namespace latvox
 

@@ -48,7 +48,7 @@ struct JobTotals {
 // Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
 // calling thread. Memory: the snapped mesh, or a shared one and its snapped vertices, what Create keeps, and a bounded
 // number of tiles; for the thesis's algorithms, which are jobs with the same promises (core/voxelizer/thesis_job.h),
-// the whole set.
+// the whole set. Ended jobs leave up to 32 MiB of a process to later ones: see core/base/kept_memory.h.
 class VoxelizeJob {
  public:
   // Snaps the mesh, and states its facts. Of a fine one, whose triangles are smaller than voxels, the edges that these

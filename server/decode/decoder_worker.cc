@@ -25,7 +25,8 @@ constexpr int kLost = 1;  // exit status: the server is gone, or does not unders
 // faults, half as much as all that isolation costs is won.
 void KeepMemory() {
   constexpr int kKeptBytes = 64 << 20;
-  KeepFreedMemory(kKeptBytes);
+  KeepHeap(kKeptBytes);
+  KeepJobMemory(kKeptBytes / 2);
   mallopt(M_ARENA_MAX, 1);  // at the limit of memory malloc would try another, by calls that are forbidden
 }
 

@@ -88,7 +88,7 @@ class Lines {
 }  // namespace latvox
 
 int main(int argc, char** argv) {
-  latvox::KeepFreedMemory(latvox::kMemoryKeptByJobs);  // as latvoxd does
+  latvox::KeepHeap(latvox::kHeapOfJobs);  // as latvoxd does
   // Else there would be no more threads than cores, whatever an arena asks for.
   const oneapi::tbb::global_control any(oneapi::tbb::global_control::max_allowed_parallelism, latvox::kMaxThreads);
   const std::vector<std::string> words(argv + 1, argv + argc);

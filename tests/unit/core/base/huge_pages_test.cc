@@ -51,7 +51,15 @@ TEST(HugePages, AreAskedForWithinLargeArraysAlone) {
   munmap(memory, kSize);
 }
 
-TEST(HugePages, AreGivenBackWhole) {
+TEST(HugePages, AreKeptByDefault) {
+  void* const array = AllocatePages(1);
+  FreePages(array, 1);
+  EXPECT_EQ(AllocatePages(1), array);
+  FreePages(array, 1);
+}
+
+TEST(HugePages, AreGivenBackWholeWhereNoneAreKept) {
+  KeepPages(0);
   for (const size_t bytes : {size_t{1}, kHugePage, kHugePage + 1}) {
     std::vector<void*> arrays;  // some of which happen to follow each other
     for (int n = 0; n < 8; ++n) arrays.push_back(AllocatePages(bytes));

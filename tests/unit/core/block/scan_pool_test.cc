@@ -22,7 +22,7 @@ namespace {
 
 class ScanPoolTest : public testing::Test {
  protected:
-  ~ScanPoolTest() override { kept_scan_bytes = 0; }
+  ~ScanPoolTest() override { KeepJobMemory(kKeptByDefault); }
 };
 
 template <int kNumber>
@@ -47,9 +47,9 @@ int UsedBefore(int count) {
   return used;
 }
 
-TEST_F(ScanPoolTest, LeavesNoneUnlessMemoryIsKept) {
+TEST_F(ScanPoolTest, LeavesScansByDefault) {
   EXPECT_EQ(UsedBefore<Sized<0>>(3), 0);
-  EXPECT_EQ(UsedBefore<Sized<0>>(3), 0);
+  EXPECT_EQ(UsedBefore<Sized<0>>(3), 3);
 }
 
 TEST_F(ScanPoolTest, LeavesScansUpToALimit) {
