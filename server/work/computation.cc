@@ -85,11 +85,11 @@ void Computation::Cancel() {
 
 absl::Status Computation::Receive(uint64_t bytes) { return memory_.Grow(bytes); }
 
-absl::Status Computation::TakeMesh(MeshUpload upload) {
+absl::Status Computation::ReceiveMesh(MeshUpload upload) {
   return WithoutExceptions([&]() -> absl::Status {
     mesh_bytes_ = upload.size();
     upload_ms_ = upload.milliseconds().value_or(0);
-    mesh_ = std::move(upload).Take();
+    mesh_ = std::move(upload).Release();
     if (!spec_.mesh_digest) return absl::OkStatus();
     if (mesh_.empty()) {
       std::optional<absl::Cord> kept = environment_.meshes.Find(*spec_.mesh_digest);
@@ -123,7 +123,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
       },
       [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
         facts_.decode_ms = MillisecondsSince(decode_began_);
-        decoded(TakeDecoded(std::move(mesh)));
+        decoded(ReceiveDecoded(std::move(mesh)));
       });
   if (stop_.Stopped()) decoding_->Cancel();
 }
@@ -184,7 +184,7 @@ void Computation::Free() {
   memory_.Shrink(0);
 }
 
-absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
+absl::Status Computation::ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh) {
   if (!mesh.ok()) return mesh.status();
   decoded_ = *std::move(mesh);
   return ReserveForJob(decoded_.mesh);
@@ -199,7 +199,7 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   return memory_.Grow(job_bytes_);
 }
 
-absl::Status Computation::TakeEstimate(double voxels, double visits) {
+absl::Status Computation::ReserveForEstimate(double voxels, double visits) {
   const uint64_t limit = environment_.limits.max_visited_points;
   if (visits > static_cast<double>(limit)) {
     const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
@@ -242,7 +242,7 @@ absl::Status Computation::CreateJob() {
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();
-  if (absl::Status status = TakeEstimate(voxels, visits); !status.ok()) return status;
+  if (absl::Status status = ReserveForEstimate(voxels, visits); !status.ok()) return status;
   if (spec_.request.part.resume_after && !job_->facts().HasTile(*spec_.request.part.resume_after)) {
     return BadResumePoint(*spec_.request.part.resume_after);
   }
@@ -270,7 +270,7 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
       const Stopwatch stopwatch(facts_.voxelize_ms);
       const Clock::time_point slice_end = Clock::now() + kSlice;
       done = job_->Advance([&](TileBricks&& tile) {
-        const bool more = TakeTile(tile, deliver);
+        const bool more = HandleTile(tile, deliver);
         return more && (Clock::now() < slice_end || !make_way());
       });
     }
@@ -290,7 +290,7 @@ const JobTotals& Computation::totals() const { return DeliversTheEndOnly() ? del
 
 bool Computation::DeliversTheEndOnly() const { return spec_.request.verify && spec_.request.part.resume_after; }
 
-bool Computation::TakeTile(const TileBricks& tile, const Deliver& deliver) {
+bool Computation::HandleTile(const TileBricks& tile, const Deliver& deliver) {
   if (!failure_.ok()) return false;
   if (spec_.request.verify) {
     failure_ = KeepForVerification(tile);
@@ -315,7 +315,7 @@ absl::Status Computation::KeepForVerification(const TileBricks& tile) {
 bool Computation::DeliverBatch(const Deliver& deliver) {
   last_delivery_ = Clock::now();
   v1::VoxelizeResponse response;
-  *response.mutable_bricks() = batcher_.Take();
+  *response.mutable_bricks() = batcher_.Release();
   return deliver(std::move(response));
 }
 

@@ -1,6 +1,6 @@
 // One request's work after its upload: encoded mesh in, response messages out. Knows no gRPC.
 //
-//   Receive … ──▶ TakeMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
+//   Receive … ──▶ ReceiveMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
 #ifndef LATVOX_SERVER_WORK_COMPUTATION_H_
 #define LATVOX_SERVER_WORK_COMPUTATION_H_
 
@@ -48,7 +48,7 @@ class Computation {
 
   // Holds what came against the digest, if the request has one, and keeps it; or finds what was kept if nothing came.
   // Once. Errors: INVALID_ARGUMENT; NOT_FOUND if there is no such mesh.
-  absl::Status TakeMesh(MeshUpload upload);
+  absl::Status ReceiveMesh(MeshUpload upload);
 
   // Has the mesh decoded, unless what it decodes to is kept, and returns at once. `decoded` is called exactly once, as
   // MeshDecoder::Done, or before this returns; the computation has to live until then. Once. Errors: as there.
@@ -81,14 +81,14 @@ class Computation {
   absl::Status CheckCancelled() const;
   uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   bool FindDecoded();
-  absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
+  absl::Status ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh);
   absl::Status ReserveForJob(const TriangleMesh& mesh);
   void ShareIfItComesAgain();
   uint64_t BytesOfSolid(const TriangleMesh& mesh) const;
   uint64_t BytesOfThinning(double voxels) const;
-  absl::Status TakeEstimate(double voxels, double visits);
+  absl::Status ReserveForEstimate(double voxels, double visits);
   absl::Status CreateJob();
-  bool TakeTile(const TileBricks& tile, const Deliver& deliver);
+  bool HandleTile(const TileBricks& tile, const Deliver& deliver);
   bool DeliversTheEndOnly() const;
   const JobTotals& totals() const;
   absl::Status KeepForVerification(const TileBricks& tile);
