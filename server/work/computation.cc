@@ -146,15 +146,11 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   return memory_.ReserveMesh(triangles, vertices);
 }
 
-absl::Status Computation::CheckVisits(double visits) const {
-  const uint64_t limit = environment_.limits.max_visited_points;
-  if (visits > static_cast<double>(limit)) {
-    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     absl::StrCat("visited_points (estimated) ", estimate, " exceeds ", limit),
-                     {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});
-  }
-  return absl::OkStatus();
+// Finds its extent, and lets the store keep it if it comes again: most meshes come once.
+void Computation::ShareIfItComesAgain() {
+  decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
+  if (!mesh_comes_again_ || stop_.Stopped()) return;
+  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields, std::move(decoded_));
 }
 
 JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) const {
@@ -164,11 +160,15 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
   return {voxels, crossings, source_.bounds, grid_->lattice.voxel_size()};
 }
 
-// Finds its extent, and lets the store keep it if it comes again: most meshes come once.
-void Computation::ShareIfItComesAgain() {
-  decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
-  if (!mesh_comes_again_ || stop_.Stopped()) return;
-  kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields, std::move(decoded_));
+absl::Status Computation::CheckVisits(double visits) const {
+  const uint64_t limit = environment_.limits.max_visited_points;
+  if (visits > static_cast<double>(limit)) {
+    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     absl::StrCat("visited_points (estimated) ", estimate, " exceeds ", limit),
+                     {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Computation::CreateJob() {

@@ -42,8 +42,8 @@ class Computation {
 
   Computation(JobSpec spec, std::string request_id, const CallEnvironment& environment);
 
-  // Reserves memory for an upload of so many bytes, altogether. Cheap enough for a gRPC callback. Errors: as
-  // JobMemory.
+  // Reserves memory for an upload of so many bytes, altogether. Cheap enough for a gRPC callback.
+  // Errors: as JobMemory::ReserveUpload.
   absl::Status Receive(uint64_t bytes);
 
   // Holds what came against the digest, if the request has one, and keeps it; or finds what was kept if nothing came.
