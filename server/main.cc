@@ -58,7 +58,7 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
 
 // Each connection takes one file; a login has 1024 as a rule, though it may have more. Once there is none left, gRPC
 // takes no new connections any more, even when others have closed. A private server has a handful of connections.
-void TakeMoreFiles(bool is_private) {
+void RaiseFileLimit(bool is_private) {
   constexpr rlim_t kFew = 4096;
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
@@ -79,7 +79,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   latvox::KeepHeap(latvox::kHeapOfJobs);
-  TakeMoreFiles(options.exit_with_parent);
+  RaiseFileLimit(options.exit_with_parent);
   latvox::ConfigurationWatch watch(argc, argv, configuration);
   const auto server = latvox::VoxelServer::Start(options.server);
   if (!server.ok()) return Fail(server.status());

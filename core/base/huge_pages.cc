@@ -28,14 +28,14 @@ class KeptPages {
     while (bytes_ > limit_) DropOldest(dropped);
   }
   // The newest of that size, which caches may still hold; null if there is none.
-  void* Take(size_t size) {
+  void* Reserve(size_t size) {
     const std::lock_guard lock(mutex_);
     for (size_t n = count_; n-- > 0;) {
       if (arrays_[n].size == size) return Remove(n).at;
     }
     return nullptr;
   }
-  void Give(const Array& array) {
+  void Release(const Array& array) {
     Dropped dropped;
     const std::lock_guard lock(mutex_);
     if (array.size > limit_) return dropped.Add(array);
@@ -81,7 +81,7 @@ KeptPages& Kept() {
 
 void* AllocatePages(size_t bytes) {
   const size_t size = WholePages(bytes);
-  if (void* const kept = Kept().Take(size)) return kept;
+  if (void* const kept = Kept().Reserve(size)) return kept;
   // There is one aligned place in as much and a page more.
   void* const all = mmap(nullptr, size + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (all == MAP_FAILED) throw std::bad_alloc();
@@ -93,7 +93,7 @@ void* AllocatePages(size_t bytes) {
   return at;
 }
 
-void FreePages(void* at, size_t bytes) { Kept().Give({at, WholePages(bytes)}); }
+void FreePages(void* at, size_t bytes) { Kept().Release({at, WholePages(bytes)}); }
 
 void KeepPages(size_t bytes) { Kept().Limit(bytes); }
 

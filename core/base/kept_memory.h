@@ -12,8 +12,8 @@
 namespace latvox {
 
 // Ended jobs leave memory to later ones: scans (core/block/scan_pool.h) and arrays of large pages (FreePages). Without
-// it, a small job has 700 page faults, which take up to a quarter of its time, and a job of some 100 us takes 40 times
-// as long. A process keeps so many bytes of each kind, unless KeepJobMemory says otherwise.
+// it, a small job has 700 page faults, which take up to a quarter of its time. A process keeps so many bytes of each
+// kind, unless KeepJobMemory says otherwise.
 inline constexpr size_t kKeptByDefault = size_t{16} << 20;
 
 // The limit of scans. Threads: any may read and write it.

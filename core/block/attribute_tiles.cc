@@ -19,9 +19,9 @@ AttributeTiles::AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAtt
 
 void AttributeTiles::Add(std::span<const uint32_t> triangles, std::span<TileBricks> tiles) const {
   if (!context_) return;
-  std::unique_ptr<AttributeScan> scan = scans_.Take();
+  std::unique_ptr<AttributeScan> scan = scans_.Reserve();
   for (TileBricks& tile : tiles) scan->Find(*context_, triangles, tile);
-  scans_.Give(std::move(scan));
+  scans_.Release(std::move(scan));
 }
 
 }  // namespace latvox

@@ -25,7 +25,7 @@ class LeftScans {
   }
 
   // Null if there is none.
-  std::unique_ptr<Scan> Take() {
+  std::unique_ptr<Scan> Reserve() {
     const std::lock_guard lock(mutex_);
     if (size_ == 0) return nullptr;
     std::unique_ptr<Scan> scan = std::move(scans_[--size_]);
@@ -53,7 +53,7 @@ class LeftScans {
 template <class Scan>
 class ScanPool {
  public:
-  std::unique_ptr<Scan> Take() {
+  std::unique_ptr<Scan> Reserve() {
     const int thread = oneapi::tbb::this_task_arena::current_thread_index();
     const std::lock_guard lock(mutex_);
     auto mine = std::find_if(idle_.begin(), idle_.end(), [&](const Idle& idle) { return idle.thread == thread; });
@@ -61,7 +61,7 @@ class ScanPool {
       if (idle_.empty() || made_ < oneapi::tbb::this_task_arena::max_concurrency()) {
         ++made_;
         if constexpr (kMayLeave) {
-          if (auto scan = LeftScans<Scan>::Get().Take()) return scan;
+          if (auto scan = LeftScans<Scan>::Get().Reserve()) return scan;
         }
         return std::make_unique<Scan>();
       }
@@ -71,7 +71,7 @@ class ScanPool {
     idle_.erase(mine);
     return scan;
   }
-  void Give(std::unique_ptr<Scan> scan) {
+  void Release(std::unique_ptr<Scan> scan) {
     const int thread = oneapi::tbb::this_task_arena::current_thread_index();
     const std::lock_guard lock(mutex_);
     idle_.push_back({thread, std::move(scan)});

@@ -211,7 +211,7 @@ void TileLinks::Part::Move(PackedLinks& links, const Vec3i& margin) {
   links.Clear();
 }
 
-std::unique_ptr<TileLinks::Part> TileLinks::Take() {
+std::unique_ptr<TileLinks::Part> TileLinks::ReservePart() {
   const std::lock_guard lock(mutex_);
   if (parts_.empty()) {
     parts_.reserve(++made_);
@@ -222,7 +222,7 @@ std::unique_ptr<TileLinks::Part> TileLinks::Take() {
   return part;
 }
 
-void TileLinks::Give(std::unique_ptr<Part> part) {
+void TileLinks::ReleasePart(std::unique_ptr<Part> part) {
   const std::lock_guard lock(mutex_);
   parts_.push_back(std::move(part));
 }

@@ -153,8 +153,8 @@ class TileLinks {
   const Vec3i& margin() const { return margin_; }
 
   // A part for a thread to go on with. Threads: any.
-  std::unique_ptr<Part> Take();
-  void Give(std::unique_ptr<Part> part);  // throws nothing
+  std::unique_ptr<Part> ReservePart();
+  void ReleasePart(std::unique_ptr<Part> part);  // throws nothing
 
   // Once all parts are given back. What follows is for afterwards.
   void Finish();

@@ -27,7 +27,7 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_SIFT_CC_ONCE
 namespace {
 
-void TakeNone(const CornerList& triangles, SiftedLines& lines, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
+void KeepAll(const CornerList& triangles, SiftedLines& lines, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
   lines.size = 0;
   const std::span numbers(triangles.triangles, triangles.size);
   kept.insert(kept.end(), numbers.begin(), numbers.end());
@@ -47,7 +47,7 @@ namespace {
 #if HWY_TARGET == HWY_SCALAR
 void SiftInLanes(const CornerList& triangles, const LineForms&, SiftedLines& lines, std::vector<uint32_t>& kept,
                  uint8_t* is_tiny) {
-  TakeNone(triangles, lines, kept, is_tiny);
+  KeepAll(triangles, lines, kept, is_tiny);
 }
 #else
 
@@ -246,7 +246,7 @@ HWY_EXPORT(SiftInLanes);
 
 void Sift(const CornerList& triangles, const LineForms& forms, SiftedLines& lines, std::vector<uint32_t>& kept,
           uint8_t* is_tiny) {
-  if (SimdIsScalar()) return TakeNone(triangles, lines, kept, is_tiny);
+  if (SimdIsScalar()) return KeepAll(triangles, lines, kept, is_tiny);
   HWY_DYNAMIC_DISPATCH(SiftInLanes)(triangles, forms, lines, kept, is_tiny);
 }
 

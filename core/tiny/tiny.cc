@@ -269,9 +269,9 @@ struct TinyCrossings::State {
 };
 
 TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges)
-    : state_(new State{Scene(frames, box, Origin(edges)), edges, edges.Take()}) {}
+    : state_(new State{Scene(frames, box, Origin(edges)), edges, edges.ReservePart()}) {}
 
-TinyCrossings::~TinyCrossings() { state_->edges.Give(std::move(state_->part)); }
+TinyCrossings::~TinyCrossings() { state_->edges.ReleasePart(std::move(state_->part)); }
 
 void TinyCrossings::Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
   auto& [scene, edges, part, lines, list, found] = *state_;

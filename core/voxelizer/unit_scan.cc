@@ -49,16 +49,16 @@ void UnitScan::Process(const TileNode& node, const Interior* interior, std::vect
 
 void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const {
   if (band_) {
-    std::unique_ptr<BandScan> scan = band_scans_.Take();
+    std::unique_ptr<BandScan> scan = band_scans_.Reserve();
     TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
-    band_scans_.Give(std::move(scan));
+    band_scans_.Release(std::move(scan));
     tile.progress = std::min(1.0, node.progress + node.share);
     if (!tile.bricks.empty()) out.push_back(std::move(tile));
     return;
   }
-  std::unique_ptr<BlockScan> scan = scans_.Take();
+  std::unique_ptr<BlockScan> scan = scans_.Reserve();
   DigitizeBlock(context_, node, interior, !plan_.solid || plan_.solid->surface, *scan, out);
-  scans_.Give(std::move(scan));
+  scans_.Release(std::move(scan));
 }
 
 }  // namespace latvox

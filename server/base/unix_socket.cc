@@ -63,7 +63,7 @@ std::string ProvisionalAddress(const std::string& address) {
   return beside.size() <= kLongestPath ? absl::StrCat("unix:", beside) : address;
 }
 
-absl::Status SocketFiles::Take(const std::string& address) {
+absl::Status SocketFiles::MoveIntoPlace(const std::string& address) {
   const auto path = SocketPathOf(address), provisional = SocketPathOf(ProvisionalAddress(address));
   if (!path) return absl::OkStatus();
   if (*provisional != *path && rename(provisional->c_str(), path->c_str()) != 0) {

@@ -29,7 +29,7 @@ class SocketFiles {
  public:
   // Once the server listens at the provisional address: moves its file to where it belongs. Addresses that are no files
   // do nothing. UNAVAILABLE if that fails.
-  absl::Status Take(const std::string& address);
+  absl::Status MoveIntoPlace(const std::string& address);
 
   void Add(const SocketFiles& others) { files_.insert(files_.end(), others.files_.begin(), others.files_.end()); }
 

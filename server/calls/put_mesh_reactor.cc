@@ -126,7 +126,7 @@ void PutMeshReactor::Work() {
 }
 
 absl::Status PutMeshReactor::Store() {
-  const absl::Cord mesh = (*std::exchange(upload_, std::nullopt)).Take();
+  const absl::Cord mesh = (*std::exchange(upload_, std::nullopt)).Release();
   const std::optional<MeshDigest> digest = DigestOf(mesh, stop_.Signal());
   if (!digest) return absl::CancelledError("the request was cancelled");
   if (*digest != digest_) return WrongMeshDigest();

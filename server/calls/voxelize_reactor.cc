@@ -104,7 +104,7 @@ void VoxelizeReactor::Work() {
 }
 
 void VoxelizeReactor::TakeMesh(const WorkQueue& digesting) {
-  const absl::Status status = computation_->TakeMesh(*std::exchange(upload_, std::nullopt));
+  const absl::Status status = computation_->ReceiveMesh(*std::exchange(upload_, std::nullopt));
   bool decode = false;
   {
     const std::lock_guard lock(mu_);

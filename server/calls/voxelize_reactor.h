@@ -28,7 +28,7 @@ namespace latvox {
 // Life of a call:
 //   reading    spec, then pieces of the mesh, checked as they come            callbacks of gRPC
 //   waiting    for its turn                                                   in the registry; no thread is held
-//   computing  Computation::TakeMesh                                          a task
+//   computing  Computation::ReceiveMesh                                       a task
 //   decoding   Computation::Decode                                            elsewhere; no thread of ours is held
 //   computing  Computation::Start, then Advance again and again               tasks of a queue, one at a time
 //   paused     kCredit bytes wait to be written; others have its turn         until half of them are written

@@ -122,7 +122,7 @@ void DecoderPool::Wake() {
 }
 
 void DecoderPool::Run() {
-  while (TakeInbox()) {
+  while (HandleInbox()) {
     for (const auto& slot : slots_) {
       if (auto lost = slot->Serve()) queue_.push_front(std::move(lost));
     }
@@ -150,7 +150,7 @@ void DecoderPool::Wait() {
 }
 
 // Returns false once the pool is to end.
-bool DecoderPool::TakeInbox() {
+bool DecoderPool::HandleInbox() {
   std::vector<std::shared_ptr<DecodeJob>> added, cancelled;
   {
     const std::lock_guard lock(mu_);

@@ -59,7 +59,7 @@ class DecoderPool final : public MeshDecoder {
   void Wake();
   void Run();
   void Wait();
-  bool TakeInbox();
+  bool HandleInbox();
   void CancelNow(const std::shared_ptr<DecodeJob>& job);
   void ReportFirst();
   void Assign();

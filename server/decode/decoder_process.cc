@@ -105,20 +105,20 @@ absl::StatusOr<std::unique_ptr<DecoderProcess>> DecoderProcess::Start(const Deco
 DecoderProcess::~DecoderProcess() {
   if (!ended_) {
     Kill();
-    TakeEnd(0);
+    ReceiveEnd(0);
   }
   close(channel_);
   if (pidfd_ >= 0) close(pidfd_);
 }
 
-// Until TakeEnd, the process id is this process's own, ended or not.
+// Until ReceiveEnd, the process id is this process's own, ended or not.
 void DecoderProcess::Kill() {
   if (!ended_) kill(pid_, SIGKILL);
 }
 
-std::optional<ProcessEnd> DecoderProcess::TakeEnd() { return TakeEnd(WNOHANG); }
+std::optional<ProcessEnd> DecoderProcess::ReceiveEnd() { return ReceiveEnd(WNOHANG); }
 
-std::optional<ProcessEnd> DecoderProcess::TakeEnd(int options) {
+std::optional<ProcessEnd> DecoderProcess::ReceiveEnd(int options) {
   siginfo_t info{};
   while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | options) != 0) {
     if (errno == EINTR) continue;

@@ -60,7 +60,7 @@ class DecoderProcess {
   void Kill();
 
   // How it has ended; nothing if it has not. Gives its process id back to the system.
-  std::optional<ProcessEnd> TakeEnd();
+  std::optional<ProcessEnd> ReceiveEnd();
 
   // CPU time it has used so far.
   absl::Duration CpuTime() const;
@@ -71,7 +71,7 @@ class DecoderProcess {
  private:
   DecoderProcess(pid_t pid, int channel, int pidfd) : pid_(pid), channel_(channel), pidfd_(pidfd) {}
 
-  std::optional<ProcessEnd> TakeEnd(int options);
+  std::optional<ProcessEnd> ReceiveEnd(int options);
 
   const pid_t pid_;
   const int channel_, pidfd_;

@@ -70,16 +70,16 @@ absl::Status DecodeError(absl::string_view frame) {
                    {parts[2], parts[3], parts[4], parts[5]});
 }
 
-MeshReceiver::Progress MeshReceiver::Take(FrameKind kind, absl::string_view frame) {
+MeshReceiver::Progress MeshReceiver::Receive(FrameKind kind, absl::string_view frame) {
   switch (kind) {
     case FrameKind::kMesh:
-      return TakeHead(frame);
+      return ReceiveHead(frame);
     case FrameKind::kVertices:
-      return TakeVertices(frame);
+      return ReceiveVertices(frame);
     case FrameKind::kTriangles:
-      return TakeTriangles(frame);
+      return ReceiveTriangles(frame);
     case FrameKind::kAttributes:
-      return TakeAttributes(frame);
+      return ReceiveAttributes(frame);
     case FrameKind::kDone: {
       const bool complete = head_ && frame.empty() && mesh_.mesh.vertices.size() == head_->vertices &&
                             mesh_.mesh.triangles.size() == head_->triangles &&
@@ -95,7 +95,7 @@ MeshReceiver::Progress MeshReceiver::Take(FrameKind kind, absl::string_view fram
   return Progress::kBroken;
 }
 
-MeshReceiver::Progress MeshReceiver::TakeHead(absl::string_view frame) {
+MeshReceiver::Progress MeshReceiver::ReceiveHead(absl::string_view frame) {
   const auto head = As<MeshFrame>(frame);
   if (head_ || !head || head->triangles == 0 || head->triangles > limits_.max_triangles ||
       head->vertices > limits_.max_vertices || head->quantization_bits > kMaxQuantizationBits) {
@@ -112,7 +112,7 @@ MeshReceiver::Progress MeshReceiver::TakeHead(absl::string_view frame) {
   return Progress::kMore;
 }
 
-MeshReceiver::Progress MeshReceiver::TakeVertices(absl::string_view frame) {
+MeshReceiver::Progress MeshReceiver::ReceiveVertices(absl::string_view frame) {
   PaddedVector<Vec3f>& vertices = mesh_.mesh.vertices;
   const size_t before = vertices.size();
   if (!head_ || !Append(frame, head_->vertices, vertices)) return Progress::kBroken;
@@ -123,7 +123,7 @@ MeshReceiver::Progress MeshReceiver::TakeVertices(absl::string_view frame) {
   return finite ? Progress::kMore : Progress::kBroken;
 }
 
-MeshReceiver::Progress MeshReceiver::TakeTriangles(absl::string_view frame) {
+MeshReceiver::Progress MeshReceiver::ReceiveTriangles(absl::string_view frame) {
   auto& triangles = mesh_.mesh.triangles;
   const size_t before = triangles.size();
   if (!head_ || !Append(frame, head_->triangles, triangles)) return Progress::kBroken;
@@ -134,7 +134,7 @@ MeshReceiver::Progress MeshReceiver::TakeTriangles(absl::string_view frame) {
   return before == triangles.size() || last < head_->vertices ? Progress::kMore : Progress::kBroken;
 }
 
-MeshReceiver::Progress MeshReceiver::TakeAttributes(absl::string_view frame) {
+MeshReceiver::Progress MeshReceiver::ReceiveAttributes(absl::string_view frame) {
   std::vector<uint32_t>& numbers = mesh_.mesh.attributes;
   const size_t before = numbers.size();
   if (!head_ || !Append(frame, attributes(), numbers)) return Progress::kBroken;

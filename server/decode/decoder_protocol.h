@@ -80,17 +80,17 @@ class MeshReceiver {
     kBroken,   // this is not what a decoder of ours sends
   };
 
-  // Takes the next frame; `frame` is aligned to 4 bytes. Not after anything but kMore.
-  Progress Take(FrameKind kind, absl::string_view frame);
+  // Receives the next frame; `frame` is aligned to 4 bytes. Not after anything but kMore.
+  Progress Receive(FrameKind kind, absl::string_view frame);
 
   // After kDone: the mesh, which CheckMesh accepts and which is within the limits, or the process's error.
   absl::StatusOr<DecodedMesh> result() &&;
 
  private:
-  Progress TakeHead(absl::string_view frame);
-  Progress TakeVertices(absl::string_view frame);
-  Progress TakeTriangles(absl::string_view frame);
-  Progress TakeAttributes(absl::string_view frame);
+  Progress ReceiveHead(absl::string_view frame);
+  Progress ReceiveVertices(absl::string_view frame);
+  Progress ReceiveTriangles(absl::string_view frame);
+  Progress ReceiveAttributes(absl::string_view frame);
   size_t attributes() const { return size_t{head_->vertices} * wanted_.size(); }
 
   const Limits limits_;

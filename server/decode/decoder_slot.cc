@@ -117,13 +117,13 @@ std::shared_ptr<DecodeJob> DecoderSlot::Serve() {
   if (state_ == State::kEmpty && absl::Now() >= start_at_) StartProcess();
   if (!process_) return nullptr;
   // The end is looked for first: what was sent before it is then all there.
-  const std::optional<ProcessEnd> end = process_->TakeEnd();
+  const std::optional<ProcessEnd> end = process_->ReceiveEnd();
   if (state_ != State::kEnding) {
     Send();
     Receive();
     if (!end) CheckTimes();
   }
-  return end ? TakeEnd(*end) : nullptr;
+  return end ? HandleEnd(*end) : nullptr;
 }
 
 void DecoderSlot::Send() {
@@ -149,7 +149,7 @@ void DecoderSlot::Receive() {
     received_ += static_cast<size_t>(got);
     bool good = false;
     try {
-      good = TakeFrames();
+      good = HandleFrames();
     } catch (const std::bad_alloc&) {
       return Abort(WithRetry(NoMemoryToDecode(), absl::Seconds(1)));  // the server's own memory
     }
@@ -159,15 +159,15 @@ void DecoderSlot::Receive() {
   }
 }
 
-// Takes all whole frames in the buffer; what is left of another moves to the front. Returns false for nonsense.
-bool DecoderSlot::TakeFrames() {
+// Handles all whole frames in the buffer; what is left of another moves to the front. Returns false for nonsense.
+bool DecoderSlot::HandleFrames() {
   const char* const buffer = reinterpret_cast<const char*>(buffer_.data());
   size_t at = 0;
   for (FrameHeader header; received_ - at >= sizeof(header); at += sizeof(header) + header.bytes) {
     std::memcpy(&header, buffer + at, sizeof(header));
     if (header.bytes > kMaxFrameBytes || header.bytes % sizeof(uint32_t) != 0) return false;
     if (received_ - at < sizeof(header) + header.bytes) break;
-    if (!TakeFrame(header.kind, {buffer + at + sizeof(header), header.bytes})) return false;
+    if (!HandleFrame(header.kind, {buffer + at + sizeof(header), header.bytes})) return false;
     if (state_ == State::kEnding) return true;
   }
   std::memmove(buffer_.data(), buffer + at, received_ - at);
@@ -175,7 +175,7 @@ bool DecoderSlot::TakeFrames() {
   return true;
 }
 
-bool DecoderSlot::TakeFrame(FrameKind kind, absl::string_view frame) {
+bool DecoderSlot::HandleFrame(FrameKind kind, absl::string_view frame) {
   if (state_ == State::kStarting) {
     if (kind == FrameKind::kError) {
       failure_ = std::string(DecodeError(frame).message());
@@ -193,7 +193,7 @@ bool DecoderSlot::TakeFrame(FrameKind kind, absl::string_view frame) {
     return true;
   }
   if (state_ != State::kBusy) return false;
-  switch (receiver_->Take(kind, frame)) {
+  switch (receiver_->Receive(kind, frame)) {
     case MeshReceiver::Progress::kMore:
       return true;
     case MeshReceiver::Progress::kBroken:
@@ -243,7 +243,7 @@ void DecoderSlot::LogTrouble(absl::string_view event, const std::string& end) co
   Log(LogLevel::kWarning, event, fields);
 }
 
-std::shared_ptr<DecodeJob> DecoderSlot::TakeEnd(const ProcessEnd& end) {
+std::shared_ptr<DecodeJob> DecoderSlot::HandleEnd(const ProcessEnd& end) {
   if (ready_ && !killed_) LogTrouble("decoder_died", end.ToString());
   pid_ = 0;
   process_.reset();
@@ -252,10 +252,10 @@ std::shared_ptr<DecodeJob> DecoderSlot::TakeEnd(const ProcessEnd& end) {
   give_up_at_ = absl::InfiniteFuture();
   if (!ready_) Fail(failure_.empty() ? absl::StrCat("it ended with ", end.ToString()) : failure_);
   // One that was killed here and has its job still was killed for talking nonsense.
-  return job_ ? TakeLostJob(killed_ || end.is_crash()) : nullptr;
+  return job_ ? HandleLostJob(killed_ || end.is_crash()) : nullptr;
 }
 
-std::shared_ptr<DecodeJob> DecoderSlot::TakeLostJob(bool crashed) {
+std::shared_ptr<DecodeJob> DecoderSlot::HandleLostJob(bool crashed) {
   if (crashed) {
     ++counters_.crashes;
     if (++job_->crashed == kMostCrashed) Finish(BadMesh("the decoder crashed on it"));

@@ -80,11 +80,11 @@ class DecoderSlot {
   void Fail(std::string why);
   void Send();
   void Receive();
-  bool TakeFrames();
-  bool TakeFrame(FrameKind kind, absl::string_view frame);
+  bool HandleFrames();
+  bool HandleFrame(FrameKind kind, absl::string_view frame);
   void CheckTimes();
-  std::shared_ptr<DecodeJob> TakeEnd(const ProcessEnd& end);
-  std::shared_ptr<DecodeJob> TakeLostJob(bool crashed);
+  std::shared_ptr<DecodeJob> HandleEnd(const ProcessEnd& end);
+  std::shared_ptr<DecodeJob> HandleLostJob(bool crashed);
   void Finish(absl::StatusOr<DecodedMesh> result);
   void Kill();
   void LogTrouble(absl::string_view event, const std::string& end = "") const;

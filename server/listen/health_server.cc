@@ -63,7 +63,8 @@ absl::Status ProbedServer::Listen(const std::string& address) {
   builder.AddListeningPort(ProvisionalAddress(address), grpc::InsecureServerCredentials(), &port);
   server_ = builder.BuildAndStart();
   if (!server_) return CannotListen(address);
-  if (absl::Status status = socket_files_.Take(address); !status.ok()) return CannotListen(address, status.message());
+  if (absl::Status status = socket_files_.MoveIntoPlace(address); !status.ok())
+    return CannotListen(address, status.message());
   address_ = BoundAddress(address, port);
   server_->GetHealthCheckService()->SetServingStatus(v1::Voxelizer::service_full_name(), true);
   return absl::OkStatus();

@@ -253,7 +253,7 @@ absl::Status Server::Listen() {
     return CannotListen(options_.listen[n]);
   }
   for (size_t n = 0; n < ports.size(); ++n) {
-    if (absl::Status status = socket_files_.Take(options_.listen[n]); !status.ok()) {
+    if (absl::Status status = socket_files_.MoveIntoPlace(options_.listen[n]); !status.ok()) {
       return CannotListen(options_.listen[n], status.message());
     }
     addresses_.push_back(BoundAddress(options_.listen[n], ports[n]));

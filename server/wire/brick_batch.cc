@@ -63,7 +63,7 @@ void BrickBatcher::GrowPacked() {
   packed_ = std::move(grown);
 }
 
-void BrickBatcher::TakePacked() {
+void BrickBatcher::StorePacked() {
   const std::string_view packed(reinterpret_cast<const char*>(packed_.get()), std::exchange(packed_bytes_, 0));
   std::optional<std::string> frame;
   if (encoding_ == BrickEncoding::kPackedZstd) frame = CompressWherePays(packed);
@@ -81,8 +81,8 @@ bool BrickBatcher::full() const {
          bricks_ > kMaxBricks - kMaxTileBricks;
 }
 
-v1::BrickBatch BrickBatcher::Take() {
-  if (packed_bytes_ != 0) TakePacked();
+v1::BrickBatch BrickBatcher::Release() {
+  if (packed_bytes_ != 0) StorePacked();
   batch_.set_progress(progress_);
   bricks_ = 0;
   full_bytes_ = std::min(2 * full_bytes_, kFullBytes);

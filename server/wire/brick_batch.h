@@ -34,13 +34,13 @@ class BrickBatcher {
   bool full() const;
 
   // The batch so far; the next one begins empty. Its progress is that of the last tile, and never decreases.
-  v1::BrickBatch Take();
+  v1::BrickBatch Release();
 
  private:
   void AddMasks(const TileBricks& tile);
   void AddPacked(const TileBricks& tile);
   void GrowPacked();
-  void TakePacked();
+  void StorePacked();
 
   const BrickEncoding encoding_;
   v1::BrickBatch batch_;

@@ -6,7 +6,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/brick/tile_order.h"
-#include "core/solid/interior.h"
 #include "core/voxelizer/estimate.h"
 #include "server/base/errors.h"
 #include "server/base/exceptions.h"
@@ -21,20 +20,6 @@ constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
 
 // How long a computation goes on while others wait.
 constexpr auto kSlice = std::chrono::milliseconds(20);
-
-// What a job takes, bytes. Of the stream, the reactor's credit and what gRPC and the kernel hold for a slow client; of
-// the threads, what they scan with; of the mesh, its arrays and the job's, as measured, and half as much again.
-constexpr uint64_t kStreamBytes = uint64_t{8} << 20, kThreadBytes = uint64_t{6} << 20;
-constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
-constexpr uint64_t kAttributeThreadBytes = uint64_t{24} << 20;
-constexpr uint64_t kBytesPerAttribute = 8;  // of a vertex, and in a mesh that the store has dropped since
-// Where triangles fill a volume, thinning has many voxels of a block of 128^3 in doubt.
-constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
-constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
-// Of sets that are kept: a brick, in a vector and an index that double as they grow; and where bricks are not counted
-// beforehand, a voxel, of which a surface has at least ten in a brick.
-constexpr uint64_t kBytesPerKeptBrick = 250;
-constexpr double kBytesPerKeptVoxel = 25;
 
 // Whether a job takes more than some 50 ms of a core, at 50 ns a triangle and 15 ns a voxel.
 bool LastsLong(uint64_t triangles, double voxels) { return static_cast<double>(triangles) * 50 + voxels * 15 > 50e6; }
@@ -68,7 +53,7 @@ Computation::Computation(JobSpec spec, std::string request_id, const CallEnviron
     : spec_(std::move(spec)),
       request_id_(std::move(request_id)),
       environment_(environment),
-      memory_(environment.memory),
+      memory_(spec_.request, environment.bulk.threads(), environment.memory),
       batcher_(spec_.encoding) {}
 
 absl::Status Computation::CheckCancelled() const {
@@ -83,13 +68,13 @@ void Computation::Cancel() {
   if (decoding_) decoding_->Cancel();
 }
 
-absl::Status Computation::Receive(uint64_t bytes) { return memory_.Grow(bytes); }
+absl::Status Computation::Receive(uint64_t bytes) { return memory_.ReserveUpload(bytes); }
 
-absl::Status Computation::TakeMesh(MeshUpload upload) {
+absl::Status Computation::ReceiveMesh(MeshUpload upload) {
   return WithoutExceptions([&]() -> absl::Status {
     mesh_bytes_ = upload.size();
     upload_ms_ = upload.milliseconds().value_or(0);
-    mesh_ = std::move(upload).Take();
+    mesh_ = std::move(upload).Release();
     if (!spec_.mesh_digest) return absl::OkStatus();
     if (mesh_.empty()) {
       std::optional<absl::Cord> kept = environment_.meshes.Find(*spec_.mesh_digest);
@@ -99,7 +84,7 @@ absl::Status Computation::TakeMesh(MeshUpload upload) {
       mesh_bytes_ = mesh_.size();
       const uint64_t limit = environment_.limits.max_mesh_bytes;
       if (mesh_bytes_ > limit) return LimitExceeded("mesh_bytes", mesh_bytes_, limit);
-      if (absl::Status status = memory_.Grow(mesh_bytes_); !status.ok()) return status;
+      if (absl::Status status = memory_.ReserveUpload(mesh_bytes_); !status.ok()) return status;
       if (spec_.mesh_bytes == 0 || spec_.mesh_bytes == mesh_bytes_) return absl::OkStatus();
       return BadSpec(absl::StrCat("mesh_bytes ", spec_.mesh_bytes, " was declared, but the mesh has ", mesh_bytes_),
                      "mesh_bytes", absl::StrCat(spec_.mesh_bytes), absl::StrCat(mesh_bytes_));
@@ -118,12 +103,10 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
       {std::exchange(mesh_, {}), spec_.request.fields, request_id_}, environment_.limits,
-      [this](uint64_t triangles, uint64_t vertices) {
-        return memory_.Grow(mesh_bytes_ + BytesOf(triangles, vertices));
-      },
+      [this](uint64_t triangles, uint64_t vertices) { return memory_.ReserveDecode(mesh_bytes_, triangles, vertices); },
       [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
         facts_.decode_ms = MillisecondsSince(decode_began_);
-        decoded(TakeDecoded(std::move(mesh)));
+        decoded(ReceiveDecoded(std::move(mesh)));
       });
   if (stop_.Stopped()) decoding_->Cancel();
 }
@@ -141,50 +124,16 @@ bool Computation::FindDecoded() {
   return kept_ != nullptr;
 }
 
-// Of a job with such a mesh.
-uint64_t Computation::BytesOf(uint64_t triangles, uint64_t vertices) const {
-  const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
-  const uint64_t attributes = spec_.request.fields.size();
-  return kStreamBytes + threads * (kThreadBytes + (attributes != 0 ? kAttributeThreadBytes : 0)) +
-         triangles * kBytesPerTriangle + vertices * (kBytesPerVertex + attributes * kBytesPerAttribute);
-}
-
-// What a job takes more if it fills.
-uint64_t Computation::BytesOfSolid(const TriangleMesh& mesh) const {
-  const Solid* const solid = spec_.request.solid();
-  if (solid == nullptr) return 0;
-  const double lines = solid->force_open ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
-  const auto threads = static_cast<uint64_t>(environment_.bulk.threads());
-  return threads * kSolidThreadBytes + static_cast<uint64_t>(std::min(lines * kBytesPerLineCrossing, 1e18));
-}
-
-// What thinning takes more, of so many voxels: in a block, if they are spread over the part of the mesh's box that is
-// asked for.
-uint64_t Computation::BytesOfThinning(double voxels) const {
-  if (!spec_.request.is_minimal()) return 0;
-  double blocks = 1;
-  for (size_t m = 0; m < 3; ++m) {
-    double side = source_.bounds.max[m] - source_.bounds.min[m];
-    if (const auto& bounds = spec_.request.part.bounds) side = std::min(side, bounds->max[m] - bounds->min[m]);
-    side /= grid_->lattice.voxel_size();
-    if (const auto& region = spec_.request.part.region)
-      side = std::min(side, static_cast<double>(region->max[m]) - region->min[m]);
-    blocks *= std::max(side / kBlockSide, 1.0);
-  }
-  const double bytes = std::min(voxels / blocks * kBytesPerVoxelOfBlock, kMostBytesOfBlock);
-  return static_cast<uint64_t>(environment_.bulk.threads()) * static_cast<uint64_t>(bytes);
-}
-
 void Computation::Free() {
   job_.reset();
   voxels_ = {};
   mesh_.Clear();
   decoded_ = {};
   kept_.reset();
-  memory_.Shrink(0);
+  memory_.Free();
 }
 
-absl::Status Computation::TakeDecoded(absl::StatusOr<DecodedMesh> mesh) {
+absl::Status Computation::ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh) {
   if (!mesh.ok()) return mesh.status();
   decoded_ = *std::move(mesh);
   return ReserveForJob(decoded_.mesh);
@@ -194,24 +143,7 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
   const uint64_t triangles = mesh.triangles.size(), vertices = mesh.vertices.size();
   large_ = LastsLong(triangles, 0);
-  job_bytes_ = BytesOf(triangles, vertices);
-  memory_.Shrink(job_bytes_);
-  return memory_.Grow(job_bytes_);
-}
-
-absl::Status Computation::TakeEstimate(double voxels, double visits) {
-  const uint64_t limit = environment_.limits.max_visited_points;
-  if (visits > static_cast<double>(limit)) {
-    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     absl::StrCat("visited_points (estimated) ", estimate, " exceeds ", limit),
-                     {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});
-  }
-  large_ = LastsLong(facts_.triangles, visits);
-  const auto kept = static_cast<uint64_t>(std::min(voxels * kBytesPerKeptVoxel, 1e18));
-  if (spec_.request.algorithm() != Algorithm::kExact) job_bytes_ += kept;
-  // What verification keeps is reserved now, by an estimate that is seldom too low: a job that is accepted should end.
-  return memory_.Grow(spec_.request.verify ? job_bytes_ + kept : job_bytes_);
+  return memory_.ReserveMesh(triangles, vertices);
 }
 
 // Finds its extent, and lets the store keep it if it comes again: most meshes come once.
@@ -219,6 +151,24 @@ void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
   if (!mesh_comes_again_ || stop_.Stopped()) return;
   kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields, std::move(decoded_));
+}
+
+JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) const {
+  const Solid* const solid = spec_.request.solid();
+  const bool keeps_crossings = solid != nullptr && solid->force_open;
+  const double crossings = keeps_crossings ? EstimateLineCrossings(mesh, *grid_, stop_.Signal()) : 0;
+  return {voxels, crossings, source_.bounds, grid_->lattice.voxel_size()};
+}
+
+absl::Status Computation::CheckVisits(double visits) const {
+  const uint64_t limit = environment_.limits.max_visited_points;
+  if (visits > static_cast<double>(limit)) {
+    const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     absl::StrCat("visited_points (estimated) ", estimate, " exceeds ", limit),
+                     {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Computation::CreateJob() {
@@ -234,7 +184,7 @@ absl::Status Computation::CreateJob() {
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
   const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.request, voxels, stop_.Signal());
-  job_bytes_ += BytesOfSolid(decoded.mesh) + BytesOfThinning(voxels);
+  const JobEstimate estimate = EstimateJob(decoded.mesh, voxels);
   VoxelRequest request = spec_.request;
   if (spec_.request.verify) request.part.resume_after.reset();  // all is to be verified
   auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, request, stop_.Signal())
@@ -242,7 +192,9 @@ absl::Status Computation::CreateJob() {
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();
-  if (absl::Status status = TakeEstimate(voxels, visits); !status.ok()) return status;
+  if (absl::Status status = CheckVisits(visits); !status.ok()) return status;
+  large_ = LastsLong(facts_.triangles, visits);
+  if (absl::Status status = memory_.ReserveJob(estimate); !status.ok()) return status;
   if (spec_.request.part.resume_after && !job_->facts().HasTile(*spec_.request.part.resume_after)) {
     return BadResumePoint(*spec_.request.part.resume_after);
   }
@@ -270,7 +222,7 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
       const Stopwatch stopwatch(facts_.voxelize_ms);
       const Clock::time_point slice_end = Clock::now() + kSlice;
       done = job_->Advance([&](TileBricks&& tile) {
-        const bool more = TakeTile(tile, deliver);
+        const bool more = HandleTile(tile, deliver);
         return more && (Clock::now() < slice_end || !make_way());
       });
     }
@@ -290,7 +242,7 @@ const JobTotals& Computation::totals() const { return DeliversTheEndOnly() ? del
 
 bool Computation::DeliversTheEndOnly() const { return spec_.request.verify && spec_.request.part.resume_after; }
 
-bool Computation::TakeTile(const TileBricks& tile, const Deliver& deliver) {
+bool Computation::HandleTile(const TileBricks& tile, const Deliver& deliver) {
   if (!failure_.ok()) return false;
   if (spec_.request.verify) {
     failure_ = KeepForVerification(tile);
@@ -306,8 +258,7 @@ bool Computation::TakeTile(const TileBricks& tile, const Deliver& deliver) {
 }
 
 absl::Status Computation::KeepForVerification(const TileBricks& tile) {
-  kept_bytes_ += tile.bricks.size() * kBytesPerKeptBrick;
-  if (absl::Status status = memory_.Grow(job_bytes_ + kept_bytes_); !status.ok()) return status;
+  if (absl::Status status = memory_.ReserveKept(tile.bricks.size()); !status.ok()) return status;
   for (const Brick& brick : tile.bricks) voxels_.Add(brick);
   return absl::OkStatus();
 }
@@ -315,7 +266,7 @@ absl::Status Computation::KeepForVerification(const TileBricks& tile) {
 bool Computation::DeliverBatch(const Deliver& deliver) {
   last_delivery_ = Clock::now();
   v1::VoxelizeResponse response;
-  *response.mutable_bricks() = batcher_.Take();
+  *response.mutable_bricks() = batcher_.Release();
   return deliver(std::move(response));
 }
 

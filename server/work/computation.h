@@ -1,6 +1,6 @@
 // One request's work after its upload: encoded mesh in, response messages out. Knows no gRPC.
 //
-//   Receive … ──▶ TakeMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
+//   Receive … ──▶ ReceiveMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
 #ifndef LATVOX_SERVER_WORK_COMPUTATION_H_
 #define LATVOX_SERVER_WORK_COMPUTATION_H_
 
@@ -22,7 +22,7 @@
 #include "server/wire/brick_batch.h"
 #include "server/wire/convert.h"
 #include "server/work/call_environment.h"
-#include "server/work/memory_budget.h"
+#include "server/work/job_memory.h"
 #include "server/work/mesh_upload.h"
 
 namespace latvox {
@@ -42,13 +42,13 @@ class Computation {
 
   Computation(JobSpec spec, std::string request_id, const CallEnvironment& environment);
 
-  // Reserves memory for an upload of so many bytes, altogether. Cheap enough for a gRPC callback. Errors: as
-  // MemoryReservation::Grow.
+  // Reserves memory for an upload of so many bytes, altogether. Cheap enough for a gRPC callback.
+  // Errors: as JobMemory::ReserveUpload.
   absl::Status Receive(uint64_t bytes);
 
   // Holds what came against the digest, if the request has one, and keeps it; or finds what was kept if nothing came.
   // Once. Errors: INVALID_ARGUMENT; NOT_FOUND if there is no such mesh.
-  absl::Status TakeMesh(MeshUpload upload);
+  absl::Status ReceiveMesh(MeshUpload upload);
 
   // Has the mesh decoded, unless what it decodes to is kept, and returns at once. `decoded` is called exactly once, as
   // MeshDecoder::Done, or before this returns; the computation has to live until then. Once. Errors: as there.
@@ -79,16 +79,14 @@ class Computation {
   using Clock = std::chrono::steady_clock;
 
   absl::Status CheckCancelled() const;
-  uint64_t BytesOf(uint64_t triangles, uint64_t vertices) const;
   bool FindDecoded();
-  absl::Status TakeDecoded(absl::StatusOr<DecodedMesh> mesh);
+  absl::Status ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh);
   absl::Status ReserveForJob(const TriangleMesh& mesh);
   void ShareIfItComesAgain();
-  uint64_t BytesOfSolid(const TriangleMesh& mesh) const;
-  uint64_t BytesOfThinning(double voxels) const;
-  absl::Status TakeEstimate(double voxels, double visits);
+  JobEstimate EstimateJob(const TriangleMesh& mesh, double voxels) const;
+  absl::Status CheckVisits(double visits) const;
   absl::Status CreateJob();
-  bool TakeTile(const TileBricks& tile, const Deliver& deliver);
+  bool HandleTile(const TileBricks& tile, const Deliver& deliver);
   bool DeliversTheEndOnly() const;
   const JobTotals& totals() const;
   absl::Status KeepForVerification(const TileBricks& tile);
@@ -98,7 +96,7 @@ class Computation {
   const JobSpec spec_;
   const std::string request_id_;
   const CallEnvironment environment_;
-  MemoryReservation memory_;
+  JobMemory memory_;
 
   StopSource stop_;
   std::mutex decoding_mu_;
@@ -113,10 +111,9 @@ class Computation {
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;
   MeshSource source_;
-  VoxelSet voxels_;                          // of the whole result, if it is to be verified
-  JobTotals delivered_;                      // of a result of which only the end is wanted, but all is to be verified
-  uint64_t job_bytes_ = 0, kept_bytes_ = 0;  // of memory_, by what they are for
-  absl::Status failure_;                     // of the sink
+  VoxelSet voxels_;       // of the whole result, if it is to be verified
+  JobTotals delivered_;   // of a result of which only the end is wanted, but all is to be verified
+  absl::Status failure_;  // of the sink
   BrickBatcher batcher_;
   uint64_t mesh_bytes_ = 0;
   double upload_ms_ = 0;

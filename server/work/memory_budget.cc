@@ -15,7 +15,7 @@ constexpr absl::Duration kRetryDelay = absl::Seconds(1);
 
 }  // namespace
 
-bool MemoryBudget::Take(uint64_t bytes) {
+bool MemoryBudget::Reserve(uint64_t bytes) {
   uint64_t reserved = reserved_;
   do {
     if (bytes > total_ - reserved) return false;
@@ -26,7 +26,7 @@ bool MemoryBudget::Take(uint64_t bytes) {
 absl::Status MemoryReservation::Grow(uint64_t bytes) {
   if (bytes <= bytes_) return absl::OkStatus();
   if (bytes > budget_->total()) return LimitExceeded("memory", bytes, budget_->total());
-  if (!budget_->Take(bytes - bytes_)) {
+  if (!budget_->Reserve(bytes - bytes_)) {
     const std::string message = absl::StrCat("memory: ", bytes, " bytes are needed, and others have ",
                                              budget_->reserved() - bytes_, " of ", budget_->total(), "; try again");
     return WithRetry(MakeError(absl::StatusCode::kResourceExhausted, message,

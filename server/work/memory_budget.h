@@ -24,7 +24,7 @@ class MemoryBudget {
  private:
   friend class MemoryReservation;
 
-  bool Take(uint64_t bytes);
+  bool Reserve(uint64_t bytes);
 
   const uint64_t total_;
   std::atomic<uint64_t> reserved_ = 0;

@@ -38,7 +38,7 @@ absl::Status MeshUpload::CheckComplete() const {
   return absl::OkStatus();
 }
 
-absl::Cord MeshUpload::Take() && {
+absl::Cord MeshUpload::Release() && {
   absl::Cord all;
   for (std::string& piece : std::exchange(pieces_, {})) all.Append(std::move(piece));
   return all;

@@ -27,7 +27,7 @@ class MeshUpload {
   absl::Status CheckComplete() const;
 
   // All bytes. The pieces are handed over, not copied.
-  absl::Cord Take() &&;
+  absl::Cord Release() &&;
 
   uint64_t size() const { return size_; }
 

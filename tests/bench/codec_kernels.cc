@@ -53,9 +53,9 @@ std::vector<v1::BrickBatch> Encode(const Bunny& bunny, BrickEncoding encoding) {
   BrickBatcher batcher(encoding);
   for (const TileBricks& tile : bunny.tiles) {
     batcher.Add(tile);
-    if (batcher.full()) batches.push_back(batcher.Take());
+    if (batcher.full()) batches.push_back(batcher.Release());
   }
-  if (!batcher.empty()) batches.push_back(batcher.Take());
+  if (!batcher.empty()) batches.push_back(batcher.Release());
   return batches;
 }
 

@@ -28,7 +28,7 @@ FEW = 12  # sentences; a mean over fewer says little
 # Written by others, or by programs.
 FOREIGN = {"client/tool/view/three.js", "tests/node/package-lock.json", "LICENSE"}
 OWN_EXAMPLES = {"tests/prose/prose.py", "tests/prose/prose_test.py"}  # of bad English
-FOREIGN_FOLDERS = ("proto/google/", "tests/fuzz/corpus/")
+FOREIGN_FOLDERS = ("proto/google/", "proto/released/", "tests/fuzz/corpus/")
 
 HABITS = {
     "'of which'": re.compile(r"\bof (?:which|whom|those (?:that|which|who|in|of|with))\b", re.I),

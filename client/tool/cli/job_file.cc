@@ -25,10 +25,10 @@ class Claims {
   // Errors: INVALID_ARGUMENT, naming the line before that has an output or the id already.
   absl::Status Add(uint64_t line, const Job& job) {
     for (const std::string& name : job.names) {
-      if (auto status = Take(outputs_, "out", name, line); !status.ok()) return status;
+      if (auto status = Reserve(outputs_, "out", name, line); !status.ok()) return status;
     }
     if (job.id != job.names.front()) {
-      if (auto status = Take(ids_, "id", job.id, line); !status.ok()) return status;
+      if (auto status = Reserve(ids_, "id", job.id, line); !status.ok()) return status;
     }
     // Other meshes cannot be where outputs go, and asking for the places of millions would take long.
     for (const std::string& mesh : job.options.mesh.paths) {
@@ -57,7 +57,7 @@ class Claims {
   };
   using Lines = absl::flat_hash_map<std::string, uint64_t>;
 
-  static absl::Status Take(Lines& lines, const char* field, const std::string& value, uint64_t line) {
+  static absl::Status Reserve(Lines& lines, const char* field, const std::string& value, uint64_t line) {
     const auto [entry, fresh] = lines.emplace(value, line);
     if (fresh) return absl::OkStatus();
     return absl::InvalidArgumentError(

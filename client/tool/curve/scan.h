@@ -24,9 +24,9 @@ inline void SkipSeparator(absl::string_view& rest) {
   SkipSpace(rest);
 }
 
-// Takes the longest decimal number that `rest` begins with, as the nearest double. False, with `rest` as it was, if it
+// Reads the longest decimal number that `rest` begins with, as the nearest double. False, with `rest` as it was, if it
 // begins with none, or with one that is not finite as a double.
-inline bool TakeNumber(absl::string_view& rest, double& number) {
+inline bool ReadDecimal(absl::string_view& rest, double& number) {
   absl::string_view text = rest;
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
   const size_t first = text.size() > 1 && text[0] == '-' && text.size() == rest.size() ? 1 : 0;

@@ -36,7 +36,7 @@ Affine Compose(const Affine& outer, const Affine& inner) {
 bool ParseNumbers(absl::string_view text, std::vector<double>& numbers) {
   SkipSpace(text);
   while (!text.empty()) {
-    if (!TakeNumber(text, numbers.emplace_back())) return false;
+    if (!ReadDecimal(text, numbers.emplace_back())) return false;
     SkipSeparator(text);
   }
   return true;
@@ -146,7 +146,7 @@ class SvgReader {
     const pugi::xml_attribute attribute = node.attribute(name);
     if (!attribute) return absl::OkStatus();
     absl::string_view text = absl::StripAsciiWhitespace(attribute.value());
-    if (TakeNumber(text, value) && text.empty()) return absl::OkStatus();
+    if (ReadDecimal(text, value) && text.empty()) return absl::OkStatus();
     return Error(node, name, " \"", attribute.value(), "\" is not a finite number without a unit");
   }
 

@@ -69,14 +69,14 @@ class PathReader {
     return absl::OkStatus();
   }
 
-  absl::Status TakeCoordinate(double& value) {
+  absl::Status ReadCoordinate(double& value) {
     SkipSeparator(rest_);
-    return TakeNumber(rest_, value) ? absl::OkStatus() : NotExpected("a finite number");
+    return ReadDecimal(rest_, value) ? absl::OkStatus() : NotExpected("a finite number");
   }
 
-  absl::Status TakePoint(bool relative, Vec2d& point) {
+  absl::Status ReadPoint(bool relative, Vec2d& point) {
     for (size_t m = 0; m < 2; ++m) {
-      if (absl::Status status = TakeCoordinate(point[m]); !status.ok()) return status;
+      if (absl::Status status = ReadCoordinate(point[m]); !status.ok()) return status;
       if (relative) point[m] += current_[m];
     }
     return absl::OkStatus();
@@ -86,7 +86,7 @@ class PathReader {
   absl::Status MoveTo(bool relative) {
     End(/*closed=*/false);
     Vec2d point;
-    if (absl::Status status = TakePoint(relative, point); !status.ok()) return status;
+    if (absl::Status status = ReadPoint(relative, point); !status.ok()) return status;
     outline_.start = current_ = point;
     SkipSeparator(rest_);
     if (rest_.empty() || absl::ascii_isalpha(static_cast<unsigned char>(rest_[0]))) return absl::OkStatus();
@@ -96,7 +96,7 @@ class PathReader {
   absl::Status CurveTo(size_t degree, bool relative) {
     OutlinePiece piece{degree, {}};
     for (size_t n = 0; n < degree; ++n) {
-      if (absl::Status status = TakePoint(relative, piece.control[n]); !status.ok()) return status;
+      if (absl::Status status = ReadPoint(relative, piece.control[n]); !status.ok()) return status;
     }
     Append(piece);
     return absl::OkStatus();
@@ -104,7 +104,7 @@ class PathReader {
 
   absl::Status AxisTo(size_t axis, bool relative) {
     double value = 0;
-    if (absl::Status status = TakeCoordinate(value); !status.ok()) return status;
+    if (absl::Status status = ReadCoordinate(value); !status.ok()) return status;
     OutlinePiece piece{1, {current_}};
     piece.control[0][axis] = relative ? current_[axis] + value : value;
     Append(piece);

@@ -9,11 +9,11 @@
 namespace latvox::client {
 namespace {
 
-// Takes "x,y" off the front, up to white space or the end.
-bool TakePoint(absl::string_view& rest, Vec2d& point) {
-  if (!TakeNumber(rest, point[0]) || rest.empty() || rest[0] != ',') return false;
+// Reads "x,y" off the front, up to white space or the end.
+bool ReadPoint(absl::string_view& rest, Vec2d& point) {
+  if (!ReadDecimal(rest, point[0]) || rest.empty() || rest[0] != ',') return false;
   rest.remove_prefix(1);
-  return TakeNumber(rest, point[1]) && (rest.empty() || absl::ascii_isspace(static_cast<unsigned char>(rest[0])));
+  return ReadDecimal(rest, point[1]) && (rest.empty() || absl::ascii_isspace(static_cast<unsigned char>(rest[0])));
 }
 
 absl::StatusOr<Polyline> ParseLine(absl::string_view rest) {
@@ -27,7 +27,7 @@ absl::StatusOr<Polyline> ParseLine(absl::string_view rest) {
       rest.remove_prefix(1);
       continue;
     }
-    if (Vec2d point; TakePoint(rest, point)) {
+    if (Vec2d point; ReadPoint(rest, point)) {
       polyline.points.push_back(point);
     } else {
       return absl::InvalidArgumentError(absl::StrCat("\"", Shown(word), "\" is not a point x,y of finite numbers"));

@@ -21,7 +21,7 @@ float FullColor(const draco::PointAttribute& colors) {
   return colors.data_type() == draco::DT_UINT8 ? 255 : colors.data_type() == draco::DT_UINT16 ? 65535 : 1;
 }
 
-absl::Status TakeColors(const draco::Mesh& decoded, uint32_t id, Mesh& mesh) {
+absl::Status StoreColors(const draco::Mesh& decoded, uint32_t id, Mesh& mesh) {
   const draco::PointAttribute* colors = decoded.GetAttributeByUniqueId(id);
   if (colors == nullptr || colors->num_components() < 3) return Bad("has no colors of three numbers");
   for (uint32_t p = 0; p < decoded.num_points(); ++p) {
@@ -63,7 +63,7 @@ absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids) 
     }
   }
   if (ids.colors) {
-    if (auto status = TakeColors(decoded, *ids.colors, mesh); !status.ok()) return status;
+    if (auto status = StoreColors(decoded, *ids.colors, mesh); !status.ok()) return status;
   }
   return mesh;
 }

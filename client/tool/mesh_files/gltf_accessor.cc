@@ -48,7 +48,7 @@ absl::StatusOr<uint64_t> ComponentsOf(const SortedJson& accessor) {
   return Bad("type \"", type, "\" is not one of SCALAR, VEC2, VEC3, VEC4");
 }
 
-absl::Status TakeBase(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers, Elements& elements) {
+absl::Status ReadBase(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers, Elements& elements) {
   const uint64_t size = elements.size(), count = elements.count;
   if (!accessor.contains("bufferView")) {
     if (count > kMaxElements) {
@@ -73,7 +73,7 @@ absl::Status TakeBase(const SortedJson& accessor, const SortedJson& root, GltfBu
 }
 
 // Changes some of the elements.
-absl::Status TakeSparse(const SortedJson& sparse, GltfBuffers& buffers, Elements& elements) {
+absl::Status ReadSparse(const SortedJson& sparse, GltfBuffers& buffers, Elements& elements) {
   const auto changes = GltfNumber(sparse, "count");
   if (!changes.ok()) return In("sparse", changes.status());
   if (*changes > elements.count) return Bad("sparse: count ", *changes, " exceeds the accessor's ", elements.count);
@@ -96,7 +96,7 @@ absl::Status TakeSparse(const SortedJson& sparse, GltfBuffers& buffers, Elements
   return absl::OkStatus();
 }
 
-absl::StatusOr<Elements> Take(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers) {
+absl::StatusOr<Elements> ReadElements(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers) {
   const auto count = GltfNumber(accessor, "count"), type = GltfNumber(accessor, "componentType");
   const auto components = ComponentsOf(accessor);
   for (const auto* field : {&count, &type, &components}) {
@@ -105,9 +105,9 @@ absl::StatusOr<Elements> Take(const SortedJson& accessor, const SortedJson& root
   if (*count > UINT32_MAX) return Bad("count ", *count, " exceeds ", UINT32_MAX);
   if (SizeOf(*type) == 0) return Bad("componentType ", *type, " is not one of glTF's");
   Elements elements{.component_type = *type, .components = *components, .count = *count};
-  if (auto status = TakeBase(accessor, root, buffers, elements); !status.ok()) return status;
+  if (auto status = ReadBase(accessor, root, buffers, elements); !status.ok()) return status;
   if (const auto sparse = accessor.find("sparse"); sparse != accessor.end()) {
-    if (auto status = TakeSparse(*sparse, buffers, elements); !status.ok()) return status;
+    if (auto status = ReadSparse(*sparse, buffers, elements); !status.ok()) return status;
   }
   return elements;
 }
@@ -165,7 +165,7 @@ absl::StatusOr<Result> OfAccessor(uint64_t number, const SortedJson& root, const
 
 absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers) {
   return OfAccessor<GltfFloats>(accessor, root, [&](const SortedJson& described) -> absl::StatusOr<GltfFloats> {
-    const auto elements = Take(described, root, buffers);
+    const auto elements = ReadElements(described, root, buffers);
     if (!elements.ok()) return elements.status();
     auto values = ToFloats(*elements, described.value("normalized", false));
     if (!values.ok()) return values.status();
@@ -176,7 +176,7 @@ absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& r
 absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers) {
   using Indices = std::vector<uint32_t>;
   return OfAccessor<Indices>(accessor, root, [&](const SortedJson& described) -> absl::StatusOr<Indices> {
-    const auto elements = Take(described, root, buffers);
+    const auto elements = ReadElements(described, root, buffers);
     if (!elements.ok()) return elements.status();
     const uint64_t type = elements->component_type;
     if (!IsIndex(type) || elements->components != 1) {

@@ -20,7 +20,7 @@ struct Chunks {
 };
 
 // A .glb is a header of 12 bytes and chunks: their length, their kind, and so many bytes.
-absl::StatusOr<Chunks> TakeApart(absl::string_view bytes) {
+absl::StatusOr<Chunks> SplitChunks(absl::string_view bytes) {
   if (!absl::StartsWith(bytes, "glTF")) return Chunks{bytes, {}};
   uint32_t version = 2;
   if (bytes.size() >= 8) std::memcpy(&version, bytes.data() + 4, sizeof(version));
@@ -87,7 +87,7 @@ absl::Status GltfError(const SortedJson::exception& error) {
 }
 
 absl::StatusOr<GltfDocument> ParseGltfDocument(absl::string_view bytes) try {
-  const auto chunks = TakeApart(bytes);
+  const auto chunks = SplitChunks(bytes);
   if (!chunks.ok()) return chunks.status();
   GltfDocument document{SortedJson::parse(chunks->json), chunks->binary};
   if (auto status = CheckVersion(document.root); !status.ok()) return status;

@@ -48,7 +48,7 @@ absl::Status AppendTriangles(Mode mode, const std::vector<uint32_t>& corners, Me
   return absl::OkStatus();
 }
 
-absl::Status TakePositions(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers, Mesh& mesh) {
+absl::Status StorePositions(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers, Mesh& mesh) {
   const auto positions = ReadGltfFloats(accessor, root, buffers);
   if (!positions.ok()) return positions.status();
   if (positions->components != 3) return Bad("POSITION has ", positions->components, " components, not 3");
@@ -59,7 +59,7 @@ absl::Status TakePositions(uint64_t accessor, const SortedJson& root, GltfBuffer
   return absl::OkStatus();
 }
 
-absl::Status TakeColors(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers, Mesh& mesh) {
+absl::Status StoreColors(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers, Mesh& mesh) {
   const auto colors = ReadGltfFloats(accessor, root, buffers);
   if (!colors.ok()) return colors.status();
   const size_t components = colors->components, count = colors->values.size() / components;
@@ -94,11 +94,11 @@ absl::StatusOr<Mesh> ReadTriangles(Mode mode, const SortedJson& primitive, const
   const auto position = GltfIndex(attributes, "POSITION", root, "accessors");
   if (!position.ok()) return position.status();
   Mesh mesh;
-  if (auto status = TakePositions(*position, root, buffers, mesh); !status.ok()) return status;
+  if (auto status = StorePositions(*position, root, buffers, mesh); !status.ok()) return status;
   if (attributes.contains("COLOR_0")) {
     const auto color = GltfIndex(attributes, "COLOR_0", root, "accessors");
     if (!color.ok()) return color.status();
-    if (auto status = TakeColors(*color, root, buffers, mesh); !status.ok()) return status;
+    if (auto status = StoreColors(*color, root, buffers, mesh); !status.ok()) return status;
   }
   std::vector<uint32_t> corners(mesh.positions.size());
   std::iota(corners.begin(), corners.end(), 0);

@@ -46,13 +46,13 @@ class Statements {
   bool Next(absl::string_view& statement) {
     if (rest_.empty()) return false;
     line_ = next_line_;
-    statement = TakeLine();
+    statement = ReadLine();
     if (!IsContinued(statement)) return true;
     joined_.clear();
     while (IsContinued(statement)) {
       statement.remove_suffix(1);
       absl::StrAppend(&joined_, statement, " ");
-      statement = TakeLine();
+      statement = ReadLine();
     }
     absl::StrAppend(&joined_, statement);
     statement = joined_;
@@ -65,7 +65,7 @@ class Statements {
  private:
   static bool IsContinued(absl::string_view line) { return !line.empty() && line.back() == '\\'; }
 
-  absl::string_view TakeLine() {
+  absl::string_view ReadLine() {
     ++next_line_;
     const size_t end = rest_.find('\n');
     absl::string_view line = rest_.substr(0, end);

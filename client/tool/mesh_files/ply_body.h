@@ -21,37 +21,37 @@ class PlyBody {
 
   bool ok() const { return ok_; }
 
-  double TakeNumber(PlyScalar type) {
-    if (format_ == PlyFormat::kAscii) return TakeText<double>();
+  double ReadNumber(PlyScalar type) {
+    if (format_ == PlyFormat::kAscii) return ReadText<double>();
     switch (type) {
       case PlyScalar::kInt8:
-        return TakeBinary<int8_t>();
+        return ReadBinary<int8_t>();
       case PlyScalar::kUint8:
-        return TakeBinary<uint8_t>();
+        return ReadBinary<uint8_t>();
       case PlyScalar::kInt16:
-        return TakeBinary<int16_t>();
+        return ReadBinary<int16_t>();
       case PlyScalar::kUint16:
-        return TakeBinary<uint16_t>();
+        return ReadBinary<uint16_t>();
       case PlyScalar::kInt32:
-        return TakeBinary<int32_t>();
+        return ReadBinary<int32_t>();
       case PlyScalar::kUint32:
-        return TakeBinary<uint32_t>();
+        return ReadBinary<uint32_t>();
       case PlyScalar::kFloat32:
-        return TakeBinary<float>();
+        return ReadBinary<float>();
       case PlyScalar::kFloat64:
-        return TakeBinary<double>();
+        return ReadBinary<double>();
     }
     return 0;
   }
 
   // Rounded once: decimal text goes to float32 directly, not by way of double.
-  float TakeFloat(PlyScalar type) {
-    return format_ == PlyFormat::kAscii ? TakeText<float>() : static_cast<float>(TakeNumber(type));
+  float ReadFloat(PlyScalar type) {
+    return format_ == PlyFormat::kAscii ? ReadText<float>() : static_cast<float>(ReadNumber(type));
   }
 
  private:
   template <class T>
-  T TakeBinary() {
+  T ReadBinary() {
     if (!ok_ || rest_.size() < sizeof(T)) return ok_ = false, T{};
     char bytes[sizeof(T)];
     std::memcpy(bytes, rest_.data(), sizeof(T));
@@ -63,7 +63,7 @@ class PlyBody {
   }
 
   template <class T>
-  T TakeText() {
+  T ReadText() {
     const size_t begin = std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size());
     const size_t end = std::min(rest_.find_first_of(" \t\r\n", begin), rest_.size());
     absl::string_view word = rest_.substr(begin, end - begin);

@@ -23,8 +23,8 @@ absl::Status EndsEarly(const PlyElement& element, uint64_t at) {
 }
 
 void SkipProperty(const PlyProperty& property, PlyBody& body) {
-  double count = property.count_type ? body.TakeNumber(*property.count_type) : 1;
-  for (; body.ok() && count >= 1; --count) body.TakeNumber(property.type);
+  double count = property.count_type ? body.ReadNumber(*property.count_type) : 1;
+  for (; body.ok() && count >= 1; --count) body.ReadNumber(property.type);
 }
 
 using Triangle = std::array<uint32_t, 3>;
@@ -91,9 +91,9 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
     Color color{};
     for (const PlyProperty& property : element.properties) {
       if (const auto axis = PositionOf(property, kAxes)) {
-        position[*axis] = body.TakeFloat(property.type);
+        position[*axis] = body.ReadFloat(property.type);
       } else if (const auto part = color_names ? PositionOf(property, *color_names) : std::nullopt) {
-        color[*part] = ToColorPart(body.TakeNumber(property.type), property, n, mesh);
+        color[*part] = ToColorPart(body.ReadNumber(property.type), property, n, mesh);
       } else {
         SkipProperty(property, body);
       }
@@ -120,11 +120,11 @@ absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n,
 }
 
 // The corners of face n.
-absl::Status TakeCorners(const PlyProperty& property, uint64_t n, size_t vertices, PlyBody& body,
+absl::Status ReadCorners(const PlyProperty& property, uint64_t n, size_t vertices, PlyBody& body,
                          std::vector<uint32_t>& corners) {
   corners.clear();
-  for (double count = body.TakeNumber(*property.count_type); body.ok() && count >= 1; --count) {
-    const double index = body.TakeNumber(property.type);
+  for (double count = body.ReadNumber(*property.count_type); body.ok() && count >= 1; --count) {
+    const double index = body.ReadNumber(property.type);
     if (!body.ok()) break;
     const auto vertex = ToVertex(index, "face", n, vertices);
     if (!vertex.ok()) return vertex.status();
@@ -144,7 +144,7 @@ absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) 
     for (const PlyProperty& property : element.properties) {
       if (!IsCorners(property)) {
         SkipProperty(property, body);
-      } else if (auto status = TakeCorners(property, n, mesh.positions.size(), body, corners); !status.ok()) {
+      } else if (auto status = ReadCorners(property, n, mesh.positions.size(), body, corners); !status.ok()) {
         return status;
       }
     }
@@ -160,11 +160,11 @@ absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) 
 
 // Those of one list: every vertex but the first two of a strip makes a triangle with the two before it; -1 ends a
 // strip.
-absl::Status TakeStrips(const PlyProperty& property, uint64_t n, PlyBody& body, Mesh& mesh) {
+absl::Status ReadStripList(const PlyProperty& property, uint64_t n, PlyBody& body, Mesh& mesh) {
   std::array<uint32_t, 2> before{};
   size_t length = 0;  // of the strip so far
-  for (double count = body.TakeNumber(*property.count_type); body.ok() && count >= 1; --count) {
-    const double index = body.TakeNumber(property.type);
+  for (double count = body.ReadNumber(*property.count_type); body.ok() && count >= 1; --count) {
+    const double index = body.ReadNumber(property.type);
     if (!body.ok()) break;
     if (index == -1) {
       length = 0;
@@ -189,7 +189,7 @@ absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
     for (const PlyProperty& property : element.properties) {
       if (!IsCorners(property)) {
         SkipProperty(property, body);
-      } else if (auto status = TakeStrips(property, n, body, mesh); !status.ok()) {
+      } else if (auto status = ReadStripList(property, n, body, mesh); !status.ok()) {
         return status;
       }
     }
@@ -211,7 +211,7 @@ absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
 
 // Nothing is allocated by a declared count: vectors grow with the bytes that are there.
 absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
-  const absl::StatusOr<PlyHeader> header = TakePlyHeader(bytes);
+  const absl::StatusOr<PlyHeader> header = ReadPlyHeader(bytes);
   if (!header.ok()) return header.status();
   PlyBody body(bytes, header->format);
   Mesh mesh;

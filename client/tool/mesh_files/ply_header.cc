@@ -68,7 +68,7 @@ absl::string_view NameOf(PlyScalar scalar) {
   return "";
 }
 
-absl::StatusOr<PlyHeader> TakePlyHeader(absl::string_view& rest) {
+absl::StatusOr<PlyHeader> ReadPlyHeader(absl::string_view& rest) {
   PlyHeader header;
   for (bool first = true;; first = false) {
     const size_t end = rest.find('\n');

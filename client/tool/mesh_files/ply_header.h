@@ -35,8 +35,8 @@ struct PlyHeader {
 // "uchar", "float", ...
 absl::string_view NameOf(PlyScalar scalar);
 
-// Takes the header off the front of `rest`. Errors: INVALID_ARGUMENT, naming the line that is wrong or missing.
-absl::StatusOr<PlyHeader> TakePlyHeader(absl::string_view& rest);
+// Reads the header off the front of `rest`. Errors: INVALID_ARGUMENT, naming the line that is wrong or missing.
+absl::StatusOr<PlyHeader> ReadPlyHeader(absl::string_view& rest);
 
 }  // namespace latvox::client
 

@@ -64,7 +64,7 @@ absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeM
   return Property{is_material ? in.materials[number] : std::nullopt, *color};
 }
 
-absl::StatusOr<ThreeMfCarrier::Carried> ThreeMfCarrier::Take(const pugi::xml_node& triangle) {
+absl::StatusOr<ThreeMfCarrier::Carried> ThreeMfCarrier::ReadCarried(const pugi::xml_node& triangle) {
   const pugi::xml_attribute own = AttributeOf(triangle, "pid");
   const std::string group = (own ? own : AttributeOf(object_, "pid")).value();
   pugi::xml_attribute first = AttributeOf(triangle, "p1");
@@ -87,9 +87,9 @@ absl::StatusOr<ThreeMfCarrier::Carried> ThreeMfCarrier::Take(const pugi::xml_nod
 }
 
 void ThreeMfCarrier::Begin(const pugi::xml_node& triangle, Mesh& mesh) {
-  const auto taken = Take(triangle);
-  if (!taken.ok() && mesh.no_color.empty()) mesh.no_color = std::string(taken.status().message());
-  const Carried carried = taken.ok() ? *taken : Carried{};
+  const auto read = ReadCarried(triangle);
+  if (!read.ok() && mesh.no_color.empty()) mesh.no_color = std::string(read.status().message());
+  const Carried carried = read.ok() ? *read : Carried{};
   if (carried.material != material_) BeginStretch(0, carried.material, mesh);
   material_ = carried.material;
   if (carried.colors) colors_.push_back(*carried.colors);

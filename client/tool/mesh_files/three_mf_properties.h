@@ -66,7 +66,7 @@ class ThreeMfCarrier {
     std::optional<uint32_t> material;
     std::optional<std::array<Color, 3>> colors;  // of the corners
   };
-  absl::StatusOr<Carried> Take(const pugi::xml_node& triangle);
+  absl::StatusOr<Carried> ReadCarried(const pugi::xml_node& triangle);
 
   const ThreeMfPart& part_;
   const pugi::xml_node object_;

@@ -380,7 +380,7 @@ void ExpectWholeJob(NamedLattice name, int separability, BrickEncoding encoding)
   std::vector<client::Brick> bricks;
   BrickBatcher batcher(encoding);
   const auto take = [&] {
-    v1::BrickBatch batch = batcher.Take();
+    v1::BrickBatch batch = batcher.Release();
     EXPECT_EQ(batch.brick_ijk_size(), 0);
     EXPECT_EQ(batch.packed_bytes() != 0, encoding == BrickEncoding::kPackedZstd);
     std::string packed = batch.packed();
@@ -423,7 +423,7 @@ TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
       ++tile.tile_ijk[0];
       for (Brick& brick : tile.bricks) brick.brick_ijk[0] += 8;
       batcher.Add(tile);
-      if (batcher.full()) sizes.push_back(batcher.Take().ByteSizeLong());
+      if (batcher.full()) sizes.push_back(batcher.Release().ByteSizeLong());
     }
     EXPECT_LT(sizes[0], 100u << 10);
     for (size_t n = 3; n < sizes.size(); ++n) {
@@ -444,15 +444,15 @@ TEST(Batches, HoldTheValuesOfTheirBricksAndEndBeforeTheirLimit) {
       tile.values.resize(size_t{512} * 512, static_cast<float>(n));
       batcher.Add(tile);
       ASSERT_TRUE(batcher.full());
-      const std::string values = batcher.Take().values();
+      const std::string values = batcher.Release().values();
       EXPECT_EQ(values, std::string(reinterpret_cast<const char*>(tile.values.data()), size_t{1} << 20));
     }
     TileBricks one = TileWith({9, 0, 0}, With(0, 0, 0), With(0, 0, 0));
     one.values = {0.5F};
     batcher.Add(one);
     EXPECT_FALSE(batcher.full());
-    EXPECT_EQ(batcher.Take().values().size(), sizeof(float));
-    EXPECT_EQ(batcher.Take().values(), "");
+    EXPECT_EQ(batcher.Release().values().size(), sizeof(float));
+    EXPECT_EQ(batcher.Release().values(), "");
   }
 }
 
@@ -465,7 +465,7 @@ TEST(PackedBatches, NeverHoldMoreBricksThanTheContractAllows) {
     if (!batcher.full()) continue;
     ++batches;
     std::vector<client::Brick> bricks;
-    EXPECT_EQ(UnpackBricks(batcher.Take().packed(), bricks), absl::OkStatus());
+    EXPECT_EQ(UnpackBricks(batcher.Release().packed(), bricks), absl::OkStatus());
   }
 }
 

@@ -38,11 +38,11 @@ int UsedBefore(int count) {
   std::vector<std::unique_ptr<Scan>> scans;
   int used = 0;
   for (int n = 0; n < count; ++n) {
-    scans.push_back(pool.Take());
+    scans.push_back(pool.Reserve());
     used += scans.back()->used ? 1 : 0;
     scans.back()->used = true;
   }
-  for (auto& scan : scans) pool.Give(std::move(scan));
+  for (auto& scan : scans) pool.Release(std::move(scan));
   pool.Leave();
   return used;
 }
@@ -104,7 +104,7 @@ TEST_F(ScanPoolTest, JobsGiveTheSameTilesWithWhatEarlierJobsHaveLeft) {
     EXPECT_EQ(digest(cases[n]), expected[n]) << "case " << n << " seed " << kSeed;
   }
   int left = 0;
-  while (LeftScans<BlockScan>::Get().Take() != nullptr) ++left;
+  while (LeftScans<BlockScan>::Get().Reserve() != nullptr) ++left;
   EXPECT_GT(left, 0);
 }
 

@@ -162,9 +162,9 @@ TEST(TileLinks, MoveToTheirTilesAndToTheBordersOfThese) {
           packed.tiles.Add(pack(tile, kPackedTileBits));
           packed.links.Add(pack(in_tile, kTileBits) << kPackedEndShift | static_cast<uint32_t>(direction));
         }
-        auto part = edges.Take();
+        auto part = edges.ReservePart();
         part->Move(packed, margin);
-        edges.Give(std::move(part));
+        edges.ReleasePart(std::move(part));
       }
       edges.Finish();
       for (const Vec3i& tile : {Vec3i{}, Vec3i{side - 1, 0, side / 2}}) {
@@ -192,7 +192,7 @@ TEST(TileLinks, CountWhatCubesHold) {
     return i << 2 * kPackedTileBits | j << kPackedTileBits | k;
   };
   const auto add = [&](uint32_t where, size_t count) {
-    auto part = edges.Take();
+    auto part = edges.ReservePart();
     PackedLinks packed;
     packed.Reserve(count);
     for (size_t n = 0; n < count; ++n) {
@@ -201,14 +201,14 @@ TEST(TileLinks, CountWhatCubesHold) {
     }
     part->Move(packed, edges.margin());
     EXPECT_EQ(packed.size(), 0U);
-    edges.Give(std::move(part));
+    edges.ReleasePart(std::move(part));
   };
   EXPECT_TRUE(edges.empty());
   add(tile(0, 0, 0), 3);
-  auto held = edges.Take();  // so that the next makes a part of its own
+  auto held = edges.ReservePart();  // so that the next makes a part of its own
   add(tile(1, 0, 1), 20);
   add(tile(0, 0, 0), 4);
-  edges.Give(std::move(held));
+  edges.ReleasePart(std::move(held));
   add(tile(2, 3, 0), 100);
   edges.Finish();
   EXPECT_FALSE(edges.empty());

@@ -36,16 +36,16 @@ TEST(MeshReceiver, PutsAMeshTogetherFromFramesOfAnySize) {
   for (const size_t step : {size_t{1}, size_t{7}, mesh.vertices.size()}) {
     MeshReceiver receiver({});
     const MeshFrame head{static_cast<uint32_t>(mesh.vertices.size()), static_cast<uint32_t>(mesh.triangles.size()), 14};
-    EXPECT_EQ(receiver.Take(FrameKind::kMesh, Bytes(head)), Progress::kMore);
+    EXPECT_EQ(receiver.Receive(FrameKind::kMesh, Bytes(head)), Progress::kMore);
     for (size_t at = 0; at < mesh.vertices.size(); at += step) {
       const absl::string_view part = Bytes(mesh.vertices).substr(at * sizeof(Vec3f), step * sizeof(Vec3f));
-      EXPECT_EQ(receiver.Take(FrameKind::kVertices, part), Progress::kMore);
+      EXPECT_EQ(receiver.Receive(FrameKind::kVertices, part), Progress::kMore);
     }
     for (size_t at = 0; at < mesh.triangles.size(); at += step) {
       const absl::string_view part = Bytes(mesh.triangles).substr(at * sizeof(Triangle), step * sizeof(Triangle));
-      EXPECT_EQ(receiver.Take(FrameKind::kTriangles, part), Progress::kMore);
+      EXPECT_EQ(receiver.Receive(FrameKind::kTriangles, part), Progress::kMore);
     }
-    ASSERT_EQ(receiver.Take(FrameKind::kDone, ""), Progress::kDone);
+    ASSERT_EQ(receiver.Receive(FrameKind::kDone, ""), Progress::kDone);
     const auto result = std::move(receiver).result();
     ASSERT_TRUE(result.ok()) << result.status();
     EXPECT_EQ(result->mesh.vertices, mesh.vertices);
@@ -60,14 +60,14 @@ struct Frame {
 };
 
 // Takes frames up to the first that does not lead on.
-Progress TakeAll(const std::vector<Frame>& frames, const Limits& limits = {}) {
+Progress ReceiveAll(const std::vector<Frame>& frames, const Limits& limits = {}) {
   MeshReceiver receiver(limits);
   for (const Frame& frame : frames) {
     const std::vector<uint32_t> words((frame.bytes.size() + 3) / 4);
     if (frame.bytes.size() > 0)
       std::memcpy(const_cast<uint32_t*>(words.data()), frame.bytes.data(), frame.bytes.size());
     const absl::string_view aligned(reinterpret_cast<const char*>(words.data()), frame.bytes.size());
-    if (const Progress progress = receiver.Take(frame.kind, aligned); progress != Progress::kMore) return progress;
+    if (const Progress progress = receiver.Receive(frame.kind, aligned); progress != Progress::kMore) return progress;
   }
   return Progress::kMore;
 }
@@ -78,8 +78,8 @@ Frame Triangles(const std::vector<Triangle>& all) { return {FrameKind::kTriangle
 const Frame kEnd{FrameKind::kDone, ""};
 
 TEST(MeshReceiver, FindsEveryKindOfNonsense) {
-  ASSERT_EQ(TakeAll({Head(kHead), Vertices(kCorners), Triangles(kTriangle), kEnd}), Progress::kDone);
-  ASSERT_EQ(TakeAll({Head(kHead), Triangles(kTriangle), Vertices(kCorners), kEnd}), Progress::kDone);
+  ASSERT_EQ(ReceiveAll({Head(kHead), Vertices(kCorners), Triangles(kTriangle), kEnd}), Progress::kDone);
+  ASSERT_EQ(ReceiveAll({Head(kHead), Triangles(kTriangle), Vertices(kCorners), kEnd}), Progress::kDone);
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   const std::vector<std::vector<Frame>> nonsense = {
       {kEnd},                                                      // nothing
@@ -104,13 +104,13 @@ TEST(MeshReceiver, FindsEveryKindOfNonsense) {
       {{FrameKind::kReady, std::string(8, 0)}},
       {{static_cast<FrameKind>(99), ""}},
   };
-  for (size_t n = 0; n < nonsense.size(); ++n) EXPECT_EQ(TakeAll(nonsense[n]), Progress::kBroken) << n;
+  for (size_t n = 0; n < nonsense.size(); ++n) EXPECT_EQ(ReceiveAll(nonsense[n]), Progress::kBroken) << n;
 }
 
 TEST(MeshReceiver, HoldsCountsAgainstTheLimitsAgain) {
-  EXPECT_EQ(TakeAll({Head({100, 50, 0})}, {.max_triangles = 50, .max_vertices = 100}), Progress::kMore);
-  EXPECT_EQ(TakeAll({Head({101, 50, 0})}, {.max_triangles = 50, .max_vertices = 100}), Progress::kBroken);
-  EXPECT_EQ(TakeAll({Head({100, 51, 0})}, {.max_triangles = 50, .max_vertices = 100}), Progress::kBroken);
+  EXPECT_EQ(ReceiveAll({Head({100, 50, 0})}, {.max_triangles = 50, .max_vertices = 100}), Progress::kMore);
+  EXPECT_EQ(ReceiveAll({Head({101, 50, 0})}, {.max_triangles = 50, .max_vertices = 100}), Progress::kBroken);
+  EXPECT_EQ(ReceiveAll({Head({100, 51, 0})}, {.max_triangles = 50, .max_vertices = 100}), Progress::kBroken);
 }
 
 TEST(MeshReceiver, GivesOnlyMeshesThatCoreAcceptsWhateverComes) {
@@ -125,7 +125,7 @@ TEST(MeshReceiver, GivesOnlyMeshesThatCoreAcceptsWhateverComes) {
     for (const Frame& frame : frames) {
       std::vector<uint32_t> words(frame.bytes.size() / 4);
       if (frame.bytes.size() > 0) std::memcpy(words.data(), frame.bytes.data(), frame.bytes.size());
-      if (progress == Progress::kMore) progress = receiver.Take(frame.kind, Bytes(words));
+      if (progress == Progress::kMore) progress = receiver.Receive(frame.kind, Bytes(words));
     }
     if (progress != Progress::kDone) continue;
     ++done;

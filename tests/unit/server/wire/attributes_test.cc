@@ -175,11 +175,11 @@ TEST(Attributes, OfAReceiverAreAsManyAndAsLargeAsTheyMayBe) {
   const MeshFrame head{4, 4, 0};
   const auto take = [&](const std::vector<uint32_t>& numbers, const FieldList& wanted) {
     MeshReceiver receiver({}, {}, wanted);
-    receiver.Take(FrameKind::kMesh, {reinterpret_cast<const char*>(&head), sizeof(head)});
-    receiver.Take(FrameKind::kVertices, bytes(mesh.vertices));
-    receiver.Take(FrameKind::kTriangles, bytes(mesh.triangles));
-    const Progress progress = receiver.Take(FrameKind::kAttributes, bytes(numbers));
-    return progress == Progress::kMore ? receiver.Take(FrameKind::kDone, "") : progress;
+    receiver.Receive(FrameKind::kMesh, {reinterpret_cast<const char*>(&head), sizeof(head)});
+    receiver.Receive(FrameKind::kVertices, bytes(mesh.vertices));
+    receiver.Receive(FrameKind::kTriangles, bytes(mesh.triangles));
+    const Progress progress = receiver.Receive(FrameKind::kAttributes, bytes(numbers));
+    return progress == Progress::kMore ? receiver.Receive(FrameKind::kDone, "") : progress;
   };
   const auto both = FieldList{Field::kPart, Field::kColor};
   EXPECT_EQ(take({0x7FFFFFFF, 0xFFFFFF, 1, 2, 3, 4, 5, 6}, both), Progress::kDone);

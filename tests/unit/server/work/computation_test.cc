@@ -39,7 +39,7 @@ TEST(BrickBatcher, WritesCoordinatesAndMasksInTheContractsForm) {
   EXPECT_TRUE(batcher.empty());
   batcher.Add(Tile(-2, 3, 0.5));
   EXPECT_FALSE(batcher.empty());
-  const v1::BrickBatch batch = batcher.Take();
+  const v1::BrickBatch batch = batcher.Release();
   EXPECT_TRUE(batcher.empty());
   EXPECT_THAT(batch.brick_ijk(), ::testing::ElementsAre(-16, -1, 0, -16, -1, 1, -16, -1, 2));
   ASSERT_EQ(batch.masks().size(), 3 * 64);
@@ -54,7 +54,7 @@ TEST(BrickBatcher, FillsMessagesOfAQuarterToOneMebibyteAfterThreeSmallOnes) {
   for (int n = 0; n < 200; ++n) {
     batcher.Add(Tile(n, 512, n / 200.0));
     if (!batcher.full()) continue;
-    const size_t bytes = batcher.Take().ByteSizeLong();
+    const size_t bytes = batcher.Release().ByteSizeLong();
     EXPECT_GE(bytes, batches < 3 ? (64 << 10) << batches : 256 << 10);
     EXPECT_LE(bytes, batches < 3 ? (128 << 10) << batches : 1 << 20);
     ++batches;
@@ -67,7 +67,7 @@ TEST(BrickBatcher, NeverTakesProgressBack) {
   double last = 0;
   for (const double progress : {0.3, 0.2, 0.9, 0.1, 1.5, 0.4}) {
     batcher.Add(Tile(0, 1, progress));
-    const double told = batcher.Take().progress();
+    const double told = batcher.Release().progress();
     EXPECT_GE(told, last);
     EXPECT_LE(told, 1);
     last = told;
@@ -85,7 +85,7 @@ TEST(MeshUpload, HandsOverPiecesOfAnySizeInOrder) {
       ASSERT_TRUE(upload.Append(std::move(bytes)).ok());
     }
     EXPECT_EQ(upload.size(), all.size());
-    EXPECT_EQ(std::string(std::move(upload).Take()), all);
+    EXPECT_EQ(std::string(std::move(upload).Release()), all);
   }
 }
 
@@ -132,7 +132,7 @@ const auto kNever = [] { return false; };
 absl::Status Decode(Computation& computation, std::string bytes) {
   MeshUpload upload(0, 1 << 30);
   EXPECT_TRUE(upload.Append(std::move(bytes)).ok());
-  if (absl::Status status = computation.TakeMesh(std::move(upload)); !status.ok()) return status;
+  if (absl::Status status = computation.ReceiveMesh(std::move(upload)); !status.ok()) return status;
   std::promise<absl::Status> decoded;
   computation.Decode([&](const absl::Status& status) { decoded.set_value(status); });
   return decoded.get_future().get();

@@ -82,7 +82,7 @@ Outcome Compute(const v1::VoxelizeSpec& proto, const TriangleMesh& mesh, const L
   Outcome outcome;
   MeshUpload upload(0, 1 << 30);
   EXPECT_TRUE(upload.Append(EncodeDraco(mesh, {})).ok());
-  EXPECT_TRUE(computation.TakeMesh(std::move(upload)).ok());
+  EXPECT_TRUE(computation.ReceiveMesh(std::move(upload)).ok());
   std::promise<absl::Status> decoded;
   computation.Decode([&](const absl::Status& status) { decoded.set_value(status); });
   EXPECT_TRUE(decoded.get_future().get().ok());

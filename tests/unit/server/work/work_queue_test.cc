@@ -1,4 +1,4 @@
-// Lanes: what runs where, at which priority, and until when.
+// Work queues: what runs where, at which priority, and until when.
 #include "server/work/work_queue.h"
 
 #include <gtest/gtest.h>

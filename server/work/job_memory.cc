@@ -1,0 +1,97 @@
+#include "server/work/job_memory.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/solid/interior.h"
+
+namespace latvox {
+namespace {
+
+// The stream: the reactor's credit, and what gRPC and the kernel hold for a slow client.
+constexpr uint64_t kStreamBytes = uint64_t{8} << 20;
+
+// A thread: what it scans with.
+constexpr uint64_t kThreadBytes = uint64_t{6} << 20;
+constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
+constexpr uint64_t kAttributeThreadBytes = uint64_t{24} << 20;
+
+// The mesh: its arrays and the job's, as measured, and half as much again. An attribute is a vertex's: it lies in the
+// job's mesh, and in one that the store has dropped since.
+constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
+constexpr uint64_t kBytesPerAttribute = 8;
+
+// Thinning: where triangles fill a volume, it has many voxels of a block of 128^3 in doubt.
+constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
+
+// Sets that are kept: a brick lies in a vector and an index that double as they grow. Where bricks are not counted
+// beforehand, voxels are: a surface has at least ten of them in a brick.
+constexpr uint64_t kBytesPerKeptBrick = 250;
+constexpr double kBytesPerKeptVoxel = 25;
+
+// An estimate may be beyond all 64-bit numbers; no budget has that much.
+uint64_t ToBytes(double bytes) { return static_cast<uint64_t>(std::min(bytes, 1e18)); }
+
+}  // namespace
+
+JobMemory::JobMemory(const VoxelRequest& request, int threads, MemoryBudget& budget)
+    : request_(request), threads_(static_cast<uint64_t>(threads)), memory_(budget) {}
+
+absl::Status JobMemory::ReserveUpload(uint64_t bytes) { return memory_.Grow(bytes); }
+
+absl::Status JobMemory::ReserveDecode(uint64_t encoded_bytes, uint64_t triangles, uint64_t vertices) {
+  return memory_.Grow(encoded_bytes + BytesOf(triangles, vertices));
+}
+
+absl::Status JobMemory::ReserveMesh(uint64_t triangles, uint64_t vertices) {
+  job_bytes_ = BytesOf(triangles, vertices);
+  memory_.Shrink(job_bytes_);
+  return memory_.Grow(job_bytes_);
+}
+
+absl::Status JobMemory::ReserveJob(const JobEstimate& estimate) {
+  const uint64_t kept = ToBytes(estimate.voxels * kBytesPerKeptVoxel);
+  job_bytes_ += BytesOfSolid(estimate.line_crossings) + BytesOfThinning(estimate);
+  if (request_.algorithm() != Algorithm::kExact) job_bytes_ += kept;
+  // What verification keeps is reserved now, by an estimate that is seldom too low: a job that is accepted should end.
+  return memory_.Grow(request_.verify ? job_bytes_ + kept : job_bytes_);
+}
+
+absl::Status JobMemory::ReserveKept(uint64_t bricks) {
+  kept_bytes_ += bricks * kBytesPerKeptBrick;
+  return memory_.Grow(job_bytes_ + kept_bytes_);
+}
+
+void JobMemory::Free() { memory_.Shrink(0); }
+
+// For a job with a mesh of that size.
+uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
+  const uint64_t attributes = request_.fields.size();
+  return kStreamBytes + threads_ * (kThreadBytes + (attributes != 0 ? kAttributeThreadBytes : 0)) +
+         triangles * kBytesPerTriangle + vertices * (kBytesPerVertex + attributes * kBytesPerAttribute);
+}
+
+// More, if the job fills.
+uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
+  if (request_.solid() == nullptr) return 0;
+  return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
+}
+
+// More, if the job thins: for a block's share of the voxels, if they are spread over the part of the mesh's box that is
+// asked for.
+uint64_t JobMemory::BytesOfThinning(const JobEstimate& estimate) const {
+  if (!request_.is_minimal()) return 0;
+  double blocks = 1;
+  for (size_t m = 0; m < 3; ++m) {
+    double side = estimate.bounds.max[m] - estimate.bounds.min[m];
+    if (const auto& bounds = request_.part.bounds) side = std::min(side, bounds->max[m] - bounds->min[m]);
+    side /= estimate.voxel_size;
+    if (const auto& region = request_.part.region)
+      side = std::min(side, static_cast<double>(region->max[m]) - region->min[m]);
+    blocks *= std::max(side / kBlockSide, 1.0);
+  }
+  const double bytes = std::min(estimate.voxels / blocks * kBytesPerVoxelOfBlock, kMostBytesOfBlock);
+  return threads_ * static_cast<uint64_t>(bytes);
+}
+
+}  // namespace latvox
