@@ -1,7 +1,6 @@
 """No function is longer than 60 lines: C++, Python, JavaScript and shell, tests included.
 
-A proof that must be read in one piece may be longer: PROOFS names it, with its length. A function in UNSPLIT is no proof:
-it is too long, and may only become shorter.
+A proof that must be read in one piece may be longer: PROOFS names it, with its length.
 Universal ctags finds the functions of C++. Those of JavaScript and shell end where a brace closes at their own indentation.
 """
 
@@ -21,8 +20,6 @@ PROOFS = {
     ("core/digitize/crossing.h", "ForEachCrossing"): 70,
     ("core/digitize/principal_scan.h", "ScanAlongPrincipal"): 73,
 }
-UNSPLIT = {("core/scan/scan_single-inl.h", "ScanSingle"): 125}
-LONGER = PROOFS | UNSPLIT
 FOREIGN = {"client/tool/view/three.js"}  # made by client/tool/view/bundle
 
 Function = collections.namedtuple("Function", "path line name length")
@@ -102,7 +99,7 @@ def too_long(found):
     return [
         f"{function.path}:{function.line}: {function.name} has {function.length} lines, {limit} are allowed"
         for function in found
-        if function.length > (limit := LONGER.get((function.path, function.name), LIMIT))
+        if function.length > (limit := PROOFS.get((function.path, function.name), LIMIT))
     ]
 
 
@@ -121,7 +118,7 @@ class TheTree(unittest.TestCase):
 
     def test_the_exceptions_are_needed(self):
         lengths = {(function.path, function.name): function.length for function in self.found}
-        self.assertEqual({key: lengths.get(key) for key in LONGER}, LONGER)
+        self.assertEqual({key: lengths.get(key) for key in PROOFS}, PROOFS)
 
 
 class TheRule(unittest.TestCase):
