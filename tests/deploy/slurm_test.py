@@ -89,9 +89,9 @@ class Slurm(ClusterCase):
         self.assertEqual(self.cluster.wait_for_job(joining)[0]["JobState"], "CANCELLED")
         self.assertFalse((self.dir / "joined.vdb").exists())
 
-    def test_the_examples_of_the_readme_run(self):
-        section = (ROOT / "deploy" / "README.md").read_text().partition("\n## Slurm\n")[2]
-        example = re.search(r"^```sh\n(.*?)^```$", section, re.M | re.S)[1]
+    def test_the_examples_of_the_page_run(self):
+        page = (ROOT / "deploy/docs/slurm.md").read_text()
+        example = re.search(r"^```sh\n(.*?)^```$", page, re.M | re.S)[1]
         (self.dir / "deploy").symlink_to(ROOT / "deploy")
         (self.dir / "build/release").mkdir(parents=True)
         (self.dir / "build/release/bin").symlink_to(harness.BIN)
