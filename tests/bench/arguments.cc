@@ -19,7 +19,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
   return *lattices;
 }
 
-// Options that are not of the type that they end as.
+// Options whose type differs from that of their value in Arguments.
 struct Words {
   std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity", cover;
   bool without_surface = false, minimal = true;
@@ -82,7 +82,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   Words named;
   CLI::App app;
   Declare(app, arguments, named);
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  std::reverse(words.begin(), words.end());  // in CLI11's form
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {

@@ -1,4 +1,5 @@
-"""The image is built, small, and the same whenever its sources are: times of a build, and of one after a change."""
+"""The image builds, is small, and is the same for the same sources. Reports the times of a build, and of one after a
+change."""
 
 import gzip
 import pathlib
@@ -26,7 +27,7 @@ class ImageBuild(unittest.TestCase):
         print(f"image: {inspect(IMAGE)['Size'] / 1e6:.1f} MB, built in {seconds:.0f} s", "with" if cached else "without", "a cache")
 
     def copy(self):
-        """The sources in a folder of their own."""
+        """The sources, in a folder of their own."""
         folder = containers.STATE / "work" / "copy"
         shutil.rmtree(folder, ignore_errors=True)
         self.addCleanup(shutil.rmtree, folder)
@@ -78,7 +79,7 @@ class ImageBuild(unittest.TestCase):
         self.assertEqual((members[pathlib.PurePath("data")].uid, members[pathlib.PurePath("tmp")].mode & 0o7777), (65532, 0o1777))
 
     def test_it_says_what_it_is(self):
-        # Without the cache: buildah 1.28 takes a step with other arguments for the same.
+        # Without the cache, because buildah 1.28 reuses a step although its arguments differ.
         arguments = ["--build-arg=VERSION=1.2.3", "--build-arg=REVISION=abc"]
         containers.build(ROOT, "localhost/latvox-labelled", "--no-cache", *arguments)
         self.addCleanup(podman, "rmi", "localhost/latvox-labelled")

@@ -1,4 +1,5 @@
-"""deploy/slurm on a real Slurm of four nodes: a job array over many meshes, one mesh in parts; nodes die on the way."""
+"""Runs deploy/slurm on a real Slurm of four nodes: a job array over many meshes, and one mesh in parts. Nodes die on
+the way."""
 
 import json
 import os
@@ -11,7 +12,7 @@ import unittest
 import slurm_cluster
 from slurm_cluster import NODES, ROOT, SLURM, ClusterCase, harness, latvox, results
 
-# Of each task's three jobs the last is the slowest: one that has a result is still at work.
+# The last of each task's three jobs is the slowest, so a task with a result is still at work.
 RESOLUTIONS = [64] * NODES + [256] * NODES + [2048] * NODES
 
 
@@ -22,7 +23,7 @@ def stretched(mesh, factor):
 
 class Slurm(ClusterCase):
     def kill_the_node_of(self, job, index):
-        """Returns its name; whatever else ran there is dead, too."""
+        """Kills the node of a task, with everything else on it. Returns the node's name."""
         node = next(task["NodeList"] for task in self.cluster.jobs(job) if task.get("ArrayTaskId") == str(index))
         self.assertIn(node, self.cluster.nodes)
         self.cluster.kill_node(node)
@@ -120,7 +121,7 @@ class Slurm(ClusterCase):
 
 
 class Scripts(unittest.TestCase):
-    """What they run, without a cluster."""
+    """The scripts' commands, without a cluster."""
 
     def environment_of(self, script, *words, **variables):
         directory = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))

@@ -1,5 +1,5 @@
-// Starts the clients as processes, and starts them again when they have killed themselves. This process never uses
-// gRPC, which does not survive a fork.
+// Starts the clients as processes, and restarts them when they have killed themselves. This process never uses gRPC,
+// which does not survive a fork.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -56,10 +56,10 @@ class Starter {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) std::_Exit(0);
     Participant(swarm_, number, life, records_).Run();
-    std::_Exit(0);  // gRPC's library would be shut down with calls of its own still going on
+    std::_Exit(0);  // gRPC's library would shut down during its own calls
   }
 
-  // Waits until all have ended; starts those again that have killed themselves, as long as there is time.
+  // Waits until all have ended. Restarts those that have killed themselves, as long as there is time.
   void Wait() {
     const absl::Time give_up = swarm_.end + swarm_.patience + kLastCall;
     while (!number_of_.empty()) {
