@@ -50,7 +50,7 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
   app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
   app.add_flag("--minimal,!--no-minimal", words.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
-  app.add_option("--bounds", words.bounds, "x0,y0,z0,x1,y1,z1: only voxels with their centres in this box")
+  app.add_option("--bounds", words.bounds, "x0,y0,z0,x1,y1,z1: only voxels with their centers in this box")
       ->delimiter(',')
       ->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);

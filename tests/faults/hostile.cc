@@ -13,7 +13,7 @@ namespace latvox::faults {
 namespace {
 
 constexpr size_t kPieceBytes = size_t{256} << 10;
-// The most work that a hostile call may cause: some calls are correct requests for a huge amount of work.
+// The deadline of a hostile call, because some are correct requests for a huge amount of work.
 constexpr absl::Duration kPatience = absl::Seconds(5);
 
 std::string SpecMessage(const v1::VoxelizeSpec& spec) {

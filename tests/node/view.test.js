@@ -126,7 +126,7 @@ test('points are all that is seen, each once, with a direction outwards', () => 
       assert.ok(Math.abs(Math.sign(Math.abs(to) < 0.02 ? 0 : to) - wanted) < 1e-9, `${ijk}: ${[x, y, z]}`);
     });
   });
-  // The first few points take one from each larger cube that has any.
+  // For each size of cube, the first points have one in each cube that has any.
   const cubes = (some, shift) => new Set(some.map((ijk) => ijk.map((n) => n >> shift).join()));
   const points = [...of].map((number) => numbers[number].split(',').map(Number));
   assert.equal(ends[0], points.length);
