@@ -121,12 +121,13 @@ int RunCancel(const Options& options) {
 
 void AddCancel(CLI::App& program, Command& run) {
   const auto options = std::make_shared<Options>();
-  CLI::App& command = *program.add_subcommand("cancel", "Calls cancelled in a stage; prints when, as JSON lines");
+  CLI::App& command = *program.add_subcommand("cancel", "Cancels calls in a stage; prints the times as JSON lines");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--jobs", options->jobs, "Table of jobs, JSON")->required();
-  command.add_option("--job", options->job, "One of them")->required();
+  command.add_option("--job", options->job, "A job of the table")->required();
   command.add_option("--stage", options->stage)->check(CLI::IsMember({"upload", "decode", "voxelize", "stream"}));
-  command.add_option("--after-ms", options->after_ms, "From the beginning of the stage; with a deadline, of the call");
+  command.add_option("--after-ms", options->after_ms,
+                     "Delay from the beginning of the stage; with a deadline, of the call");
   command.add_flag("--deadline", options->deadline, "A deadline instead of cancelling");
   command.add_option("--times", options->times);
   command.callback([options, &run] { run = [options] { return RunCancel(*options); }; });

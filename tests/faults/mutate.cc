@@ -113,12 +113,12 @@ int Mutate(const Options& options) {
 
 void AddMutate(CLI::App& program, Command& run) {
   const auto options = std::make_shared<Options>();
-  CLI::App& command = *program.add_subcommand("mutate", "Nearly right requests; prints what came of them as JSON");
+  CLI::App& command = *program.add_subcommand("mutate", "Sends nearly right requests; prints their outcomes as JSON");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--mesh", options->mesh, "A small .drc file")->required();
-  command.add_option("--requests", options->requests, "How many");
-  command.add_option("--streams", options->streams, "How many at once");
-  command.add_option("--seed", options->seed, "Of all random choices");
+  command.add_option("--requests", options->requests, "Number of requests");
+  command.add_option("--streams", options->streams, "Streams at once");
+  command.add_option("--seed", options->seed, "Seed of all random choices");
   command.callback([options, &run] { run = [options] { return Mutate(*options); }; });
 }
 

@@ -138,16 +138,17 @@ void AddSwarm(CLI::App& program, Command& run) {
   CLI::App& command = *program.add_subcommand("swarm", "Many clients at once");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--jobs", options->jobs, "Table of jobs, JSON")->required();
-  command.add_option("--records", options->records, "File that outcomes are appended to")->required();
+  command.add_option("--records", options->records, "File to which outcomes are appended")->required();
   command.add_option("--job", options->only, "Only these jobs; may be repeated");
-  command.add_option("--roles", options->roles, "Roles that clients have, in turns")->delimiter(',');
+  command.add_option("--roles", options->roles, "Roles of the clients, in turns")->delimiter(',');
   command.add_option("--clients", options->clients, "Clients at once");
   command.add_option("--seconds", options->seconds, "Time in which calls begin");
   command.add_option("--patience", options->patience, "Seconds that a good call may take");
   command.add_option("--pause-ms", options->pause_ms, "Milliseconds that clients of the SDK pause at each batch");
-  command.add_option("--keepalive", options->keepalive, "Seconds until a silent server gets a ping, and to answer it");
-  command.add_option("--retries", options->retries, "Rounds of further tries of a call");
-  command.add_option("--seed", options->seed, "Of all random choices");
+  command.add_option("--keepalive", options->keepalive,
+                     "Seconds until a silent server gets a ping, and for its answer");
+  command.add_option("--retries", options->retries, "Rounds of retries of a call");
+  command.add_option("--seed", options->seed, "Seed of all random choices");
   command.callback([options, &run] { run = [options] { return RunSwarm(*options); }; });
 }
 
