@@ -1,5 +1,5 @@
 """Runs the commands of deploy/docs/image.md and compose.md as they stand, one after the other, with podman in place of
-docker: a folder on $PATH has a `docker` that is podman, podman-compose or buildah."""
+docker. A folder on $PATH has a `docker` that calls podman, podman-compose or buildah."""
 
 import os
 import re

@@ -1,7 +1,7 @@
 """The basis of the fault suite's tests: servers that can be killed, a watch over their memory, clients, and figures.
 
-$LATVOX_FAULTS_SECONDS sets the time of load in the longest tests, and with it the dose: 600 is the full dose;
-continuous integration uses the default. `prepare.py` makes meshes and their expected voxels once.
+$LATVOX_FAULTS_SECONDS sets the time of load in the longest tests, and with it the dose. The full dose is 600; continuous
+integration uses the default. Meshes and their expected voxels are made once, by `prepare.py`.
 """
 
 import contextlib

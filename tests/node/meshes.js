@@ -44,8 +44,8 @@ function crossings(p, step, low, high) {
   return enter <= leave ? [enter, leave].filter((s) => s > 0 && s < 1) : [];
 }
 
-// Returns all crossed links of a box's surface: { ends: ["i,j,k", "i,j,k"], nearer: Set of the ends that are the nearer
-// one of a crossing }. `directions` has one of each pair of neighbors, in lattice coordinates.
+// Returns all crossed links of a box's surface: { ends: ["i,j,k", "i,j,k"], nearer: Set of the nearer ends }. Each pair of
+// neighbors has one entry in `directions`, in lattice coordinates.
 export function crossedEdges({ basis, directions, low, high, range }) {
   const edges = [];
   for (let i = range[0]; i < range[1]; ++i) {
