@@ -1,4 +1,4 @@
-"""deploy/scale: the page's tables are what the program prints, and the program computes what its parts say."""
+"""deploy/scale: the page has the tables that the program prints, and the program's formulas are right."""
 
 import functools
 import importlib.machinery
@@ -44,7 +44,7 @@ class ThePage(unittest.TestCase):
         self.assertIn(done.stdout.strip(), page, "deploy/scale/farm prints other tables: put them into the page")
 
     def test_quotes_figures_of_the_tables_alone(self):
-        """Each figure in bold in the page's text stands in a table, too."""
+        """Each figure in bold in the page's text is also in a table."""
         text, _, tables = (SCALE / "README.md").read_text().partition("### What one core does")
         quoted = re.findall(r"\*\*([\d.,]+)", text)
         self.assertGreater(len(quoted), 5)
@@ -90,7 +90,7 @@ class TheSimulation(unittest.TestCase):
         self.assertAlmostEqual(made(write=1e-3).simulate(1000, 10), 4000, delta=10)
 
     def test_no_worker_helps_another(self):
-        slow = KIND | {"core_seconds": 20.0}  # two of them in one share take 40 s; a worker that helped would end by 36 s
+        slow = KIND | {"core_seconds": 20.0}  # two in one share: 40 s; with help, at most 36 s
         self.assertGreater(made([KIND, slow], mix=(90, 10), cores=1).simulate(400, 100), 40)
 
 

@@ -1,4 +1,5 @@
-"""Many meshes in one command: what fails stops nothing else, what was done is not done again, workers make up the whole."""
+"""Many meshes in one command: a failure stops nothing else, finished jobs are not repeated, and workers together do the
+whole."""
 
 import collections
 import contextlib
@@ -34,7 +35,7 @@ class Batch(Case):
         return path
 
     def small(self, count):
-        """Different jobs that take no time."""
+        """Returns different jobs that take no time."""
         return [{"mesh": "octahedron.obj", "resolution": 8 + n, "out": f"{n}.vdb"} for n in range(count)]
 
     def batch(self, jobs, *options, out=None, code=OK, **environment):
@@ -65,7 +66,7 @@ class Batch(Case):
         return {r["id"]: r["summary"]["digest"] for r in results if r["status"] == "done"}
 
     def outputs(self, out=None):
-        """Everything but results."""
+        """Returns all output files except results."""
         out = out or self.out
         files = (path for path in out.rglob("*") if path.is_file())
         return sorted(str(path.relative_to(out)) for path in files if not path.name.startswith("results"))
@@ -226,7 +227,7 @@ class Jobs(Batch):
                 shown += part
         os.close(reader)
         self.assertEqual(client.wait(), OK)
-        plain = re.sub(r"\x1b\[\d*m", "", shown.decode())  # without colours
+        plain = re.sub(r"\x1b\[\d*m", "", shown.decode())  # without colors
         self.assertRegex(plain, r"\[#+\.*\] +\d+ %  \d+/31 jobs, [\d.e+]+/s, \S+ left")
 
 
@@ -244,7 +245,7 @@ class Resume(Batch):
         self.assertGreaterEqual(len(finished), 4)
         self.assertLess(len(finished), 16)
         with open(self.out / "results.jsonl", "a") as file:
-            file.write('{"id":"15.vdb","status":"do')  # as a kill within a write leaves it
+            file.write('{"id":"15.vdb","status":"do')  # as a kill during a write leaves it
         times = {name: (self.out / name).stat().st_mtime_ns for name in finished}
         summary = json.loads(self.batch(jobs, "--resume", "--json").stdout)
         self.assertEqual((summary["done"], summary["skipped"], summary["failed"]), (16 - len(finished), len(finished), 0))
@@ -280,7 +281,7 @@ class Resume(Batch):
         os.truncate(self.out / "4.csv", (self.out / "4.csv").stat().st_size - 1)
         self.assertEqual(done_again(*small), ["4.vdb"])
         self.assertEqual(done_again(*small), [])
-        self.batch(self.jobs(*small))  # without --resume everything is done
+        self.batch(self.jobs(*small))  # without --resume all jobs run
         self.assertEqual([r["status"] for r in self.results()[-6:]], ["done"] * 6)
 
     def test_nothing_left_to_do_needs_no_server(self):
@@ -328,7 +329,7 @@ class Shards(Batch):
         for result in self.results("results-0-of-3.jsonl"):
             self.assertIn(result["ended_unix_ms"], range(started, time.time_ns() // 10**6 + 1))
             self.assertEqual(result["output_bytes"], [(self.out / name).stat().st_size for name in result["outputs"]])
-        # However they were shared, what is done is done.
+        # However the jobs were shared, finished ones are not repeated.
         self.assertRegex(self.batch(jobs, "--resume").stdout, "^0 of 11 jobs done, 11 skipped")
         self.assertRegex(self.batch(jobs, "--resume", "--worker", "1/2").stdout, "^0 of 5 jobs done, 5 skipped")
 

@@ -1,4 +1,4 @@
-"""The documentation is built, whole, without a warning; and what is missing in it would be noticed."""
+"""The documentation builds completely, without a warning, and the build notices missing descriptions."""
 
 import importlib.machinery
 import importlib.util
@@ -16,7 +16,7 @@ DOXYFILE = BUILD / "client/docs/Doxyfile"
 
 
 def load_build():
-    """client/docs/build as a module."""
+    """Loads client/docs/build as a module."""
     loader = importlib.machinery.SourceFileLoader("build", str(ROOT / "client/docs/build"))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader("build", loader))
     loader.exec_module(module)
@@ -58,11 +58,11 @@ class Docs(Case):
                 self.assertLess((kept / path.name).stat().st_size, 60000)
                 compare = ["compare", "-metric", "RMSE", path, kept / path.name, "null:"]
                 done = subprocess.run(compare, capture_output=True, text=True, timeout=60)
-                # A tenth of what another lattice or k makes: "RMSE of 65535 (of 1)".
+                # The bound is a tenth of the effect of another lattice or k: "RMSE of 65535 (of 1)".
                 self.assertLess(float(done.stderr.partition("(")[2].rstrip(")")), 0.01, done.stderr)
 
     def doxygen(self, header):
-        """Over a header with this text. Its XML is in self.dir / "xml"."""
+        """Runs doxygen on a header with this text. Its XML is in self.dir / "xml"."""
         (self.dir / "broken.h").write_text(header)
         settings = re.sub(r"^INPUT .*$|^USE_MDFILE.*$", "", DOXYFILE.read_text(), flags=re.M)
         settings += f"INPUT = {self.dir}/broken.h\nOUTPUT_DIRECTORY = {self.dir}\nHTML_OUTPUT = html\n"

@@ -10,7 +10,7 @@ OPTION = ["--voxel-size", ",".join(map(str, SIZES)), "--origin", "0,0,0", "--qua
 
 
 class Stretched(Case):
-    # Factors that are powers of two move no vertex, so that the voxels are the same.
+    # Factors that are powers of two move no vertex, so the voxels are the same.
     def test_on_cubes_it_is_the_mesh_compressed(self):
         vertices, triangles = octahedron(2)
         mesh = write_obj(self.dir / "mesh.obj", (vertices, triangles))

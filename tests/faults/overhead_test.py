@@ -1,8 +1,8 @@
-"""What the service costs over decoding and voxelizing in one process, and what of that is for decoders of their own.
+"""The cost of the service over decoding and voxelizing in one process, and the part of it that separate decoders cause.
 
-Two cases of the service. Warm: the server keeps what it has decoded of a mesh, so it does not decode again, while the
-one process does; this is what the promise is of, and what a mesh costs that is asked for more than once. New: the
-server decodes each time, too, so that like is compared with like; nothing is promised of that.
+Two cases. Warm: the server keeps the decoded mesh, so it does not decode again; the single process does. This is the
+case of a mesh that is requested more than once, and the promise covers it. New: the server decodes each time, too, so
+both do the same work. Nothing is promised for it.
 """
 
 import json
@@ -50,7 +50,7 @@ class Overhead(Faults):
         for name in ("bunny", "bunny-x4"):
             command = [BIN / "latvox_bench_decoders", MESHES / f"{name}.drc"]
             told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-            # Medians; in brackets behind them are minima.
+            # The program prints medians, with minima in brackets.
             one, confined = map(float, re.search(r"in process ([\d.]+) ms .* isolated ([\d.]+) ", told).groups())
             what = f"{name}, decoded in a confined process"
             self.figure(f"{what}: median, and in one process", f"{confined:.1f}, {one:.1f}", "ms")

@@ -1,6 +1,6 @@
-"""The examples of README.md and of the pages in client/docs run as they stand, by bash -e, in order, in one directory: the
-```sh blocks of README.md each by itself, those of a page in one shell, which prints each line of its ```text blocks.
-```cpp compiles."""
+"""Runs the examples of README.md and of the pages in client/docs as they stand, by bash -e, in order, in one directory.
+Each ```sh block of README.md runs by itself. The ```sh blocks of a page run in one shell, which must print each line of
+its ```text blocks. ```cpp blocks must compile."""
 
 import contextlib
 import os
@@ -22,8 +22,8 @@ def blocks(language, page):
 
 
 def own_network():
-    """What to put before a command so that it has a loopback of its own: the server's port in the examples is one that
-    other tests' connections may take. Nothing, where that cannot be made."""
+    """Returns the words to put before a command so that it has a private loopback device, because connections of other
+    tests may use the port of the examples. Returns none if that cannot be made."""
     prefix = ["unshare", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
     with contextlib.suppress(FileNotFoundError):
         if subprocess.run([*prefix, "true"], stderr=subprocess.DEVNULL).returncode == 0:
@@ -33,7 +33,7 @@ def own_network():
 
 class Examples(unittest.TestCase):
     def run_in(self, directory, script):
-        """What the script prints."""
+        """Returns the output of the script."""
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
         with tempfile.TemporaryFile("w+") as output:
             shell = subprocess.Popen(
@@ -48,7 +48,7 @@ class Examples(unittest.TestCase):
                 shell.wait(timeout=120)
             finally:
                 with contextlib.suppress(ProcessLookupError):
-                    os.killpg(shell.pid, signal.SIGKILL)  # what the script left running
+                    os.killpg(shell.pid, signal.SIGKILL)  # ends what the script left running
             output.seek(0)
             printed = output.read()
         self.assertEqual(shell.returncode, 0, printed)
