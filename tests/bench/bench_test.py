@@ -67,7 +67,7 @@ class Bench(unittest.TestCase):
                 self.assertEqual(out["simd"], simd)
                 self.assertEqual(out["digest"], reference["digest"], (lattice, simd))
 
-    def test_what_is_discarded_counts_all_the_same(self):
+    def test_discarded_bricks_count(self):
         kept, discarded = measured("box", "128"), measured("box", "128", "--discard")
         self.assertEqual((kept["voxels"], kept["digest"]), (discarded["voxels"], discarded["digest"]))
 
@@ -86,7 +86,7 @@ class Bench(unittest.TestCase):
             measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
         )
 
-    def test_what_a_peer_has_nothing_like_is_refused(self):
+    def test_options_without_an_equivalent_in_the_peer_are_refused(self):
         for option, value in (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--fill", "solid")):
             done = run("box", "32", "--peer", "openvdb", option, value)
             self.assertEqual(done.returncode, 2)
@@ -133,7 +133,7 @@ class Bench(unittest.TestCase):
         self.assertGreater(out["triangles"], 1_900_000)
         self.assertLess(out["job_peak_bytes"] / out["triangles"], 60)
 
-    def test_thinning_what_fills_a_volume_takes_bounded_time_and_memory(self):
+    def test_thinning_triangles_that_fill_a_volume_takes_bounded_time_and_memory(self):
         random.seed(5)
         with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
             for n in range(900):

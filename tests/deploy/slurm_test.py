@@ -81,7 +81,7 @@ class Slurm(ClusterCase):
         self.assertIn(f"{whole['voxels']} voxels", log)
         self.assertIn(f"digest {whole['digest']}", log)
 
-    def test_what_fails_is_told_and_is_not_joined(self):
+    def test_failed_parts_are_reported_and_not_joined(self):
         (self.dir / "bad.obj").write_text("f 1 2 3\n")
         joining = self.submit(SLURM / "shards", 2, self.dir / "bad.obj", self.dir / "joined.vdb", "--resolution", 8)
         parts = re.search(r"\d+", self.cluster.jobs(joining)[0]["Dependency"])[0]

@@ -46,7 +46,7 @@ class Algorithms(Case):
                                     "--algorithm", "incremental", "--verify")  # fmt: skip
             self.assertEqual(summary["certificate"]["tunnels"], 1)
 
-    def test_what_was_not_counted_is_claimed_of_the_exact_one_alone(self):
+    def test_only_the_exact_algorithm_claims_without_counting(self):
         for algorithm in ALGORITHMS:
             with self.subTest(algorithm):
                 certificate = self.run_one(algorithm, "bcc", 0)["certificate"]

@@ -229,7 +229,7 @@ class Attributes(Case):
                 self.assertIn(says, done.stderr)
                 self.assertFalse((self.dir / "o.csv").exists())
 
-    def test_a_batch_does_a_job_again_whose_attributes_are_others(self):
+    def test_a_batch_repeats_a_job_with_changed_attributes(self):
         self.colored()
         for attributes, skipped in (('"part"', 0), ('"part"', 1), ('["part", "color"]', 0)):
             job = f'{{"mesh": "colored.ply", "resolution": 20, "attributes": {attributes}}}\n'

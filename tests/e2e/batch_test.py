@@ -73,7 +73,7 @@ class Batch(Case):
 
 
 class Jobs(Batch):
-    def test_each_job_is_what_voxelize_does(self):
+    def test_each_job_gives_the_result_of_voxelize(self):
         write_ply(self.dir / "a.ply", octahedron(2))
         write_stl(self.dir / "b.stl", octahedron(3))
         encode_drc(self.dir / "c d.drc", self.mesh)
@@ -130,7 +130,7 @@ class Jobs(Batch):
         self.assertEqual(done.returncode, BAD_INPUT)
         self.assertIn("standard input:1: mesh: 3 is not a path", done.stderr)
 
-    def test_what_fails_stops_nothing_else(self):
+    def test_a_failed_job_stops_no_other(self):
         (self.dir / "broken.ply").write_text("this is no mesh\n")
         small = self.small(3)
         jobs = self.jobs(small[0], {"mesh": "missing.obj", "resolution": 8}, small[1], {"mesh": "broken.ply", "resolution": 8}, small[2])
@@ -257,7 +257,7 @@ class Resume(Batch):
         self.batch(jobs, out=undisturbed)
         self.assertEqual(self.digests(results), self.digests(self.results(out=undisturbed)))
 
-    def test_what_is_not_the_same_any_more_is_done_again(self):
+    def test_changed_jobs_are_done_again(self):
         write_obj(self.dir / "other.obj", octahedron(2))
         small = [{**job, "mesh": mesh} for job, mesh in zip(self.small(6), ["octahedron.obj"] * 5 + ["other.obj"])]
         small[4]["out"] = ["4.vdb", "4.csv"]

@@ -88,7 +88,7 @@ class Bounds(Case):
             self.voxelize(BUNNY, *options, *more, option(bounds))
             self.assertEqual((self.dir / "out.csv").read_text().splitlines()[1:], expected, more)
 
-    def test_what_is_outside_costs_little(self):
+    def test_voxels_outside_cost_little(self):
         mesh = write_obj(self.dir / "octahedron.obj", octahedron())
         options = ["--lattice", "fcc", "--resolution", "60000"]
         part = self.voxelize(mesh, *options, option([0.999, -0.001, -0.001, 1, 0.001, 0.001]), "--timeout", "30")

@@ -67,7 +67,7 @@ class Boxes(Case):
         self.assertEqual(read_binvox(self.dir / "a.binvox"), [])
         self.assertEqual(read_vox(self.dir / "a.vox"), ((1, 1, 1), set()))
 
-    def test_what_does_not_fit_is_refused_and_leaves_no_file(self):
+    def test_voxels_that_do_not_fit_are_refused_and_leave_no_file(self):
         for out, options, code, says in (
             ("a.binvox", ["--lattice", "bcc", "--resolution", 20], 2, "cubes along the axes"),
             ("a.vox", ["--basis", "0.1,0,0,0,0.1,0,0,0,0.2"], 2, "cubes along the axes"),

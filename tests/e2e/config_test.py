@@ -59,7 +59,7 @@ class CheckConfig(Case):
         self.assertEqual(found["max-mesh-bytes"], ("3145728", f"file {file}"))
         self.assertEqual(found["threads"], ("0", "default"))
 
-    def test_what_it_prints_is_a_configuration_file_of_the_same_values(self):
+    def test_its_output_is_a_configuration_file_of_the_same_values(self):
         once = self.settings("--listen", "127.0.0.1:1", "--listen", "unix:a b", LATVOX_GRACE="2.5", LATVOX_THREADS="3")
         (self.dir / "again.toml").write_text(self.check("--listen", "127.0.0.1:1,unix:a b", "--grace", 2.5, "--threads", 3).stdout)
         again = self.settings("--config", "again.toml")

@@ -49,7 +49,7 @@ class Docs(Case):
         for name in re.findall(r"^ *\S+(?: \S+)? (\w+) = \d+;", proto, re.M):
             self.assertIn(f"<code>{name}</code>", protocol)
 
-    def test_pictures_are_what_is_drawn(self):
+    def test_kept_pictures_are_those_that_draw_makes(self):
         drawn, kept = self.dir, ROOT / "client/docs/pictures"
         subprocess.run([ROOT / "client/docs/draw", BIN, drawn], check=True, timeout=300)
         self.assertEqual(sorted(path.name for path in drawn.iterdir()), sorted(path.name for path in kept.iterdir()))
@@ -68,7 +68,7 @@ class Docs(Case):
         settings += f"INPUT = {self.dir}/broken.h\nOUTPUT_DIRECTORY = {self.dir}\nHTML_OUTPUT = html\n"
         return subprocess.run(["doxygen", "-"], input=settings, capture_output=True, text=True, cwd=ROOT, timeout=60)
 
-    def test_what_has_no_description_is_found(self):
+    def test_missing_descriptions_are_found(self):
         header = "// A file.\n#ifndef A_H_\n#define A_H_\n\n// A thing.\nstruct A {\n  int x = 0;  // a number\n%s};\n\n#endif\n"
         whole = self.doxygen(header % "")
         self.assertEqual((whole.returncode, whole.stderr), (0, ""))

@@ -211,7 +211,7 @@ class Interruptions(Case):
         self.assertTrue(stderr.endswith("latvox: cancelled by the caller\n"), stderr)
         self.assertEqual((client.returncode, list(self.dir.iterdir())), (STOPPED, []))
 
-    def test_sigterm_ends_what_waits_for_a_pipe(self):
+    def test_sigterm_ends_a_run_that_waits_for_a_pipe(self):
         os.mkfifo(self.dir / "in.obj")  # which nobody opens to write
         command = [BIN / "latvox", "voxelize", self.dir / "in.obj", "--resolution", "9", "-o", self.dir / "out.vdb"]
         client = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
@@ -221,7 +221,7 @@ class Interruptions(Case):
         self.assertEqual((client.communicate(timeout=15)[1], client.returncode), ("latvox: cancelled\n", STOPPED))
         self.assertEqual([path.name for path in self.dir.iterdir()], ["in.obj"])
 
-    def test_timeout_ends_what_waits_for_input(self):
+    def test_timeout_ends_a_run_that_waits_for_input(self):
         silent, endless = ["sleep", "60"], ["yes", "# more"]
         for command, writer in ("voxelize", silent), ("voxelize", endless), ("pixelize", silent):
             with self.subTest(command=command, writer=writer):
@@ -237,7 +237,7 @@ class Interruptions(Case):
                 self.assertEqual((done.stderr, done.returncode), (message, STOPPED))
                 self.assertEqual(list(self.dir.iterdir()), [])
 
-    def test_sigint_ends_what_waits_for_standard_input(self):
+    def test_sigint_ends_a_run_that_waits_for_standard_input(self):
         command = [BIN / "latvox", "voxelize", "-", "--resolution", "9", "-o", self.dir / "out.vdb"]
         client = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(client.stdin.close)

@@ -124,7 +124,7 @@ class Union(MergeCase):
         self.merged.rename(self.dir / "ab.vdb")
         self.assertEqual(self.merge(self.dir / "ab.vdb", c)["digest"], whole["digest"])
 
-    def test_nothing_but_nothing(self):
+    def test_empty_parts_merge_to_an_empty_grid(self):
         paths = self.parts([["--region", f"{FAR},0,0,{FAR + n},9,9"] for n in (1, 2)], "--lattice", "bcc", "--resolution", "16")
         self.assertEqual(self.merge(*paths)["voxels"], 0)
         (grid,), _ = pyopenvdb.readAll(str(self.merged))

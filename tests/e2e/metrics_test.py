@@ -208,7 +208,7 @@ class Promtool(Case):
         (self.dir / "dashboard.yaml").write_text("\n".join(lines) + "\n")
         self.check("check", "rules", self.dir / "dashboard.yaml")
 
-    def test_what_is_served_is_what_prometheus_reads(self):
+    def test_prometheus_reads_the_served_metrics(self):
         with watched_server(self.dir) as server:
             text = server.scrape()
         # prometheus-cpp's metrics about itself break the conventions.

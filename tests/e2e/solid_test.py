@@ -78,7 +78,7 @@ class Solids(Case):
             {v for v in rows(self.dir / "closed.csv") if v[:2] in columns}, set(rows(out)), "other lines changed"
         )
 
-    def test_what_does_not_go_together_is_wrong_usage(self):
+    def test_options_that_exclude_each_other_are_wrong_usage(self):
         for words, says in (
             (("--verify", "--fill", "solid"), "verify: not together with fill.mode solid"),
             (("--fill", "solid", "--algorithm", "incremental"), "fill.mode solid: not together with algorithm incremental"),

@@ -51,7 +51,7 @@ class Stretched(Case):
         result = json.loads((self.dir / "results.jsonl").read_text())
         self.assertEqual(result["summary"]["digest"], self.voxelize(self.dir / "a.obj", *OPTION)["digest"])
 
-    def test_what_it_does_not_go_with_is_refused(self):
+    def test_incompatible_options_are_refused(self):
         for options, says in (
             (["--voxel-size", "1,2"], '"1,2" is not one number or three'),
             (["--voxel-size", "1,2,0"], "above 0"),

@@ -102,7 +102,7 @@ class Supercover(Case):
         self.assertEqual(line["summary"]["digest"], alone["digest"])
         self.assertEqual(line["summary"]["certificate"]["cover"], "supercover")
 
-    def test_what_contradicts_it_is_refused(self):
+    def test_contradicting_options_are_refused(self):
         for option, value in (("--minimal", None), ("--algorithm", "incremental")):
             words = ["--resolution", 20, "--cover", "supercover", option, *([value] if value else [])]
             done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", *words)

@@ -84,7 +84,7 @@ class ThreeMf(InputCase):
         path = self.colored('pid="6" p1="0" p2="1" p3="0"', of_object='pid="5" pindex="0"')
         self.assertEqual(self.carried(path, "--attributes", "color"), {orange, slate, gray})
 
-    def test_properties_that_are_none_are_missed_where_they_are_asked_for(self):
+    def test_missing_properties_are_reported_if_requested(self):
         for says, attributes in (
             ("$", ""),
             ('3dmodel.model, line 7: <triangle>: pid="9" is no group', 'pid="9" p1="0"'),

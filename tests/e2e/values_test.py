@@ -97,7 +97,7 @@ class Pictures(ValuesCase):
             self.run_latvox("render", self.dir / "a.vdb", "-o", self.dir / "b.png")
             self.assertEqual((self.dir / "a.png").read_bytes(), (self.dir / "b.png").read_bytes())
 
-    def test_what_a_picture_cannot_show_is_refused(self):
+    def test_colors_that_a_picture_cannot_show_are_refused(self):
         self.voxelize(self.bodies(), *GRID, "--attributes", "part", out="a.vdb")
         out = ["-o", self.dir / "x.png"]
         for status, says, words in (

@@ -208,7 +208,7 @@ class View(Case):
         pixels, seen = self.canvas()
         self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
 
-    def test_what_takes_too_long_is_points_until_it_rests(self):
+    def test_slow_pages_draw_points_until_they_rest(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["bcc"])
         self.view(self.dir / "a.vdb")
         drawn = """(async () => {

@@ -73,7 +73,7 @@ class HalfOpen(Faults):
             self.assertLess(time.monotonic(), end, jobs)
             time.sleep(0.02)
 
-    def test_the_server_ends_calls_of_the_lost(self):
+    def test_the_server_ends_calls_of_lost_clients(self):
         cut = {way: self.server(f"latvoxd-{'-'.join(way)}") for way in (("to",), ("from",), ("to", "from"))}
         with contextlib.ExitStack() as swarms:
             for way, server in cut.items():

@@ -25,7 +25,7 @@ class Overhead(Faults):
         with stage.server(self.dir) as server:
             self.measure(server, "warm", promised=PROMISED)
 
-    def test_what_a_mesh_costs_that_is_new(self):
+    def test_a_new_mesh_is_measured(self):
         with stage.server(self.dir, "--decode-always") as server:
             self.measure(server, "a new mesh")
 
@@ -45,7 +45,7 @@ class Overhead(Faults):
             )
             self.figure(f"{what}: more than in one process, minima", best, "%")
 
-    def test_a_decoder_of_its_own_costs_little(self):
+    def test_a_confined_decoder_costs_little(self):
         """At most 5 %, or 2 ms, whichever is more."""
         for name in ("bunny", "bunny-x4"):
             command = [BIN / "latvox_bench_decoders", MESHES / f"{name}.drc"]

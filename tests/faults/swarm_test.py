@@ -19,7 +19,7 @@ ROLES = ["cancel", "vanish", "hostile", "bare", "bare"] + 15 * ["good"]
 class TwoHundredClients(Faults):
     scenario = "swarm"
 
-    def test_two_hundred_clients_on_two_cores_get_what_they_asked_for(self):
+    def test_two_hundred_clients_on_two_cores_get_their_results(self):
         with stage.server(self.dir, *map(str, OPTIONS)) as server:
             threads, descriptors = server.threads(), server.descriptors()
             before = server.cpu()

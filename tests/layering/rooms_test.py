@@ -160,7 +160,7 @@ class TheTree(unittest.TestCase):
         tested = {line.split()[0] for line in lines}
         self.assertEqual({f"{top}/{name}" for top, names in ORDER.items() for name in names} - tested, set())
 
-    def test_what_is_recorded_is_allowed(self):
+    def test_recorded_limits_are_allowed(self):
         for top, limits in LIMITS.items():
             with self.subTest(top):
                 self.assertLessEqual(limits.rooms, limits.most_rooms)
