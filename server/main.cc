@@ -76,7 +76,7 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
   if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
   latvox::StartLog(options.log_level, options.log_format);
-  for (const auto& [name, nearest] : configuration.misspelt) {
+  for (const auto& [name, nearest] : configuration.misspelled) {
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   latvox::KeepHeap(latvox::kHeapOfJobs);
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
   if (configuration.options.check_config) {
     const absl::Status status = latvox::VoxelServer::Check(configuration.options.server);
     if (!status.ok()) return Fail(status);
-    for (const auto& [name, nearest] : configuration.misspelt) {
+    for (const auto& [name, nearest] : configuration.misspelled) {
       std::fprintf(stderr, "latvoxd: warning: the environment variable %s is no option; %s is\n", name.c_str(),
                    nearest.c_str());
     }

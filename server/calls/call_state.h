@@ -1,4 +1,4 @@
-// The state and the life that calls of all kinds share.
+// The state and the life that all kinds of calls share.
 #ifndef LATVOX_SERVER_CALLS_CALL_STATE_H_
 #define LATVOX_SERVER_CALLS_CALL_STATE_H_
 
@@ -34,7 +34,7 @@ namespace latvox {
 // and never while the registry or gRPC's Finish is called.
 class CallState : public LiveCall, public std::enable_shared_from_this<CallState> {
  public:
-  // Once, before the reactor is handed to gRPC.
+  // Call it once, before gRPC gets the reactor.
   void Begin();
 
   void Stop(const absl::Status& status) final { End(status); }
@@ -46,7 +46,7 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   CallState(grpc::CallbackServerContext& context, CallOrigin origin, const CallEnvironment& environment)
       : context_(context), canceller_(context), environment_(environment), origin_(std::move(origin)) {}
 
-  // What a kind of call adds.
+  // The parts that each kind of call adds.
 
   // Refuses a call before it has a place.
   virtual absl::Status Check() const { return absl::OkStatus(); }
@@ -57,21 +57,21 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   virtual bool IsWriting() const { return false; }
   // Ends the call with `status`, unless it has one already. Here: the first status stands.
   virtual void End(const absl::Status& status);
-  // Fills in a record that has origin, status and queue_ms. Nothing else runs any more.
+  // Completes a record that has origin, status and queue_ms. No callback and no task runs any more.
   virtual void Describe(RequestRecord& record) const = 0;
   // Gives reserved memory back.
   virtual void Free() {}
   // gRPC's Finish.
   virtual void FinishWith(const grpc::Status& status) = 0;
 
-  // For calls that are one task. BeginTask returns false if the call has ended; `ready` is when it was ready to work.
-  // After EndTask, SendStatus is due.
+  // For calls with a single task. BeginTask returns false if the call has ended; `ready` is when it became ready to
+  // work. Call SendStatus after EndTask.
   bool BeginTask(Clock::time_point ready);
   void EndTask(const absl::Status& status);
 
-  // The status, once it is final, and nothing is at work.
+  // Sends the status. Precondition: it is final, and no task is at work.
   void SendStatus();
-  // What OnDone does.
+  // The body of OnDone.
   void Done();
 
   // A share of the call, for a task.
@@ -90,9 +90,9 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   std::mutex mu_;
   // All below is guarded by mu_.
   std::optional<double> queue_ms_;
-  Clock::time_point heard_of_client_ = began_;  // or when it was given something to take
+  Clock::time_point heard_of_client_ = began_;  // or when it got something to take
   bool working_ = false;                        // a task
-  bool finishing_ = false;                      // status_ is final, and gRPC has it or is about to get it
+  bool finishing_ = false;                      // status_ is final, and gRPC has it or will get it at once
   absl::Status status_;
 
  private:

@@ -27,7 +27,7 @@ void PixelizeReactor::Compute() {
     response_.set_request_id(origin_.request_id);
     bytes_out_ = response_.ByteSizeLong();
   }
-  memory_.Shrink(bytes_in_ + bytes_out_);  // messages, until the client has taken the answer
+  memory_.Shrink(bytes_in_ + bytes_out_);  // the messages, until the client has taken the answer
   EndTask(computed);
   SendStatus();
 }

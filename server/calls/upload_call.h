@@ -38,9 +38,9 @@ class UploadCall : public CallReactor<Reactor> {
   virtual absl::StatusOr<bool> ReceiveSpec(const decltype(std::declval<Request>().spec())& spec) = 0;
   // Reserves memory for so many bytes of the upload in all.
   virtual absl::Status ReserveUpload(uint64_t bytes) = 0;
-  // Whether the bytes that have come are enough. Precondition: the specification has come.
+  // Returns an error unless enough bytes have come. Precondition: the specification has come.
   virtual absl::Status CheckUpload() const { return upload_->CheckComplete(); }
-  // Called under mu_: whether a status is decided.
+  // Called under mu_. Returns whether a status is decided.
   virtual bool HasEnded() const = 0;
 
   void Start() final { Read(); }
@@ -52,10 +52,10 @@ class UploadCall : public CallReactor<Reactor> {
     record.upload_ms = upload_ms_;
   }
 
-  // When the call was ready for its first turn.
+  // The time when the call was ready for its first turn.
   CallState::Clock::time_point ready() const { return ready_; }
 
-  // Used by whoever reads, then by the task.
+  // Used by the reading callback, then by the task.
   Request request_;
   std::optional<MeshUpload> upload_;
 

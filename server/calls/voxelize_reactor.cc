@@ -11,7 +11,7 @@ absl::StatusOr<bool> VoxelizeReactor::ReceiveSpec(const v1::VoxelizeSpec& proto)
   if (!spec.ok()) return spec.status();
   upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
   may_be_kept_ = spec->mesh_digest.has_value();
-  // What will come must fit, but counts only as it comes: nobody takes memory by words.
+  // The whole mesh must fit, but its memory counts only as it comes, so that a mere announcement takes none.
   if (spec->mesh_bytes > environment_.memory.total()) {
     return LimitExceeded("memory", spec->mesh_bytes, environment_.memory.total());
   }
@@ -94,7 +94,7 @@ absl::StatusOr<bool> VoxelizeReactor::ComputeSome() {
   const auto deliver = [this](v1::VoxelizeResponse&& response) { return Deliver(std::move(response)); };
   if (!std::exchange(started_, true)) {
     absl::Status status = computation_->Start(deliver);
-    // Only now it is known how large the job is: it may go on in the other queue.
+    // Only now is the job's size known. It may go on in the other queue.
     return status.ok() ? absl::StatusOr<bool>(false) : status;
   }
   return computation_->Advance(deliver, [this] { return queue().contended(); });
@@ -149,7 +149,7 @@ VoxelizeReactor::Step VoxelizeReactor::NextStep() {
   if (finishing_) return step;
   if (!status_.ok()) {
     outbox_.clear();
-    // Their ends lead here again; a write that nobody takes must not keep the turn.
+    // The ends of these lead here again. A write that the client does not take must not keep the turn.
     step.pause = writing_ && !working_;
     if (decoding_ || working_ || writing_) return step;
     finishing_ = true;

@@ -32,7 +32,8 @@ namespace latvox {
 class VoxelizeReactor final
     : public UploadCall<grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>, v1::VoxelizeRequest> {
  public:
-  // Bytes that may be finished but not yet written. gRPC and the kernel hold some 4 MiB more for a slow client.
+  // Bytes of finished messages that may wait for their write. gRPC and the kernel hold some 4 MiB more for a slow
+  // client.
   static constexpr size_t kCredit = size_t{4} << 20;
 
   VoxelizeReactor(grpc::CallbackServerContext& context, CallOrigin origin, const CallEnvironment& environment)
@@ -44,7 +45,7 @@ class VoxelizeReactor final
  private:
   enum class Send { kNothing, kMessage, kLastMessageAndStatus, kStatus };
 
-  // What the caller of NextStep must do after it has released mu_.
+  // The actions of NextStep's caller after it has released mu_.
   struct Step {
     Send send = Send::kNothing;
     bool pause = false, await_turn = false;
@@ -71,17 +72,17 @@ class VoxelizeReactor final
   void Proceed();
   void ProceedFrom(const WorkQueue& queue);
 
-  bool may_be_kept_ = false;              // the mesh; then none need come
-  v1::VoxelizeResponse writing_message_;  // the write under way; nobody touches it meanwhile
+  bool may_be_kept_ = false;              // a mesh that may be stored: it need not be sent
+  v1::VoxelizeResponse writing_message_;  // the write under way; no thread touches it meanwhile
 
-  // All below is guarded by mu_; computation_ is set once, and then thread-safe by its own rules.
+  // All below is guarded by mu_. computation_ is set once, and has its own rules for threads.
   std::unique_ptr<Computation> computation_;
   std::deque<v1::VoxelizeResponse> outbox_;
   size_t unwritten_bytes_ = 0;  // of outbox_ and writing_message_
   size_t writing_bytes_ = 0;    // of writing_message_
   uint64_t bytes_out_ = 0;
   bool decoding_ = false, writing_ = false;
-  bool paused_ = false;   // has no turn, and awaits none yet
+  bool paused_ = false;   // has no turn, and does not await one yet
   bool started_ = false;  // Computation::Start has been called
   bool ended_ = false;    // status_ is decided; if it is OK, outbox_ still has to be written
 };
