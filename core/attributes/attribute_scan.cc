@@ -24,7 +24,7 @@ Triangle CornersOf(const SnappedMesh& mesh, uint32_t number) {
 // Bits first to last - 1 of a row.
 uint64_t BitsBetween(int32_t first, int32_t last) { return ~uint64_t{0} >> (kTileSide - (last - first)) << first; }
 
-// Whether a triangle may come within sqrt(square) of x, which is relative to its centre: see BandScan::Rows.
+// Whether a triangle may come within sqrt(square) of x, which is relative to its center: see BandScan::Rows.
 bool MayComeWithin(const TriangleDistance& triangle, const Vec3d& x, double square) {
   const double height = Dot(x, triangle.unit_normal()), q = square - height * height;
   if (q < 0) return false;
@@ -96,7 +96,7 @@ void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
       const Vec3i at{from[0], from[1], std::countr_zero(bits)};
       const size_t voxel = NumberOf(at);
       const Vec3i point = (tile_min_ + at) * kLatticeUnit;
-      const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->centre();
+      const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->center();
       if (!MayComeWithin(*triangle, x, least_[voxel] + slack)) continue;
       Compare(*triangle, number, point, voxel);
     }
@@ -138,7 +138,7 @@ void AttributeScan::ForEachCandidate(const AttributeContext& context, const Vec3
   }
 }
 
-// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbours, with a
+// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbors, with a
 // corner or an edge in common.
 AttributeScan::Corner AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) const {
   std::optional<Corner> first;

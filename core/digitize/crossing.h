@@ -1,6 +1,6 @@
 // The crossing rule: where one triangle crosses the lattice lines along one direction.
 //
-// A lattice edge is a segment z -> z+q between k-neighbours. The voxels of a surface are the nearer ends of all edges
+// A lattice edge is a segment z -> z+q between k-neighbors. The voxels of a surface are the nearer ends of all edges
 // that it crosses: then every crossed edge has an end in the set, which is what k-separating means, for any surface;
 // and on a plane the set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1-7.
 //

@@ -7,7 +7,7 @@
 // along C the edge function e_m of the line is at least -max_q |L_m(q)|/2, L_m the linear part of e_m.
 //
 // Lines that meet the triangle give voxels at once (they are crossed along C). The others, the rim, give candidates,
-// whose star (core/digitize/star.h) decides. On a smooth surface a neighbouring triangle has set them already.
+// whose star (core/digitize/star.h) decides. On a smooth surface a neighboring triangle has set them already.
 #ifndef LATVOX_CORE_DIGITIZE_PRINCIPAL_SCAN_H_
 #define LATVOX_CORE_DIGITIZE_PRINCIPAL_SCAN_H_
 
@@ -25,7 +25,7 @@ inline constexpr size_t kMaxDirections = 16;       // lanes want a power of two
 inline constexpr size_t kMaxHull = kMaxPairs - 1;  // all others
 static_assert(kMaxPairs <= kMaxDirections);
 
-// A frame with what its rim depends on: all neighbours q in the projection along frame.q.
+// A frame with what its rim depends on: all neighbors q in the projection along frame.q.
 struct ScanFrame {
   Frame frame;
   std::vector<Vec<int64_t, 2>> hull;  // corners of their convex hull, one of each pair +-; at most kMaxHull

@@ -28,7 +28,7 @@ struct OrientedTriangle {
   }
 };
 
-// The star of a voxel: the edges z -> z +- q for all k-neighbours q, tested against one triangle. It says of each edge
+// The star of a voxel: the edges z -> z +- q for all k-neighbors q, tested against one triangle. It says of each edge
 // what ForEachCrossing says, without a projection: the line through z along q passes on the inner side of the
 // triangle's edge A -> B iff u . ((B-A) x (z-A)) > 0, where u is q or -q, whichever goes up the normal; and the cross
 // products are the same for all q.

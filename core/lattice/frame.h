@@ -21,7 +21,7 @@ inline constexpr int kMaxDirection = 8;  // sum of absolute entries of q
 inline constexpr int kPlaneStepBits = 4;
 inline constexpr int kMaxPlaneStep = 1 << kPlaneStepBits;
 
-// The most pairs +-q of neighbours in space. Three of a lattice's parity classes hold one pair at most, three hold two,
+// The most pairs +-q of neighbors in space. Three of a lattice's parity classes hold one pair at most, three hold two,
 // and one holds four.
 inline constexpr size_t kMaxPairs = 13;
 

@@ -40,7 +40,7 @@ Selling SellingOf(const Mat3d& basis, const Mat<int32_t, 3>& reduced) {
   return selling;
 }
 
-// Whether the cells of all neighbours still meet the origin's if p_r counts: see core/lattice/neighbors.cc.
+// Whether the cells of all neighbors still meet the origin's if p_r counts: see core/lattice/neighbors.cc.
 bool Counts(const Vec3i& e, const std::vector<Neighbor<3>>& neighbors) {
   return std::all_of(neighbors.begin(), neighbors.end(), [&](const auto& n) { return std::abs(Dot(e, n.w)) <= 1; });
 }
@@ -113,7 +113,7 @@ void IntegerCell::SetZones(std::vector<CellZone> zones) {
   for (const CellZone& zone : zones_) directions_.push_back(Apply(adjugate, zone.e));
 }
 
-// The adjugate of G is the sum of p_r p_s (e_r x e_s)(e_r x e_s)^T over pairs; the cross products are neighbours (sum
+// The adjugate of G is the sum of p_r p_s (e_r x e_s)(e_r x e_s)^T over pairs; the cross products are neighbors (sum
 // of absolute entries <= kMaxDirection) or 0, and their products with e_u are 0 or +-1: entries of directions_ have 2 *
 // 30 + 4 + 3 bits, and 121 with a covector. The determinant, a sum over 16 spanning trees (Kirchhoff), has 94. M /
 // determinant being twice the vertex on the covector's side, covector . M has more than 128, but doubles estimate the

@@ -35,7 +35,7 @@ struct CellZone {
 // kSymmetryTolerance of the largest, or, where there are none, multiples of 2^-30 of the largest. So the named
 // lattices, and those with a basis of small integers, are exactly themselves. Any other is replaced by one that differs
 // from it by no more than that: its cells still fill space without gaps or overlaps. What Lattice takes for equally
-// long is: its neighbours' cells meet the cell.
+// long is: its neighbors' cells meet the cell.
 class IntegerCell {
  public:
   // Errors: INVALID_ARGUMENT if the lattice is so flat or long that this rounding would matter (its shortest vector is
@@ -44,7 +44,7 @@ class IntegerCell {
 
   const std::vector<CellZone>& zones() const { return zones_; }
   const Mat<int64_t, 3>& form() const { return form_; }         // G, symmetric
-  const std::vector<Vec3i>& facets() const { return facets_; }  // one of each pair +-w of neighbours across a facet
+  const std::vector<Vec3i>& facets() const { return facets_; }  // one of each pair +-w of neighbors across a facet
   int length_bits() const { return length_bits_; }              // every length is at most 2^length_bits
 
   // The largest value of `covector` . x over the cell, times `scale`, rounded down. Precondition: the covector's

@@ -76,11 +76,11 @@ absl::Status TooSkewError(const Mat<double, D>& basis, const Mat<int32_t, D>& tr
 }
 
 // Lengths count as equal within a tolerance: in a lattice that is flat or long enough, too many lengths do. The lists
-// of directions in space have room for kMaxPairs; in the plane, more neighbours than there are do no harm.
+// of directions in space have room for kMaxPairs; in the plane, more neighbors than there are do no harm.
 absl::Status CheckPairs(const std::vector<Frame>& frames) {
   if (frames.size() <= kMaxPairs) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrFormat("basis: so flat or long that lengths cannot be told apart: %d directions to neighbours, a "
+      absl::StrFormat("basis: so flat or long that lengths cannot be told apart: %d directions to neighbors, a "
                       "lattice has %d at most",
                       frames.size(), kMaxPairs));
 }

@@ -1,4 +1,4 @@
-// Lattices in two and three dimensions: bases, neighbours, scan directions.
+// Lattices in two and three dimensions: bases, neighbors, scan directions.
 //
 // A lattice is { V*ijk : ijk in Z^D }; the columns of the sampling matrix V are its basis vectors (thesis section 2.1).
 // Points in space are called voxels, and those in the plane pixels (section 3.1, figure 3.2).
@@ -48,7 +48,7 @@ class BasicLattice {
   // Every lattice vector whose Voronoi cell meets the origin's, with the dimension of the shared face.
   const std::vector<Neighbor<D>>& neighbors() const { return neighbors_; }
 
-  // The frames of one of each pair +-q of k-neighbours, in lexicographic order of q; q's first nonzero entry is
+  // The frames of one of each pair +-q of k-neighbors, in lexicographic order of q; q's first nonzero entry is
   // positive. k in 0 .. D-1.
   const std::vector<BasicFrame<D>>& frames(int k) const { return frames_[static_cast<size_t>(k)]; }
 

@@ -15,7 +15,7 @@
 // D - rank(M).
 //
 // In doubles two lengths are equal within a tolerance, and here that errs to the safe side twice. A w that may be in M
-// is a neighbour. But whoever is in M besides takes faces away: another u of the coset bounds the face of w by the
+// is a neighbor. But whoever is in M besides takes faces away: another u of the coset bounds the face of w by the
 // bisector of p = (w - u)/2, or of (w + u)/2, at a distance of (|u|^2 - |w|^2) / (8 |p|) from w/2. u counts for w where
 // that is next to nothing beside the lattice's shortest vector: in a long lattice, |u|^2 and |w|^2 may differ by little
 // of themselves and by much of that.

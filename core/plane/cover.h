@@ -31,7 +31,7 @@ PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::ve
                              StopSignal stop = {});
 
 // For each of the four parity classes (i&1)<<1 | (j&1) in ascending order, removes every pixel of the class whose
-// crossed links all have their other end in the set. No two pixels of a class are neighbours, so the order within a
+// crossed links all have their other end in the set. No two pixels of a class are neighbors, so the order within a
 // class does not matter; a pixel that its pass keeps stays essential, since the set only shrinks. What is left covers
 // every link that was covered, and has no redundant pixel.
 //   links, pixels   sorted, without duplicates

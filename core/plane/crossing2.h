@@ -1,6 +1,6 @@
 // The crossing rule in the plane: where one segment crosses the lattice lines along one direction.
 //
-// A link is a segment z -> z+q between k-neighbours; core/digitize/crossing.h calls it a lattice edge. The pixels of a
+// A link is a segment z -> z+q between k-neighbors; core/digitize/crossing.h calls it a lattice edge. The pixels of a
 // curve are the nearer ends of all links that it crosses. Then every crossed link has an end in the set, which is what
 // k-separating means, for any curve. On a line the set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1
 // (any lattice), 2 and 3 (square).

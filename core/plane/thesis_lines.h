@@ -17,9 +17,9 @@ namespace latvox {
 // one of the nearest.
 std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const PlaneLattice& lattice);
 
-// Brute force (sections 3.1, 4.1, 4.2): in the bounding box and a margin, every pixel whose centre lies between the
+// Brute force (sections 3.1, 4.1, 4.2): in the bounding box and a margin, every pixel whose center lies between the
 // segment's two ends with -t < n.z + D <= t, and every pixel within R of an end, R the largest interface distance |q|/2
-// of a k-neighbour.
+// of a k-neighbor.
 //   (1) contains the nearer end of every crossed link: it is k-separating   (2) in general not k-minimal at ends
 // The slab is decided by integers. Discs are closed, and reach further by the lattice's symmetry tolerance; that a
 // pixel's foot lies between the ends is decided in doubles, where an error cannot matter: within t <= R of an end it is
@@ -42,7 +42,7 @@ std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const 
                                     StopSignal stop = {});
 
 // The line of Ibanez, Hamitouche and Roux (section 4.6, reference 26): from one end to the other by steps between
-// (1-k)-neighbours, each time the one of two that stays nearer to the segment; Bresenham's octant is the cone between
+// (1-k)-neighbors, each time the one of two that stays nearer to the segment; Bresenham's octant is the cone between
 // the two steps. In the plane a curve of (1-k)-steps is what k-steps cannot pass, and the set is IncrementalLines'.
 // Precondition: as IncrementalLines.
 std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,

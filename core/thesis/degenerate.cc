@@ -14,8 +14,8 @@ double ErrorOf(const Vec3d& point, const Vec3d& line) {
 
 }  // namespace
 
-// Three k-neighbours that span the lattice exist for every direction: the Delaunay cells around a lattice point have
-// facet neighbours as edges, and their tetrahedra have the least possible volume (in three dimensions always).
+// Three k-neighbors that span the lattice exist for every direction: the Delaunay cells around a lattice point have
+// facet neighbors as edges, and their tetrahedra have the least possible volume (in three dimensions always).
 LineTracer::LineTracer(const Neighborhood& neighborhood) : basis_(neighborhood.lattice.basis()) {
   for (const Frame& frame : neighborhood.frames) {
     neighbors_.push_back(frame.q);

@@ -16,8 +16,8 @@ class LineTracer {
  public:
   explicit LineTracer(const Neighborhood& neighborhood);
 
-  // Emits a line that is connected by the neighbourhood's steps: it starts at one end and ends at the other, and each
-  // voxel is a k-neighbour of the one before. b - a is written as c1*q1 + c2*q2 + c3*q3, c >= 0, with k-neighbours q
+  // Emits a line that is connected by the neighborhood's steps: it starts at one end and ends at the other, and each
+  // voxel is a k-neighbor of the one before. b - a is written as c1*q1 + c2*q2 + c3*q3, c >= 0, with k-neighbors q
   // that span the lattice, in the way that takes the fewest and, of several, shortest steps; the walk takes each q its
   // c times, at each step the one whose end lies nearest to the line. The same line from b to a.
   void Trace(const Vec3i& a, const Vec3i& b, EmitVoxel emit) const;

@@ -1,4 +1,4 @@
-// The k-neighbourhood of a lattice, as the thesis's algorithms measure with it.
+// The k-neighborhood of a lattice, as the thesis's algorithms measure with it.
 //
 // The thesis's own algorithms (its chapter 4) are kept by their names, as what the crossing rule (core/digitize) is
 // compared with. They start from the same snapped surface as the rule does, and compute in doubles.

@@ -3,7 +3,7 @@
 //
 // The thesis: D(A+B) = D(A) u D(B) u (D(A+A') n D(B+B')), A' the part of A's plane beyond the common edge or vertex.
 //
-// Our reading, for meshes. A link (a segment between two k-neighbours) crosses triangle A at p. Let z be its nearer
+// Our reading, for meshes. A link (a segment between two k-neighbors) crosses triangle A at p. Let z be its nearer
 // end, the one in A's slab (Theorem 4): half a link from p at most. If z's line along A's principal direction meets A,
 // z is in D(A). Else it meets A's plane at p', outside of A, half a link from z at most. The way from p to p' leaves A
 // through an edge e, and so passes from one side to the other of every other triangle B at e: B's plane separates p

@@ -46,7 +46,7 @@ class CrossedLinks {
     At(voxel) |= uint32_t{1} << bit;
     At(voxel + static_cast<uint32_t>(steps_[bit].number)) |= uint32_t{1} << (bit ^ 1);
   }
-  // Adds the link between two neighbours.
+  // Adds the link between two neighbors.
   void Add(uint32_t voxel, uint32_t other) {
     size_t bit = 0;
     while (voxel + static_cast<uint32_t>(steps_[bit].number) != other) ++bit;

@@ -3,7 +3,7 @@
 // be thinned:
 //
 // For each of the eight parity classes in ascending order, remove every voxel of the class whose crossed edges all have
-// their other end in the set. No two voxels of a class are neighbours, so the order within a class does not matter.
+// their other end in the set. No two voxels of a class are neighbors, so the order within a class does not matter.
 // What a pass keeps has a crossed edge with its other end outside, and stays essential since the set only shrinks:
 // after eight passes the set is k-minimal, and still covers every edge.
 //

@@ -61,7 +61,7 @@ HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numb
   return TestBits(WordsAt(words, hn::ShiftRight<5>(number)), number);
 }
 
-// Neighbours in a list often share a word of bits, for which one change would wait for the other; hence they do not
+// Neighbors in a list often share a word of bits, for which one change would wait for the other; hence they do not
 // follow each other.
 void SetAll(uint32_t* words, std::span<const uint32_t> numbers) {
   constexpr size_t kWays = 4, kBatch = 64;

@@ -43,7 +43,7 @@ struct BitsLayout {
     return origin + Vec3i{static_cast<int32_t>(i), static_cast<int32_t>(row) - static_cast<int32_t>(i) * side[1],
                           static_cast<int32_t>(number) - static_cast<int32_t>(row) * side[2]};
   }
-  // The parity class of a voxel, 0..7. Two k-neighbours never share it, since a neighbour step is never 0 modulo 2.
+  // The parity class of a voxel, 0..7. Two k-neighbors never share it, since a neighbor step is never 0 modulo 2.
   uint32_t ParityClass(uint32_t number) const {
     const Vec3i ijk = VoxelAt(number);
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));

@@ -31,7 +31,7 @@ struct Minimality {
 
 // Holds each voxel against Theorem 8. The exclusions are decided by the planes that voxels are listed under:
 //   case 1   the voxel is listed under two planes or more: it lies where they meet
-//   case 2   a neighbour along C is listed under another plane. (A neighbour that is listed under the voxel's own plane
+//   case 2   a neighbor along C is listed under another plane. (A neighbor that is listed under the voxel's own plane
 //            alone is no excuse: a plane has one voxel on each line along C.)
 //   voxels   each once for every plane that it is in, in any order
 //   flood    of the same voxels, in a volume that holds all of them; beyond it there is water

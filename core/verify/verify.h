@@ -1,6 +1,6 @@
 // Counts tunnels and redundant voxels of a finished voxel set.
 //
-// A link is a segment z -> z+q between k-neighbours; core/digitize/crossing.h calls it a lattice edge.
+// A link is a segment z -> z+q between k-neighbors; core/digitize/crossing.h calls it a lattice edge.
 #ifndef LATVOX_CORE_VERIFY_VERIFY_H_
 #define LATVOX_CORE_VERIFY_VERIFY_H_
 

@@ -18,7 +18,7 @@ enum class Numbering {
 };
 
 // Lattice points with numbers (x, y, z) from 0 to size-1 on each axis, and a margin of two around them (figure 5.4):
-// the water must be able to go around, and every voxel must have its neighbours.
+// the water must be able to go around, and every voxel must have its neighbors.
 struct Volume {
   Numbering numbering = Numbering::kLattice;
   Vec3i size;
@@ -31,7 +31,7 @@ enum class Label : uint8_t { kInside, kWater, kSurface };
 // A volume after the water has come to rest. Inside is what it did not reach.
 class Flood {
  public:
-  // Pours water in at the low corner of the padded volume; from each point it flows to all k-neighbours that are not in
+  // Pours water in at the low corner of the padded volume; from each point it flows to all k-neighbors that are not in
   // `surface`. The thesis does so breadth first, point by point; this does it by rows of bits, with the same result.
   //   surface   its voxels outside of the padded volume count for nothing
   //   frames    of N_k
