@@ -46,7 +46,7 @@ absl::Status SingularError() {
       absl::StrFormat("basis: the %d vectors are linearly dependent (rank below %d)", D, D));
 }
 
-// Of irrational multiples of one vector, too, no combination vanishes.
+// Irrational multiples of one vector are dependent, too, although no integer combination of them vanishes.
 template <size_t D>
 absl::Status TransformError() {
   return absl::InvalidArgumentError(
@@ -99,7 +99,7 @@ std::pair<size_t, size_t> MostAcutePair(const std::array<Vec<double, D>, D + 1>&
   return pair;
 }
 
-// Of vectors with small entries, not all 0.
+// The rank of vectors with small entries, not all 0.
 size_t Rank(const std::vector<Vec2i>& vectors) {
   for (const auto& v : vectors) {
     if (Determinant(Mat<int32_t, 2>{vectors[0], v}) != 0) return 2;
@@ -147,7 +147,7 @@ absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
     }
     const auto [i, j] = MostAcutePair<D>(b);
     if (i == j) {
-      // Of dependent vectors, the superbase may fall apart into v, -v and others.
+      // For dependent vectors, the superbase may fall apart into v, -v and others.
       Mat<double, D> vectors;
       std::copy_n(b.begin(), D, vectors.begin());
       double box = 1;

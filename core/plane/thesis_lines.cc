@@ -20,7 +20,7 @@ Vec2l Wide(const Vec2i& v) { return {v[0], v[1]}; }
 
 Vec2i ToPixel(const Vec2i& v_lat) { return {v_lat[0] / kLatticeUnit, v_lat[1] / kLatticeUnit}; }
 
-// The world vector of a difference in lattice coordinates, `unit` of which are a pixel.
+// The world vector of a difference in lattice coordinates; `unit` of them are a pixel.
 Vec2d ToWorld(const PlaneLattice& lattice, const Vec2l& d, double unit) {
   return Apply(lattice.basis(), Vec2d{static_cast<double>(d[0]) / unit, static_cast<double>(d[1]) / unit});
 }
@@ -111,7 +111,7 @@ struct Octant {
   Vec2l m;
 };
 
-// Of all cones between two neighbors that hold d, the one with the fewest steps has no neighbor inside.
+// Among all cones between two neighbors that contain d, the one with the fewest steps has no neighbor inside.
 Octant OctantOf(const Vec2l& d, const std::vector<PlaneFrame>& frames) {
   std::vector<Vec2i> steps;
   for (const PlaneFrame& frame : frames) {
