@@ -1,4 +1,4 @@
-// A voxelization that is taken batch by batch. Client::Stream begins one:
+// A voxelization that the program takes batch by batch. Client::Stream begins one:
 //
 //   latvox::client::BrickStream stream = client.Stream(request, std::move(drc_bytes));
 //   for (const absl::StatusOr<latvox::client::BrickBatch>& batch : stream) {
@@ -7,7 +7,7 @@
 //   }
 //   Use(stream.summary());
 //
-// Leaving the loop early, or any other way in which the handle goes, cancels what is left.
+// A program that leaves the loop early, or destroys the handle, cancels the rest.
 #ifndef LATVOX_LATVOX_BRICK_STREAM_H_
 #define LATVOX_LATVOX_BRICK_STREAM_H_
 
@@ -25,36 +25,37 @@
 
 namespace latvox::client {
 
-// The handle of one running call: it can be moved, not copied, and owns the call, the mesh's bytes and its share of the
-// connections, so that it may outlive its Client.
+// The handle of one running call. It can be moved, not copied. It owns the call, the mesh's bytes and its share of the
+// connections, so it may outlive its Client.
 //
-// Costs: one thread, which runs the call; and at most four batches in memory, that of the last Next among them, each of
-// 32,768 bricks of 80 bytes at most, with distances of up to 2 MiB, or attributes of up to 3.5. While the others wait
-// to be taken, the server is held back. A batch is copied once, which is little beside unpacking it.
+// Costs: one thread, which runs the call; and at most four batches in memory, including the last one from Next. A batch
+// has at most 32,768 bricks of 80 bytes, with up to 2 MiB of distances or 3.5 MiB of attributes. While three batches
+// wait, the server is held back. A batch is copied once, which costs little beside its decoding.
 //
-// Threads: one at a time may use a handle. CallOptions.cancellation stops it from any other.
+// Threads: one at a time may use a handle. CallOptions.cancellation stops the call from any other.
 class LATVOX_EXPORT BrickStream {
  public:
   class Iterator;
 
-  BrickStream(BrickStream&&) noexcept;             // the other one may then be destroyed or assigned to, no more
-  BrickStream& operator=(BrickStream&&) noexcept;  // as if the one before were destroyed
+  BrickStream(BrickStream&&) noexcept;             // the other handle may then only be destroyed or assigned to
+  BrickStream& operator=(BrickStream&&) noexcept;  // ends the call of this handle first, like the destructor
   ~BrickStream();                                  // cancels the call and waits for its end, some milliseconds
 
-  // Waits for the grid and the box that the bricks lie in, without taking any. Errors: as Next.
+  // Waits for the grid and the box of the bricks, without taking a batch. Errors: as Next.
   absl::StatusOr<Accepted> AwaitAccepted();
 
-  // Waits for the next batch. Its memory is the stream's, and gone at the next Next. Nothing: there is none any more,
-  // and all that Client::Voxelize promises of a call that is OK holds. Errors: as Client::Voxelize; after those batches
-  // that came before it, and for good. CANCELLED at once, without them.
+  // Waits for the next batch. Its memory belongs to the stream, and is valid until the next call of Next. Nothing:
+  // there are no more batches, and everything that Client::Voxelize promises for an OK call holds. Errors: as
+  // Client::Voxelize, after the batches that came before; they stay. CANCELLED comes at once, without these batches.
   absl::StatusOr<std::optional<BrickBatch>> Next();
 
-  // Of the whole, once Next has returned nothing; before, and after an error, there is none.
+  // The summary of the whole, once Next has returned nothing; nullopt before that, and after an error.
   std::optional<Summary> summary() const;
 
-  // For one loop over what is left: a batch each, and an error if it ends with one. begin() waits for the first batch.
+  // For one loop over the rest: each step is a batch, and the last one is an error if the call ends with one. begin()
+  // waits for the first batch.
   Iterator begin();
-  std::default_sentinel_t end() const { return {}; }  // of any such loop
+  std::default_sentinel_t end() const { return {}; }  // for every such loop
 
  private:
   friend class Client;
@@ -66,16 +67,16 @@ class LATVOX_EXPORT BrickStream {
   std::unique_ptr<State> state_;
 };
 
-// An input iterator; each step is a Next. Valid while its stream is, and is not moved.
+// An input iterator; each step calls Next. It is valid while its stream exists, and is not moved.
 class LATVOX_EXPORT BrickStream::Iterator {
  public:
   using iterator_concept = std::input_iterator_tag;  // of the standard's concepts
   using value_type = absl::StatusOr<BrickBatch>;     // a batch, or the error that ends the loop
-  using difference_type = std::ptrdiff_t;            // which the standard wants to be there
+  using difference_type = std::ptrdiff_t;            // required by the standard
 
   const value_type& operator*() const { return *batch_; }             // unless it is at the end
   Iterator& operator++();                                             // to the end, if it is at an error
-  void operator++(int) { ++*this; }                                   // likewise
+  void operator++(int) { ++*this; }                                   // as above
   bool operator==(std::default_sentinel_t) const { return !batch_; }  // whether it is at the end
 
  private:

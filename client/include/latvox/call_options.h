@@ -1,4 +1,4 @@
-// What every call can be told.
+// Options of every call.
 #ifndef LATVOX_LATVOX_CALL_OPTIONS_H_
 #define LATVOX_LATVOX_CALL_OPTIONS_H_
 
@@ -11,13 +11,13 @@
 
 namespace latvox::client {
 
-// All may be left out.
+// All are optional.
 struct CallOptions {
   std::optional<absl::Time> deadline;  // DEADLINE_EXCEEDED after it, over all tries; default: none
   Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
-  RetryPolicy retry = {};              // how often and how soon to try again
-  std::string traceparent = {};        // W3C trace context that the call belongs to; a malformed one is not sent
-  std::string tracestate = {};         // what goes with it; sent with a good traceparent only, up to 512 characters
+  RetryPolicy retry = {};              // number and timing of further tries
+  std::string traceparent = {};        // W3C trace context of the call; a malformed one is not sent
+  std::string tracestate = {};         // its vendor part; sent only with a valid traceparent, up to 512 characters
 };
 
 }  // namespace latvox::client

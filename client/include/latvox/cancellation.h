@@ -1,4 +1,4 @@
-// Stopping a call from anywhere.
+// Stops calls from anywhere.
 #ifndef LATVOX_LATVOX_CANCELLATION_H_
 #define LATVOX_LATVOX_CANCELLATION_H_
 
@@ -9,9 +9,8 @@
 
 namespace latvox::client {
 
-// A handle on one cancellation; copies share it. Cancelling is final and may come before, during or after the call
-// that it is given to. Threads: every method may be called from any thread, and from the call's own callbacks. Not
-// from a signal handler.
+// A handle of one cancellation; copies share it. A cancellation is final, and may come before, during or after the call
+// that has it. Threads: any thread, and the call's own callbacks, may call every method. Signal handlers may not.
 class LATVOX_EXPORT Cancellation {
  public:
   Cancellation();  // a new one, not cancelled
@@ -19,11 +18,11 @@ class LATVOX_EXPORT Cancellation {
   // Stops every call that has it. Returns before they have ended.
   void Cancel() const;
 
-  // Whether Cancel was called.
+  // Returns whether Cancel was called.
   bool cancelled() const;
 
-  // While it lives, `action` runs on Cancel, at once if that has come already. Its destructor waits for a running
-  // action. The action must not use this Cancellation.
+  // Runs `action` on Cancel while it lives; at once if Cancel has been called already. Its destructor waits for a
+  // running action. The action must not use this Cancellation.
   class Subscription {
    public:
     Subscription(const Cancellation& cancellation, std::function<void()> action);  // begins to listen

@@ -9,15 +9,16 @@
 //   if (!all.ok()) return all.status();
 //   for (const latvox::client::Brick& brick : all->bricks) Use(brick);
 //
-// Three styles of the same call: VoxelizeAll gathers all bricks, Voxelize hands them to a function as they come, Stream
-// gives a handle to take them from. The last two need the memory of some batches, however many bricks there are.
+// Three styles of the same call: VoxelizeAll collects all bricks, Voxelize passes them to a function as they come, and
+// Stream returns a handle to take them from. The last two need the memory of a few batches, however many bricks there
+// are.
 //
-// A connection that breaks, a server that dies or drains, or is full for the moment, is no error as long as another try
-// can help (latvox/retry_policy.h): the call goes on after the last complete tile, on another connection
-// or another server, and whoever takes the bricks notices nothing but time.
+// A broken connection, and a server that dies, drains or is full for the moment, are no errors while another try can
+// help (latvox/retry_policy.h). The call goes on after the last complete tile, on another connection or another server.
+// The program notices only the time.
 //
-// Errors everywhere: absl::Status with the codes that latvox/error.h lists; GetErrorDetails there tells
-// field, value and limit. Nothing throws, nothing logs.
+// All errors are absl::Status with the codes in latvox/error.h. GetErrorDetails there returns field, value and limit.
+// Nothing throws, and nothing logs.
 #ifndef LATVOX_LATVOX_CLIENT_H_
 #define LATVOX_LATVOX_CLIENT_H_
 
@@ -39,71 +40,72 @@
 
 namespace latvox::client {
 
-// Connections to one server, or to several that serve the same. Threads: all methods may be called at once from any
-// threads; calls share the connections, each of which carries any number. Ownership: movable, not copied; must outlive
-// its calls, but not its streams. Costs: making one connects; keeping one for many calls is what saves that, and
+// Connections to one server, or to several equal ones. Threads: any threads may call all methods at once. Calls share
+// the connections, and each connection carries any number of calls. Ownership: movable, not copied; it must outlive its
+// calls, but not its streams. Costs: its construction connects. Keep one for many calls, to save connections and
 // uploads.
 class LATVOX_EXPORT Client {
  public:
-  // Connects to "HOST:PORT" or "unix:PATH", or to several of these with commas between them. Calls take turns over
-  // the servers that can be reached: those listed, and all that a HOST resolves to. One at least must be reachable now.
-  // Errors: UNAVAILABLE at once if every server refuses the connection; INVALID_ARGUMENT, DEADLINE_EXCEEDED, CANCELLED.
+  // Connects to "HOST:PORT" or "unix:PATH", or to several of these with commas between them. Calls take turns over all
+  // reachable servers: those in the list, and all addresses of a HOST. At least one must be reachable now. Errors:
+  // UNAVAILABLE at once if every server refuses the connection; INVALID_ARGUMENT, DEADLINE_EXCEEDED, CANCELLED.
   static absl::StatusOr<Client> Connect(const std::string& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
-  // The same, one address each.
+  // Does the same, with one address in each text.
   static absl::StatusOr<Client> Connect(const std::vector<std::string>& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
 
-  // A client of something else, not null: see latvox/voxel_service.h.
+  // A client of something else than a server, not null: see latvox/voxel_service.h.
   explicit Client(std::shared_ptr<VoxelService> service);
 
-  Client(Client&&) noexcept;             // the other one may then be destroyed or assigned to, no more
-  Client& operator=(Client&&) noexcept;  // as if the one before were destroyed
-  ~Client();                             // no call of it may be running
+  Client(Client&&) noexcept;             // the other one may then only be destroyed or assigned to
+  Client& operator=(Client&&) noexcept;  // replaces this one
+  ~Client();                             // Precondition: none of its calls runs
 
-  // Voxelizes the Draco-encoded mesh and blocks until the last brick was handled. The mesh is read during the call and
-  // uploaded while answers already arrive. Every answer is checked before it is handed on: sizes, order, no brick
-  // twice or outside of Accepted.index_box, and in the end counts and digest. OK means that all voxels were handed on.
-  // Bricks that were handed on before an error are correct as far as checked, but not all. Errors found before any
-  // server is asked: INVALID_ARGUMENT for a mesh of no bytes, and for a request with both voxel_size and resolution.
+  // Voxelizes the Draco-encoded mesh, and blocks until the last brick was handled. Answers arrive while the mesh is
+  // still uploaded. Every answer is checked before it is passed on: sizes, order, no brick twice or outside of
+  // Accepted.index_box, and at the end counts and digest. OK means that all voxels were passed on. Bricks passed on
+  // before an error are correct as far as they were checked, but incomplete. Errors found without a server:
+  // INVALID_ARGUMENT for an empty mesh, and for a request with both voxel_size and resolution.
   //
-  // Servers keep meshes. So many calls with one mesh upload it once to each server, as long as that keeps it: this
-  // Client remembers what it sent where, sends the mesh's SHA-256 instead, and the mesh again if the server asks for
-  // it.
+  // Servers store meshes. So many calls with one mesh upload it once to each server, as long as the server keeps it.
+  // This Client remembers which mesh it sent where, and sends the mesh's SHA-256 instead. It sends the mesh again if
+  // the server asks for it.
   absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,
                                    const VoxelizeHandlers& handlers, const CallOptions& options = {}) const;
 
-  // The same without the bytes. NOT_FOUND if no server that could be asked has the mesh: a server may drop it at any
-  // time, starts without it, and has only what it was sent itself. Who still has the bytes, gives them.
+  // Does the same without the bytes. NOT_FOUND if no reachable server has the mesh. A server may drop it at any time,
+  // starts without it, and has only meshes that were sent to it. A program that still has the bytes should pass them.
   absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, const MeshId& mesh, const VoxelizeHandlers& handlers,
                                    const CallOptions& options = {}) const;
 
-  // Voxelizes likewise, and returns all at once. Memory: 80 bytes for each brick, twice that while it grows.
+  // Voxelizes the mesh in the same way, and returns everything at once. Memory: 80 bytes for each brick, twice that
+  // while it grows.
   absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_drc,
                                            const CallOptions& options = {}) const;
-  // The same without the bytes, as above.
+  // Does the same without the bytes, as above.
   absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
                                            const CallOptions& options = {}) const;
 
-  // Begins to voxelize likewise, and returns at once; see latvox/brick_stream.h. The bytes are the
-  // stream's: give them by std::move, or, to several streams, their MeshId.
+  // Begins to voxelize in the same way, and returns at once; see latvox/brick_stream.h. The stream owns the bytes: pass
+  // them by std::move, or, to several streams, their MeshId.
   BrickStream Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options = {}) const;
-  // The same without the bytes, as above.
+  // Does the same without the bytes, as above.
   BrickStream Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options = {}) const;
 
-  // Stores the mesh on one server, which later calls with it prefer. Idempotent. The mesh is not looked at before it is
-  // used. Errors: INVALID_ARGUMENT for no bytes; RESOURCE_EXHAUSTED for one over Limits.max_mesh_bytes or
-  // mesh_store_bytes.
+  // Stores the mesh on one server, which later calls with it prefer. Idempotent. The server does not decode the mesh
+  // before its first use. Errors: INVALID_ARGUMENT for an empty mesh; RESOURCE_EXHAUSTED for one over
+  // Limits.max_mesh_bytes or mesh_store_bytes.
   absl::StatusOr<MeshId> PutMesh(std::string_view mesh_drc, const CallOptions& options = {}) const;
 
   // Pixelizes polylines. The answer is checked before it is returned: the order of its pixels, and their digest.
   // Errors: INVALID_ARGUMENT also for both pixel_size and resolution.
   absl::StatusOr<Pixelization> Pixelize(const PixelizeRequest& request, const CallOptions& options = {}) const;
 
-  // The limits of one server.
+  // Returns the limits of one server.
   absl::StatusOr<Limits> GetLimits(const CallOptions& options = {}) const;
 
-  // Asks grpc.health.v1 of one server, once. True: the server takes requests. False: it answers, and takes none (it
+  // Asks grpc.health.v1 of one server, once. True: the server takes requests. False: it answers, but takes none (it
   // drains, for example).
   absl::StatusOr<bool> Health(const CallOptions& options = {}) const;
 

@@ -1,4 +1,4 @@
-// What a client shows to a server, and wants to see of it.
+// Credentials of the client, and those that it requires of a server.
 #ifndef LATVOX_LATVOX_CREDENTIALS_H_
 #define LATVOX_LATVOX_CREDENTIALS_H_
 
@@ -6,13 +6,13 @@
 
 namespace latvox::client {
 
-// Files are PEM, and read when the client connects. Naming any of them asks for TLS, as `tls` alone does.
+// Files are PEM, and are read when the client connects. Any file turns TLS on, and so does `tls` alone.
 struct Credentials {
   bool tls = false;           // the connection is encrypted, and the server proves its name
-  std::string tls_ca_file;    // roots that the server's certificate has to lead to; empty: the system's
-  std::string tls_cert_file;  // the client's own certificate, for a server that wants one, with
+  std::string tls_ca_file;    // roots for the server's certificate; empty: the system's
+  std::string tls_cert_file;  // the client's own certificate, for a server that requires one, with
   std::string tls_key_file;   // its key
-  std::string token;          // bearer token; empty: none. Never sent in plain text, but to this machine
+  std::string token;          // bearer token; empty: none. Never sent in plain text, except to this machine
 };
 
 }  // namespace latvox::client

@@ -1,12 +1,12 @@
-// Marks what a shared library of the SDK shows. Everything else in it is hidden.
+// Marks the symbols that a shared library of the SDK shows. All others are hidden.
 #ifndef LATVOX_LATVOX_EXPORT_H_
 #define LATVOX_LATVOX_EXPORT_H_
 
-// Stands before each function and after each `class` of the public headers that the library defines. Plain structs need
-// none: programs compile them whole.
+// For each function and each `class` of the public headers that the library defines. Plain structs need no mark,
+// because programs compile them whole.
 #define LATVOX_EXPORT __attribute__((visibility("default")))
 
-// Stands after `class` where a nested one is defined in a source file: else it would be shown with the outer one.
+// For a nested class that a source file defines; otherwise it would be shown with the outer class.
 #define LATVOX_HIDDEN __attribute__((visibility("hidden")))
 
 #endif  // LATVOX_LATVOX_EXPORT_H_

@@ -1,4 +1,4 @@
-// What a pixelization asks for and what it answers, as plain values; see latvox/types.h, and Pixelize in
+// A pixelization's request and answer, as plain values; see latvox/types.h, and Pixelize in
 // proto/latvox/v1/voxelizer.proto.
 //
 // Frames: world coordinates are x, y in the polylines' units; lattice coordinates are the integers i, j, with
@@ -18,7 +18,7 @@ namespace latvox::client {
 using Vec2d = std::array<double, 2>;   // a world position or vector: x, y
 using Vec2i = std::array<int32_t, 2>;  // lattice coordinates: i, j
 
-// The common plane lattices, in the protocol's order, in bases that are given here up to scale.
+// The common plane lattices, in the protocol's order. Bases are given up to scale.
 enum class NamedPlaneLattice {
   kSquare,     // (1,0) (0,1)
   kHexagonal,  // (1,0) (1/2,sqrt(3)/2)
@@ -50,17 +50,17 @@ struct Polyline {
   bool operator==(const Polyline&) const = default;
 };
 
-// How to find the pixels. All but kExact are there to compare with.
+// The ways to find pixels. All except kExact are for comparison.
 enum class LineAlgorithm {
-  kExact,        // the nearer ends of all lattice edges that the polylines cross
+  kExact,        // the nearer ends of all lattice links that the polylines cross
   kBruteForce,   // every pixel within half a step of a segment
   kIncremental,  // one pixel for each lattice line that meets a segment
   kIbanez,       // steps from pixel to pixel
 };
 
-// What to compute. At most one of pixel_size and resolution (both: INVALID_ARGUMENT); a named lattice needs one.
+// The job. Give at most one of pixel_size and resolution (both: INVALID_ARGUMENT); a named lattice needs one.
 struct PixelizeRequest {
-  std::vector<Polyline> polylines;  // one at least
+  std::vector<Polyline> polylines;  // at least one
   std::variant<NamedPlaneLattice, PlaneBasis> lattice =
       NamedPlaneLattice::kSquare;      // a PlaneBasis is scaled to one of the next two
   std::optional<double> pixel_size;    // edge of a square with a Voronoi cell's area, world units
@@ -68,7 +68,7 @@ struct PixelizeRequest {
   std::optional<Vec2d> origin;         // world position of lattice point 0; default: the polylines' low corner
   uint32_t separability = 0;           // k: 0 or 1
   bool minimal = true;                 // whether to remove pixels until none can leave
-  LineAlgorithm algorithm = LineAlgorithm::kExact;  // how to find the pixels
+  LineAlgorithm algorithm = LineAlgorithm::kExact;  // the way to find the pixels
 };
 
 // World positions of lattice coordinates: world = origin + i*a + j*b.
@@ -77,7 +77,7 @@ struct PlaneTransform {
   Vec2d origin{};         // world position of lattice point 0
   double pixel_size = 0;  // edge of a square with a Voronoi cell's area, world units
 
-  // The centre of a pixel.
+  // Returns the center of a pixel.
   Vec2d ToWorld(const Vec2i& ij) const {
     return {origin[0] + ij[0] * basis.a[0] + ij[1] * basis.b[0], origin[1] + ij[0] * basis.a[1] + ij[1] * basis.b[1]};
   }
@@ -88,10 +88,10 @@ struct Pixelization {
   std::string request_id;       // in the server's log
   PlaneTransform grid;          // where lattice points are
   std::vector<Vec2i> pixels;    // in lexicographic order, each once
-  uint64_t crossed_edges = 0;   // lattice edges that the curve crosses
-  uint64_t tunnels = 0;         // of these, without an end among the pixels; always counted
+  uint64_t crossed_edges = 0;   // lattice links that the curve crosses
+  uint64_t tunnels = 0;         // links among these without an end among the pixels; always counted
   uint64_t redundant = 0;       // pixels that could leave; always counted
-  double snap_error_max = 0;    // most by which snapping moved a point, in each lattice coordinate, in pixels
+  double snap_error_max = 0;    // the most that snapping moved a point, in each lattice coordinate, in pixels
   std::string lattice;          // "square", "hexagonal" or "basis"
   std::string algorithm;        // "exact", "brute-force", "incremental" or "ibanez"
   std::string version;          // of the server

@@ -1,5 +1,5 @@
-// What a voxelization asks for and what it answers, as plain values. The protocol's own description of every field is
-// in proto/latvox/v1/voxelizer.proto; names, units and defaults here are the same.
+// A voxelization's request and answer, as plain values. proto/latvox/v1/voxelizer.proto describes every field; names,
+// units and defaults here are the same.
 //
 // Frames: world coordinates are x, y, z in the mesh's units; lattice coordinates are the integers i, j, k, with
 // world = origin + i*a + j*b + k*c.
@@ -31,7 +31,7 @@ struct Basis {
 enum class NamedLattice {
   kCartesian,  // cubes
   kBcc,        // body-centered cubic
-  kFcc,        // face-centred cubic
+  kFcc,        // face-centered cubic
   kHexagonal,  // hexagonal prism
 };
 
@@ -55,17 +55,17 @@ inline constexpr std::array kNamedLattices{
 // "cartesian", "bcc", "fcc" or "hexagonal".
 constexpr const char* NameOf(NamedLattice lattice) { return kNamedLattices[static_cast<size_t>(lattice)].name; }
 
-// How to find the voxels. All but kExact are there to compare with.
+// The ways to find voxels. All except kExact are for comparison.
 enum class Algorithm {
-  kExact,                 // the nearer ends of all lattice edges that the mesh crosses
-  kBruteForce,            // of the thesis, as the other two
+  kExact,                 // the nearer ends of all lattice links that the mesh crosses
+  kBruteForce,            // the thesis's, like the other two
   kIncremental,           // one voxel for each lattice line that meets a triangle
-  kOptimizedIncremental,  // the same by one addition a voxel
+  kOptimizedIncremental,  // the same by one addition for each voxel
 };
 
-// Which voxels to find: a set that separates, or every one whose closed Voronoi cell meets the mesh (conservative).
+// The kind of set: one that separates, or all voxels whose closed Voronoi cell meets the mesh (conservative).
 enum class Cover {
-  kSeparating,  // few, and none along a path through the mesh is missing
+  kSeparating,  // few voxels, and no gap for a path through the mesh
   kSupercover,  // all
 };
 
@@ -83,25 +83,25 @@ struct WorldBox {
   bool operator==(const WorldBox&) const = default;
 };
 
-// The index-th of `count` parts that cost about the same, and that together are the whole.
+// The index-th of `count` parts with about the same cost; together they are the whole.
 struct Shard {
   uint32_t index = 0;  // below count
-  uint32_t count = 1;  // 1048576 at most
+  uint32_t count = 1;  // at most 1048576
   bool operator==(const Shard&) const = default;
 };
 
 // The lattice points near the mesh, each with its distance: see Band in the protocol.
 struct Band {
-  double width = 0;        // finite, 1/8192 of a voxel size at least
+  double width = 0;        // finite, at least 1/8192 of a voxel size
   bool in_voxels = false;  // width counts GridTransform.voxel_size; otherwise world units
   bool is_signed = false;  // distances are negative inside; the mesh must be closed
 };
 
-// What voxels may carry of the mesh: the number of the nearest corner of the nearest triangle. See Attribute in the
-// protocol, which also says how a Draco mesh has them.
+// A number of the mesh that voxels may carry: that of the nearest corner of the nearest triangle. See Attribute in the
+// protocol, which also describes its form in a Draco mesh.
 enum class Attribute {
-  kPart,      // which part of the mesh
-  kMaterial,  // which material
+  kPart,      // the part of the mesh
+  kMaterial,  // the material
   kColor,     // red, green and blue of 0 to 255: red << 16 | green << 8 | blue
 };
 
@@ -111,31 +111,31 @@ constexpr const char* NameOf(Attribute attribute) {
   return kNames[static_cast<size_t>(attribute)];
 }
 
-// How bricks travel; what arrives is the same.
+// The encoding of bricks on the wire; the result is the same.
 enum class BrickEncoding {
   kMasks,       // 76 bytes a brick
   kPacked,      // about a quarter of that
   kPackedZstd,  // a quarter less again, for twice the time on both sides: for networks below about one gigabit a second
 };
 
-// Which lattice points are inside of a mesh: by an odd number of crossings with it on the way there, or by a sum of
-// these other than 0, each + or - by the triangle's orientation.
+// The rule for the inside of a mesh: an odd number of crossings on the way from outside, or a sum of crossings other
+// than 0. Each crossing counts + or - by the triangle's orientation.
 enum class InteriorRule {
   kParity,   // an odd number
   kWinding,  // a sum other than 0
 };
 
-// To fill a mesh, which must be closed: every edge in an even number of triangles (kParity), or run through equally
-// often both ways (kWinding).
+// The fill of a mesh, which must be closed: every edge belongs to an even number of triangles (kParity), or is used
+// equally often both ways (kWinding).
 struct Solid {
-  InteriorRule rule = InteriorRule::kParity;  // what is inside
-  bool surface = true;                        // with the surface's voxels, too
-  bool force_open = false;  // fill a mesh that is not closed along those lattice lines in k that are balanced
+  InteriorRule rule = InteriorRule::kParity;  // the rule for the inside
+  bool surface = true;                        // include the surface's voxels
+  bool force_open = false;                    // fill a mesh that is not closed, along the balanced lattice lines in k
   bool operator==(const Solid&) const = default;
 };
 
-// What to compute. Give at most one of voxel_size and resolution; a named lattice needs one. The server refuses options
-// that exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
+// The job. Give at most one of voxel_size and resolution; a named lattice needs one. The server refuses options that
+// exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
 struct VoxelizeRequest {
   std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a sampling scales a Basis uniformly
   std::optional<double> voxel_size;         // edge of a cube with a Voronoi cell's volume, world units
@@ -143,25 +143,25 @@ struct VoxelizeRequest {
   std::optional<Vec3d> origin;              // world position of lattice point 0; default: the mesh's low corner
   uint32_t separability = 0;                // k: 0, 1 or 2
   std::optional<bool> minimal;              // thin the surface to k-minimality; default: wherever that is possible
-  std::optional<IndexBox> region;           // only these voxels, as they are in the whole
-  std::optional<Shard> shard;               // only this part of the tiles, as they are in the whole
+  std::optional<IndexBox> region;           // only these voxels, as in the whole
+  std::optional<Shard> shard;               // only this part of the tiles, as in the whole
   bool verify = false;                      // count tunnels and redundant voxels of the finished set independently
-  Algorithm algorithm = Algorithm::kExact;  // how to find the voxels
-  BrickEncoding encoding = BrickEncoding::kPacked;  // how they travel
+  Algorithm algorithm = Algorithm::kExact;  // the way to find the voxels
+  BrickEncoding encoding = BrickEncoding::kPacked;  // their encoding on the wire
   std::optional<Solid> solid;                       // the points inside the mesh, too
   Cover cover = Cover::kSeparating;                 // kSupercover: the same voxels for every separability
   std::optional<Band> band = std::nullopt;          // points near the mesh, with distances, instead of a surface
-  std::vector<Attribute> attributes = {};           // what voxels carry, each once; the mesh must have it
-  // Only voxels whose centers lie in this box, exactly, as they are in the whole; the lattice does not move.
+  std::vector<Attribute> attributes = {};           // carried by voxels, each once; the mesh must have them
+  // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
 };
 
-// How a mesh was read and encoded before it was sent, as far as that is not by default: what grids tell beside the
-// request, for those who repeat it. The fields of these names in a line of `latvox batch`.
+// The way in which a mesh was read and encoded, as far as it is not the default. Grids record it with the request, so
+// that the request can be repeated. The names are those of fields in a line of `latvox batch`.
 struct MeshNote {
   std::string up_axis;              // "x", "y" or "z": the axis of the file that became z
   std::optional<double> scale;      // of its coordinates
-  std::string input_format;         // "ply", ...: whatever its extension says
+  std::string input_format;         // "ply", ...: overrides the file's extension
   std::optional<int> quantization;  // bits of a position on the way to the server; 0: lossless
   bool operator==(const MeshNote&) const = default;
 };
@@ -172,7 +172,7 @@ struct GridTransform {
   Vec3d origin{};         // world position of lattice point 0
   double voxel_size = 0;  // edge of a cube with a Voronoi cell's volume, world units
 
-  // The centre of a voxel.
+  // Returns the center of a voxel.
   Vec3d ToWorld(const Vec3i& ijk) const {
     Vec3d world{};
     for (size_t m = 0; m < 3; ++m) {
@@ -183,14 +183,14 @@ struct GridTransform {
   bool operator==(const GridTransform&) const = default;
 };
 
-// The mesh as the server found it.
+// Facts about the mesh from the server.
 struct MeshFacts {
   uint64_t triangles = 0;             // as decoded
   uint64_t vertices = 0;              // as decoded: codecs split and duplicate them
   uint64_t degenerate_triangles = 0;  // without area after snapping
   bool closed = false;                // every edge, by snapped position, belongs to an even number of triangles
   uint32_t quantization_bits = 0;     // of a position in the Draco stream; 0: none
-  double snap_error_max = 0;          // most by which snapping moved a vertex, in each lattice coordinate, in voxels
+  double snap_error_max = 0;          // the most that snapping moved a vertex, in each lattice coordinate, in voxels
   Vec3d min{};                        // bounding box of all triangles, world: the low corner
   Vec3d max{};                        // and the high one
   bool operator==(const MeshFacts&) const = default;
@@ -200,9 +200,9 @@ struct MeshFacts {
 struct Accepted {
   std::string request_id;             // in the server's log
   GridTransform grid;                 // where lattice points are
-  std::optional<IndexBox> index_box;  // no voxel lies outside; absent: there is no voxel
+  std::optional<IndexBox> index_box;  // no voxel lies outside; absent: there are no voxels
   uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
-  MeshFacts mesh;                     // as the server found it
+  MeshFacts mesh;                     // facts from the server
 };
 
 // 8 x 8 x 8 voxels; brick_ijk is ijk >> 3. Voxel (x, y, z) of the brick is bit (y<<3 | z) of word x.
@@ -211,90 +211,92 @@ struct Brick {
   std::array<uint64_t, 8> mask;  // never empty
 };
 
-// The next bricks. The memory is the SDK's, and gone when the handler returns, or at the next Next of a BrickStream.
+// The next bricks. Their memory belongs to the SDK, until the handler returns, or until the next Next of a BrickStream.
 struct BrickBatch {
   std::span<const Brick> bricks;  // whole 64^3 tiles
   double progress = 0;            // share of the work done, 0 to 1, never decreasing
-  // Of a band: the distance of each voxel, world units; brick after brick, of a brick in lexicographic order of ijk.
+  // For a band: the distance of each voxel, world units; brick after brick, and within a brick in lexicographic order
+  // of ijk.
   std::span<const float> values = {};
-  // With VoxelizeRequest.attributes: as many numbers for each voxel, in their order; voxels are in that of `values`.
+  // With VoxelizeRequest.attributes: one number for each voxel and attribute, in their order; voxels are in the order
+  // of `values`.
   std::span<const uint32_t> attributes = {};
 };
 
-// How a mesh was filled.
+// The fill of a mesh.
 struct SolidFacts {
   std::string rule;               // "parity" or "winding"
-  bool surface = true;            // with the surface's voxels, too
+  bool surface = true;            // the set includes the surface's voxels
   uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
 };
 
-// What the distances of a band are.
+// The distances of a band.
 struct BandCertificate {
   double width = 0;        // world units
   bool is_signed = false;  // distances inside are negative
   std::string digest;      // of voxels and distances, 32 hexadecimal digits
 };
 
-// What the voxels carry.
+// The attributes of voxels.
 struct AttributeCertificate {
-  std::vector<Attribute> attributes;  // as VoxelizeRequest has them
-  std::string digest;                 // of voxels and what they carry, 32 hexadecimal digits
+  std::vector<Attribute> attributes;  // those of VoxelizeRequest
+  std::string digest;                 // of voxels and attributes, 32 hexadecimal digits
 };
 
-// What was proved or checked of the result.
+// Properties of the result, proved or checked.
 struct Certificate {
   std::string lattice;              // "cartesian", "bcc", "fcc", "hexagonal", "stretched-" and one of these, or "basis"
   uint32_t separability = 0;        // k
-  bool tunnel_free = false;         // every crossed lattice edge has an end in the set; of a part, in the whole of it
+  bool tunnel_free = false;         // every crossed lattice link has an end in the set; for a part: in the whole
   bool minimal = false;             // no voxel can leave
-  bool verified = false;            // the next two were counted on this very result
-  uint64_t tunnels = 0;             // crossed lattice edges with no end in the set; meaningful if verified
-  uint64_t redundant = 0;           // voxels that could leave; meaningful if verified
-  bool closed = false;              // as MeshFacts has it, like the next two
+  bool verified = false;            // the next two were counted for this result
+  uint64_t tunnels = 0;             // crossed lattice links without an end in the set; valid if verified
+  uint64_t redundant = 0;           // voxels that could leave; valid if verified
+  bool closed = false;              // as in MeshFacts, like the next two
   double snap_error_max = 0;        // voxels
   uint32_t quantization_bits = 0;   // 0: none
   std::string algorithm;            // "exact", "brute-force", "incremental" or "optimized-incremental"
   std::string version;              // of the server
   std::string digest;               // identifies the voxel set: 32 hexadecimal digits
-  std::optional<Shard> shard;       // the part that this is, if one was asked for
-  std::optional<SolidFacts> solid;  // how the mesh was filled, if it was
+  std::optional<Shard> shard;       // the shard, if the request asked for one
+  std::optional<SolidFacts> solid;  // the fill of the mesh, if there is one
   std::string cover;                // "separating" or "supercover"
-  std::optional<BandCertificate> band = std::nullopt;             // what the distances are, if a band was asked for
-  std::optional<AttributeCertificate> attributes = std::nullopt;  // what the voxels carry, if anything
-  bool whole_minimal = false;                                     // minimal is true of the whole that this is a part of
+  std::optional<BandCertificate> band = std::nullopt;  // facts about the distances, if the request asked for a band
+  std::optional<AttributeCertificate> attributes = std::nullopt;  // facts about the attributes, if there are any
+  bool whole_minimal = false;                                     // `minimal` of the whole to which this part belongs
 };
 
-// Wall-clock milliseconds within the server; of a resumed call, within the last one.
+// Wall-clock milliseconds within the server; for a resumed call, within the last server.
 struct ServerTimings {
-  double upload_ms = 0;    // from the specification's arrival to that of the mesh's last byte; 0: none was sent
-  double decode_ms = 0;    // Draco decoding and checking; 0 if its result was kept
-  double voxelize_ms = 0;  // snapping, digitizing, thinning and, if asked for, verifying
-  double stream_ms = 0;    // waiting for the client to take bricks
+  double upload_ms = 0;    // from the specification's arrival to the mesh's last byte; 0: no mesh was sent
+  double decode_ms = 0;    // Draco decoding and checking; 0 if the server had the decoded mesh
+  double voxelize_ms = 0;  // snapping, digitizing, thinning and, if requested, verifying
+  double stream_ms = 0;    // the wait for the client to take bricks
 };
 
 // The last answer: nothing is missing.
 struct Summary {
-  uint64_t voxels = 0;          // handed on, over all streams
+  uint64_t voxels = 0;          // passed on, over all streams
   uint64_t bricks = 0;          // likewise
   uint64_t tiles = 0;           // 64^3 tiles with voxels, likewise
-  Certificate certificate;      // what the result is
-  ServerTimings timings;        // where the time went
+  Certificate certificate;      // properties of the result
+  ServerTimings timings;        // time of each stage
   uint64_t mesh_bytes = 0;      // of the encoded mesh
-  int resumed = 0;              // times that the stream broke and another one went on
-  uint64_t bytes_sent = 0;      // of messages as this client counted them, over all tries
+  int resumed = 0;              // times that the stream broke and another one continued
+  uint64_t bytes_sent = 0;      // of messages as counted by this client, over all tries
   uint64_t bytes_received = 0;  // likewise
 };
 
 // A whole voxelization in memory.
 struct Voxelization {
   Accepted accepted;                      // grid and box
-  std::vector<Brick> bricks;              // in the order in which they came, which is the same each time
-  std::vector<float> values;              // of a band: their voxels' distances, as BrickBatch has them
+  std::vector<Brick> bricks;              // in the order of their arrival, which is the same each time
+  std::vector<float> values;              // for a band: their voxels' distances, as in BrickBatch
   Summary summary;                        // counts and certificate
-  std::vector<uint32_t> attributes = {};  // what their voxels carry, as BrickBatch has it
+  std::vector<uint32_t> attributes = {};  // their voxels' attributes, as in BrickBatch
 };
 
-// The limits that requests are held against.
+// The limits of requests.
 struct Limits {
   uint64_t max_mesh_bytes = 0;       // of an encoded mesh
   uint64_t max_triangles = 0;        // of a mesh
@@ -304,13 +306,13 @@ struct Limits {
   uint64_t max_message_bytes = 0;    // one message in either direction
   uint32_t subvoxel_bits = 0;        // fractional bits of the lattice coordinates that vertices are snapped to
   std::string version;               // of the server
-  uint64_t max_points = 0;           // of Pixelize: in all polylines
-  uint64_t max_crossings = 0;        // of Pixelize: lattice edges that are crossed, by an upper estimate
-  uint64_t max_pixels = 0;           // of Pixelize: in the answer
-  uint32_t max_queued_jobs = 0;      // that wait; one more is refused for the moment
-  uint32_t max_jobs_per_client = 0;  // of one token, else of one network address
-  uint64_t memory_budget_bytes = 0;  // that all jobs and stored meshes share
-  uint64_t mesh_store_bytes = 0;     // of all meshes that are kept
+  uint64_t max_points = 0;           // for Pixelize: in all polylines
+  uint64_t max_crossings = 0;        // for Pixelize: crossed lattice links, by an upper estimate
+  uint64_t max_pixels = 0;           // for Pixelize: in the answer
+  uint32_t max_queued_jobs = 0;      // waiting jobs; one more is refused for the moment
+  uint32_t max_jobs_per_client = 0;  // for one token, else for one network address
+  uint64_t memory_budget_bytes = 0;  // shared by all jobs and stored meshes
+  uint64_t mesh_store_bytes = 0;     // for all stored meshes
   uint64_t max_visited_points = 0;   // lattice points that one request looks at, by the server's estimate
 };
 

@@ -1,4 +1,4 @@
-// What a Client talks to: servers, or, in the tests of programs that use one, whatever stands in for them.
+// The interface between a Client and servers. Tests of programs may put something else in their place.
 //
 //   class FullServer final : public latvox::client::VoxelService {
 //     absl::StatusOr<Summary> Voxelize(const VoxelizeRequest&, const MeshInput&, const VoxelizeHandlers&,
@@ -27,23 +27,23 @@ namespace latvox::client {
 
 // The mesh of one call.
 struct MeshInput {
-  MeshId id;                            // names it to servers that keep it
-  std::optional<std::string_view> drc;  // its bytes, valid during the call; absent: a server has to have it
+  MeshId id;                            // names it to servers that store it
+  std::optional<std::string_view> drc;  // its bytes, valid during the call; absent: a server must have it
 };
 
-// One virtual method for each rpc, in plain values. A stand-in overrides those that its test needs; the others are
-// UNIMPLEMENTED. What Client::Connect makes retries, resumes and checks every answer below this interface, and nothing
-// above it does: a stand-in says what the program under test is to see, no more.
+// One virtual method for each RPC, in plain values. A stand-in overrides the methods that its test needs; the others
+// return UNIMPLEMENTED. The service of Client::Connect retries, resumes and checks every answer below this interface,
+// and nothing above it does. So a stand-in returns exactly the results that the program under test sees.
 //
-// Threads: a Client calls from the threads that call it, at once if they do, and from that of a BrickStream.
+// Threads: a Client calls from its callers' threads, at once if they do, and from the thread of a BrickStream.
 class LATVOX_EXPORT VoxelService {
  public:
-  VoxelService() = default;                               // for those derived
+  VoxelService() = default;                               // for derived classes
   VoxelService(const VoxelService&) = delete;             // shared, not copied
   VoxelService& operator=(const VoxelService&) = delete;  // as above
-  virtual ~VoxelService() = default;                      // with its last Client or BrickStream
+  virtual ~VoxelService() = default;                      // destroyed with its last Client or BrickStream
 
-  // As Client::Voxelize: the handlers run on the calling thread, on_accepted first; what they return is returned.
+  // As Client::Voxelize: the handlers run on the calling thread, on_accepted first. Returns their errors.
   virtual absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, const MeshInput& mesh,
                                            const VoxelizeHandlers& handlers, const CallOptions& options);
 

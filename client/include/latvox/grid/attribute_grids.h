@@ -1,11 +1,11 @@
-// Voxels that carry attributes as OpenVDB grids. No OpenVDB header is needed to use this.
+// Voxels with attributes as OpenVDB grids. Programs need no OpenVDB header for this.
 //
-//   "voxels"            the set, as latvox/grid/voxel_grid.h has it
-//   "part", "material"  a grid of 32-bit integers each; of OpenVDB's own programs, vdb_ax reads their values
+//   "voxels"            the set, as in latvox/grid/voxel_grid.h
+//   "part", "material"  a grid of 32-bit integers each; among OpenVDB's own programs, vdb_ax reads their values
 //   "color"             a grid of three floats from 0 to 1: red, green, blue
 //
 // All have the same transform, metadata (with latvox_attributes, their names, and latvox_attributes_digest) and active
-// voxels; elsewhere numbers are -1, and colors 0.
+// voxels. Elsewhere numbers are -1, and colors 0.
 #ifndef LATVOX_LATVOX_GRID_ATTRIBUTE_GRIDS_H_
 #define LATVOX_LATVOX_GRID_ATTRIBUTE_GRIDS_H_
 
@@ -19,28 +19,28 @@
 
 namespace latvox::client {
 
-// Grids being filled. Not thread-safe. Memory: for each brick about 2.5 KB an attribute, 7 KB a color.
+// Grids that are being filled. Not thread-safe. Memory for each brick: about 2.5 KB an attribute, 7 KB a color.
 class LATVOX_EXPORT AttributeGrids {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
   AttributeGrids(const GridTransform& transform, const std::vector<Attribute>& attributes);
-  AttributeGrids(AttributeGrids&&) noexcept;             // the other one may then be destroyed or assigned to, no more
-  AttributeGrids& operator=(AttributeGrids&&) noexcept;  // as if the one before were destroyed
+  AttributeGrids(AttributeGrids&&) noexcept;             // the other one may then only be destroyed or assigned to
+  AttributeGrids& operator=(AttributeGrids&&) noexcept;  // replaces this one
   ~AttributeGrids();                                     // frees the grids
 
   // Adds the batch's voxels. Precondition: they carry these attributes. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
 
-  // Writes into the grids' metadata what was asked for: latvox_request, a JSON object with the fields of a line of
-  // `latvox batch`, and latvox_region and latvox_bounds of a request for these. With what is noted of the mesh, such a
-  // line and the same mesh repeat the whole.
+  // Writes the request into the grids' metadata: latvox_request, a JSON object with the fields of a line of `latvox
+  // batch`, and latvox_region and latvox_bounds if it has them. With the note about the mesh, such a line and the same
+  // mesh repeat the whole.
   void SetRequest(const VoxelizeRequest& request, const MeshNote& note = {});
 
   // Writes the certificate into the grids' metadata.
   void SetCertificate(const Certificate& certificate);
 
-  // Writes a .vdb file of all grids to `path`, over what is there; not atomic. Errors: UNKNOWN, with the path and
-  // OpenVDB's words.
+  // Writes a .vdb file of all grids to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path
+  // and OpenVDB's message.
   absl::Status Write(const std::string& path);
 
  private:

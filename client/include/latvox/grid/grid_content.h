@@ -1,5 +1,5 @@
-// All that a .vdb file of latvox holds: voxels, and what they have besides their places. No OpenVDB header is needed to
-// use this.
+// The content of a .vdb file of latvox: voxels, with their distances or attributes. Programs need no OpenVDB header for
+// this.
 #ifndef LATVOX_LATVOX_GRID_GRID_CONTENT_H_
 #define LATVOX_LATVOX_GRID_GRID_CONTENT_H_
 
@@ -15,25 +15,24 @@
 
 namespace latvox::client {
 
-// Numbers are in the order of BrickBatch: brick after brick, of a brick in lexicographic order of ijk.
+// Numbers are in the order of BrickBatch: brick after brick, and within a brick in lexicographic order of ijk.
 struct GridContent {
-  GridFile file;                            // of a band, the voxels within it
-  std::optional<Band> band = std::nullopt;  // of a grid "distance": its width in world units; absent of any other
-  std::vector<float> distances = {};        // of a band: one for each voxel, world units
-  std::vector<Attribute> attributes = {};   // what voxels carry: part, material, color, in this order
-  std::vector<uint32_t> numbers = {};       // as many for each voxel
+  GridFile file;                            // for a band, the voxels within it
+  std::optional<Band> band = std::nullopt;  // for a grid "distance": the band's width in world units; absent for others
+  std::vector<float> distances = {};        // for a band: one for each voxel, world units
+  std::vector<Attribute> attributes = {};   // of the voxels: part, material, color, in this order
+  std::vector<uint32_t> numbers = {};       // one for each voxel and attribute
 
-  // All bricks, and what is theirs.
+  // Returns all bricks, with their distances and attributes.
   BrickBatch Batch() const { return {file.bricks, 1, distances, numbers}; }
 };
 
-// Reads voxels as ReadGridFile does, with the grids "part", "material" and "color" beside them (see
-// latvox/grid/attribute_grids.h); or, where the file's first grid is one of floats named "distance", a
-// band (see latvox/grid/distance_grid.h). What the metadata do not say of a band is found in its
-// distances. Memory: that of ReadGridFile, 4 bytes for each number, and a grid at a time while it reads: see
-// DistanceGrid, AttributeGrids. Errors: as ReadGridFile; INVALID_ARGUMENT: a grid that has other voxels than the set;
-// values that latvox does not write.
-//   values   false: distances and attributes are left out
+// Reads voxels like ReadGridFile, with the grids "part", "material" and "color" (see latvox/grid/attribute_grids.h). If
+// the file's first grid has floats and is named "distance", reads a band (see latvox/grid/distance_grid.h). Facts that
+// the metadata lack come from the distances. Memory: that of ReadGridFile, 4 bytes for each number, and one grid at a
+// time while it reads: see DistanceGrid, AttributeGrids. Errors: as ReadGridFile; INVALID_ARGUMENT if a grid has other
+// voxels than the set, or values that latvox does not write.
+//   values   false: leaves out distances and attributes
 LATVOX_EXPORT absl::StatusOr<GridContent> ReadGridContent(const std::string& path, bool values = true);
 
 }  // namespace latvox::client

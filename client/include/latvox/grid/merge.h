@@ -1,4 +1,4 @@
-// Parts of a voxelization, joined. No OpenVDB header is needed to use this.
+// Joins the parts of a voxelization. Programs need no OpenVDB header for this.
 #ifndef LATVOX_LATVOX_GRID_MERGE_H_
 #define LATVOX_LATVOX_GRID_MERGE_H_
 
@@ -13,27 +13,28 @@
 
 namespace latvox::client {
 
-// The whole, as written.
+// Facts about the whole that was written.
 struct MergedGrid {
   uint64_t voxels = 0;         // of the whole
   uint64_t bricks = 0;         // of the whole
-  uint64_t shared_bricks = 0;  // bricks of the parts beyond those of the whole: in more than one part
+  uint64_t shared_bricks = 0;  // bricks of the parts beyond those of the whole: they are in more than one part
   std::string digest;          // of the whole
 };
 
-// Writes to `path`, over what is there and not atomically, the .vdb file of the whole whose parts are these files,
-// which `latvox voxelize` wrote of one mesh and request with --region, --bounds or --shard: the union of their voxels,
+// Writes the .vdb file of the whole to `path`, replacing an existing file; not atomic. The parts are files that `latvox
+// voxelize` wrote for one mesh and request with --region, --bounds or --shard. The whole is the union of their voxels,
 // with the metadata that they share. The digest is computed anew; it is the sum of the parts' digests where no brick is
-// in two.
+// in two parts.
 //
 // Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets
 // (147 MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.
 //
-// `progress`, if any, is called now and then with the share done, 0 to 1, and the bricks written so far.
+// `progress`, if any, gets the share of the work done, 0 to 1, and the number of bricks written so far, from time to
+// time.
 //
-// Errors: INVALID_ARGUMENT or NOT_FOUND, with the file: not a whole file of latvox's; parts that are not of one whole,
-// with field and values; a part that is given twice; shards that are missing. RESOURCE_EXHAUSTED: open files.
-// UNKNOWN: `path` cannot be written. CANCELLED.
+// Errors: INVALID_ARGUMENT or NOT_FOUND, with the file: it is not a whole file of latvox; the parts do not belong to
+// one whole, with field and values; a part is given twice; shards are missing. RESOURCE_EXHAUSTED: open files. UNKNOWN:
+// `path` cannot be written. CANCELLED.
 LATVOX_EXPORT absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, const std::string& path,
                                                     const Cancellation& cancellation,
                                                     const std::function<void(double, uint64_t)>& progress);

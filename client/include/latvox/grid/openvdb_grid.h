@@ -1,4 +1,4 @@
-// The OpenVDB grid within a VoxelGrid. Costs OpenVDB's headers: 2.5 seconds a file.
+// The OpenVDB grid within a VoxelGrid. It includes OpenVDB's headers, which cost 2.5 seconds of compile time a file.
 #ifndef LATVOX_LATVOX_GRID_OPENVDB_GRID_H_
 #define LATVOX_LATVOX_GRID_OPENVDB_GRID_H_
 
@@ -8,7 +8,7 @@
 
 namespace latvox::client {
 
-// What VoxelGrid::content() gives.
+// The result of VoxelGrid::content().
 struct VoxelGrid::Content {
   openvdb::BoolGrid::Ptr grid;  // never null; shares its tree with copies of the pointer
 };

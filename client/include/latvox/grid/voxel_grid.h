@@ -1,5 +1,5 @@
-// Voxel sets as OpenVDB grids. No OpenVDB header is needed to use this; latvox/grid/openvdb_grid.h gives
-// the grid itself to programs that go on with OpenVDB.
+// Voxel sets as OpenVDB grids. Programs need no OpenVDB header for this. latvox/grid/openvdb_grid.h has the grid
+// itself, for programs that go on with OpenVDB.
 //
 //   index space     lattice coordinates ijk, on every lattice
 //   world space     the grid's affine transform: origin + i*a + j*b + k*c
@@ -24,40 +24,40 @@
 
 namespace latvox::client {
 
-// Whether OpenVDB takes the transform: all its maps that other programs know refuse a voxel of less than 3e-15 volume.
-// Errors: INVALID_ARGUMENT with ErrorDetails, naming voxel_size, its value and the limit.
+// Returns whether OpenVDB accepts the transform: all its maps that other programs know refuse a voxel with a volume of
+// less than 3e-15. Errors: INVALID_ARGUMENT with ErrorDetails, naming voxel_size, its value and the limit.
 LATVOX_EXPORT absl::Status CheckGridTransform(const GridTransform& transform);
 
-// A grid being filled: a BoolGrid, the one type for sets that every OpenVDB program reads, python3-openvdb included,
-// named "voxels", one leaf for each brick. Not thread-safe. Memory: about 150 bytes for each brick.
+// A grid that is being filled: a BoolGrid named "voxels", with one leaf for each brick. Every OpenVDB program reads
+// this type, python3-openvdb included. Not thread-safe. Memory: about 150 bytes for each brick.
 class LATVOX_EXPORT VoxelGrid {
  public:
   // Precondition: CheckGridTransform(transform) is OK.
   explicit VoxelGrid(const GridTransform& transform);
-  VoxelGrid(VoxelGrid&&) noexcept;             // the other one may then be destroyed or assigned to, no more
-  VoxelGrid& operator=(VoxelGrid&&) noexcept;  // as if the one before were destroyed
-  ~VoxelGrid();                                // frees the grid, but for pointers to it: see openvdb_grid.h
+  VoxelGrid(VoxelGrid&&) noexcept;             // the other one may then only be destroyed or assigned to
+  VoxelGrid& operator=(VoxelGrid&&) noexcept;  // replaces this one
+  ~VoxelGrid();                                // frees the grid, except where pointers share it: see openvdb_grid.h
 
   // Adds the batch's voxels. Errors: RESOURCE_EXHAUSTED (memory).
   absl::Status Add(const BrickBatch& batch);
 
-  // Writes into the grid's metadata what was asked for: latvox_request, a JSON object with the fields of a line of
-  // `latvox batch`, and latvox_region and latvox_bounds of a request for these. With what is noted of the mesh, such a
-  // line and the same mesh repeat the whole.
+  // Writes the request into the grid's metadata: latvox_request, a JSON object with the fields of a line of `latvox
+  // batch`, and latvox_region and latvox_bounds if it has them. With the note about the mesh, such a line and the same
+  // mesh repeat the whole.
   void SetRequest(const VoxelizeRequest& request, const MeshNote& note = {});
 
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);
 
-  // The voxels added. Takes a look at each leaf.
+  // The number of voxels added. Looks at each leaf.
   uint64_t CountActiveVoxels() const;
 
-  // Writes a .vdb file to `path`, over what is there; not atomic. Errors: UNKNOWN, with the path and
-  // OpenVDB's words.
+  // Writes a .vdb file to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path and OpenVDB's
+  // message.
   absl::Status Write(const std::string& path) const;
 
-  // The same as a .nvdb file (NanoVDB): name, voxels and transform; the metadata as lines of text, "NAME = VALUE", in
-  // the blind data "latvox". Errors: as Write.
+  // Writes the same as a .nvdb file (NanoVDB): name, voxels and transform. The metadata are lines of text, "NAME =
+  // VALUE", in the blind data "latvox". Errors: as Write.
   absl::Status WriteNano(const std::string& path) const;
 
   struct Content;                                       // in latvox/grid/openvdb_grid.h
@@ -67,7 +67,7 @@ class LATVOX_EXPORT VoxelGrid {
   std::unique_ptr<Content> content_;
 };
 
-// What a .vdb file holds, of the grid "voxels", or else of its first.
+// Facts about a .vdb file: about its grid "voxels", or else its first grid.
 struct GridFileInfo {
   std::string name;                                           // of the grid
   std::string value_type;                                     // OpenVDB's: "bool", "float", ...
@@ -87,12 +87,12 @@ struct GridFile {
   std::vector<Brick> bricks;  // none is empty
 };
 
-// Memory: 230 bytes for each brick while it reads, 80 then. Active tiles, which latvox does not write, are read as
-// bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31 voxels; a transform that is not
-// of finite numbers.
+// Memory: 230 bytes for each brick while it reads, 80 afterwards. Active tiles, which latvox does not write, are read
+// as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31 voxels; a transform with
+// numbers that are not finite.
 LATVOX_EXPORT absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
-// The metadata latvox_digest of a .vdb file's first grid, empty if there is none; no voxel is read. Errors: as above.
+// Returns the metadata latvox_digest of a .vdb file's first grid, or an empty text. Reads no voxel. Errors: as above.
 LATVOX_EXPORT absl::StatusOr<std::string> ReadGridFileDigest(const std::string& path);
 
 }  // namespace latvox::client

@@ -1,4 +1,4 @@
-// A mesh to the bytes that Client::Voxelize takes, without Draco's headers. Target latvox::mesh.
+// Encodes a mesh to the bytes for Client::Voxelize, without Draco's headers. Target latvox::mesh.
 //
 //   const std::vector<std::array<float, 3>> positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 //   const std::vector<std::array<uint32_t, 3>> triangles = {{0, 1, 2}};
@@ -16,10 +16,11 @@
 
 namespace latvox::client {
 
-// Encodes all triangles, degenerate and duplicate ones included, as a Draco stream. Each indexes three positions.
-//   quantization_bits   0: positions are exact; else they are rounded to a grid of 2^bits - 1 steps along the longest
-//                       side of their bounding box, up to 30 bits: smaller
-// The stream was decoded again and holds every triangle with the sense of rotation it had. Thread-safe. Errors:
+// Encodes all triangles, degenerate and duplicate ones included, as a Draco stream. Each triangle indexes three
+// positions.
+//   quantization_bits   0: positions are exact. Up to 30: they are rounded to a grid of 2^bits - 1 steps along the
+//                       longest side of their bounding box, and the stream is smaller
+// Decodes the stream again, and checks that it has every triangle with its orientation. Thread-safe. Errors:
 // INVALID_ARGUMENT naming field and element: no triangle, an index out of range, a position that is not finite, bits
 // beyond 0 to 30; RESOURCE_EXHAUSTED (memory), INTERNAL.
 LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> positions,
