@@ -1,6 +1,8 @@
-"""The examples of README.md and of the pages in client/docs run as they stand, by bash -e, in order, in one directory: the
-```sh blocks of README.md each by itself, those of a page in one shell, which prints each line of its ```text blocks.
-```cpp compiles."""
+"""Runs the examples of README.md and of the pages in client/docs and server/docs as they stand.
+
+The ```sh blocks of a page run in order, by bash -e, in one shell and one directory. That shell must print each line of the
+page's ```text blocks. The ```cpp blocks must compile.
+"""
 
 import contextlib
 import os
@@ -14,7 +16,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ["LATVOX_BIN"])
 README = ROOT / "README.md"
-PAGES = sorted((ROOT / "client/docs").glob("*.md"))
+PAGES = [README, *sorted(ROOT.glob("client/docs/*.md")), *sorted(ROOT.glob("server/docs/*.md"))]
 
 
 def blocks(language, page):
@@ -22,8 +24,8 @@ def blocks(language, page):
 
 
 def own_network():
-    """What to put before a command so that it has a loopback of its own: the server's port in the examples is one that
-    other tests' connections may take. Nothing, where that cannot be made."""
+    """Returns a prefix that gives a command its own loopback, because connections of other tests may take the ports of
+    the examples. Returns nothing where no network namespace can be made."""
     prefix = ["unshare", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
     with contextlib.suppress(FileNotFoundError):
         if subprocess.run([*prefix, "true"], stderr=subprocess.DEVNULL).returncode == 0:
@@ -33,7 +35,7 @@ def own_network():
 
 class Examples(unittest.TestCase):
     def run_in(self, directory, script):
-        """What the script prints."""
+        """Returns what the script prints."""
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
         with tempfile.TemporaryFile("w+") as output:
             shell = subprocess.Popen(
@@ -54,18 +56,12 @@ class Examples(unittest.TestCase):
         self.assertEqual(shell.returncode, 0, printed)
         return printed
 
-    def test_shell_examples_run(self):
-        examples = blocks("sh", README)
-        self.assertGreater(len(examples), 1, "the examples were not found")
-        with tempfile.TemporaryDirectory(prefix="latvox-readme-") as directory:
-            for example in examples:
-                with self.subTest(example):
-                    self.run_in(directory, example)
-
     def test_pages_run_and_print_what_they_show(self):
+        self.assertGreater(len(blocks("sh", README)), 1, "the examples of README.md were not found")
         shown = 0
         for page in PAGES:
-            with self.subTest(page.name), tempfile.TemporaryDirectory(prefix="latvox-page-") as directory:
+            name = str(page.relative_to(ROOT))
+            with self.subTest(name), tempfile.TemporaryDirectory(prefix="latvox-page-") as directory:
                 printed = self.run_in(directory, "".join(blocks("sh", page)))
                 for line in "".join(blocks("text", page)).splitlines():
                     self.assertIn(line, printed)
@@ -73,7 +69,7 @@ class Examples(unittest.TestCase):
         self.assertGreater(shown, 15, "the pages were not found")
 
     def test_cpp_examples_compile(self):
-        for page in [README, *PAGES]:
+        for page in PAGES:
             for example in blocks("cpp", page):
                 command = ["g++", "-std=c++20", "-Wall", "-fsyntax-only", f"-I{ROOT}/client/include", "-xc++", "-"]
                 done = subprocess.run(command, input=example, capture_output=True, text=True)
@@ -81,7 +77,7 @@ class Examples(unittest.TestCase):
 
     def test_files_that_are_named_exist(self):
         missing = []
-        for page in [README, *PAGES]:
+        for page in PAGES:
             text = page.read_text()
             named = re.findall(r"`((?:proto|server|client|core|deploy|tests)/[\w./-]*)`", text)
             linked = re.findall(r"\]\(([^)#:]+)\)", text)
