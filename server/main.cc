@@ -32,16 +32,16 @@ int Fail(const absl::Status& status) {
   return absl::IsInvalidArgument(status) ? kWrongUsage : kFailed;
 }
 
-// Longer than everything that follows the grace.
+// Longer than all steps that follow the grace period.
 constexpr absl::Duration kLastResort = absl::Seconds(15);
 
-// Exit status 0 also if calls had to be abandoned: the process has ended as it was told to.
+// The exit status is 0 also if calls were abandoned: the process has ended as it was told to.
 int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, const std::string& reason,
                absl::Duration grace) {
   Log(LogLevel::kInfo, "stopping",
       {{"reason", reason}, {"calls", server.calls()}, {"grace", absl::FormatDuration(grace)}});
   signals.ExitOnNext([files = server.socket_files()] { files.Remove(); });
-  // Whatever gets stuck, be it that nobody reads standard error any more: the end comes.
+  // Ends the process whatever gets stuck, for example if nobody reads standard error any more.
   std::thread([limit = grace + kLastResort] {
     absl::SleepFor(limit);
     std::_Exit(0);
@@ -56,8 +56,8 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
   return 0;
 }
 
-// Each connection takes one file; a login has 1024 as a rule, though it may have more. Once there is none left, gRPC
-// takes no new connections any more, even when others have closed. A private server has a handful of connections.
+// Each connection takes one file. A login usually has 1024 files, although it may have more. When no file is left, gRPC
+// accepts no new connections, even after others have closed. A private server has a handful of connections.
 void RaiseFileLimit(bool is_private) {
   constexpr rlim_t kFew = 4096;
   rlimit files{};
@@ -69,13 +69,14 @@ void RaiseFileLimit(bool is_private) {
 
 int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t first_parent) {
   const latvox::ProgramOptions& options = configuration.options;
-  // A program between the two is as good as the parent; without one, that has ended before this process began.
+  // A program between this process and its parent counts as the parent. Without such a program, the parent ended before
+  // this process began.
   const bool has_parent = options.parent_pid == 0 || latvox::IsAncestor(options.parent_pid);
   const pid_t parent = has_parent ? first_parent : options.parent_pid;
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
   if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
   latvox::StartLog(options.log_level, options.log_format);
-  for (const auto& [name, nearest] : configuration.misspelt) {
+  for (const auto& [name, nearest] : configuration.misspelled) {
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
   }
   latvox::KeepHeap(latvox::kHeapOfJobs);
@@ -110,7 +111,7 @@ int main(int argc, char** argv) {
   if (configuration.options.check_config) {
     const absl::Status status = latvox::VoxelServer::Check(configuration.options.server);
     if (!status.ok()) return Fail(status);
-    for (const auto& [name, nearest] : configuration.misspelt) {
+    for (const auto& [name, nearest] : configuration.misspelled) {
       std::fprintf(stderr, "latvoxd: warning: the environment variable %s is no option; %s is\n", name.c_str(),
                    nearest.c_str());
     }

@@ -1,13 +1,13 @@
-# Rooms without a test program of their own, and what tests them: programs of higher rooms, or whole programs.
+# Rooms without a test program of their own, and their tests: programs of higher rooms, or whole programs.
 latvox_test_room(core/brick core_parts_test core_voxelizer_test)
 latvox_test_room(core/mesh core_water_test core_voxelizer_test)
 latvox_test_room(core/thin core_fine_test core_voxelizer_test)
 latvox_test_room(core/tile core_kernel_test core_tiny_test)
 
-# The code that the public headers have in them, and the code that they declare.
+# The code in the public headers, and the code that they declare.
 latvox_test_room(client/include client_call_test client_encoder_test client_grid_test)
 
-# What reads and writes JSON.
+# Code that reads and writes JSON.
 latvox_test_room(client/tool/json client_gltf_test client_job_test)
 
 latvox_test_room_from_outside(server/config TESTS e2e.config PROGRAMS latvox latvoxd)

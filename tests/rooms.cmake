@@ -1,11 +1,11 @@
-# Which programs test which room: what `tests/run ROOM` builds and runs.
+# Which programs test which room; `tests/run ROOM` builds and runs them.
 #
-# The target tests-core-tree builds the programs of core/tree, tests-core those of all rooms of core. rooms.txt in the build
-# folder has a line "ROOM TEST" for each: the name of a program, or of a system test where there is a dot in it.
+# The target tests-core-tree builds the programs of core/tree, tests-core those of all rooms of core. rooms.txt in the
+# build folder has a line "ROOM TEST" for each. TEST is a program, or a system test if it contains a dot.
 
 set_property(GLOBAL PROPERTY latvox_rooms "")
 
-# To build the tests of ROOM, or of a folder that it is in, is to build the further arguments.
+# Building the tests of ROOM, or of a folder that contains it, builds the further arguments.
 function(latvox_build_for_room ROOM)
   while(ROOM)
     string(REPLACE "/" "-" target tests-${ROOM})
@@ -17,7 +17,7 @@ function(latvox_build_for_room ROOM)
   endwhile()
 endfunction()
 
-# PROGRAMS test ROOM, those that are built.
+# PROGRAMS test ROOM. Those that are not built are skipped.
 function(latvox_test_room ROOM)
   foreach(program ${ARGN})
     if(TARGET ${program})
@@ -27,7 +27,7 @@ function(latvox_test_room ROOM)
   endforeach()
 endfunction()
 
-# ROOM has no program of its own: TESTS of whole programs test it, which start PROGRAMS.
+# ROOM has no program of its own. TESTS of whole programs test it, and start PROGRAMS.
 function(latvox_test_room_from_outside ROOM)
   cmake_parse_arguments(ARG "" "" "TESTS;PROGRAMS" ${ARGN})
   foreach(program ${ARG_PROGRAMS})

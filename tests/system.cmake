@@ -1,14 +1,14 @@
-# Tests of the programs as they are built, seen from outside; no C++ here.
-#   arm        whether the kernels compile for it; where a cross compiler is
-#   bench      what scripts rely on in latvox_bench
+# Tests of the finished programs, seen from outside; no C++ here.
+#   arm        the kernels compile for ARM; needs a cross compiler
+#   bench      the interface of latvox_bench that scripts use
 #   layering   who depends on whom
 #   prose      the English of pages and comments
-#   node       a client of its own, from the protocol file alone
+#   node       an independent client, from the protocol file alone
 #   e2e        command line tool, files, failures
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
 #   readme     the examples of README.md
-#   deploy     containers, Kubernetes, Slurm: by `tests/run --deploy` alone, all but what is done in a moment
-# A build with sanitizers runs the failures at most: the others are about results, and slow there.
+#   deploy     containers, Kubernetes, Slurm: only by `tests/run --deploy`, except tests that take a moment
+# A build with sanitizers runs at most the failures. The others are about results, and slow there.
 
 # Registers a command. Further arguments are test properties.
 function(latvox_add_system_test name command)
@@ -17,7 +17,7 @@ function(latvox_add_system_test name command)
   set_tests_properties(${name} PROPERTIES ENVIRONMENT "${environment}" TIMEOUT 600 ${ARGN})
 endfunction()
 
-set(latvox_python /usr/bin/python3 -B) # Debian's own: python3-openvdb is for it
+set(latvox_python /usr/bin/python3 -B) # Debian's own, for python3-openvdb
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
   latvox_add_system_test(e2e.errors "${latvox_python};e2e/errors_test.py")
 endif()
@@ -62,14 +62,14 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(e2e.values "${latvox_python};e2e/values_test.py")
   latvox_add_system_test(e2e.view "${latvox_python};e2e/view_test.py")
   latvox_add_system_test(node.view "node;--test;node/view.test.js")
-  # They want both cores for themselves: their figures are of a machine that does nothing else.
+  # They need both cores for themselves, because their figures assume an otherwise idle machine.
   latvox_add_system_test(faults.prepare "${latvox_python};faults/prepare.py" FIXTURES_SETUP faults RUN_SERIAL ON)
   foreach(scenario swarm kill readers half_open sigterm mutated fairness cancel overhead)
     latvox_add_system_test(faults.${scenario} "${latvox_python};faults/${scenario}_test.py" FIXTURES_REQUIRED faults
                            LABELS slow RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
   endforeach()
   latvox_add_system_test(deploy.haproxy "${latvox_python};deploy/haproxy_test.py")
-  # Of these the first makes the image that the others run; networks of containers have one name server in all.
+  # The first of these makes the image that the others run. Networks of containers share one name server.
   latvox_add_system_test(deploy.image_build "${latvox_python};deploy/image_build_test.py" FIXTURES_SETUP image LABELS deploy
                          RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 3600)
   foreach(name image compose image_readme kubernetes_pod slurm_container)

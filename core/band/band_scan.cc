@@ -12,13 +12,14 @@ constexpr size_t kTileVoxels = size_t{kTileSide} * kTileSide * kTileSide;
 
 }  // namespace
 
-// What bounds distances to a triangle from below, along the rows of a box. In Cartesian coordinates around the centre
-// of its circle, a point at x is h over the plane and at least sqrt(|x|^2 - h^2) - radius beside the triangle. With q =
-// best - h^2, it is nearer than the best only if q > 0 and |x|^2 < radius^2 + 2 radius sqrt(q) + best.
+// Lower bounds of the distances to a triangle, along the rows of a box. In Cartesian coordinates around the center of
+// its circle, a point x lies at the height h over the plane, and at least sqrt(|x|^2 - h^2) - radius beside the
+// triangle. With q = best - h^2, it is nearer than the best only if q > 0 and |x|^2 < radius^2 + 2 radius sqrt(q) +
+// best.
 struct BandScan::Rows {
   double radius_square;
-  double slack;  // what these may be wrong by, for rounding, and far more
-  double width;  // of the band, and more, units
+  double slack;  // a bound on the rounding error of these, and far more
+  double width;  // of the band, and more, in units
   Vec3d step;    // along k
   double step_square, step_height;
 };
@@ -71,7 +72,7 @@ void BandScan::Add(const BandContext& context, const Triangle& corners, const In
   });
 }
 
-// From ijk up to k = end.
+// Scans from ijk up to k = end.
 void BandScan::ScanRow(const BandContext& context, const TriangleDistance& triangle, const Rows& rows, const Vec3i& ijk,
                        int32_t end) {
   const Vec3i d = ijk * kLatticeUnit - triangle.corner();

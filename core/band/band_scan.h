@@ -15,25 +15,25 @@
 
 namespace latvox {
 
-// What all tiles of a band have in common.
+// The facts that all tiles of a band share.
 struct BandContext {
   const SnappedMesh& mesh;
   BandPlan plan;
-  IndexBox region;                          // local voxels outside are not delivered
-  const std::optional<CornerLines> inside;  // of a signed band
+  IndexBox region;  // local voxels outside are not delivered
+  const std::optional<CornerLines> inside;  // for a signed band
   StopSignal stop;
 };
 
-// A thread's own, from tile to tile: 2 MiB.
+// Each thread has its own, and reuses it from tile to tile: 2 MiB.
 class BandScan {
  public:
   BandScan();
 
-  // The tile's bricks in lexicographic order, in global coordinates, with values. None if the tile has no voxels, or
-  // once the job is cancelled.
+  // Returns the tile's bricks in lexicographic order, in global coordinates, with values. Returns none if the tile has
+  // no voxels, or once the job is cancelled.
   //   tile_ijk    local
-  //   triangles   all that come within the reach of the tile; more do no harm. Any order: the least of distances that
-  //               are functions of one triangle each does not depend on it
+  //   triangles   all that come within the band's reach of the tile; more do no harm. The order does not matter: each
+  //               distance is a function of one triangle, and their minimum does not depend on the order
   TileBricks Scan(const BandContext& context, const Vec3i& tile_ijk, std::span<const uint32_t> triangles);
 
  private:
@@ -45,9 +45,9 @@ class BandScan {
   Brick CutOut(const Vec3i& corner, const BandContext& context, bool is_signed, std::vector<float>& values) const;
   size_t NumberOf(const Vec3i& ijk) const;
 
-  Vec3i tile_min_{};           // local
-  double low_ = 0, high_ = 0;  // squares up to low_ are within the limit for sure, those from high_ on are not
-  std::vector<double> best_;   // of each voxel the least square so far, units; high_: none is within the limit
+  Vec3i tile_min_{};  // local
+  double low_ = 0, high_ = 0;  // squares up to low_ are certainly within the limit, those from high_ on certainly not
+  std::vector<double> best_;  // the smallest square so far for each voxel, in units; high_: none is within the limit
   TileMask inside_;
 };
 

@@ -17,8 +17,8 @@ Triangle CornersOf(const SnappedMesh& mesh, const std::array<uint32_t, 3>& trian
   return {mesh.vertices_lat[triangle[0]], mesh.vertices_lat[triangle[1]], mesh.vertices_lat[triangle[2]]};
 }
 
-// Calls f(ijk) with the lower end of each link along the axis that the triangle crosses and that has its nearer
-// end in the box.
+// Calls f(ijk) with the lower end of each link along the axis that the triangle crosses and that has its nearer end in
+// the box.
 template <class F>
 void ForEachLink(const Triangle& triangle, size_t axis, const IndexBox& box, const F& f) {
   ForEachCrossing(triangle, FrameAlong(axis), box, [&](const Vec3i& nearer, const Vec3i& farther) {
@@ -32,7 +32,7 @@ constexpr uint64_t ParityBelow(uint64_t bits) {
   return bits << 1;
 }
 
-// The multiples of kTileSide, in voxels, from `low` to `high` lattice units: first and last.
+// Returns the first and the last multiple of kTileSide, in voxels, from `low` to `high` lattice units.
 std::pair<int32_t, int32_t> TileCorners(int32_t low, int32_t high) {
   constexpr int kShift = kTileBits + kSubvoxelBits;
   return {((low - 1) >> kShift) + 1, high >> kShift};
@@ -68,8 +68,8 @@ bool CornerLines::IsInside(const Vec3i& tile_min) const {
   return (std::lower_bound(after.begin(), after.end(), tile_min[2]) - after.begin()) % 2 != 0;
 }
 
-// Along i from the corner, from these points along j, and from those along k. Links that lead out of the tile are left
-// out by the shift in ParityBelow, as their lower end is the last voxel, or comes before the first.
+// Goes along i from the corner, from these points along j, and from those along k. The shift in ParityBelow leaves out
+// links that lead out of the tile, because their lower end is the last voxel, or comes before the first.
 void FindInside(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const Vec3i& tile_min, bool corner_inside,
                 StopSignal stop, TileMask& inside) {
   uint64_t along_i = 0;

@@ -14,7 +14,7 @@ constexpr double kMostOne = static_cast<double>(int64_t{1} << kMetricBits);
 constexpr double kMaxEntry = static_cast<double>((int64_t{1} << kMetricEntryBits) - 1);
 constexpr double kLeastDeterminant = 0x1p-10;
 
-// To 48 bits: what should be a number of few bits, and is off by a few roundings of doubles, is one again.
+// Rounds to 48 bits: a number of few bits that is wrong by a few roundings of doubles becomes exact again.
 double Rounded(double x) {
   constexpr int kBits = 48;
   int exponent;
@@ -41,7 +41,7 @@ absl::StatusOr<Metric> MakeMetric(const Lattice& lattice) {
   const double size = lattice.voxel_size();
   std::array<double, 9> products;
   for (size_t n = 0; n < 9; ++n) {
-    // Divided first, since squares of small basis vectors may underflow.
+    // Divided first, because squares of small basis vectors may underflow.
     products[n] = Dot(basis[n % 3] * (1 / size), basis[n / 3] * (1 / size));
   }
   const double largest = *std::max_element(products.begin(), products.end());
@@ -51,7 +51,7 @@ absl::StatusOr<Metric> MakeMetric(const Lattice& lattice) {
   Metric metric;
   metric.one = kMostOne;
   double step = 1;  // entries of g are multiples of it
-  // Of ratios: far more than doubles are off by, and no more than rounding would change.
+  // For ratios: far more than the error of doubles, and no more than the effect of rounding.
   const double tolerance = std::min(0x1p-46, std::ldexp(0.5, -kMetricBits) / largest);
   const auto denominator = CommonDenominator(ratios, tolerance);
   metric.is_exact = denominator.has_value();

@@ -1,7 +1,7 @@
-// Lengths of lattice vectors, exactly.
+// Exact lengths of lattice vectors.
 //
-// Frames and units: vectors have integer lattice coordinates in units of 1/kLatticeUnit voxel. A square of a length is
-// v^T g v; one voxel size is kLatticeUnit units of length, and its square `one` * 2^(2 * kSubvoxelBits).
+// Frames and units: vectors have integer lattice coordinates in units of 1/kLatticeUnit voxel. The square of a length
+// is v^T g v. One voxel size is kLatticeUnit units of length, and its square is `one` * 2^(2 * kSubvoxelBits).
 #ifndef LATVOX_CORE_BAND_METRIC_H_
 #define LATVOX_CORE_BAND_METRIC_H_
 
@@ -23,18 +23,18 @@ inline constexpr int kMetricEntryBits = 60;
 // Differences between points of a mesh or its band, per axis:
 inline constexpr int kPointBits = kEdgeBits + 1;
 static_assert((kMaxBandReach + 2 * kTileSide) * kLatticeUnit < 1 << kEdgeBits);
-// Inner products: nine terms.
+// Inner products, with nine terms:
 inline constexpr int kInnerBits = kMetricEntryBits + 2 * kPointBits + 4;
 static_assert(kInnerBits < 127, "inner products must fit a signed integer of 128 bits");
 
 struct Metric {
-  // The products of basis vectors; symmetric, positive definite. Where they are multiples of a 1024th of the largest or
-  // of more, as those of the named lattices and of bases of small integers are, it is in a unit of which all are
-  // multiples: vectors that are equally long are so here. Else they are rounded to multiples of 2^-kMetricBits of a
-  // voxel size squared.
+  // The products of basis vectors; symmetric, positive definite. For the named lattices and for bases of small
+  // integers, they are multiples of at least a 1024th of the largest product. Then g is in a unit of which all are
+  // multiples, so equally long vectors are equally long here. Other products are rounded to multiples of 2^-kMetricBits
+  // of a voxel size squared.
   Mat<int64_t, 3> g;
-  double one;     // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and up to that
-  bool is_exact;  // else entries of g are off by up to a half
+  double one;  // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and at most that
+  bool is_exact;  // otherwise, entries of g are wrong by up to a half
 
   // An upper triangular matrix with root^T root = g / one: a lattice vector v is root * v in some Cartesian
   // coordinates. (root * u) x (root * v) = cofactor * (u x v).
@@ -43,14 +43,15 @@ struct Metric {
 };
 
 // Errors: INVALID_ARGUMENT if an entry of g needs more bits, or if det g is less than 2^-10 of the product of its
-// diagonal, which is to say that the basis is too skew for distances; one that is reduced is not.
+// diagonal. Such a basis is too skewed for distances; a reduced basis is not.
 //
-// With that, root and cofactor, and squares of lengths that are computed by them in doubles from exact integers, have
-// relative errors below 2^-36: 2^-53, times some 2^4 operations, times the condition of g with a diagonal scaled to 1,
+// With that, root and cofactor have relative errors below 2^-36, and so do squares of lengths that doubles compute by
+// them from exact integers: 2^-53, times some 2^4 operations, times the condition of g with a diagonal scaled to 1,
+// which is at most 3 / (2^-10 * 4 / 9) < 2^13.
 // which is at most 3 / (2^-10 * 4 / 9) < 2^13.
 absl::StatusOr<Metric> MakeMetric(const Lattice& lattice);
 
-// u^T g v, exactly. Precondition: coordinates within kPointBits.
+// Returns u^T g v, exactly. Precondition: coordinates within kPointBits.
 constexpr __int128 Inner(const Metric& metric, const Vec3i& u, const Vec3i& v) {
   __int128 sum = 0;
   for (size_t c = 0; c < 3; ++c) {

@@ -10,8 +10,9 @@
 namespace latvox {
 namespace {
 
-// What lies at the width is to be in, though doubles seldom are what they stand for, and g may be rounded: hence the
-// square is somewhat larger. With |v[m]| <= margin[m], rounding adds at most half of (sum of |v[m]|)^2 to v^T g v.
+// A point at exactly the width belongs to the band, although doubles are seldom the exact number, and g may be rounded.
+// So the square is slightly larger. With |v[m]| <= margin[m], rounding adds at most half of (sum of |v[m]|)^2 to v^T g
+// v.
 __int128 LimitOf(const Metric& metric, double sizes, const Vec3i& margin) {
   constexpr double kSlack = 1 + 0x1p-46;
   const auto square =
@@ -24,7 +25,7 @@ __int128 LimitOf(const Metric& metric, double sizes, const Vec3i& margin) {
 
 // A vector no longer than the width has an m-th coordinate of at most the width times the length of row m of V^-1.
 absl::StatusOr<Vec3i> MarginOf(double width, const Lattice& lattice) {
-  constexpr double kSlack = 1 + 0x1p-20;  // for rounding, that of the metric included
+  constexpr double kSlack = 1 + 0x1p-20;  // for rounding, including that of the metric
   Vec3i margin;
   for (size_t m = 0; m < 3; ++m) {
     double square = 0;

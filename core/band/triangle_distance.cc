@@ -2,11 +2,11 @@
 //   to a corner      |d|^2
 //   to an edge       |e x d|^2 / |e|^2
 //   to the plane     (n . d)^2 det^2 / |n|^2        (n is a covector; det the volume of a voxel)
-// where d, e, e x d, n and n . d are exact integers, so that each is a quotient of squares of lengths.
+// where d, e, e x d, n and n . d are exact integers. So each distance is a quotient of squares of lengths.
 //
-// Which of them it is follows from signs of inner products. Those that tell a corner from an edge may be wrong in
-// doubles where |e . d| is below 2^-36 |e||d|; then the two squares agree to 2^-72. Those that tell an edge from the
-// plane are angles at corners, which slivers make as small as 2^-50: where doubles cannot tell, integers do.
+// Signs of inner products decide which of them applies. The signs that separate a corner from an edge may be wrong in
+// doubles where |e . d| is below 2^-36 |e||d|; but then the two squares agree to 2^-72. The signs that separate an edge
+// from the plane are angles at corners, which slivers make as small as 2^-50. Where doubles cannot decide, integers do.
 #include "core/band/triangle_distance.h"
 
 #include <algorithm>
@@ -78,7 +78,7 @@ double TriangleDistance::SquareTo(const Vec3i& point) const {
   return least;
 }
 
-// Whether the nearest point of the plane is in the triangle; edges count.
+// Returns whether the nearest point of the plane is in the triangle, edges included.
 bool TriangleDistance::ProjectsInside(const std::array<Vec3i, 3>& d, const std::array<Vec3d, 3>& turns) const {
   if (normal_square_ == 0) return false;
   constexpr double kSure = 0x1p-30;
@@ -93,8 +93,8 @@ bool TriangleDistance::ProjectsInside(const std::array<Vec3i, 3>& d, const std::
   return true;
 }
 
-// Whether the point's projection to the plane lies on the triangle's side of the edge, or on the edge's line: the sign
-// of (e x f) . (e x d) = (e.e)(f.d) - (e.d)(e.f), f being the edge back from the same corner.
+// Returns whether the point's projection to the plane lies on the triangle's side of the edge, or on the edge's line.
+// That is the sign of (e x f) . (e x d) = (e.e)(f.d) - (e.d)(e.f), with f the edge back from the same corner.
 bool TriangleDistance::TurnsInward(size_t edge, const Vec3i& d) const {
   const Vec3i &e = edges_[edge], f = -edges_[(edge + 2) % 3];
   return Int256(Inner(metric_, e, e)) * Inner(metric_, f, d) >= Int256(Inner(metric_, e, d)) * Inner(metric_, e, f);
@@ -117,7 +117,7 @@ bool TriangleDistance::EdgeIsWithin(size_t edge, const Vec3i& d, __int128 limit)
   return Int256(Inner(metric_, d, d) - limit) * length <= Int256(along) * along;
 }
 
-// Whether the point's projection to the plane lies in the triangle; edges count.
+// Returns whether the point's projection to the plane lies in the triangle, edges included.
 bool TriangleDistance::ProjectsInside(const std::array<Vec3i, 3>& d) const {
   if (normal_square_ == 0) return false;
   for (size_t n = 0; n < 3; ++n) {
@@ -126,7 +126,7 @@ bool TriangleDistance::ProjectsInside(const std::array<Vec3i, 3>& d) const {
   return true;
 }
 
-// The part of |d|^2 along the plane is square / determinant, the latter above 0:
+// The part of |d|^2 along the plane is square / determinant, with determinant > 0:
 // (G (e.d)^2 - 2 F (e.d)(f.d) + E (f.d)^2) / (E G - F^2).
 struct TriangleDistance::Projection {
   Int1024 square, determinant;

@@ -1,5 +1,5 @@
-// The distance from a lattice point to a triangle: the square in doubles, as good as exact, and whether it is within a
-// limit, exactly.
+// The distance from a lattice point to a triangle: its square in doubles, almost without error, and an exact comparison
+// with a limit.
 #ifndef LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
 #define LATVOX_CORE_BAND_TRIANGLE_DISTANCE_H_
 
@@ -9,28 +9,30 @@
 
 namespace latvox {
 
-// A triangle of any shape, without area too. Points and corners are in units of 1/kLatticeUnit voxel, and no two of
-// them farther apart than kPointBits allow.
+// A triangle of any shape, also without area. Points and corners are in units of 1/kLatticeUnit voxel, and no two of
+// them are farther apart than kPointBits allow.
 class TriangleDistance {
  public:
   // The metric must outlive it.
   TriangleDistance(const Metric& metric, const Triangle& triangle);
 
-  // The square of the distance from `point`, in units: a function of both alone, with a relative error below
-  // kSquareError. It is 0 for a point of the triangle, and for no other.
+  // Returns the square of the distance from `point`, in units. It is a function of both alone, with a relative error
+  // below kSquareError. It is 0 for a point of the triangle, and for no other.
   double SquareTo(const Vec3i& point) const;
 
-  // Whether the square of the distance from `point` is at most `limit`, a square as of Inner.
+  // Returns whether the square of the distance from `point` is at most `limit`, a square as of Inner.
   bool IsWithin(const Vec3i& point, __int128 limit) const;
 
-  // Which of two triangles of one metric is nearer to `point`, exactly: below 0 for a, 0 for neither, above 0 for b.
+  // Returns which of two triangles of one metric is nearer to `point`, exactly: below 0 for a, 0 for a tie, above 0 for
+  // b.
   static int Compare(const TriangleDistance& a, const TriangleDistance& b, const Vec3i& point);
 
   const Vec3i& corner() const { return corners_[0]; }
-  // A circle in the triangle's plane that holds it, in the metric's Cartesian coordinates relative to corner(); units.
+  // The center of a circle in the triangle's plane that contains the triangle, in the metric's Cartesian coordinates
+  // relative to corner(); units.
   const Vec3d& centre() const { return centre_; }
   double radius() const { return radius_; }
-  // Of the plane, of length 1; 0 for a triangle without area.
+  // The plane's normal of length 1; 0 for a triangle without area.
   const Vec3d& unit_normal() const { return unit_normal_; }
 
  private:
@@ -46,11 +48,11 @@ class TriangleDistance {
 
   const Metric& metric_;
   Triangle corners_;
-  std::array<Vec3i, 3> edges_;        // from each corner to the next
+  std::array<Vec3i, 3> edges_;  // from each corner to the next
   std::array<Vec3d, 3> edges_world_;  // root * edge
   std::array<double, 3> edge_squares_;
   Vec<int64_t, 3> normal_;  // edges_[0] x (corners_[2] - corners_[0])
-  Vec3d normal_world_;      // cofactor * normal
+  Vec3d normal_world_;  // cofactor * normal
   double normal_square_;
   Vec3d centre_, unit_normal_;
   double radius_;

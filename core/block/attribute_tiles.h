@@ -1,4 +1,4 @@
-// The attributes of a job's tiles, if they are to carry any.
+// The attributes of a job's tiles.
 #ifndef LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_
 #define LATVOX_CORE_BLOCK_ATTRIBUTE_TILES_H_
 
@@ -15,14 +15,14 @@
 
 namespace latvox {
 
-// Threads: Add, any.
+// Threads: Add, any thread.
 class AttributeTiles {
  public:
-  //   carried   nullopt: none
+  //   carried   nullopt: the job has no attributes
   // The other two must outlive it.
   AttributeTiles(const SnappedMesh& mesh, std::optional<CarriedAttributes> carried, StopSignal stop);
 
-  // Finds those of each of the tiles, which lie in a node with these triangles.
+  // Finds the attributes of the tiles, which lie in a node with these triangles.
   void Add(std::span<const uint32_t> triangles, std::span<TileBricks> tiles) const;
 
  private:

@@ -1,4 +1,4 @@
-// Where a block of tiles is scanned, and how its voxels are numbered.
+// The box of a block's scan, and the numbers of its voxels.
 #ifndef LATVOX_CORE_BLOCK_BLOCK_BOX_H_
 #define LATVOX_CORE_BLOCK_BLOCK_BOX_H_
 
@@ -18,7 +18,7 @@
 namespace latvox {
 
 struct BlockBox {
-  IndexBox block{}, box{};  // the node's voxels, and with the halo
+  IndexBox block{}, box{};  // the node's voxels; the same with the halo
   BitsLayout layout{{}, {}};
   std::array<int32_t, kMaxDirections> steps{};  // of layout, along the frames
 
@@ -33,15 +33,15 @@ struct BlockBox {
     for (size_t n = 0; n < context.frames.size(); ++n) steps[n] = layout.StepOf(context.frames[n].frame.q);
   }
 
-  // The box without so many voxels, per axis, on every side.
+  // Returns the box without so many voxels, per axis, on every side.
   IndexBox Shrunk(const Vec3i& by) const { return {box.min + by, box.max - by}; }
 
-  // The farther end of the link along direction n of a voxel's star.
+  // Returns the farther end of the link along direction n of a voxel's star.
   HWY_INLINE uint32_t EndOf(uint32_t voxel, const StarLinks& star, size_t n) const {
     return voxel + static_cast<uint32_t>((star.forward >> n & 1) != 0 ? steps[n] : -steps[n]);
   }
 
-  // Calls f(crossings) with all links of tiny triangles from voxels of the box, batch by batch.
+  // Calls f(crossings), batch by batch, with all links of tiny triangles from voxels of the box.
   template <class F>
   void ForEachTinyBatch(const TileContext& context, F&& f) const {
     if (context.links.empty()) return;

@@ -69,7 +69,7 @@ void BlockVoxels::AddRows(const Vec3i& tile_ijk, std::span<const uint64_t> rows)
 }
 
 TileBricks BlockVoxels::CutOut(const TileContext& context, const Vec3i& tile_ijk) const {
-  IndexBox dirty;  // in whole bricks, which need not be clipped
+  IndexBox dirty;  // in whole bricks, which need no clipping
   for (size_t m = 0; m < 3; ++m) {
     dirty.min[m] = dirty_box_.min[m] & -kBrickSide;
     dirty.max[m] = (dirty_box_.max[m] + kBrickSide - 1) & -kBrickSide;

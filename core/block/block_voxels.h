@@ -13,8 +13,8 @@
 
 namespace latvox {
 
-// Where few voxels lie in a large block, to clear and to cut out all of it would take most of the time. Hence whoever
-// sets bits marks them dirty, and only what is dirty is cleared and cut out.
+// Where few voxels lie in a large block, most of the time would go into clearing and cutting out all of it. So a caller
+// that sets bits marks them dirty, and only dirty parts are cleared and cut out.
 class BlockVoxels {
  public:
   // Makes it empty, for the voxels of this box.
@@ -23,7 +23,7 @@ class BlockVoxels {
   const BlockBox& where() const { return where_; }
   const TileBits& bits() const { return bits_; }
   TileBits& bits() { return bits_; }
-  // All members since Reset lie there.
+  // Contains all members since Reset.
   const NumberRange& dirty() const { return dirty_; }
 
   // Adds voxels, by the low kNumberBits of their numbers.
@@ -31,18 +31,18 @@ class BlockVoxels {
     MarkDirty(voxels);
     bits_.SetAll(voxels);
   }
-  // Says that these are set, or will be: each voxel, or all planes (along i) from the first to the last.
+  // Marks voxels that are set or will be: each voxel, or all planes (along i) from the first to the last.
   void MarkDirty(std::span<const uint32_t> voxels);
   void MarkPlanesDirty(const NumberRange& voxels);
 
   // Adds the voxels of a tile (local) of the block: bit k of rows[i << 6 | j].
   void AddRows(const Vec3i& tile_ijk, std::span<const uint64_t> rows);
 
-  // The bricks of a tile (local) of the block in lexicographic order, in global coordinates, without voxels outside of
-  // context.region.
+  // Returns the bricks of a tile (local) of the block in lexicographic order, in global coordinates, without voxels
+  // outside of context.region.
   TileBricks CutOut(const TileContext& context, const Vec3i& tile_ijk) const;
 
-  // Of memory.
+  // Bytes of memory.
   size_t Bytes() const { return bits_.Bytes(); }
 
  private:

@@ -13,7 +13,7 @@
 namespace latvox {
 
 // Many large triangles in one block would fill the memory. Their candidates are found part by part, and found again
-// each time that thinning asks for them. Candidates of few triangles are one part, which is kept.
+// each time that thinning needs them. The candidates of few triangles are a single part, which is kept.
 class CandidateParts {
  public:
   // Begins a block.
@@ -24,8 +24,8 @@ class CandidateParts {
     candidates_.Clear();
   }
 
-  // Calls f(candidates) with each part: of a block's first call also if it has no triangles. Leaves parts out once the
-  // job is cancelled.
+  // Calls f(candidates) with each part. The first call for a block has a part even without triangles. Skips parts once
+  // the job is cancelled.
   template <class F>
   void ForEach(const TileContext& context, const BlockBox& where, F&& f) {
     constexpr size_t kEnough = size_t{1} << 20;
@@ -46,7 +46,7 @@ class CandidateParts {
  private:
   std::span<const uint32_t> triangles_;
   Candidates candidates_;
-  bool kept_ = false;  // whether they are those of all triangles
+  bool kept_ = false;  // whether they belong to all triangles
 };
 
 }  // namespace latvox

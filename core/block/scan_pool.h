@@ -1,4 +1,4 @@
-// What was allocated for one block of tiles serves the next, of the same job or of a later one.
+// Reuses the memory of one block of tiles for the next, in the same job or a later one.
 #ifndef LATVOX_CORE_BLOCK_SCAN_POOL_H_
 #define LATVOX_CORE_BLOCK_SCAN_POOL_H_
 
@@ -15,12 +15,12 @@
 
 namespace latvox {
 
-// Scans that jobs have left, of kept_scan_bytes in all, and kMost at most. Threads: any.
+// Scans that jobs have left, kept_scan_bytes in all, and at most kMost. Threads: any.
 template <class Scan>
 class LeftScans {
  public:
   static LeftScans& Get() {
-    static auto* const left = new LeftScans;  // for good: jobs may end after other static objects
+    static auto* const left = new LeftScans;  // never destroyed, because jobs may end after other static objects
     return *left;
   }
 
@@ -32,7 +32,7 @@ class LeftScans {
     bytes_ -= scan->Bytes();
     return scan;
   }
-  void Add(std::unique_ptr<Scan> scan) {  // throws nothing
+  void Add(std::unique_ptr<Scan> scan) {  // does not throw
     const size_t bytes = scan->Bytes();
     const std::lock_guard lock(mutex_);
     if (size_ == kMost || bytes_ + bytes > kept_scan_bytes) return;
@@ -48,8 +48,8 @@ class LeftScans {
   size_t size_ = 0, bytes_ = 0;
 };
 
-// Up to as many scans as the arena has threads, or as are at work at a time. A thread gets the scan that it had before,
-// which its core's cache may still hold. Threads: any.
+// Holds as many scans as the arena has threads, or as run at a time. A thread gets back its last scan, which its core's
+// cache may still hold. Threads: any.
 template <class Scan>
 class ScanPool {
  public:
@@ -76,7 +76,7 @@ class ScanPool {
     const std::lock_guard lock(mutex_);
     idle_.push_back({thread, std::move(scan)});
   }
-  // Leaves them to later jobs. Precondition: all are given back, and each has done its blocks to the end.
+  // Leaves the scans to later jobs. Precondition: all are back, and each has finished its blocks.
   void Leave() {
     for (Idle& idle : idle_) LeftScans<Scan>::Get().Add(std::move(idle.scan));
     idle_.clear();
@@ -85,7 +85,7 @@ class ScanPool {
  private:
   static constexpr bool kMayLeave = requires(const Scan& scan) { scan.Bytes(); };
   struct Idle {
-    int thread;  // that had it
+    int thread;  // the one that had it
     std::unique_ptr<Scan> scan;
   };
 

@@ -17,7 +17,7 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 
 }  // namespace
 
-// A closed mesh is balanced on every line; of one that is not, all lines are looked at.
+// A closed mesh is balanced on every line. For another mesh, all lines must be checked.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,
                                                              uint64_t& unbalanced_lines) {
@@ -43,7 +43,7 @@ bool HasAxes(const std::vector<Frame>& frames) {
 
 SolidTiles::SolidTiles() : bits_(LayoutOf({}).Words()) {}
 
-// Each tile gets the triangles whose bounding boxes meet the box around its lattice points.
+// Gives each tile the triangles with bounding boxes that meet the box around its lattice points.
 void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop) {
   constexpr int kTileUnitBits = kSubvoxelBits + kTileBits;
   triangles_.resize(size_t{1} << 3 * node.level);
@@ -66,7 +66,7 @@ void SolidTiles::Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal 
   }
 }
 
-// Without a margin, a tile's rows lie in its bits one after the other.
+// Without a margin, a tile's rows follow each other in its bits.
 TileBricks SolidTiles::CutOut(const TileContext& context, const Interior& interior, size_t number,
                               const Vec3i& tile_ijk, BlockVoxels* surface) {
   interior.Find(tile_ijk, triangles_[number], rows_);

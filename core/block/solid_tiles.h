@@ -20,19 +20,19 @@
 
 namespace latvox {
 
-// The interior of a solid, and how many of the mesh's lines along k end unbalanced.
-//   closed   of the mesh, by SurfaceFacts
-//   region   local voxels, of which the interior is wanted
+// Returns the interior of a solid, and the number of the mesh's lines along k that end unbalanced.
+//   closed   from the mesh's SurfaceFacts
+//   region   local voxels for which the interior is needed
 // Errors: INVALID_ARGUMENT if the mesh has no inside and solid.force_open is not set; CANCELLED.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,
                                                              uint64_t& unbalanced_lines);
 
-// Whether the frames include those along the three axes of lattice coordinates: then triangles that touch no line along
-// the frames are nothing to the interior, either.
+// Returns whether the frames include those along the three axes of lattice coordinates. Then a triangle that touches no
+// line along the frames does not matter to the interior, either.
 bool HasAxes(const std::vector<Frame>& frames);
 
-// The tiles of a node, one after the other. What a thread allocates for one node serves it for the next.
+// The tiles of a node, one after the other. It reuses the memory of one node for the next.
 class SolidTiles {
  public:
   SolidTiles();
@@ -40,19 +40,19 @@ class SolidTiles {
   // Begins a node.
   void Sort(const SnappedMesh& mesh, const TileNode& node, StopSignal stop);
 
-  // The bricks of the node's tile of that number, in Morton order, as BlockVoxels::CutOut has them.
-  //   tile_ijk   where it is, local
-  //   surface    null, or those of the node's surface, which the interior is added to
+  // Returns the bricks of the node's tile with that number in Morton order, like BlockVoxels::CutOut.
+  //   tile_ijk   its position, local
+  //   surface    null, or the voxels of the node's surface, to which the interior is added
   TileBricks CutOut(const TileContext& context, const Interior& interior, size_t number, const Vec3i& tile_ijk,
                     BlockVoxels* surface);
 
-  // Of memory.
+  // Bytes of memory.
   size_t Bytes() const;
 
  private:
   std::vector<std::vector<uint32_t>> triangles_;  // of each tile
   InteriorRows rows_;
-  TileBits bits_;  // of a tile alone
+  TileBits bits_;  // for a tile alone
 };
 
 }  // namespace latvox

@@ -17,16 +17,16 @@
 
 namespace latvox {
 
-// Memory that a scan and the thinner after it use in turn. With memory for each, a job of 8 ms that had no pages from
-// jobs before it took 1 ms more.
+// Memory that a scan and its thinner use in turn. With memory for each, a job of 8 ms without pages of earlier jobs
+// took 1 ms more.
 struct PairMemory {
-  NumberList positions;  // of a list of candidates
+  NumberList positions;  // in a list of candidates
   std::vector<VoxelTriangle> pairs;
 
   size_t Bytes() const { return positions.Bytes() + BytesOf(pairs); }
 };
 
-// Replaces `pairs` by the voxels at `positions` of one of the candidates' lists, with the triangles that put them
+// Replaces `pairs` by the voxels at `positions` of one of the candidates' lists, each with the triangle that put it
 // there.
 //   end   the member of Candidates::Run for that list
 inline void FindPairs(const Candidates& candidates, const NumberList& voxels, const NumberList& positions,
@@ -39,12 +39,12 @@ inline void FindPairs(const Candidates& candidates, const NumberList& voxels, co
   }
 }
 
-// Calls f(voxel, star) for all pairs whose voxel is, or is not, in `bits` when their turn comes. It is inlined: as a
-// function of its own, it cost 3 % of all instructions where large triangles meet.
+// Calls f(voxel, star) for all pairs whose voxel is, or is not, in `bits` when the pair's turn comes. It is inlined: as
+// a function of its own, it cost 3 % of all instructions where large triangles meet.
 template <class F>
 HWY_INLINE void ForEachStar(const TileContext& context, const BitsLayout& layout, std::span<const VoxelTriangle> pairs,
                             const TileBits& bits, bool in_set, F&& f) {
-  constexpr size_t kBatch = 64;  // what f does to `bits` spares the batches that follow
+  constexpr size_t kBatch = 64;  // f's changes of `bits` spare work in later batches
   StarLinks stars[kBatch];
   VoxelTriangle batch[kBatch];
   for (size_t n = 0; n < pairs.size() && !context.stop.Stopped();) {

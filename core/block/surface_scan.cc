@@ -50,7 +50,7 @@ std::span<const uint32_t> SurfaceScan::WithoutTiny(const TileContext& context, s
   return others_;
 }
 
-// Most candidates of a triangle's rim are voxels that its neighbours have set.
+// Neighboring triangles have already set most candidates of a triangle's rim.
 void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidates) {
   if (context.stop.Stopped()) return;
   TileBits& surface = voxels_.bits();

@@ -17,13 +17,13 @@
 
 namespace latvox {
 
-// A voxel with the links for which a triangle put it into the surface.
+// A voxel with the links that made a triangle put it into the surface.
 struct RimVoxel {
   uint32_t voxel;
   StarLinks star;
 };
 
-// What a scan hands on to be thinned; all of it is the scan's, until the next.
+// The input of thinning. The scan owns all of it, until the next scan.
 struct ScannedSurface {
   BlockVoxels& voxels;
   CandidateParts& candidates;          // of the triangles that are not tiny
@@ -31,20 +31,20 @@ struct ScannedSurface {
   PairMemory& memory;
 };
 
-// What a thread allocates for one node serves it for the next.
+// Reuses the memory of one node for the next.
 class SurfaceScan {
  public:
   // Finds all voxels of the surface in the box of `halo` steps around the node.
-  //   triangles   all that come within half a step of the box, except those whose links the context has; more do no
-  //               harm. Must live until the node is done
-  // Leaves part of it undone once the job is cancelled.
+  //   triangles   all that come within half a step of the box, except those with links in the context; more do no harm.
+  //               Must live until the node is done
+  // Leaves part of the work undone once the job is cancelled.
   ScannedSurface Scan(const TileContext& context, const TileNode& node, int32_t halo,
                       std::span<const uint32_t> triangles);
 
-  // Of the last scan.
+  // The voxels of the last scan.
   BlockVoxels& voxels() { return voxels_; }
 
-  // Of memory.
+  // Bytes of memory.
   size_t Bytes() const;
 
  private:
@@ -57,7 +57,7 @@ class SurfaceScan {
   CandidateParts candidates_;
   std::vector<RimVoxel> rim_only_;
   PairMemory memory_;
-  std::vector<uint32_t> added_;  // of AddRim
+  std::vector<uint32_t> added_;  // by AddRim
 };
 
 }  // namespace latvox

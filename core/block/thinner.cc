@@ -11,12 +11,12 @@
 namespace latvox {
 namespace {
 
-// Whether a voxel is known not to belong to the surface.
+// Returns whether a voxel is known not to belong to the surface.
 bool IsOutside(const BlockVoxels& voxels, uint32_t voxel) {
   return !voxels.bits().Test(voxel) && voxels.where().box.Contains(voxels.where().layout.VoxelAt(voxel));
 }
 
-// Whether all links of the voxel's star end in the set.
+// Returns whether all links of the voxel's star end in the set.
 bool EndsIn(const TileBits& set, const BlockBox& where, const RimVoxel& rim) {
   for (uint32_t bits = rim.star.nearer; bits != 0; bits &= bits - 1) {
     if (!set.Test(where.EndOf(rim.voxel, rim.star, static_cast<size_t>(std::countr_zero(bits))))) return false;
@@ -33,9 +33,9 @@ bool Thinner::Thin(const TileContext& context, const ScannedSurface& scanned) {
   return decided;
 }
 
-// Of what FindUndecided leaves, the triangles at hand decide. What lies beyond the border matters seldom.
+// The triangles at hand decide on the voxels that FindUndecided leaves. Triangles beyond the border seldom matter.
 bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) {
-  // Where many triangles meet in few voxels, each of these takes a while.
+  // Where many triangles meet in few voxels, each step takes a while.
   if (!context.stop.Stopped()) FindUndecided(context, scanned);
   if (!context.stop.Stopped()) Ask(context, scanned);
   if (context.stop.Stopped()) return true;
@@ -55,9 +55,9 @@ bool Thinner::Decide(const TileContext& context, const ScannedSurface& scanned) 
   return decided;
 }
 
-// A link whose farther end lies outside of the surface shows its nearer end essential; the links at hand, along
-// principal directions and of tiny triangles, do so for nearly all voxels. Those with neighbours outside of the box, of
-// which nothing is known, are left out.
+// A link with its farther end outside of the surface shows its nearer end essential. The links at hand, along principal
+// directions and of tiny triangles, do so for nearly all voxels. Voxels with neighbors outside of the box are left out,
+// because nothing is known about those.
 void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
   const TileBits& surface = scanned.voxels.bits();
@@ -77,7 +77,7 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   for (const uint32_t voxel : inner_.nearer.view()) add(voxel);
   scanned.candidates.ForEach(context, where, [&](const Candidates& candidates) {
     surface.Find(candidates.farther.view(), true, memory_.positions);
-    constexpr size_t kAhead = 16;  // about what memory brings at a time
+    constexpr size_t kAhead = 16;  // about the number of accesses that memory serves at a time
     const auto nearer = [&](size_t n) { return candidates.nearer[memory_.positions[n]] & kNumberMask; };
     for (size_t n = 0; n < memory_.positions.size(); ++n) {
       undecided_.Prefetch(nearer(std::min(n + kAhead, memory_.positions.size() - 1)));
@@ -90,8 +90,8 @@ void Thinner::FindUndecided(const TileContext& context, const ScannedSurface& sc
   if (any_tiny) essential_.ClearRange(scanned.voxels.dirty());
 }
 
-// Of tiny triangles, all links are at hand: first of all, these show most voxels essential; nearly all others of such a
-// voxel's links are in the same batch, or in later ones.
+// All links of tiny triangles are at hand. They show most voxels essential at once. Nearly all other links of such a
+// voxel are in the same batch, or in later ones.
 void Thinner::FindInnerAndEssential(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
   const TileBits& surface = scanned.voxels.bits();
@@ -108,7 +108,7 @@ void Thinner::FindInnerAndEssential(const TileContext& context, const ScannedSur
   inner_.farther.Keep(memory_.positions.view());
 }
 
-// Adds to inner_ those of the links whose nearer ends are in `bits`, or are not.
+// Adds to inner_ the links with nearer ends in `bits`, or not in `bits`.
 void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set) {
   bits.Find(some.nearer.view(), in_set, memory_.positions);
   inner_.nearer.Reserve(memory_.positions.size());
@@ -119,7 +119,7 @@ void Thinner::AddInner(const Crossings& some, const TileBits& bits, bool in_set)
   }
 }
 
-// Asks all triangles at undecided voxels: those that prove essential leave, links between the others are recorded.
+// Asks all triangles at undecided voxels. Voxels that prove essential leave; links between the others are recorded.
 void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
   const BlockBox& where = scanned.voxels.where();
   links_.Reset(where.layout);
@@ -132,7 +132,7 @@ void Thinner::Ask(const TileContext& context, const ScannedSurface& scanned) {
   }
 }
 
-// Voxels that one list's triangles prove essential spare those of the next.
+// Voxels that one list's triangles prove essential spare those of the next list.
 void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, const Candidates& candidates) {
   if (FindPairsByBoxes(voxels.where(), candidates)) return AskPairs(context, voxels);
   FindInUndecided(candidates.nearer);
@@ -146,26 +146,26 @@ void Thinner::AskCandidates(const TileContext& context, BlockVoxels& voxels, con
   AskPairs(context, voxels);
 }
 
-// Finds pairs of undecided voxels by the triangles' boxes, if that seems to take less than to find the voxels
-// among all candidates; returns whether it did, else they mean nothing. It finds some pairs more, whose stars have no
-// links.
+// Finds pairs of undecided voxels by the triangles' boxes, if that seems cheaper than a search for the voxels among all
+// candidates. Returns whether it did; otherwise the pairs are meaningless. It finds some extra pairs, with stars
+// without links.
 bool Thinner::FindPairsByBoxes(const BlockBox& where, const Candidates& candidates) {
   const size_t triangles = candidates.triangles.size();
   if (candidates.boxes.size() != triangles) return false;
   UpdateList();
-  // What takes as long as so many candidates: to compare a voxel with a triangle's box, and the stars more.
+  // The costs in candidates: a voxel compared with a triangle's box, and the further stars.
   constexpr double kPerBox = 0.3, kPerVoxel = 100;
   if (static_cast<double>(list_.size()) * (static_cast<double>(triangles) * kPerBox + kPerVoxel) >
       static_cast<double>(candidates.size())) {
     return false;
   }
-  // Boxes say little of large triangles askew.
+  // Boxes say little about large oblique triangles.
   constexpr size_t kUsual = 3, kPerPair = 100;
   const size_t most = kUsual * list_.size() + candidates.size() / kPerPair;
   return candidates.boxes.FindPairs(where.layout, where.box.min, candidates.triangles, list_, most, memory_.pairs);
 }
 
-// Takes voxels that have left undecided_ out of list_.
+// Removes voxels that have left undecided_ from list_.
 void Thinner::UpdateList() {
   std::erase_if(list_, [&](uint32_t voxel) { return !undecided_.Test(voxel); });
 }
@@ -176,7 +176,7 @@ void Thinner::FindInUndecided(const NumberList& voxels) {
   undecided_.FindFew(voxels.view(), list_, memory_.positions);
 }
 
-// Asks the triangles of the pairs whose voxels are undecided when their turn comes.
+// Asks the triangles of pairs whose voxels are undecided when their turn comes.
 void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   const BlockBox& where = voxels.where();
   const TileBits& surface = voxels.bits();
@@ -194,7 +194,7 @@ void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   });
 }
 
-// Adds those neighbours of members that have neighbours outside of the box.
+// Adds those neighbors of members that have neighbors outside of the box.
 void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::span<const uint32_t> members) {
   const BlockBox& where = voxels.where();
   const IndexBox complete = where.Shrunk(context.reach);
@@ -212,7 +212,7 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
   }
   inner_.Clear();
   where.ForEachTinyBatch(context, [this](const Crossings& some) { AddInner(some, undecided_, true); });
-  // That a link leads out of the box shows nothing.
+  // A link that leads out of the box shows nothing.
   for (size_t n = 0; n < inner_.nearer.size(); ++n) {
     if (IsOutside(voxels, inner_.farther[n])) undecided_.Clear(inner_.nearer[n]);
   }

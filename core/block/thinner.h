@@ -17,15 +17,19 @@
 
 namespace latvox {
 
-// Finds what core/thin/thin.h asks for: the voxels that may be redundant, and the links between them. It starts from
-// all members of the surface that no link at hand shows essential, the undecided ones. It then asks the triangles at
-// these voxels, and only there, for all their links. What a thread allocates for one node serves it for the next.
+// Finds the input of core/thin/thin.h: the voxels that may be redundant, and the links between them. It starts with the
+// undecided voxels: all members of the surface that no link at hand shows essential. Then it asks the triangles at
+// these voxels, and only there, for all their links.
+//
+// The result is exact, because a link only ever shows a voxel essential. A voxel leaves the undecided ones only for a
+// known link with its farther end outside of the surface. The others keep all their links, and Thin decides on them. It
+// reuses the memory of one node for the next.
 class Thinner {
  public:
   // Removes redundant voxels; returns whether that was decided for the whole node. See Thin.
   bool Thin(const TileContext& context, const ScannedSurface& scanned);
 
-  // Of memory.
+  // Bytes of memory.
   size_t Bytes() const;
 
  private:
@@ -42,12 +46,12 @@ class Thinner {
   void AddBorder(const TileContext& context, BlockVoxels& voxels, std::span<const uint32_t> members);
 
   TileBits undecided_{0};       // members of the surface that nothing has shown essential yet; empty between nodes
-  std::vector<uint32_t> list_;  // all of undecided_, each once, and voxels that have left it
-  TileBits essential_{0};       // what links of tiny triangles have shown to be; empty between nodes
+  std::vector<uint32_t> list_;  // all of undecided_, each once, and former members
+  TileBits essential_{0};       // voxels that links of tiny triangles have shown essential; empty between nodes
   Crossings inside_;            // links of tiny triangles with both ends in the surface
-  NumberList outward_;          // the nearer ends of others
-  Crossings inner_;             // of tiny triangles, from members of undecided_, or from what may become some
-  PairMemory memory_;           // the scan's, while Thin is at work
+  NumberList outward_;          // the nearer ends of other links
+  Crossings inner_;             // links of tiny triangles, from voxels that are undecided or may become so
+  PairMemory memory_;           // borrowed from the scan during Thin
   CrossedLinks links_;          // between members of undecided_
 };
 

@@ -1,4 +1,4 @@
-// What all blocks of a job have in common.
+// The facts that all blocks of a job share.
 #ifndef LATVOX_CORE_BLOCK_TILE_CONTEXT_H_
 #define LATVOX_CORE_BLOCK_TILE_CONTEXT_H_
 
@@ -16,22 +16,22 @@
 
 namespace latvox {
 
-// The steps around a tile that thinning looks at first, which nearly always decides.
+// The first halo of thinning, in steps around a tile. It is nearly always large enough.
 inline constexpr int32_t kNearHalo = 2;
 
 struct TileContext {
   const SnappedMesh& mesh;
   const std::vector<ScanFrame>& frames;
-  const Supercover* supercover;  // if that is asked for; else null. It is not thinned
+  const Supercover* supercover;  // null unless the request asks for one; a supercover is not thinned
   Vec3i reach;                   // per axis, the largest |q| of the frames, or the supercover's margin
   bool minimal;                  // whether to thin
-  const TileLinks& links;        // of tiny triangles, if most are tiny; set before the first tile
-  // Which triangles these are, if nodes list them, too, else empty.
+  const TileLinks& links;        // links of tiny triangles, if most are tiny; set before the first tile
+  // Which triangles are tiny, if nodes list these, too; else empty.
   const UninitializedVector<uint8_t>& is_tiny;
   IndexBox region;  // local voxels outside are not delivered
   StopSignal stop;
 
-  // How far, per axis, triangles may lie outside of a tile and still matter to it, in voxels: at first, and at all.
+  // The distance from a tile, per axis in voxels, within which triangles may matter to it: at first, and in any case.
   Vec3i NearMargin() const { return reach * (minimal ? kNearHalo + 1 : 1); }
   Vec3i FarMargin() const { return reach * (minimal ? kThinHalo + 1 : 1); }
 };

@@ -17,8 +17,7 @@ Vec3i ReachOf(const std::vector<Frame>& frames) {
 
 namespace {
 
-// Nearly all blocks can be thinned knowing kNearHalo steps around them; the rest are done again with all that may
-// matter.
+// Nearly all blocks can be thinned with kNearHalo steps around them. The rest are done again with the whole halo.
 void FindSurface(const TileContext& context, const TileNode& node, BlockScan& scan) {
   const int32_t halo = context.minimal ? kNearHalo : 0;
   const ScannedSurface near = scan.surface.Scan(context, node, halo, node.triangles);

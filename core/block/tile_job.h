@@ -14,10 +14,10 @@
 
 namespace latvox {
 
-// Per axis, the longest step of the frames.
+// The longest step of the frames, per axis.
 Vec3i ReachOf(const std::vector<Frame>& frames);
 
-// What a thread needs for one block, from block to block.
+// A thread's memory for one block, reused for the next.
 struct BlockScan {
   SurfaceScan surface;
   Thinner thinner;
@@ -26,11 +26,11 @@ struct BlockScan {
   size_t Bytes() const { return surface.Bytes() + thinner.Bytes() + solid.Bytes(); }
 };
 
-// Appends the node's tiles that have voxels, in global coordinates and in the canonical order; once the job is
-// cancelled, whatever there is.
+// Appends the node's tiles that have voxels, in global coordinates and in the canonical order. Once the job is
+// cancelled, the tiles are incomplete.
 //   node       of a tree with the context's margins
-//   interior   null, or of the mesh
-//   surface    whether the surface's voxels are wanted
+//   interior   null, or that of the mesh
+//   surface    whether to include the surface's voxels
 void DigitizeBlock(const TileContext& context, const TileNode& node, const Interior* interior, bool surface,
                    BlockScan& scan, std::vector<TileBricks>& tiles);
 

@@ -59,7 +59,172 @@ void ChooseShape(LineScan<T>& s) {
   divide(Wide{s.level_b} << s.shape, s.down_depth, s.down_remainder);
 }
 
-// Block after block of the triangle's lines.
+// The lines of one block, one a lane; or the step from one block to another. Where the sum of remainders reaches
+// `along`, the voxel moves by q, too.
+template <class T>
+struct LineBlock {
+  using V = hn::Vec<hn::ScalableTag<T>>;
+  V edge[3], remainder, number;
+  V ijk[3];  // of the voxel, on the axes of `clip` alone
+};
+
+// All lines of a triangle: the first block, the steps to others, and the decision on each line.
+template <class T>
+class SingleLines {
+ public:
+  using D = hn::ScalableTag<T>;
+  using V = hn::Vec<D>;
+  using M = hn::Mask<D>;
+  using Block = LineBlock<T>;
+
+  //   clip   bit m: candidates may lie outside of the target on axis m
+  HWY_INLINE SingleLines(const LineScan<T>& scan, uint32_t clip, const Frame& frame, const Target& target)
+      : scan_(scan),
+        clip_(clip),
+        frame_(frame),
+        target_(target),
+        wide_(BlockWidth<T>(scan.shape)),
+        high_(1 << scan.shape),
+        a_(hn::Load(D(), kBlockLines<T>.a[scan.shape])),
+        b_(hn::Load(D(), kBlockLines<T>.b[scan.shape])),
+        along_(All(scan.along)),
+        minus_along_(All(-scan.along)),
+        below_along_(All(scan.along - 1)),
+        below_half_(All(scan.half - 1)),
+        step_(All(target.layout.StepOf(frame.q))),
+        rim_{All(scan.rim[0]), All(scan.rim[1]), All(scan.rim[2])} {}
+
+  int32_t wide() const { return wide_; }
+  int32_t high() const { return high_; }
+  // Room for candidates on all lines.
+  size_t MostCandidates() const {
+    return static_cast<size_t>(scan_.width + wide_) * static_cast<size_t>(scan_.height + high_);
+  }
+
+  // The block whose first line is (scan.a, scan.b), with `place` above the numbers of voxels.
+  HWY_INLINE Block First(size_t place) const {
+    Block first = WithinBlock();
+    Advance(first, Same(scan_.edge, scan_.remainder, IjkOf(scan_.a, scan_.b, scan_.depth), target_.number));
+    first.number = hn::Add(first.number, All(place << kNumberBits));
+    return first;
+  }
+  // Edges step in lanes, where lines that do not count may overflow.
+  HWY_INLINE Block Right() const {
+    return Scaled(Same(scan_.edge_a, scan_.right_remainder, IjkOf(wide_, 0, scan_.right_depth), 0), wide_);
+  }
+  HWY_INLINE Block Down() const {
+    return Scaled(Same(scan_.edge_b, scan_.down_remainder, IjkOf(0, high_, scan_.down_depth), 0), high_);
+  }
+  HWY_INLINE Block RightBy(int32_t blocks) const {
+    using Wide = std::conditional_t<sizeof(T) == 4, int64_t, __int128>;
+    const Wide level = Wide{scan_.right_remainder} * blocks, carry = level / scan_.along;
+    const int32_t depth = scan_.right_depth * blocks + static_cast<int32_t>(carry);
+    const auto remainder = static_cast<T>(level - carry * scan_.along);
+    return Scaled(Same(scan_.edge_a, remainder, IjkOf(wide_ * blocks, 0, depth), 0), wide_ * blocks);
+  }
+  HWY_INLINE void Advance(Block& lines, const Block& by) const {
+    for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
+    const V remainder = hn::Add(lines.remainder, by.remainder);
+    const auto carry = hn::Gt(remainder, below_along_);
+    lines.remainder = AddIf(D(), carry, remainder, minus_along_);
+    lines.number = AddIf(D(), carry, hn::Add(lines.number, by.number), step_);
+    for (size_t m = 0; m < 3; ++m) {
+      if (Clips(m)) lines.ijk[m] = AddIf(D(), carry, hn::Add(lines.ijk[m], by.ijk[m]), All(frame_.q[m]));
+    }
+  }
+
+  // Lines of a block's first `rows` rows, and of its first `columns` columns.
+  HWY_INLINE M InRows(int32_t rows) const { return hn::Lt(b_, All(rows)); }
+  HWY_INLINE M InColumns(int32_t columns) const { return hn::Lt(a_, All(columns)); }
+
+  HWY_INLINE M IsBeyondRim(const Block& lines) const {
+    const auto& e = lines.edge;
+    return hn::Lt(hn::Or3(hn::Add(e[0], rim_[0]), hn::Add(e[1], rim_[1]), hn::Add(e[2], rim_[2])), hn::Zero(D()));
+  }
+  // Whether the remainder of a candidate is less than `doubt` away from a multiple of `half`, which is half of `along`,
+  // a power of two, wherever there is a doubt.
+  HWY_INLINE bool IsInDoubt(const Block& lines, M candidate) const {
+    const V distance = hn::And(hn::Add(lines.remainder, All(scan_.doubt)), All(scan_.half - 1));
+    return !hn::AllFalse(D(), hn::And(candidate, hn::Lt(distance, All(2 * scan_.doubt + 1))));
+  }
+  HWY_INLINE M Clipped(const Block& lines, M candidate) const {
+    for (size_t m = 0; m < 3; ++m) {
+      if (!Clips(m)) continue;
+      const auto& ijk = lines.ijk[m];
+      candidate = hn::And(candidate, hn::And(hn::Gt(ijk, All(-1)), hn::Lt(ijk, All(target_.size[m]))));
+    }
+    return candidate;
+  }
+  HWY_INLINE void Append(const Block& lines, M candidate, Appender& appender) const {
+    const auto& e = lines.edge;
+    const M beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), hn::Zero(D()));
+    const M crossed = hn::AndNot(beyond, candidate), rim_only = hn::And(candidate, beyond);
+    const V to_farther = hn::IfThenElse(hn::Gt(lines.remainder, below_half_), step_, hn::Neg(step_));
+    appender.Append(D(), lines.number, to_farther, crossed, rim_only);
+  }
+
+ private:
+  template <class Value>
+  static HWY_INLINE V All(Value value) {
+    return hn::Set(D(), static_cast<T>(value));
+  }
+  bool Clips(size_t axis) const { return clip_ >> axis & 1; }
+  HWY_INLINE V Sum(T per_a, T per_b) const { return hn::Add(hn::Mul(a_, All(per_a)), hn::Mul(b_, All(per_b))); }
+
+  // The steps from a block's first line to each of its lines.
+  HWY_INLINE Block WithinBlock() const {
+    const hn::RebindToFloat<D> df;
+    using Float = hn::TFromD<decltype(df)>;
+    const auto slope = [&](T level) HWY_ATTR {
+      return hn::Set(df, static_cast<Float>(level) / static_cast<Float>(scan_.along));
+    };
+    const Vec3i &u0 = frame_.u[0], &u1 = frame_.u[1];
+    Block out;
+    for (size_t n = 0; n < 3; ++n) out.edge[n] = Sum(scan_.edge_a[n], scan_.edge_b[n]);
+    V depth;
+    Divide(D(), Sum(scan_.level_a, scan_.level_b),
+           hn::Add(hn::Mul(hn::ConvertTo(df, a_), slope(scan_.level_a)),
+                   hn::Mul(hn::ConvertTo(df, b_), slope(scan_.level_b))),
+           along_, depth, out.remainder);
+    out.number = hn::Add(Sum(target_.layout.StepOf(u0), target_.layout.StepOf(u1)), hn::Mul(depth, step_));
+    for (size_t m = 0; m < 3; ++m) {
+      out.ijk[m] = hn::Zero(D());
+      if (Clips(m)) out.ijk[m] = hn::Add(Sum(u0[m], u1[m]), hn::Mul(depth, All(frame_.q[m])));
+    }
+    return out;
+  }
+  // The same in all lanes.
+  HWY_INLINE Block Same(const std::array<T, 3>& edges, T remainder, const Vec3i& ijk, int32_t from) const {
+    const int64_t number = from + Dot(Vec<int64_t, 3>{ijk[0], ijk[1], ijk[2]}, target_.layout.stride);
+    return {{All(edges[0]), All(edges[1]), All(edges[2])},
+            All(remainder),
+            All(number),
+            {All(ijk[0]), All(ijk[1]), All(ijk[2])}};
+  }
+  static HWY_INLINE Block Scaled(const Block& step, int32_t edges_by) {
+    const V by = All(edges_by);
+    return {{hn::Mul(step.edge[0], by), hn::Mul(step.edge[1], by), hn::Mul(step.edge[2], by)},
+            step.remainder,
+            step.number,
+            {step.ijk[0], step.ijk[1], step.ijk[2]}};
+  }
+  Vec3i IjkOf(int64_t a, int64_t b, int32_t depth) const {
+    Vec3i ijk;
+    for (size_t m = 0; m < 3; ++m) {
+      ijk[m] = static_cast<int32_t>(a * frame_.u[0][m] + b * frame_.u[1][m]) + depth * frame_.q[m];
+    }
+    return ijk;
+  }
+
+  const LineScan<T>& scan_;
+  const uint32_t clip_;
+  const Frame& frame_;
+  const Target& target_;
+  const int32_t wide_, high_;
+  const V a_, b_, along_, minus_along_, below_along_, below_half_, step_, rim_[3];
+};
+
+// Goes through the triangle's lines, block after block and row after row of blocks.
 //   clip    bit m: candidates may lie outside of the target on axis m
 //   in_box  of large triangles, whose rows may have blocks without candidates before and behind; null: of others, whose
 //           remainders are exact, too
@@ -68,124 +233,31 @@ template <class T, class InBox>
 HWY_INLINE bool ScanSingle(const LineScan<T>& s, uint32_t clip, InBox in_box, size_t place, const Frame& frame,
                            const Target& target, Candidates& out) {
   constexpr bool kLarge = !std::is_null_pointer_v<InBox>;
-  const hn::ScalableTag<T> d;
-  using V = hn::Vec<decltype(d)>;
-  const hn::RebindToFloat<decltype(d)> df;
-  const auto all = [&](auto x) HWY_ATTR { return hn::Set(d, static_cast<T>(x)); };
-
-  const int32_t wide = BlockWidth<T>(s.shape), high = 1 << s.shape;
-  Appender appender(out, static_cast<size_t>(s.width + wide) * static_cast<size_t>(s.height + high));
-
-  // What a line adds to the values of (s.a, s.b).
-  const V along = all(s.along), minus_along = all(-s.along), below_along = all(s.along - 1),
-          below_half = all(s.half - 1);
-  using Float = hn::TFromD<decltype(df)>;
-  const auto slope_a = hn::Set(df, static_cast<Float>(s.level_a) / static_cast<Float>(s.along));
-  const auto slope_b = hn::Set(df, static_cast<Float>(s.level_b) / static_cast<Float>(s.along));
-  const Vec3i steps{target.layout.StepOf(frame.u[0]), target.layout.StepOf(frame.u[1]), target.layout.StepOf(frame.q)};
-  const V step = all(steps[2]);
-  struct Lines {
-    V edge[3], remainder, number, ijk[3];
-  };
-  const V a = hn::Load(d, kBlockLines<T>.a[s.shape]), b = hn::Load(d, kBlockLines<T>.b[s.shape]);
-  const auto sum = [&](auto per_a, auto per_b)
-                       HWY_ATTR { return hn::Add(hn::Mul(a, all(per_a)), hn::Mul(b, all(per_b))); };
-  Lines row;
-  for (size_t n = 0; n < 3; ++n) row.edge[n] = sum(s.edge_a[n], s.edge_b[n]);
-  V depth;
-  Divide(d, sum(s.level_a, s.level_b),
-         hn::Add(hn::Mul(hn::ConvertTo(df, a), slope_a), hn::Mul(hn::ConvertTo(df, b), slope_b)), along, depth,
-         row.remainder);
-  row.number = hn::Add(sum(steps[0], steps[1]), hn::Mul(depth, step));
-  for (size_t m = 0; m < 3; ++m) {
-    row.ijk[m] = hn::Zero(d);
-    if (clip >> m & 1) {
-      row.ijk[m] = hn::Add(sum(frame.u[0][m], frame.u[1][m]), hn::Mul(depth, all(frame.q[m])));
-    }
-  }
-  const auto advance = [&](Lines& lines, const Lines& by) HWY_ATTR {
-    for (size_t n = 0; n < 3; ++n) lines.edge[n] = hn::Add(lines.edge[n], by.edge[n]);
-    const V remainder = hn::Add(lines.remainder, by.remainder);
-    const auto carry = hn::Gt(remainder, below_along);
-    lines.remainder = AddIf(d, carry, remainder, minus_along);
-    lines.number = AddIf(d, carry, hn::Add(lines.number, by.number), step);
-    for (size_t m = 0; m < 3; ++m) {
-      if (clip >> m & 1) lines.ijk[m] = AddIf(d, carry, hn::Add(lines.ijk[m], by.ijk[m]), all(frame.q[m]));
-    }
-  };
-
-  // The same for all lanes: what `edges` and so on give.
-  const auto same = [&](const std::array<T, 3>& edges, T remainder, const Vec3i& ijk, int32_t from) HWY_ATTR {
-    Lines lines;
-    for (size_t n = 0; n < 3; ++n) {
-      lines.edge[n] = all(edges[n]);
-      lines.ijk[n] = all(ijk[n]);
-    }
-    lines.remainder = all(remainder);
-    lines.number = all(from + Dot(Vec<int64_t, 3>{ijk[0], ijk[1], ijk[2]}, target.layout.stride));
-    return lines;
-  };
-  const auto ijk_of = [&](int64_t lines_a, int64_t lines_b, int32_t lines_depth) {
-    Vec3i ijk;
-    for (size_t m = 0; m < 3; ++m) {
-      ijk[m] = static_cast<int32_t>(lines_a * frame.u[0][m] + lines_b * frame.u[1][m]) + lines_depth * frame.q[m];
-    }
-    return ijk;
-  };
-  advance(row, same(s.edge, s.remainder, ijk_of(s.a, s.b, s.depth), target.number));
-  row.number = hn::Add(row.number, all(place << kNumberBits));
-  Lines right = same(s.edge_a, s.right_remainder, ijk_of(wide, 0, s.right_depth), 0);
-  Lines down = same(s.edge_b, s.down_remainder, ijk_of(0, high, s.down_depth), 0);
-  for (size_t n = 0; n < 3; ++n) {  // in lanes, where lines that do not count may overflow
-    right.edge[n] = hn::Mul(right.edge[n], all(wide));
-    down.edge[n] = hn::Mul(down.edge[n], all(high));
-  }
-  const auto blocks_to_the_right = [&](int32_t blocks) HWY_ATTR {
-    using Wide = std::conditional_t<sizeof(T) == 4, int64_t, __int128>;
-    const Wide level = Wide{s.right_remainder} * blocks, carry = level / s.along;
-    const int32_t to_depth = s.right_depth * blocks + static_cast<int32_t>(carry);
-    Lines lines = same(s.edge_a, static_cast<T>(level - carry * s.along), ijk_of(wide * blocks, 0, to_depth), 0);
-    for (V& edge : lines.edge) edge = hn::Mul(edge, all(wide * blocks));
-    return lines;
-  };
-  V rim[3];
-  for (size_t n = 0; n < 3; ++n) rim[n] = all(s.rim[n]);
-
+  const SingleLines<T> lines(s, clip, frame, target);
+  const int32_t wide = lines.wide(), high = lines.high();
+  Appender appender(out, lines.MostCandidates());
+  LineBlock<T> row = lines.First(place);
+  const LineBlock<T> right = lines.Right(), down = lines.Down();
   for (int32_t from_b = 0; from_b < s.height; from_b += high) {
-    if (from_b != 0) advance(row, down);
-    const auto in_height = hn::Lt(b, all(s.height - from_b));
+    if (from_b != 0) lines.Advance(row, down);
+    const auto in_rows = lines.InRows(s.height - from_b);
     int32_t first_a = 0, end_a = s.width;
-    Lines block = row;
+    LineBlock<T> block = row;
     if constexpr (kLarge) {
       const auto [first, last] = in_box->Row(from_b, high);
       first_a = static_cast<int32_t>(first) & -wide;
       end_a = static_cast<int32_t>(last) + 1;
-      if (first_a != 0 && first_a < end_a) advance(block, blocks_to_the_right(first_a / wide));
+      if (first_a != 0 && first_a < end_a) lines.Advance(block, lines.RightBy(first_a / wide));
     }
     for (int32_t from_a = first_a; from_a < end_a; from_a += wide) {
-      if (from_a != first_a) advance(block, right);
-      const auto& e = block.edge;
-      const V beyond_rim = hn::Or3(hn::Add(e[0], rim[0]), hn::Add(e[1], rim[1]), hn::Add(e[2], rim[2]));
-      const auto in_width = hn::Lt(a, all(s.width - from_a));
-      auto candidate = hn::AndNot(hn::Lt(beyond_rim, hn::Zero(d)), hn::And(in_height, in_width));
-      if (kLarge && s.doubt != 0) {
-        // From `doubt` below a multiple of `half`, which is half of `along`, a power of two, then.
-        const V distance = hn::And(hn::Add(block.remainder, all(s.doubt)), all(s.half - 1));
-        if (!hn::AllFalse(d, hn::And(candidate, hn::Lt(distance, all(2 * s.doubt + 1))))) {
-          appender.Drop();
-          return false;
-        }
+      if (from_a != first_a) lines.Advance(block, right);
+      const auto in_triangle = hn::And(in_rows, lines.InColumns(s.width - from_a));
+      const auto candidate = hn::AndNot(lines.IsBeyondRim(block), in_triangle);
+      if (kLarge && s.doubt != 0 && lines.IsInDoubt(block, candidate)) {
+        appender.Drop();
+        return false;
       }
-      for (size_t m = 0; m < 3; ++m) {
-        if (clip >> m & 1) {
-          candidate =
-              hn::And(candidate, hn::And(hn::Gt(block.ijk[m], all(-1)), hn::Lt(block.ijk[m], all(target.size[m]))));
-        }
-      }
-      const auto beyond = hn::Lt(hn::Or3(e[0], e[1], e[2]), hn::Zero(d));
-      const auto crossed = hn::AndNot(beyond, candidate), rim_only = hn::And(candidate, beyond);
-      const V to_farther = hn::IfThenElse(hn::Gt(block.remainder, below_half), step, hn::Neg(step));
-      appender.Append(d, block.number, to_farther, crossed, rim_only);
+      lines.Append(block, lines.Clipped(block, candidate), appender);
     }
   }
   return true;

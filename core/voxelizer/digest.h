@@ -1,4 +1,4 @@
-// A digest of voxel sets that does not depend on how, in what order or in how many parts they were computed.
+// A digest of voxel sets. It does not depend on the way, the order or the number of parts in which they were computed.
 #ifndef LATVOX_CORE_VOXELIZER_DIGEST_H_
 #define LATVOX_CORE_VOXELIZER_DIGEST_H_
 
@@ -11,12 +11,13 @@
 namespace latvox {
 
 // The sum modulo 2^128, over all bricks, of XXH3-128 (seed 0) of 76 bytes: brick_ijk as three little-endian 32-bit
-// integers, then the mask's eight words, little-endian. Digests of sets without a common brick add up to their union's.
+// integers, then the mask's eight words, little-endian. For sets without a common brick, the sum of their digests is
+// the digest of their union.
 class Digest {
  public:
-  // `values`, if it has any, are hashed after the 76 bytes, as little-endian floats.
+  // If there are values, they are hashed after the 76 bytes, as little-endian floats.
   void Add(const Brick& brick, std::span<const float> values = {});
-  // Likewise, as little-endian integers: kMaxAttributes for each voxel at most.
+  // Does the same with little-endian integers: at most kMaxAttributes for each voxel.
   void Add(const Brick& brick, std::span<const uint32_t> attributes);
   void Add(const Digest& other);
   std::string ToHex() const;  // 32 hexadecimal digits

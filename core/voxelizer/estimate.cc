@@ -14,7 +14,7 @@
 namespace latvox {
 namespace {
 
-// Each where it lies in the mesh: copies as doubles, written one by one and read as vectors, take four times as long.
+// References into the mesh: copies as doubles, written one by one and read as vectors, take four times as long.
 struct Corners {
   const Vec3f &a, &b, &c;
 };
@@ -31,7 +31,7 @@ double LengthAround(const Corners& at) {
   return LengthOf(Between(at.a, at.b)) + LengthOf(Between(at.b, at.c)) + LengthOf(Between(at.c, at.a));
 }
 
-// Of the corners' box and a margin, in voxels.
+// The volume of the corners' box with a margin, in voxels.
 double VolumeAround(const Corners& at, double size) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m) {
@@ -44,7 +44,7 @@ double VolumeAround(const Corners& at, double size) {
 template <class F>
 double SumOver(const TriangleMesh& mesh, StopSignal stop, const F& f) {
   using Part = oneapi::tbb::blocked_range<size_t>;
-  constexpr size_t kGrain = 16384;  // triangles a task
+  constexpr size_t kGrain = 16384;  // triangles for each task
   return oneapi::tbb::parallel_deterministic_reduce(
       Part(0, mesh.triangles.size(), kGrain), 0.0,
       [&](const Part& part, double sum) {
@@ -57,8 +57,7 @@ double SumOver(const TriangleMesh& mesh, StopSignal stop, const F& f) {
       std::plus<>());
 }
 
-// Of all that lies within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World
-// units.
+// The volume within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World units.
 double VolumeWithin(const Corners& at, double width) {
   using std::numbers::pi;
   return width * (TwiceAreaOf(at) + pi / 2 * width * LengthAround(at) + pi * 4 / 3 * width * width);
@@ -71,7 +70,7 @@ double VolumeOf(const IndexBox& box) {
   return volume;
 }
 
-// Of the interior of a surface, by the isoperimetric inequality.
+// The interior of a surface, by the isoperimetric inequality.
 double EstimateInterior(const MeshExtent& extent, double size, bool closed) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m) volume *= extent.bounds.max[m] - extent.bounds.min[m];
@@ -95,7 +94,7 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
   if (request.algorithm() != Algorithm::kExact) return SumOver(mesh, stop, grown);
   double voxels = request.is_supercover() ? SumOver(mesh, stop, grown) : 2 * extent.area / (size * size);
   if (request.band() != nullptr)
-    voxels *= WidthOf(*request.band(), grid.lattice) / size;  // without what neighbouring triangles share
+    voxels *= WidthOf(*request.band(), grid.lattice) / size;  // without the parts that neighboring triangles share
   if (request.solid() != nullptr) {
     voxels += EstimateInterior(extent, size, !request.solid()->force_open);
   }
@@ -104,8 +103,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
   return request.part.shard ? delivered / request.part.shard->count : delivered;
 }
 
-// A line along k stands for the volume of a cell over its length; triangles face it in part, at most in full. Slivers
-// meet more lines than their area tells: no more than their box of i and j holds, nor than it has rows and columns.
+// A line along k stands for a cell's volume over its length. Triangles face it in part, at most in full. Slivers meet
+// more lines than their area suggests, but never more than their box of i and j holds, or than it has rows and columns.
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop) {
   const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
   const Mat3d& inverse = grid.lattice.inverse();
@@ -126,7 +125,7 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSig
 
 double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelRequest& request, double voxels,
                       StopSignal stop) {
-  constexpr double kVisitsPerTriangle = 40;  // of 15 ns, which a voxel takes otherwise
+  constexpr double kVisitsPerTriangle = 40;  // at 15 ns, the cost of a voxel otherwise
   if (request.is_supercover() || !request.fields.empty()) {
     return voxels + kVisitsPerTriangle * static_cast<double>(mesh.triangles.size());
   }

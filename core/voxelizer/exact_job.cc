@@ -15,10 +15,10 @@
 namespace latvox {
 namespace {
 
-// What the pipeline's last stage delivers, one unit after the other: it does no more than it must.
+// The result of one unit, prepared so that the pipeline's last, serial stage has little to do.
 struct FinishedUnit {
   std::vector<TileBricks> tiles;
-  std::vector<JobTotals> totals;  // of each tile
+  std::vector<JobTotals> totals;  // for each tile
 };
 
 class ExactJob final : public VoxelizeJob {
@@ -51,7 +51,7 @@ class ExactJob final : public VoxelizeJob {
   const std::unique_ptr<ExactPlan> plan_;
   UnitScheduler units_;
   const UnitScan scan_;
-  std::unique_ptr<const Interior> interior_;  // of a solid, once prepared
+  std::unique_ptr<const Interior> interior_;  // for a solid, once prepared
   JobTotals totals_;
 };
 
@@ -66,9 +66,9 @@ absl::Status ExactJob::Prepare() {
   return absl::OkStatus();
 }
 
-// In small jobs, small units wait for a large one before them: with two in flight a thread, other threads waited, too.
-// In large ones more of them would keep others waiting when the sink pauses. Units of a band or with attributes have
-// megabytes each, and so may those that are not thinned.
+// In a small job, small units wait for a large one before them. With two units in flight for each thread, other threads
+// waited, too. In a large job, more units in flight would keep others waiting when the sink pauses. Units of a band or
+// with attributes have megabytes each, and so may units that are not thinned.
 size_t ExactJob::UnitsInFlight() const {
   constexpr int kSmallJobLevel = 5;  // 32 tiles a side
   const bool may_be_large = plan_->has_large_tiles || !plan_->minimal || units_.tree().level() > kSmallJobLevel;
@@ -83,8 +83,8 @@ FinishedUnit ExactJob::Finish(const TileNode& unit) const {
   return finished;
 }
 
-// Returns whether the sink wants more. Progress is counted over the whole: of a shard it is estimated to begin and to
-// end where equal parts do.
+// Returns whether the sink wants more. Progress counts over the whole. A shard's beginning and end are estimated as if
+// all parts were equal.
 bool ExactJob::Deliver(FinishedUnit unit, const Sink& sink) {
   bool more = true;
   for (size_t n = 0; n < unit.tiles.size() && !stop_.Stopped(); ++n) {
@@ -96,8 +96,8 @@ bool ExactJob::Deliver(FinishedUnit unit, const Sink& sink) {
   return more;
 }
 
-// Units enter and leave the pipeline in order, which makes the stream a function of the request; its tokens bound the
-// tiles in flight.
+// Units enter and leave the pipeline in order, so the stream is a function of the request. The pipeline's tokens bound
+// the number of tiles in flight.
 absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
   using oneapi::tbb::filter_mode;
   using oneapi::tbb::flow_control;

@@ -1,4 +1,4 @@
-// A job that finds voxels exactly: of a surface, a supercover or a solid, or a band with its distances.
+// A job that finds voxels exactly: a surface, a supercover or a solid, or a band with its distances.
 #ifndef LATVOX_CORE_VOXELIZER_EXACT_JOB_H_
 #define LATVOX_CORE_VOXELIZER_EXACT_JOB_H_
 
@@ -9,9 +9,8 @@
 
 namespace latvox {
 
-// Digitizes tile by tile, a pipeline of units of some tiles each.
-// Memory: the mesh, the links that its tiny triangles cross, and the tiles in flight; of a solid with force_open, also
-// all crossings of lines along k.
+// Digitizes tile by tile, in a pipeline of units with some tiles each. Memory: the mesh, the links that its tiny
+// triangles cross, and the tiles in flight; for a solid with force_open, also all crossings of lines along k.
 std::unique_ptr<VoxelizeJob> MakeExactJob(std::unique_ptr<ExactPlan> plan);
 
 }  // namespace latvox

@@ -30,13 +30,13 @@ void SetMargins(ExactPlan& plan) {
   plan.far_margin = Largest(plan.far_margin, input.attributes->plan.reach);
 }
 
-// The interior asks lines along an axis; and what meets no line may still be the nearest to a voxel, whose attributes
-// it then has.
+// The interior asks lines along an axis. And a triangle that meets no line may still be the nearest one to a voxel,
+// which then has its attributes.
 bool NeedsAllTriangles(const ExactPlan& plan) {
   return (plan.solid && !HasAxes(plan.input.frames)) || plan.input.attributes;
 }
 
-// Finds the links of tiny triangles, which triangles are left, and the mesh's facts.
+// Finds the links of tiny triangles, the remaining triangles, and the mesh's facts.
 SurfaceFacts SortOut(ExactPlan& plan, StopSignal creation) {
   const ExactInput& input = plan.input;
   const bool may_be_fine = !input.supercover && !input.band;

@@ -1,4 +1,4 @@
-// What an exact job decides, and finds out about its mesh, before its first tile.
+// Decisions of an exact job, and facts about its mesh, before its first tile.
 #ifndef LATVOX_CORE_VOXELIZER_EXACT_PLAN_H_
 #define LATVOX_CORE_VOXELIZER_EXACT_PLAN_H_
 
@@ -26,16 +26,16 @@
 
 namespace latvox {
 
-// What is asked for, of a mesh that has been snapped.
+// A request for a mesh that has been snapped.
 struct ExactInput {
   SnappedMesh mesh;
-  std::vector<Frame> frames;  // of the request's separability
+  std::vector<Frame> frames;  // for the request's separability
   std::unique_ptr<const Supercover>
-      supercover;  // this and the next two: null, and nullopt, unless the request asks for them
+      supercover;  // this and the next two are null and nullopt unless the request needs them
   std::optional<BandPlan> band;
   std::optional<CarriedAttributes> attributes;
   IndexBox region;                 // local voxels to deliver, within mesh.box
-  std::optional<WorldBox> bounds;  // of these, deliver only the ones within
+  std::optional<WorldBox> bounds;  // deliver only voxels of `region` within these
 };
 
 struct ExactPlan {
@@ -44,26 +44,26 @@ struct ExactPlan {
   std::optional<Solid> solid;
   bool minimal = false;                       // whether to thin
   Vec3i reach{};                              // see TileContext
-  Vec3i near_margin{}, far_margin{};          // of the tree: see TileTree
+  Vec3i near_margin{}, far_margin{};          // of the tree, see TileTree
   bool has_large_tiles = false;               // of megabytes each
-  bool is_fine = false;                       // whether the mesh is: what follows is of a fine one
-  std::unique_ptr<TileLinks> links;           // that tiny triangles cross, if most are tiny
+  bool is_fine = false;                       // whether the mesh is fine; the next members belong to a fine mesh
+  std::unique_ptr<TileLinks> links;           // links of tiny triangles, if most triangles are tiny
   UninitializedVector<uint8_t> is_tiny;       // see TileContext
-  std::optional<std::vector<uint32_t>> kept;  // triangles that tiles are to know of, ascending; nullopt: all
+  std::optional<std::vector<uint32_t>> kept;  // the triangles that tiles need to know, ascending; nullopt: all
   JobFacts facts;
-  std::optional<CornerLines> corner_lines;  // of a signed band
+  std::optional<CornerLines> corner_lines;  // for a signed band
   Shard shard;
-  TileSpan span;  // of what is delivered
+  TileSpan span;  // the tiles to deliver
 
-  // For the blocks of the job that `job` stops. Refers to this.
+  // Returns the context of the job's blocks, which `job` stops. It refers to this plan.
   TileContext Context(StopSignal job) const {
     return {input.mesh, scan_frames, input.supercover.get(), reach, minimal, *links, is_tiny, input.region, job};
   }
 };
 
-// Of a fine mesh, facts and crossings of tiny triangles are found in one pass.
+// For a fine mesh, one pass finds the facts and the crossings of tiny triangles.
 //   creation   stops this function, not the job
-// Errors: INVALID_ARGUMENT if the band is signed and the mesh not closed; CANCELLED.
+// Errors: INVALID_ARGUMENT if the band is signed and the mesh is not closed; CANCELLED.
 absl::StatusOr<std::unique_ptr<ExactPlan>> MakeExactPlan(ExactInput input, const VoxelRequest& request,
                                                          StopSignal creation);
 

@@ -1,4 +1,4 @@
-// What a job says of its mesh before its first tile.
+// Facts about a job's mesh before its first tile.
 #ifndef LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 #define LATVOX_CORE_VOXELIZER_JOB_FACTS_H_
 
@@ -11,11 +11,11 @@
 
 namespace latvox {
 
-// Facts of a job that delivers the voxels of `region` (local; empty if none) within `bounds`.
+// Returns the facts of a job that delivers the voxels of `region` (local; empty if there are none) within `bounds`.
 JobFacts FactsOfJob(const SnappedMesh& mesh, const SurfaceFacts& surface, const IndexBox& region,
                     const std::optional<WorldBox>& bounds);
 
-// Whether the tile meets the box.
+// Returns whether the tile meets the box.
 bool HasTile(const IndexBox& box, const Vec3i& tile_ijk);
 
 }  // namespace latvox

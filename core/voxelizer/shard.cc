@@ -18,13 +18,13 @@ namespace {
 constexpr int kMaxLevels = 7;  // of octants: 128 along an axis
 constexpr int kTileUnitBits = kTileBits + kSubvoxelBits;
 
-// What a triangle costs in a tile beside its area: about 90 ns, where a voxel is 15.
+// The cost of a triangle in a tile besides its area: about 90 ns; a voxel costs 15 ns.
 constexpr uint64_t kVoxelsPerTriangle = 6;
 
-// Triangles are weighed in n^2 equal pieces, which are no larger than octants unless that made more pieces than this.
+// A triangle's weight is spread over n^2 equal pieces, no larger than octants unless that needs more pieces than this.
 constexpr uint64_t kMaxPieces = 1 << 21;
 
-// Vertices of the mesh, as units from the corner of the lowest tile.
+// Vertices of the mesh, in units from the corner of the lowest tile.
 struct Corners {
   Vec3i a, b, c;
 };
@@ -33,11 +33,11 @@ using Vec3l = Vec<int64_t, 3>;
 
 Vec3l Wide(const Vec3i& v) { return {v[0], v[1], v[2]}; }
 
-// The links that a triangle crosses along that of the directions of which it crosses most: about its voxels. Where
-// these weigh less than what every triangle costs, the sum of the axes' links will do.
+// The number of links that a triangle crosses along the direction in which it crosses most: about its voxels. Where
+// that weighs less than the constant cost of a triangle, the sum over the axes is close enough.
 uint64_t VoxelsOf(const Vec3i& e, const Vec3i& f, const std::vector<Vec3l>& directions) {
   constexpr int kAreaBits = 1 + 2 * kSubvoxelBits;
-  const Vec3l normal = Cross(Wide(e), Wide(f));  // twice as long as the area
+  const Vec3l normal = Cross(Wide(e), Wide(f));  // its length is twice the area
   const int64_t sum = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
   if (static_cast<uint64_t>(sum >> kAreaBits) < kVoxelsPerTriangle) return static_cast<uint64_t>(sum >> kAreaBits);
   int64_t most = 0;
@@ -51,7 +51,7 @@ int32_t LongestOf(const Vec3i& e, const Vec3i& f) {
   return longest;
 }
 
-// The weights of the cubes of tiles that the order is split by, in that order.
+// The weights of the cubes of tiles that split the order, in that order.
 class CellWeights {
  public:
   CellWeights(const SnappedMesh& mesh, const std::vector<Frame>& frames, const IndexBox& region,
@@ -77,7 +77,7 @@ class CellWeights {
   TileSpan SpanOf(const Shard& shard) const;
 
  private:
-  // Neighbours in a mesh mostly lie in one octant: their weights are added up before they go where all threads write.
+  // Neighbors in a mesh mostly lie in one octant. Their weights are added up before they go where all threads write.
   struct Sum {
     size_t octant = 0;
     uint64_t weight = 0;
@@ -89,8 +89,8 @@ class CellWeights {
   const SnappedMesh& mesh_;
   const std::optional<WorldBox>& bounds_;
   std::vector<Vec3l> directions_;
-  const int levels_, shift_;                 // of the cube of all tiles; of a tile's number to its octant's
-  Vec3i low_{}, high_{}, first_{}, last_{};  // tiles; all but low_ relative to it
+  const int levels_, shift_;                 // of the cube of all tiles; from a tile's number to its octant's
+  Vec3i low_{}, high_{}, first_{}, last_{};  // tiles; all except low_ are relative to it
   int32_t most_ = 1;                         // pieces along an edge
   std::vector<std::atomic<uint64_t>> weights_;
 };
@@ -105,8 +105,8 @@ void CellWeights::AddTriangles(size_t begin, size_t end) {
   Flush(sum);
 }
 
-// The pieces are the n (n + 1) / 2 triangles that stand as the whole does and the n (n - 1) / 2 that stand on their
-// heads; each is where its centroid is.
+// The pieces are n (n + 1) / 2 triangles in the whole triangle's orientation, and n (n - 1) / 2 turned by half a turn.
+// A piece counts at its centroid.
 void CellWeights::Add(const Corners& corners, Sum& sum) {
   const Vec3i e = corners.b - corners.a, f = corners.c - corners.a;
   const int32_t n = std::min((LongestOf(e, f) >> (kTileUnitBits + shift_ / 3)) + 1, most_);
@@ -145,8 +145,8 @@ void CellWeights::AddPoint(const Vec3i& point, uint64_t weight, Sum& sum) {
   sum.weight += weight;
 }
 
-// An octant belongs to the shard that the middle of its weight falls into. Sums rise, and so do these shards, also
-// where weights are nothing.
+// An octant belongs to the shard with the middle of its weight. The sums never fall, so shards are in order, even where
+// weights are 0.
 TileSpan CellWeights::SpanOf(const Shard& shard) const {
   using Wide = unsigned __int128;
   Wide total = 0, before = 0;
@@ -169,7 +169,7 @@ TileSpan SpanOf(const Shard& shard, const SnappedMesh& mesh, const std::vector<F
                 const std::optional<WorldBox>& bounds, StopSignal stop) {
   if (shard.count == 1) return {};
   CellWeights weights(mesh, frames, region, bounds);
-  constexpr size_t kGrain = 1024;  // triangles a task
+  constexpr size_t kGrain = 1024;  // triangles for each task
   using Part = oneapi::tbb::blocked_range<size_t>;
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
     if (!stop.Stopped()) weights.AddTriangles(part.begin(), part.end());

@@ -13,13 +13,13 @@
 namespace latvox {
 namespace {
 
-// The set within `region` (ijk) and `bounds` as tiles; low_tile is the first of the order; those outside of `span` are
-// left out.
+// Returns the part of the set within `region` (ijk) and `bounds` as tiles, without tiles outside of `span`. low_tile is
+// the first tile of the order.
 std::vector<TileBricks> TilesOf(const VoxelSet& voxels, const IndexBox& region, const std::optional<WorldBox>& bounds,
                                 const Vec3i& low_tile, const TileSpan& span, StopSignal stop) {
   const auto tile_of = [](const Brick& brick) { return Shifted(brick.brick_ijk, kTileBits - kBrickBits); };
   std::vector<Brick> bricks = voxels.Bricks(stop);
-  std::vector<std::pair<uint64_t, size_t>> order;  // of bricks: first that of their tiles, then the one they have
+  std::vector<std::pair<uint64_t, size_t>> order;  // bricks by the numbers of their tiles, then by their old places
   for (size_t n = 0; n < bricks.size() && !stop.Stopped(); ++n) {
     ClipBrick(region, bricks[n]);
     if (CountVoxels(bricks[n].mask) == 0) continue;
@@ -88,7 +88,7 @@ class ThesisJob : public VoxelizeJob {
   const VoxelRequest request_;
   StopSource stop_;
   bool computed_ = false;
-  std::vector<TileBricks> tiles_;  // in canonical order; moved away once delivered
+  std::vector<TileBricks> tiles_;  // in canonical order; a delivered tile is moved away
   size_t delivered_ = 0;
   const std::optional<WorldBox> bounds_;
   const JobFacts facts_;

@@ -12,10 +12,10 @@
 
 namespace latvox {
 
-// Computes the whole set at the first Advance, then delivers it like any other job, in canonical order. Verify holds
-// voxels against the snapped mesh, so that tunnels from rounding vertices to lattice points count.
+// Computes the whole set at the first Advance, then delivers it like any other job, in canonical order. Verify checks
+// the voxels against the snapped mesh, so tunnels that come from rounding vertices to lattice points count.
 //   region   local voxels to deliver, within mesh.box
-//   bounds   of these, deliver only the ones within
+//   bounds   deliver only voxels of `region` within these
 // Memory: the whole set. Precondition: request.algorithm() is not kExact.
 std::unique_ptr<VoxelizeJob> MakeThesisJob(SnappedMesh mesh, const Lattice& lattice, const VoxelRequest& request,
                                            const IndexBox& region, const std::optional<WorldBox>& bounds,

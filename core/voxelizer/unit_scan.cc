@@ -13,7 +13,7 @@ std::optional<BandContext> MakeBandContext(ExactPlan& plan, StopSignal job) {
   return BandContext{plan.input.mesh, *plan.input.band, plan.input.region, std::move(plan.corner_lines), job};
 }
 
-// Leaves out what is not within the bounds, of the tiles from `first` on.
+// Removes voxels outside of the bounds from the tiles from `first` on.
 void Clip(const WorldBox& bounds, size_t first, std::vector<TileBricks>& tiles) {
   for (size_t n = first; n < tiles.size(); ++n) bounds.Clip(tiles[n]);
   std::erase_if(tiles, [](const TileBricks& tile) { return tile.bricks.empty(); });

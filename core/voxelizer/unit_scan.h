@@ -21,18 +21,18 @@
 
 namespace latvox {
 
-// Threads: Scan, any.
+// Threads: Scan, any thread.
 class UnitScan {
  public:
-  //   plan    must outlive it, as must `units`; its attributes and corner lines are given away
-  //   job     once stopped, tiles are missing
+  //   plan   must outlive it, as must `units`; its attributes and corner lines are moved away
+  //   job    once stopped, tiles are missing
   UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal job);
 
-  // The unit's tiles that are delivered, in canonical order, in global coordinates.
-  //   interior   null, or of a solid
+  // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
+  //   interior   null, or that of a solid
   std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior) const;
 
-  // Leaves the memory of blocks to later jobs. Precondition: the job was not stopped, and no Scan is at work.
+  // Leaves the memory of blocks to later jobs. Precondition: the job was not stopped, and no Scan runs.
   void LeaveMemory() const { scans_.Leave(); }
 
  private:

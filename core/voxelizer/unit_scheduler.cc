@@ -13,24 +13,25 @@
 namespace latvox {
 namespace {
 
-// A subtree becomes one unit of parallel work when it is this small: enough to keep the serial part of the pipeline
-// small, little enough to keep threads busy and memory bounded.
+// A subtree of at most this size becomes one unit of parallel work. It is large enough to keep the pipeline's serial
+// part small, and small enough to keep threads busy and memory bounded.
 constexpr int kMaxUnitLevel = 2;  // 4^3 tiles
 constexpr size_t kMaxUnitTriangles = 4096;
 constexpr int kMaxSolidUnitLevel = 1;  // tiles may be full, of 512 bricks each
 
-// Tiles are digitized by blocks of 2^3, which share what lies between them (larger blocks' bits would not fit a core's
-// cache), unless that leaves too few blocks for the threads at hand: a surface meets some 2 * 4^n of 8^n blocks.
+// Blocks of 2^3 tiles are digitized together, and share the voxels between them. Larger blocks' bits would not fit a
+// core's cache. Blocks are smaller where there would be too few for the threads: a surface meets some 2 * 4^n of 8^n
+// blocks.
 int BlockLevel(int tree_level) {
-  constexpr int kBlocksPerThread = 4;  // IsSmall has the last ones of these taken apart
+  constexpr int kBlocksPerThread = 4;  // IsSmall splits the last ones of these
   const int threads = oneapi::tbb::this_task_arena::max_concurrency();
   return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
 }
 
-// No thread may be long at the last unit while the others have nothing to do: guided self-scheduling [Polychronopoulos
-// and Kuck 1987], with units of up to twice a thread's part of what is left, for tiles by themselves take longer.
+// No thread may be busy with the last unit while others have nothing to do: guided self-scheduling [Polychronopoulos
+// and Kuck 1987]. Units have up to twice a thread's part of the rest, because single tiles take longer.
 bool IsSmall(const TileNode& node) {
-  constexpr double kRounding = 1e-9;  // of shares and their sums
+  constexpr double kRounding = 1e-9;  // of the shares and their sums
   const int threads = oneapi::tbb::this_task_arena::max_concurrency();
   return node.level == 0 || threads == 1 || node.share * threads <= 2 * (1 - node.progress) + kRounding;
 }
@@ -51,7 +52,7 @@ void UnitScheduler::AddInterior(const Interior& interior) {
   tree_.KeepEmpty();
 }
 
-// A band's tile has up to a megabyte of values, and one with attributes up to three.
+// A band's tile has up to a megabyte of values, and a tile with attributes up to three.
 bool UnitScheduler::IsUnit(const TileNode& node) const {
   if (plan_.has_large_tiles) return tree_.IsLeaf(node);
   const int max_level = interior_ != nullptr ? kMaxSolidUnitLevel : kMaxUnitLevel;
@@ -61,7 +62,7 @@ bool UnitScheduler::IsUnit(const TileNode& node) const {
   return IsSmall(node);
 }
 
-// A tile's place in the canonical order.
+// Returns a tile's place in the canonical order.
 uint64_t UnitScheduler::NumberOf(const Vec3i& tile_ijk) const {
   return TileNumber(tile_ijk - plan_.facts.first_tile_ijk);
 }
@@ -79,11 +80,11 @@ bool UnitScheduler::IsLeftOut(const TileNode& node) const {
   return !plan_.span.Meets(NumberOf(node.tile_ijk + tile_base_), uint64_t{1} << 3 * node.level);
 }
 
-// The pipeline waits for this: hence large nodes are split by many threads, and many nodes at a time.
+// The pipeline waits for this function. So many threads split large nodes, and many nodes at a time.
 std::optional<TileNode> UnitScheduler::Next() {
   if (!std::exchange(started_, true)) {
     if (!plan_.input.band) tree_.SetLeafLevel(BlockLevel(tree_.level()));
-    // Isolated, lest the thread that waits here take up a unit meanwhile.
+    // Isolated, so that the waiting thread does not take up a unit meanwhile.
     oneapi::tbb::this_task_arena::isolate([&] { todo_ = tree_.Top(std::exchange(kept_, std::nullopt)); });
     std::reverse(todo_.begin(), todo_.end());
   }
@@ -102,7 +103,7 @@ std::optional<TileNode> UnitScheduler::Next() {
   return std::nullopt;
 }
 
-// Puts the children of the next nodes, as many as there are threads, in their place, where nodes are no units.
+// Replaces the next nodes that are no units, as many as there are threads, by their children.
 void UnitScheduler::SplitNext() {
   const size_t count = std::min(todo_.size(), static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
   const size_t kept = todo_.size() - count;

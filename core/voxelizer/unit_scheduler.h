@@ -1,4 +1,4 @@
-// Takes the tree of tiles apart into units of parallel work.
+// Divides the tree of tiles into units of parallel work.
 #ifndef LATVOX_CORE_VOXELIZER_UNIT_SCHEDULER_H_
 #define LATVOX_CORE_VOXELIZER_UNIT_SCHEDULER_H_
 
@@ -14,21 +14,25 @@
 
 namespace latvox {
 
-// Gives units in the canonical order of their tiles. Threads: Next and AddInterior, one at a time; the rest, any.
+// Returns units in the canonical order of their tiles. The units are disjoint subtrees, and each subtree is either a
+// unit, left out as a whole, or replaced by its children in order. So every tile of the part comes once, whatever the
+// number of threads.
+//
+// Threads: Next and AddInterior, one at a time; the rest, any thread.
 class UnitScheduler {
  public:
   //   plan   must outlive it
-  //   kept   that of the plan, taken from it: its memory is free once the tree's top is known
+  //   kept   moved from the plan, so that its memory is free once the tree's top is known
   //   job    once stopped, there are no further units
   UnitScheduler(const ExactPlan& plan, std::optional<std::vector<uint32_t>> kept, StopSignal job);
 
-  // From now on, tiles that no triangle comes near to count, too, if they may hold points of the interior. Must be
-  // called before Next, and outlived by the interior.
+  // Also visits tiles without triangles nearby, from now on, if they may hold points of the interior. Call it before
+  // Next. The interior must outlive this object.
   void AddInterior(const Interior& interior);
 
   // The next unit; nullopt if none is left.
   std::optional<TileNode> Next();
-  bool Done() const { return todo_.empty(); }  // once Next was called
+  bool Done() const { return todo_.empty(); }  // after a call of Next
 
   // Whether none of a node's tiles is delivered.
   bool IsLeftOut(const TileNode& node) const;
@@ -49,7 +53,7 @@ class UnitScheduler {
   std::optional<std::vector<uint32_t>> kept_;
   const Interior* interior_ = nullptr;
   bool started_ = false;
-  std::vector<TileNode> todo_;  // once started, what is left of the tree, the next node last
+  std::vector<TileNode> todo_;  // once started: the rest of the tree, the next node last
 };
 
 }  // namespace latvox

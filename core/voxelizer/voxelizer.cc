@@ -26,7 +26,7 @@ absl::Status Cancelled() { return absl::CancelledError("voxelization cancelled")
 
 IndexBox Moved(const IndexBox& box, const Vec3i& by) { return {box.min + by, box.max + by}; }
 
-// Null if the request asks for another set.
+// Null unless the request asks for a supercover.
 absl::StatusOr<std::unique_ptr<const Supercover>> SupercoverFor(const Lattice& lattice, const VoxelRequest& request) {
   if (!request.is_supercover()) return nullptr;
   auto cell = IntegerCell::Of(lattice);
@@ -42,7 +42,7 @@ IndexBox RegionOf(const SnappedMesh& mesh, const Part& part, const std::optional
   return IsEmpty(box) ? IndexBox{} : Moved(box, -mesh.base_ijk);
 }
 
-// Nullopt if the request asks for another set.
+// Nullopt unless the request asks for a band.
 absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelRequest& request, const Lattice& lattice) {
   if (request.band() == nullptr) return std::nullopt;
   return MakeBandPlan(*request.band(), lattice);
@@ -90,7 +90,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   if (!supercover.ok()) return supercover.status();
   const std::vector<Frame>& frames = grid.lattice.frames(request.separability);
   const bool exact = request.algorithm() == Algorithm::kExact;
-  const Vec3i reach = *band         ? (*band)->reach * 2  // the box is for half of a neighbour's step
+  const Vec3i reach = *band         ? (*band)->reach * 2  // the box covers half a neighbor's step
                       : *supercover ? (*supercover)->Reach()
                       : exact       ? ReachOf(frames)
                                     : ThesisReach(grid.lattice, request.separability, request.algorithm());
@@ -115,7 +115,7 @@ absl::StatusOr<std::unique_ptr<VoxelizeJob>> MakeJob(Mesh mesh, const Grid& grid
   return job;
 }
 
-// Adds each brick with its part of the values, of which there are `each` for a voxel.
+// Adds each brick with its part of the values, `each` for every voxel.
 template <class T>
 void AddValues(const TileBricks& tile, std::span<const T> values, size_t each, Digest& digest) {
   for (const Brick& brick : tile.bricks) {

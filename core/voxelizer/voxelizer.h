@@ -20,13 +20,13 @@ namespace latvox {
 
 struct JobFacts {
   uint64_t triangles = 0, vertices = 0, degenerate_triangles = 0;
-  bool closed = false;                               // every edge, by snapped position, in an even number of triangles
-  double snap_error_max = 0;                         // voxels, per lattice coordinate
+  bool closed = false;        // every edge, by snapped position, belongs to an even number of triangles
+  double snap_error_max = 0;  // voxels, per lattice coordinate
   std::optional<IndexBox> index_box = std::nullopt;  // no voxel lies outside; nullopt: no voxel at all
   bool cut_by_bounds = false;                        // part.bounds may leave out voxels of the whole
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/brick/tile_order.h)
-  uint64_t unbalanced_lines = 0;                     // of a solid, once prepared: see CountUnbalancedLines
+  uint64_t unbalanced_lines = 0;                     // for a solid, once prepared: see CountUnbalancedLines
   double band_width = 0;                             // world units; 0: there is no band
 
   // Whether the tile meets index_box.
@@ -36,31 +36,31 @@ struct JobFacts {
 struct JobTotals {
   uint64_t voxels = 0, bricks = 0, tiles = 0;
   Digest digest;
-  Digest values;      // of a band: of voxels and values
-  Digest attributes;  // of voxels and attributes, if they carry any
+  Digest values;      // for a band: of voxels and values
+  Digest attributes;  // of voxels and attributes, if there are any
   void Add(const TileBricks& tile);
   void Add(const JobTotals& other);
 };
 
-// One mesh being voxelized. Tiles come out in canonical order (see BrickBatch in the protocol), and are the same for
+// The voxelization of one mesh. Tiles come in canonical order (see BrickBatch in the protocol), and are the same for
 // any number of threads and any order of triangles.
 //
 // Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
-// calling thread. Memory: the snapped mesh, or a shared one and its snapped vertices, what Create keeps, and a bounded
-// number of tiles; for the thesis's algorithms, which are jobs with the same promises (core/voxelizer/thesis_job.h),
-// the whole set. Ended jobs leave up to 32 MiB of a process to later ones: see core/base/kept_memory.h.
+// calling thread. Memory: the snapped mesh, or a shared one and its snapped vertices; the results of Create; and a
+// bounded number of tiles. The thesis's algorithms (core/voxelizer/thesis_job.h) keep the same promises, but hold the
+// whole set. Ended jobs leave up to 32 MiB of a process to later ones: see core/base/kept_memory.h.
 class VoxelizeJob {
  public:
-  // Snaps the mesh, and states its facts. Of a fine one, whose triangles are smaller than voxels, the edges that these
-  // cross are found by the same pass, most of the work; they are kept from then on. Errors: INVALID_ARGUMENT naming
-  // field, value and limit: those of MakeRequest; mesh (see CheckMesh), extent, position, resume_after, band (its width
-  // on this lattice), attributes (that the mesh lacks), basis (of a supercover; see IntegerCell). Also CANCELLED, soon,
-  // once `stop` is stopped, which concerns Create alone.
+  // Snaps the mesh, and finds its facts. For a fine mesh, with triangles smaller than voxels, the same pass finds the
+  // links that its triangles cross, and keeps them; that is most of the work. Errors: INVALID_ARGUMENT naming field,
+  // value and limit: those of MakeRequest; mesh (see CheckMesh), extent, position, resume_after, band (its width on
+  // this lattice), attributes (that the mesh lacks), basis (for a supercover; see IntegerCell). CANCELLED, soon, once
+  // `stop` is stopped, which does not stop the job.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options, StopSignal stop = {});
-  // The same of a request that keeps all rules, and of a mesh that was validated as it came: CheckMesh takes a tenth of
-  // the time of a job with fine triangles. The job takes the mesh over, for its memory; or it shares the mesh with
-  // others, and copies its attributes alone. Precondition: CheckMesh(mesh) is OK, unless stopped.
+  // Does the same with a request that keeps all rules, and a mesh that was checked while it came: CheckMesh takes a
+  // tenth of the time of a job with fine triangles. The job takes the mesh, to use its memory; or it shares the mesh
+  // with others, and copies only its attributes. Precondition: CheckMesh(mesh) is OK, unless stopped.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(TriangleMesh mesh, const Grid& grid,
                                                                       const VoxelRequest& request,
                                                                       StopSignal stop = {});
@@ -71,26 +71,25 @@ class VoxelizeJob {
 
   virtual const JobFacts& facts() const = 0;
 
-  // Does what comes before the first tile and takes its time: of a solid, finding out whether the mesh has an inside.
-  // Advance does it if nobody did before.
-  // Errors: INVALID_ARGUMENT if that has none and the request does not force it; CANCELLED.
+  // Does the long work before the first tile: for a solid, finds whether the mesh has an inside. Advance does it if
+  // nobody has. Errors: INVALID_ARGUMENT if the mesh has no inside and the request does not force it; CANCELLED.
   virtual absl::Status Prepare() { return absl::OkStatus(); }
 
-  // Receives one tile; returns false to pause. Called from one thread at a time.
+  // Receives one tile; returns false to pause. One thread calls it at a time.
   using Sink = std::function<bool(TileBricks&&)>;
 
-  // Computes further tiles and hands them to `sink` until all are done (true) or the sink paused (false; a few more
-  // tiles may follow the pause). Errors: CANCELLED after Cancel.
+  // Computes further tiles and gives them to `sink`, until all are done (true) or the sink has paused (false; a few
+  // more tiles may follow the pause). Errors: CANCELLED after Cancel.
   virtual absl::StatusOr<bool> Advance(const Sink& sink) = 0;
 
-  // What the sink has received so far.
+  // Totals of the tiles that the sink has received.
   virtual const JobTotals& totals() const = 0;
 
   // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
   // Precondition: the request has no band, region, bounds or shard. Errors: CANCELLED.
   virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
 
-  // Makes Advance and Verify return CANCELLED soon. Any thread, any time.
+  // Makes Advance and Verify return CANCELLED soon. Any thread, at any time.
   virtual void Cancel() = 0;
 };
 

@@ -10,7 +10,8 @@ namespace {
 
 using boost::multiprecision::cpp_int;
 
-// The sign of the sum of factor[n] * x[n]. Numbers of up to 2100 bits, and some microseconds, for points on a face.
+// Returns the sign of the sum of factor[n] * x[n]. For points on a face it computes with numbers of up to 2100 bits, in
+// some microseconds.
 int ExactSign(const std::array<int32_t, 5>& factor, const std::array<double, 5>& x) {
   constexpr int kDigits = std::numeric_limits<double>::digits;
   std::array<int64_t, 5> mantissa{};
@@ -42,8 +43,8 @@ double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
 }  // namespace
 
-// The sign of a point's position minus the limit, along a world axis. Seven operations round, each by 2^-53 of what is
-// no more than `size`, or, where they underflow, by less than the least normal number.
+// Returns the sign of a point's position minus the limit, along a world axis. Seven operations round, each by 2^-53 of
+// a value of at most `size`, or, where they underflow, by less than the least normal number.
 int WorldBox::Compare(size_t axis, const Vec3i& ijk, double limit) const {
   const double a = basis_[0][axis], b = basis_[1][axis], c = basis_[2][axis];
   const double ia = ijk[0] * a, jb = ijk[1] * b, kc = ijk[2] * c;
@@ -55,7 +56,7 @@ int WorldBox::Compare(size_t axis, const Vec3i& ijk, double limit) const {
   return ExactSign({1, -1, ijk[0], ijk[1], ijk[2]}, {origin_[axis], limit, a, b, c});
 }
 
-// -1 below the box, 0 within, 1 above.
+// Returns -1 below the box, 0 within, 1 above.
 int WorldBox::SideOf(size_t axis, const Vec3i& ijk) const {
   if (Compare(axis, ijk, bounds_.min[axis]) < 0) return -1;
   return Compare(axis, ijk, bounds_.max[axis]) > 0 ? 1 : 0;
@@ -77,11 +78,11 @@ bool WorldBox::Misses(const IndexBox& box) const {
   return false;
 }
 
-// Takes the part of the world's box that the points of `box` reach, relative to the origin, to lattice coordinates.
+// Converts the part of the world's box that the points of `box` reach, relative to the origin, to lattice coordinates.
 //
-// With K = |a||b||c| / |det| and R = |b||c| / |det| for i, likewise for j and k: a cofactor is wrong by 2^-51 |b||c|,
-// the determinant by 2^-50 K of itself; so an entry of the inverse, which is at most R, is wrong by less than 2^-48 K
-// R.
+// With K = |a||b||c| / |det| and R = |b||c| / |det| for i, likewise for j and k: a cofactor is wrong by at most 2^-51
+// |b||c|, and the determinant by 2^-50 K of itself. So an entry of the inverse, which is at most R, is wrong by less
+// than 2^-48 K R.
 IndexBox WorldBox::Around(const IndexBox& box) const {
   Vec3d low, high;  // world, relative to the origin
   double reach = 0;
@@ -109,7 +110,7 @@ IndexBox WorldBox::Around(const IndexBox& box) const {
       least += p;
       most += q;
     }
-    // Negated comparisons leave what is not a number as it was.
+    // A comparison with a value that is not a number leaves the limit as it was.
     if (least > box.min[m]) around.min[m] = static_cast<int32_t>(std::min(std::ceil(least), double(box.max[m])));
     if (most < box.max[m] - 1) around.max[m] = static_cast<int32_t>(std::max(std::floor(most), box.min[m] - 1.0)) + 1;
     if (around.min[m] >= around.max[m]) return {};
@@ -151,7 +152,8 @@ void WorldBox::Clip(TileBricks& tile) const {
   std::erase_if(tile.bricks, [](const Brick& brick) { return CountVoxels(brick.mask) == 0; });
 }
 
-// Around each point of the box lies a parallelepiped of the basis, in a box that is wider by its extent.
+// A parallelepiped of the basis lies around each point of the box. Their union lies in a box that is wider by its
+// extent.
 double MostPointsIn(const Grid& grid, const Bounds& bounds) {
   const Mat3d& basis = grid.lattice.basis();
   double points = 1 / std::abs(Determinant(basis));

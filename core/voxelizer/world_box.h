@@ -1,4 +1,4 @@
-// A closed box of the world, as the lattice points within it.
+// A closed box of the world, as a set of lattice points.
 #ifndef LATVOX_CORE_VOXELIZER_WORLD_BOX_H_
 #define LATVOX_CORE_VOXELIZER_WORLD_BOX_H_
 
@@ -11,11 +11,11 @@
 
 namespace latvox {
 
-// The points whose positions origin + i*a + j*b + k*c, computed without rounding from the doubles of the grid, lie in
-// the box, faces included. Coordinates are ijk. Exact: most comparisons are decided in doubles, with a bound on what
-// these may be wrong by, the rest in integers of any length.
+// The set of points whose positions origin + i*a + j*b + k*c lie in the box, faces included. Positions follow from the
+// doubles of the grid without rounding. Coordinates are ijk. The result is exact: doubles decide most comparisons, with
+// a bound on their error, and integers of any length decide the rest.
 //
-// Boxes of lattice points are taken by their corners: both sets are convex.
+// For boxes of lattice points, their corners decide, because both sets are convex.
 class WorldBox {
  public:
   // Precondition: bounds are finite, and min <= max on every axis.
@@ -24,15 +24,15 @@ class WorldBox {
 
   bool Contains(const Vec3i& ijk) const;
 
-  // Of all points of a box that is not empty: whether each is in, and whether all lie beyond the same face.
+  // For a box that is not empty: whether all its points are in the set, and whether all lie beyond the same face.
   bool ContainsAll(const IndexBox& box) const;
   bool Misses(const IndexBox& box) const;
 
-  // A box within `box` that holds all points of that which are in; empty, and at 0, if it finds none. About the least
-  // one, which on a skew basis may hold many points that are out.
+  // Returns a box within `box` that holds all of its points that are in the set. It is empty, and at 0, if it finds
+  // none. It is about the smallest such box; on a skewed basis, that may hold many other points.
   IndexBox Around(const IndexBox& box) const;
 
-  // Removes the voxels that are out, with their values, and bricks that are left empty.
+  // Removes voxels outside of the set, with their values, and bricks that become empty.
   void Clip(TileBricks& tile) const;
 
  private:
@@ -45,7 +45,7 @@ class WorldBox {
   Bounds bounds_;
 };
 
-// No fewer than there are lattice points in the box, but for rounding.
+// An upper bound on the number of lattice points in the box, except for rounding.
 double MostPointsIn(const Grid& grid, const Bounds& bounds);
 
 }  // namespace latvox

@@ -25,7 +25,7 @@ void Access::Reload() {
   tls_.Reload();
 }
 
-// Who can reach a Unix socket, the file system says.
+// The file system decides who can reach a Unix socket.
 std::shared_ptr<grpc::ServerCredentials> Access::CredentialsFor(const std::string& address) {
   return tls_.enabled() && !IsUnixSocket(address) ? tls_.Credentials() : grpc::InsecureServerCredentials();
 }

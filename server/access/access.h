@@ -1,4 +1,4 @@
-// Who may connect and call: the files that the options name, and what becomes of them when they change.
+// Access control: the files that the options name, and their reload when they change.
 #ifndef LATVOX_SERVER_ACCESS_ACCESS_H_
 #define LATVOX_SERVER_ACCESS_ACCESS_H_
 
@@ -18,9 +18,9 @@
 namespace latvox {
 
 struct AccessOptions {
-  TlsFiles tls;            // for all addresses but Unix sockets
-  bool insecure = false;   // plain text also for others than this machine
-  std::string token_file;  // who may call, see server/access/token_set.h; empty: everybody
+  TlsFiles tls;            // for all addresses except Unix sockets
+  bool insecure = false;   // plain text also for other machines
+  std::string token_file;  // tokens of callers, see server/access/token_set.h; empty: everybody may call
 };
 
 // Thread-safe.
@@ -28,29 +28,29 @@ class Access {
  public:
   explicit Access(const AccessOptions& options);
 
-  // Reads the files. INVALID_ARGUMENT if one is wrong, or if one of the addresses must not be listened on in plain
-  // text.
+  // Reads the files. Returns INVALID_ARGUMENT if a file is wrong, or if plain text is not allowed on one of the
+  // addresses.
   absl::Status Open(const std::vector<std::string>& addresses);
 
-  // From now on, files that change are read again. Once, after Open.
+  // Reads files again when they change, from now on. Call it once, after Open.
   void Follow() { watch_.Start(); }
 
-  // Reads the files again. What is wrong with them is logged, and stays as it was.
+  // Reads the files again. Logs errors, and keeps the old content of a file that is wrong.
   void Reload();
 
-  // For an address to listen on, with a server that this object must outlive. After Open.
+  // Returns the credentials for an address of a server that this object outlives. Call it after Open.
   std::shared_ptr<grpc::ServerCredentials> CredentialsFor(const std::string& address);
 
   const Authenticator& authenticator() const { return authenticator_; }
 
-  // When the server's certificate ends; nothing without TLS.
+  // The end of validity of the server's certificate; nothing without TLS.
   std::optional<absl::Time> certificate_expires() const;
 
  private:
   const bool insecure_;
   Authenticator authenticator_;
   TlsSource tls_;
-  FileWatch watch_;  // the first to go: it calls the others
+  FileWatch watch_;  // destroyed first, because it calls the others
 };
 
 }  // namespace latvox

@@ -13,7 +13,7 @@
 namespace latvox {
 namespace {
 
-// Empty: there is not one, but none or several, or another kind.
+// Returns an empty text unless there is exactly one token, of this kind.
 absl::string_view BearerToken(const grpc::CallbackServerContext& context) {
   constexpr absl::string_view kScheme = "bearer ";
   const auto [begin, end] = context.client_metadata().equal_range("authorization");
@@ -22,7 +22,7 @@ absl::string_view BearerToken(const grpc::CallbackServerContext& context) {
   return absl::StartsWithIgnoreCase(value, kScheme) ? value.substr(kScheme.size()) : absl::string_view{};
 }
 
-// The name in the client's certificate, if it had to show one.
+// Returns the name in the client's certificate, if the server asked for one.
 std::string CertificateName(const grpc::CallbackServerContext& context) {
   const auto auth = context.auth_context();
   if (!auth || !auth->IsPeerAuthenticated()) return "";

@@ -1,4 +1,4 @@
-// Who may call.
+// Authentication of callers by tokens.
 #ifndef LATVOX_SERVER_ACCESS_AUTHENTICATOR_H_
 #define LATVOX_SERVER_ACCESS_AUTHENTICATOR_H_
 
@@ -19,16 +19,16 @@ namespace latvox {
 // Thread-safe.
 class Authenticator {
  public:
-  // `token_file`: see server/access/token_set.h; nobody may call before it is read. Empty: everybody may call.
+  // `token_file`: see server/access/token_set.h. Nobody may call before it is read. Empty: everybody may call.
   explicit Authenticator(std::string token_file) : token_file_(std::move(token_file)) {}
 
-  // Reads the file. INVALID_ARGUMENT naming it if it is wrong; the tokens stay as they were, then.
+  // Reads the file. Returns INVALID_ARGUMENT naming the file if it is wrong, and keeps the old tokens.
   absl::Status Read();
 
-  // The same, and logs what came of it.
+  // Does the same, and logs the result.
   void Reload();
 
-  // UNAUTHENTICATED, always in the same words, unless the call has one good bearer token in its metadata.
+  // Returns UNAUTHENTICATED, always in the same words, unless the call's metadata has one valid bearer token.
   absl::StatusOr<Caller> Authenticate(const grpc::CallbackServerContext& context) const;
 
  private:
@@ -36,7 +36,7 @@ class Authenticator {
 
   const std::string token_file_;
   mutable std::mutex mu_;
-  std::shared_ptr<const TokenSet> tokens_;  // guarded by mu_; null: none was read
+  std::shared_ptr<const TokenSet> tokens_;  // guarded by mu_; null: no file was read
 };
 
 }  // namespace latvox

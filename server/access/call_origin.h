@@ -1,4 +1,4 @@
-// Where a call came from, for the log, the metrics, and the client's share of the server.
+// The origin of a call, for the log, the metrics, and the client's share of the server.
 #ifndef LATVOX_SERVER_ACCESS_CALL_ORIGIN_H_
 #define LATVOX_SERVER_ACCESS_CALL_ORIGIN_H_
 

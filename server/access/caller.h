@@ -1,4 +1,4 @@
-// Who calls.
+// The caller of an RPC.
 #ifndef LATVOX_SERVER_ACCESS_CALLER_H_
 #define LATVOX_SERVER_ACCESS_CALLER_H_
 
@@ -10,24 +10,24 @@
 
 namespace latvox {
 
-// Limits of one token, besides those of the server. 0: none.
+// Limits of one token, besides those of the server. 0: no limit.
 struct CallerLimits {
-  uint32_t max_jobs = 0;  // at once, of all its calls
+  uint32_t max_jobs = 0;  // at once, for all its calls
   uint64_t max_mesh_bytes = 0;
   uint64_t max_triangles = 0;
 };
 
 struct Caller {
-  std::string name;    // of the token, else of the client's certificate; empty: neither was asked for
-  std::string client;  // whose share of the server the call takes: name, else the host that it came from
+  std::string name;    // of the token, else of the client's certificate; empty: the server asked for neither
+  std::string client;  // the client that the call counts for: `name`, else the host that it came from
   CallerLimits limits;
 };
 
-// The host of a peer as gRPC names it: "ipv4:10.0.0.1:4711" is "10.0.0.1". Of an IPv6 address only the first 64 bits
-// count, for the others are the client's to choose. "unix" for all on Unix sockets.
+// Returns the host of a peer as gRPC names it: "ipv4:10.0.0.1:4711" is "10.0.0.1". Only the first 64 bits of an IPv6
+// address count, because the client chooses the others. All Unix sockets are "unix".
 std::string HostOf(absl::string_view peer);
 
-// The limits that a call of this caller is held against.
+// Returns the limits that a call of this caller must keep.
 Limits LimitsOf(const Caller& caller, Limits limits);
 
 }  // namespace latvox

@@ -33,7 +33,7 @@ absl::Status Wrong(const std::string& path, absl::string_view why) {
 
 Bio Reader(const std::string& text) { return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))); }
 
-// Without this, OpenSSL would ask at the terminal.
+// Without this function, OpenSSL would ask at the terminal.
 int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
 
 absl::StatusOr<std::vector<Certificate>> ReadCertificates(const std::string& path, const std::string& text) {
@@ -42,7 +42,7 @@ absl::StatusOr<std::vector<Certificate>> ReadCertificates(const std::string& pat
   while (X509* certificate = PEM_read_bio_X509(reader.get(), nullptr, NoPassphrase, nullptr)) {
     certificates.emplace_back(certificate);
   }
-  // At the end of the file there is no further one; any other error is one.
+  // The end of the file gives this error; any other one is a fault of the file.
   const bool at_the_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
   ERR_clear_error();
   if (certificates.empty()) return Wrong(path, "it holds no certificate in PEM form");

@@ -1,4 +1,4 @@
-// The PEM files of TLS.
+// PEM files of TLS.
 #ifndef LATVOX_SERVER_ACCESS_TLS_FILES_H_
 #define LATVOX_SERVER_ACCESS_TLS_FILES_H_
 
@@ -11,20 +11,21 @@ namespace latvox {
 
 // Paths.
 struct TlsFiles {
-  std::string certificate;  // the server's, with those that lead to its root behind it; empty: no TLS
+  std::string certificate;  // the server's certificate, followed by the chain to its root; empty: no TLS
   std::string key;          // of the certificate, without a passphrase
-  std::string client_ca;    // roots: each client has to show a certificate that leads to one; empty: none has to
+  std::string
+      client_ca;  // root certificates: each client must show a certificate that leads to one; empty: no client must
 };
 
-// What they hold, good to be used: the key is the certificate's.
+// The content of the files, checked: the key belongs to the certificate.
 struct TlsTexts {
   std::string certificate, key, client_ca;
-  absl::Time expires;                // the server's certificate
-  bool key_readable_by_all = false;  // by users that neither own it nor are of its group
+  absl::Time expires;                // of the server's certificate
+  bool key_readable_by_all = false;  // by users who neither own it nor belong to its group
 };
 
-// Errors: INVALID_ARGUMENT naming the file and what is wrong with it, or the option that is missing. Precondition:
-// `files.certificate` or another path is not empty.
+// Errors: INVALID_ARGUMENT naming the file and its fault, or the missing option. Precondition: at least one path is not
+// empty.
 absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files);
 
 }  // namespace latvox

@@ -23,8 +23,8 @@ struct TlsSource::Current {
 
 namespace {
 
-// gRPC's FileWatcherCertificateProvider leaves it to the operator that key and certificate change at once and go
-// together. Its core has a fetcher instead, asked at each new connection, so that we can look at them first; only the
+// gRPC's FileWatcherCertificateProvider trusts the operator to change key and certificate at once, and to keep them a
+// pair. gRPC's core has a fetcher instead. It runs at each new connection, so that we can check them first; only the
 // wrapper is missing in C++.
 template <class Current>
 class ReloadingCredentials final : public grpc::ServerCredentials {
@@ -38,7 +38,7 @@ class ReloadingCredentials final : public grpc::ServerCredentials {
   }
   ~ReloadingCredentials() override { grpc_server_credentials_release(credentials_); }
 
-  // Tokens are looked at by Authenticator.
+  // Authenticator checks tokens.
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>& /*processor*/) override {}
 
  private:
@@ -46,7 +46,7 @@ class ReloadingCredentials final : public grpc::ServerCredentials {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);
   }
 
-  // On gRPC's threads.
+  // Runs on gRPC's threads.
   static grpc_ssl_certificate_config_reload_status Fetch(void* self, grpc_ssl_server_certificate_config** config) {
     return static_cast<ReloadingCredentials*>(self)->FetchNew(config);
   }
@@ -56,7 +56,7 @@ class ReloadingCredentials final : public grpc::ServerCredentials {
     const std::lock_guard lock(mu_);
     if (texts == given_) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {texts->key.c_str(), texts->certificate.c_str()};
-    // gRPC insists on roots even where no client is asked for a certificate; then, nothing is held against them.
+    // gRPC insists on roots even where no client is asked for a certificate. Then they have no effect.
     const std::string& roots = texts->client_ca.empty() ? texts->certificate : texts->client_ca;
     *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
     given_ = std::move(texts);

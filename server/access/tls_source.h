@@ -1,4 +1,4 @@
-// TLS whose certificates may change while the server runs.
+// TLS with certificates that may change while the server runs.
 #ifndef LATVOX_SERVER_ACCESS_TLS_SOURCE_H_
 #define LATVOX_SERVER_ACCESS_TLS_SOURCE_H_
 
@@ -21,17 +21,17 @@ class TlsSource {
 
   bool enabled() const { return !files_.certificate.empty(); }
 
-  // Reads the files. As ReadTlsFiles; if they are wrong, what was read before stays. Does nothing if no path is given.
+  // Reads the files. Errors: as ReadTlsFiles; then the old content stays. Does nothing if no path is given.
   absl::Status Read();
 
-  // The same, and logs what came of it.
+  // Does the same, and logs the result.
   void Reload();
 
-  // When the certificate that is shown ends. InfiniteFuture without TLS.
+  // The end of validity of the certificate in use. InfiniteFuture without TLS.
   absl::Time expires() const;
 
-  // Each new connection gets the certificate that was read last; those that there are go on. For one port, whose server
-  // this object must outlive; after Read, and on one thread.
+  // Returns the credentials of one port, whose server this object outlives. Each new connection gets the certificate
+  // that was read last; existing connections go on. Call it after Read, on one thread.
   std::shared_ptr<grpc::ServerCredentials> Credentials();
 
  private:
@@ -39,7 +39,7 @@ class TlsSource {
 
   const TlsFiles files_;
   const std::shared_ptr<Current> current_;
-  // A server does not keep the credentials of its ports, but asks them for certificates to its end.
+  // A server does not keep its ports' credentials, but asks them for certificates to its end.
   std::vector<std::shared_ptr<grpc::ServerCredentials>> credentials_;
 };
 

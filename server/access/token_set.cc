@@ -40,7 +40,7 @@ std::array<uint8_t, 32> Sha256Of(absl::string_view text) {
   return digest;
 }
 
-// A whole number above 0; with units, bytes as 64MiB.
+// Reads a whole number above 0, with units also bytes such as 64MiB.
 std::optional<uint64_t> ReadCount(absl::string_view text, bool with_units) {
   uint64_t unit = 1, count = 0;
   if (with_units) {
@@ -88,7 +88,7 @@ absl::StatusOr<TokenSet> TokenSet::Parse(absl::string_view text) {
 }
 
 absl::Status TokenSet::AddLine(const std::vector<absl::string_view>& words) {
-  // What stands in the wrong place may be a token, so no message has it.
+  // Text in the wrong place may be a token, so messages never show it.
   if (words.size() < 2) return absl::InvalidArgumentError("it has no token: NAME TOKEN [LIMIT=N ...]");
   if (!IsName(words[0])) return absl::InvalidArgumentError("the name has other characters than letters, digits, . _ -");
   const auto sha256 = ReadToken(words[1]);
@@ -124,7 +124,8 @@ absl::StatusOr<TokenSet::Sha256> TokenSet::ReadToken(absl::string_view word) {
   return Sha256Of(word);
 }
 
-// entries_.size() if it is none of them. No branch depends on what is compared, and the loop does not end early.
+// Returns entries_.size() if the token is not in the set. No branch depends on secret bytes, and the loop never ends
+// early.
 size_t TokenSet::IndexOf(const Sha256& sha256) const {
   size_t found = entries_.size();
   for (size_t n = 0; n < entries_.size(); ++n) {

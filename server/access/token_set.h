@@ -2,13 +2,13 @@
 //
 //   NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]
 //
-//   NAME   of the client, for the log and its share of the server: letters, digits, . _ -. To change a token without a
-//          gap, a name may have several, on lines of their own.
+//   NAME   the client, for the log and its share of the server: letters, digits, . _ -. A name may have several tokens,
+//          each on a line of its own, so that a token can be changed without a gap.
 //   TOKEN  16 to 512 characters of A-Z a-z 0-9 - . _ ~ + / =; or sha256: and the 64 hexadecimal digits of its SHA-256
 //          (printf %s "$TOKEN" | sha256sum), so that the file holds no secret.
 //
-// The limits hold for calls with this token, besides those of the server; bytes may have units, as 64MiB. Empty lines
-// and what follows a # at the beginning of a line are ignored.
+// The limits hold for calls with this token, besides those of the server. Bytes may have units, such as 64MiB. Empty
+// lines and lines that begin with # are ignored.
 #ifndef LATVOX_SERVER_ACCESS_TOKEN_SET_H_
 #define LATVOX_SERVER_ACCESS_TOKEN_SET_H_
 
@@ -25,19 +25,19 @@
 
 namespace latvox {
 
-// Thread-safe: it does not change. Keeps the tokens' SHA-256 only.
+// Thread-safe, because it does not change. It keeps only the SHA-256 of each token.
 class TokenSet {
  public:
-  // Errors: INVALID_ARGUMENT naming the line, never with a part of a token. A file without any token is one, and so is
-  // a token that stands twice.
+  // Errors: INVALID_ARGUMENT naming the line, never with a part of a token. A file without any token is an error, and
+  // so is a token that occurs twice.
   static absl::StatusOr<TokenSet> Parse(absl::string_view text);
 
-  // Whose token it is; `client` is the name. Takes the same time whatever the set and the token hold, but for the
-  // number of tokens and the length of this one.
+  // Returns the caller with this token; `client` is the name. The time depends only on the number of tokens and the
+  // length of this one.
   std::optional<Caller> Find(absl::string_view token) const;
 
   size_t size() const { return entries_.size(); }
-  // Whether the file shows a token itself.
+  // Whether the file holds a token in plain text.
   bool has_plain_tokens() const { return has_plain_tokens_; }
 
  private:

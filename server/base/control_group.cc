@@ -16,7 +16,8 @@ namespace {
 
 using Path = std::filesystem::path;
 
-// A number of a file that holds several; none: UINT64_MAX. So it is for what is no number: "max", and version 1's -1.
+// Returns a number of a file that holds several, or UINT64_MAX if there is none. "max" and version 1's -1 are not
+// numbers.
 uint64_t NumberIn(const Path& path, int position = 0) {
   std::ifstream file(path);
   std::string word;
@@ -31,8 +32,8 @@ void LimitCores(uint64_t quota, uint64_t period, ControlGroupLimits& limits) {
   limits.cores = limits.cores == 0 ? cores : std::min(limits.cores, cores);
 }
 
-// Calls `read` for a group and all around it. In a container the path is often that of the machine, of which only the
-// own group is there, in the place of the outermost.
+// Calls `read` for a group and all groups around it. In a container, the path is often that of the machine, although
+// only the container's own group is mounted, in place of the outermost one.
 void ForEachAround(const Path& mounted, absl::string_view group, const std::function<void(const Path&)>& read) {
   Path path = mounted;
   read(path);

@@ -1,4 +1,4 @@
-// What the process's control groups allow it: the limits of containers, of batch systems, of services.
+// The limits that control groups set for this process: those of containers, batch systems and services.
 #ifndef LATVOX_SERVER_BASE_CONTROL_GROUP_H_
 #define LATVOX_SERVER_BASE_CONTROL_GROUP_H_
 
@@ -8,13 +8,13 @@
 namespace latvox {
 
 struct ControlGroupLimits {
-  uint64_t memory_bytes = UINT64_MAX;  // UINT64_MAX: none
-  int cores = 0;                       // time of so many cores, rounded up; 0: no limit
+  uint64_t memory_bytes = UINT64_MAX;  // UINT64_MAX: no limit
+  int cores = 0;                       // CPU time of so many cores, rounded up; 0: no limit
 };
 
-// The tightest limits of the groups of either version that this process is in, and of the groups around these, as far
-// as they can be seen.
-//   root  where /proc and /sys are, without the slash at its end
+// Returns the tightest limits of all groups that this process is in, of both versions, and of the groups around them,
+// as far as this process can see them.
+//   root  the folder that has /proc and /sys, without the slash at its end
 ControlGroupLimits LimitsOfControlGroups(const std::string& root = "");
 
 }  // namespace latvox

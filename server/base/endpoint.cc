@@ -11,7 +11,7 @@
 namespace latvox {
 namespace {
 
-// Without the brackets of IPv6.
+// Without the brackets of an IPv6 address.
 absl::string_view HostPart(absl::string_view address) {
   if (absl::ConsumePrefix(&address, "[")) return address.substr(0, address.find(']'));
   return address.substr(0, address.rfind(':'));

@@ -1,4 +1,4 @@
-// Addresses to listen on.
+// Addresses that a server listens on.
 #ifndef LATVOX_SERVER_BASE_ENDPOINT_H_
 #define LATVOX_SERVER_BASE_ENDPOINT_H_
 
@@ -11,30 +11,30 @@
 
 namespace latvox {
 
-// unix:PATH and unix-abstract:NAME.
+// True for unix:PATH and unix-abstract:NAME.
 bool IsUnixSocket(absl::string_view address);
 
-// Whether only this machine can connect to it: a Unix socket, a loopback address, or localhost.
+// Returns whether only this machine can connect to the address: a Unix socket, a loopback address, or localhost.
 bool IsLocal(const std::string& address);
 
-// INVALID_ARGUMENT, naming address and options, unless it is local or TLS or the operator's word protect it. `tls` and
-// `insecure` together are a contradiction, and refused.
+// Returns INVALID_ARGUMENT, naming address and options, unless the address is local, uses TLS, or the operator has
+// allowed plain text. `tls` and `insecure` together are refused as a contradiction.
 absl::Status CheckProtected(const std::string& address, bool tls, bool insecure);
 
-// "HOST:0" with the port that was chosen; others as they are.
+// Returns "HOST:0" with the port that was chosen, and other addresses unchanged.
 std::string BoundAddress(const std::string& address, int port);
 
-// INVALID_ARGUMENT if it is neither HOST:PORT nor unix:PATH.
+// Returns INVALID_ARGUMENT if the address is neither HOST:PORT nor unix:PATH.
 absl::Status CheckAddress(const std::string& address);
 
-// UNAVAILABLE naming the address, and why; by default, what may be the reason.
+// Returns UNAVAILABLE with the address and the reason; the default is the most likely reason.
 absl::Status CannotListen(const std::string& address,
                           absl::string_view why = "the address is in use, not of this machine, or not permitted");
 
-// gRPC unpacks a message before it looks at its size: a megabyte may become a gigabyte.
+// gRPC decompresses a message before it checks the size: a megabyte may become a gigabyte.
 void WithoutCompression(grpc::ServerBuilder& builder);
 
-// As CannotListen, if it is a Unix socket that CheckSocketPathIsFree finds fault with. Of other addresses, gRPC tells.
+// Returns the error of CheckSocketPathIsFree for a Unix socket. For other addresses, gRPC reports the error.
 absl::Status CheckAddressIsFree(const std::string& address);
 
 }  // namespace latvox

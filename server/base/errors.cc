@@ -16,7 +16,7 @@ namespace {
 constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
 constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
 
-// Limits that GetLimits tells, by what is held against them.
+// The limits of GetLimits, by the fields that they bound.
 absl::string_view LimitNameOf(absl::string_view field) {
   static constexpr std::pair<absl::string_view, absl::string_view> kNames[] = {{"mesh_bytes", "max_mesh_bytes"},
                                                                                {"mesh.triangles", "max_triangles"},
@@ -71,7 +71,7 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
   }
 }
 
-// What ErrorInfo tells of an error without a cause of its own.
+// The content of ErrorInfo for an error without a cause of its own.
 ErrorCause CauseByCode(const absl::Status& status) { return {absl::StatusCodeToString(status.code()), "", "", ""}; }
 
 void AddDetail(absl::string_view url, const absl::Cord& bytes, google::rpc::Status& out) {

@@ -1,4 +1,4 @@
-// Errors on their way out: absl::Status inside the server, grpc::Status with google.rpc details on the wire.
+// Errors on their way to the client: absl::Status inside the server, grpc::Status with google.rpc details on the wire.
 #ifndef LATVOX_SERVER_BASE_ERRORS_H_
 #define LATVOX_SERVER_BASE_ERRORS_H_
 
@@ -14,10 +14,10 @@
 
 namespace latvox {
 
-// ErrorInfo.domain of every error.
+// The ErrorInfo.domain of every error.
 inline constexpr absl::string_view kErrorDomain = "latvox";
 
-// The codes of the contract.
+// The codes that the contract names.
 inline constexpr absl::StatusCode kCodes[] = {
     absl::StatusCode::kOk,          absl::StatusCode::kInvalidArgument,  absl::StatusCode::kResourceExhausted,
     absl::StatusCode::kNotFound,    absl::StatusCode::kUnauthenticated,  absl::StatusCode::kCancelled,
@@ -25,22 +25,22 @@ inline constexpr absl::StatusCode kCodes[] = {
 
 inline constexpr char kMeshNotFound[] = "MESH_NOT_FOUND";
 
-// Its reasons, as the contract's table has them; an error that has been given none has its code for one.
+// The reasons in the contract's table. An error without a reason has its code as the reason.
 inline constexpr absl::string_view kReasons[] = {
     "BAD_SPEC",        "BAD_MESH",       "BAD_STREAM",     "LIMIT_EXCEEDED", "MEMORY_IN_USE",
     "OUT_OF_MEMORY",   "DECODER_TIME",   "DECODER_KILLED", "TOO_MANY_JOBS",  "TOO_MANY_JOBS_OF_CLIENT",
     "SERVER_STOPPING", "CLIENT_STALLED", kMeshNotFound,    "UNAUTHENTICATED"};
 
-// The trailer by which gRPC's built-in retries learn how many milliseconds to wait.
+// The trailer that tells gRPC's built-in retries how many milliseconds to wait.
 inline constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";
 
-// What a program needs to know about an error, besides its code. Empty members are not sent.
+// The facts about an error that programs need besides its code. Empty members are not sent.
 struct ErrorCause {
   std::string reason;  // UPPER_SNAKE_CASE, becomes ErrorInfo.reason
   std::string field;
   std::string value;
   std::string limit;
-  std::string limit_name = "";  // the field of GetLimitsResponse that the limit is; of LIMIT_EXCEEDED by the field
+  std::string limit_name = "";  // the field of GetLimitsResponse with the limit, for LIMIT_EXCEEDED
   std::string other = "";       // the field that excludes this one
 
   bool operator==(const ErrorCause&) const = default;
@@ -54,38 +54,38 @@ absl::Status BadSpec(absl::string_view message, absl::string_view field, absl::s
 absl::Status BadMesh(absl::string_view message);
 absl::Status BadStream(absl::string_view message);
 
-// RESOURCE_EXHAUSTED with the reason LIMIT_EXCEEDED and the message "field value exceeds limit". Trying again is
+// Returns RESOURCE_EXHAUSTED with the reason LIMIT_EXCEEDED and the message "field value exceeds limit". A retry is
 // pointless.
 absl::Status LimitExceeded(absl::string_view field, uint64_t value, uint64_t limit, absl::string_view limit_name = {});
 
-// The cause that the status has been given, if any.
+// Returns the cause that was added to the status, if any.
 std::optional<ErrorCause> CauseOf(const absl::Status& status);
 
-// ErrorInfo.reason as the client gets it. Empty if the status is OK.
+// Returns ErrorInfo.reason as the client gets it, or an empty text if the status is OK.
 std::string ReasonOf(const absl::Status& status);
 
-// The same status with `cause`, unless it is OK or has one already.
+// Returns the same status with `cause`, unless it is OK or has a cause already.
 absl::Status WithCause(absl::Status status, const ErrorCause& cause);
 
-// What a request has for some of core's fields.
+// The names in a request of some of core's fields.
 struct RequestFields {
   std::string_view sampling = "lattice.basis";  // voxel_size, pixel_size or resolution
   std::string_view band = "band";
 };
 
-// The same for an error of core, which knows no wire: field, value and limit are its payloads
-// (core/base/status_payload.h); without a field there, its message begins with the field and a colon.
+// Does the same for an error of core, which does not know the wire. Payloads of the status hold field, value and limit
+// (core/base/status_payload.h). Without a field there, the message begins with the field and a colon.
 absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields = {});
 
-// The same status with the advice to try again after `delay`.
+// Returns the same status with the advice to try again after `delay`.
 absl::Status WithRetry(absl::Status status, absl::Duration delay);
 std::optional<absl::Duration> RetryDelayOf(const absl::Status& status);
 
-// The code that the client gets.
+// Returns the code that the client gets.
 absl::StatusCode CodeOnWire(const absl::Status& status);
 
-// The table. Codes that the contract does not name become INTERNAL. grpc-status-details-bin holds a google.rpc.Status
-// with one ErrorInfo and, after WithRetry, one RetryInfo.
+// Converts a status by the one table. Codes that the contract does not name become INTERNAL. grpc-status-details-bin
+// holds a google.rpc.Status with one ErrorInfo and, after WithRetry, one RetryInfo.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// Exceptions of core and the standard library, as statuses.
+// Turns exceptions of core and the standard library into statuses.
 #ifndef LATVOX_SERVER_BASE_EXCEPTIONS_H_
 #define LATVOX_SERVER_BASE_EXCEPTIONS_H_
 
@@ -11,8 +11,8 @@
 
 namespace latvox {
 
-// Calls work(), which returns a Status or StatusOr. Containers may run out of memory at any point; a task of the arena
-// must not throw. Errors: those of work; RESOURCE_EXHAUSTED (memory), INTERNAL (any other exception).
+// Calls work(), which returns a Status or StatusOr. Containers may run out of memory at any point, and a task of the
+// arena must not throw. Errors: those of `work`; RESOURCE_EXHAUSTED (memory); INTERNAL (any other exception).
 template <class F>
 auto WithoutExceptions(F&& work) -> decltype(work()) {
   try {

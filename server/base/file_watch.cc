@@ -37,7 +37,7 @@ void FileWatch::Start() {
   if (!groups_.empty()) thread_ = std::thread([this] { Run(); });
 }
 
-// The look is taken before the files are read, so that a change during the reading is seen the next time.
+// Looks before the files are read, so that the next look sees a change during the reading.
 void FileWatch::Run() {
   std::unique_lock lock(mu_);
   while (!stop_.wait_for(lock, kPeriod, [this] { return stopping_; })) {

@@ -16,8 +16,8 @@
 
 namespace latvox {
 
-// Looks at files every second, on a thread of its own. Not by inotify: files that Kubernetes mounts change by way of
-// links to other directories.
+// Looks at files every second, on a thread of its own. It does not use inotify, because Kubernetes changes mounted
+// files by links to other directories.
 class FileWatch {
  public:
   FileWatch() = default;
@@ -25,19 +25,19 @@ class FileWatch {
   FileWatch(const FileWatch&) = delete;
   FileWatch& operator=(const FileWatch&) = delete;
 
-  // From what the files are now; so, before they are read. `changed` is called once if one of them has become another,
-  // or has another size or time. Empty paths are left out. Before Start.
+  // Watches these files from now on, so call it before you read them, and before Start. Calls `changed` once if one of
+  // them becomes another file, or changes its size or time. Ignores empty paths.
   void Add(const std::vector<std::string>& paths, std::function<void()> changed);
 
-  // Starts to look, if there is anything to look at.
+  // Starts to look, if there is any file.
   void Start();
 
  private:
-  // What tells that a file is not as it was.
+  // The facts that change when a file changes.
   struct Look {
     dev_t device = 0;
     ino_t inode = 0;
-    off_t size = -1;  // -1: there is none
+    off_t size = -1;  // -1: there is no file
     int64_t modified_ns = 0, status_changed_ns = 0;
     bool operator==(const Look&) const = default;
   };
@@ -50,7 +50,7 @@ class FileWatch {
   static std::vector<Look> LookAt(const std::vector<std::string>& paths);
   void Run();
 
-  std::vector<Group> groups_;  // the thread's, once it runs
+  std::vector<Group> groups_;  // owned by the thread, once it runs
   std::mutex mu_;
   std::condition_variable stop_;
   bool stopping_ = false;  // guarded by mu_

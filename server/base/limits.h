@@ -1,4 +1,4 @@
-// What requests are held against before they cost much.
+// Limits that a request must keep before it costs much.
 #ifndef LATVOX_SERVER_BASE_LIMITS_H_
 #define LATVOX_SERVER_BASE_LIMITS_H_
 
@@ -13,29 +13,29 @@ struct Limits {
   uint64_t max_vertices = uint64_t{64} << 20;        // points in one mesh, as the codec counts them
   uint32_t max_jobs = 16;                            // at work at once
   uint32_t max_queued_jobs = 256;                    // that send their input, wait for their turn, or are paused
-  uint32_t max_jobs_per_client = 128;                // at work or queued, of one client
-  uint64_t max_visited_points = uint64_t{1} << 36;   // that one job looks at, as EstimateVisits has it
+  uint32_t max_jobs_per_client = 128;                // at work or queued, for one client
+  uint64_t max_visited_points = uint64_t{1} << 36;   // that one job looks at, as EstimateVisits counts them
   uint64_t memory_budget_bytes = uint64_t{4} << 30;  // of all jobs together
-  uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, also decoded
+  uint64_t mesh_store_bytes = uint64_t{256} << 20;   // meshes kept for later requests, encoded and decoded
   uint64_t max_message_bytes = uint64_t{4} << 20;    // one message of a request
 
-  // What gRPC is to receive: some more, so that most of what is too large is refused by name, with all that a client is
-  // to know, and not by gRPC, which has no details for it.
+  // The limit for gRPC. It is a little larger, so that the server itself refuses most messages that are too large, and
+  // names the limit. gRPC has no details for such an error.
   uint64_t received_message_bytes() const {
     constexpr uint64_t kMost = INT32_MAX, kLeastMore = uint64_t{4} << 20;
     const uint64_t bytes = std::min(max_message_bytes, kMost);
     return std::min(bytes + std::max(bytes, kLeastMore), kMost);
   }
 
-  // Those of Pixelize follow from its one message each way.
+  // The limits of Pixelize follow from its one message each way.
   //
-  // Points in all polylines. One takes 16 bytes, and 6 more if it is a polyline of its own, which leaves room for the
-  // rest: what has more points than this is refused by name, not as a message that gRPC does not receive.
+  // Points in all polylines. One takes 16 bytes, and 6 more if it is a polyline of its own. The rest of the room makes
+  // sure that the server refuses more points by name, instead of gRPC refusing the message.
   uint64_t max_points() const { return max_message_bytes / 32; }
-  // Pixels in the answer: two integers of up to 5 bytes each, besides a few hundred bytes.
+  // Pixels in the answer. A pixel has two integers of up to 5 bytes each, and the answer a few hundred bytes more.
   uint64_t max_pixels() const { return (std::max<uint64_t>(max_message_bytes, 1024) - 1024) / 10; }
-  // Crossings of segments with lattice edges, which take 24 bytes each. A curve that does not run over itself has up
-  // to four for each pixel; the rest is for those that do.
+  // Crossings of segments with lattice links, which take 24 bytes each. A curve that does not cover itself has up to
+  // four for each pixel; the rest is for curves that do.
   uint64_t max_crossings() const { return 16 * max_pixels(); }
 };
 

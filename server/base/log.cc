@@ -21,7 +21,7 @@ namespace {
 
 constexpr size_t kQueuedLines = 8192;
 
-// Alive from StartLog to StopLog; spdlog owns it.
+// Valid from StartLog to StopLog; spdlog owns it.
 std::atomic<spdlog::logger*> g_logger = nullptr;
 // Set before g_logger.
 LogFormat g_format = LogFormat::kText;
@@ -67,7 +67,7 @@ std::string Quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// What stands behind time and level, up to the closing brace.
+// The part of a line after time and level, up to the closing brace.
 std::string JsonLine(absl::string_view event, const std::vector<LogField>& fields) {
   std::string line = absl::StrCat("\"event\":", Quoted(std::string{event}));
   for (const LogField& field : fields) {
@@ -92,10 +92,10 @@ void StartLog(LogLevel level, LogFormat format) {
   logger->flush_on(spdlog::level::debug);
   spdlog::set_default_logger(logger);
   g_format = format;
-  // Kept for good, without its queue: a thread may be on its way into it when StopLog comes.
+  // Kept forever, without its queue: a thread may be about to use it when StopLog runs.
   static auto* const kept = new std::vector<std::shared_ptr<spdlog::logger>>;
   kept->push_back(logger);
-  logger->set_error_handler([](const std::string&) {});  // of lines that come after StopLog
+  logger->set_error_handler([](const std::string&) {});  // for lines after StopLog
   g_logger = logger.get();
   gpr_set_log_function(&LogFromGrpc);
 }

@@ -1,4 +1,4 @@
-// The server's log on standard error, one line an event: key=value pairs, or JSON objects.
+// The server's log on standard error, one line for each event: key=value pairs, or JSON objects.
 //
 //   time=2025-01-01T12:00:00.000Z level=info event=listening address=127.0.0.1:50151
 //   {"time":"2025-01-01T12:00:00.000Z","level":"info","event":"listening","address":"127.0.0.1:50151"}
@@ -19,13 +19,13 @@ namespace latvox {
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 enum class LogFormat { kText, kJson };
 
-// Text, or a number, which JSON has without quotes.
+// A text, or a number, which JSON shows without quotes.
 struct LogField {
   LogField(absl::string_view field_key, absl::string_view field_value) : key(field_key), value(field_value) {}
   template <std::integral T>
   LogField(absl::string_view field_key, T field_value)
       : key(field_key), value(absl::StrCat(field_value)), is_number(true) {}
-  // Finite. Three decimals: fields are milliseconds.
+  // A finite number with three decimals; fields are milliseconds.
   LogField(absl::string_view field_key, double field_value)
       : key(field_key), value(absl::StrFormat("%.3f", field_value)), is_number(true) {}
 
@@ -33,18 +33,19 @@ struct LogField {
   bool is_number = false;
 };
 
-// Lines below `level` are dropped. Before StartLog and after StopLog, all are. Starts a thread: no caller of Log ever
-// waits for standard error; if that is stuck, the oldest lines are lost. gRPC's own messages come at level debug.
+// Starts the log and its thread. Lines below `level` are dropped, as are all lines before StartLog and after StopLog.
+// No caller of Log waits for standard error; if that is stuck, the oldest lines are lost. gRPC's own messages have
+// level debug.
 void StartLog(LogLevel level, LogFormat format);
 
-// From the next line on. Thread-safe between StartLog and StopLog.
+// Takes effect with the next line. Thread-safe between StartLog and StopLog.
 void SetLogLevel(LogLevel level);
 
-// Writes what is left.
+// Writes the remaining lines.
 void StopLog();
 
-// Thread-safe, and cheap enough for gRPC's callbacks. Values are quoted and escaped where they need it; bytes that are
-// not UTF-8 are replaced in JSON.
+// Thread-safe, and cheap enough for gRPC's callbacks. Values are quoted and escaped where necessary. In JSON, bytes
+// that are not UTF-8 are replaced.
 void Log(LogLevel level, absl::string_view event, const std::vector<LogField>& fields);
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// Durations as the log, the metrics and the contract tell them.
+// Durations as the log, the metrics and the contract show them.
 #ifndef LATVOX_SERVER_BASE_MILLISECONDS_H_
 #define LATVOX_SERVER_BASE_MILLISECONDS_H_
 

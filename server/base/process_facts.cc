@@ -19,7 +19,8 @@
 namespace latvox {
 namespace {
 
-// The field of /proc/self/stat, counted from 1 as in proc(5). The second one, the program's name, may hold anything.
+// Returns a field of /proc/self/stat, counted from 1 as in proc(5). The second field, the program's name, may hold any
+// character.
 double StatField(size_t number) {
   std::string line;
   std::getline(std::ifstream("/proc/self/stat"), line);
@@ -61,7 +62,7 @@ double CpuSeconds() {
 double OpenFiles() {
   DIR* const directory = opendir("/proc/self/fd");
   if (directory == nullptr) return 0;
-  double count = -3;  // ".", ".." and the one that lists them
+  double count = -3;  // ".", ".." and the entry of the directory that is being listed
   while (readdir(directory) != nullptr) ++count;
   closedir(directory);
   return count;

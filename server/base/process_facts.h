@@ -1,4 +1,4 @@
-// What the kernel counts of this process and its children.
+// Figures of the kernel about this process and its children.
 #ifndef LATVOX_SERVER_BASE_PROCESS_FACTS_H_
 #define LATVOX_SERVER_BASE_PROCESS_FACTS_H_
 
@@ -6,8 +6,8 @@
 
 namespace latvox {
 
-// Each is 0 if the kernel does not tell.
-double PrivateMemoryBytes(pid_t pid);  // resident, of any process, without what it shares, such as its program
+// Each is 0 if the kernel does not give it.
+double PrivateMemoryBytes(pid_t pid);  // resident memory of any process, without shared parts such as its program
 double ResidentMemoryBytes();
 double CpuSeconds();  // user and system, all threads
 double OpenFiles();

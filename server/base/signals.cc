@@ -16,7 +16,7 @@
 namespace latvox {
 namespace {
 
-// Sent by the kernel when a thread of the parent that forked ends, which need not be the parent's end.
+// The kernel sends it when the thread of the parent that forked this process ends. The parent itself may go on.
 constexpr int kParentSignal = SIGUSR1;
 
 sigset_t WaitedFor() {
@@ -37,13 +37,13 @@ int NextSignal() {
   return signal;
 }
 
-// 0 if it is none of this namespace, or has ended.
+// 0 if the process is outside this namespace, or has ended.
 pid_t ParentOf(pid_t process) {
   std::string status;
   std::getline(std::ifstream(absl::StrCat("/proc/", process, "/stat")), status, '\0');
   char state;
   pid_t parent = 0;
-  const size_t name_end = status.rfind(')');  // names may hold anything
+  const size_t name_end = status.rfind(')');  // names may hold any character
   if (name_end != std::string::npos) std::sscanf(status.c_str() + name_end + 1, " %c %d", &state, &parent);
   return parent;
 }
@@ -65,7 +65,7 @@ StopSignals::StopSignals(std::optional<pid_t> parent) : parent_(parent) {
 }
 
 std::string StopSignals::Wait(const std::function<void()>& reload) const {
-  // The parent may have ended before prctl.
+  // The parent may have ended before the call of prctl.
   while (!parent_ || getppid() == *parent_) {
     const int signal = NextSignal();
     if (signal == SIGTERM) return "SIGTERM";

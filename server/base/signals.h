@@ -1,4 +1,4 @@
-// The signals by which the process is asked to stop, or to read its configuration again.
+// Signals that ask the process to stop, or to read its configuration again.
 #ifndef LATVOX_SERVER_BASE_SIGNALS_H_
 #define LATVOX_SERVER_BASE_SIGNALS_H_
 
@@ -10,22 +10,22 @@
 
 namespace latvox {
 
-// Whether a process is this one's parent, or its parent's, and so on; true if the parent is out of sight, in another
-// pid namespace.
+// Returns whether a process is this one's parent, or its parent's, and so on. Returns true if the parent is in another
+// pid namespace, where this process cannot see it.
 bool IsAncestor(pid_t process);
 
-// SIGTERM, SIGINT and SIGHUP, waited for instead of handled: no code runs in a signal handler, and a process with the
-// id 1, to which the kernel delivers only what it asks for, gets them too. There can be one object only.
+// Waits for SIGTERM, SIGINT and SIGHUP instead of handling them. So no code runs in a signal handler, and a process
+// with the id 1 gets them, too: the kernel delivers to it only the signals that it asks for. Only one object can exist.
 class StopSignals {
  public:
-  // Blocks the signals in this thread and in all it starts later: construct it before any thread. If `parent` is set,
-  // its end is a request to stop as well, also an earlier one. SIGPIPE is ignored.
+  // Blocks the signals in this thread and in all threads that it starts later, so construct it before any thread. If
+  // `parent` is set, the parent's end is a request to stop as well, even if it came earlier. Ignores SIGPIPE.
   explicit StopSignals(std::optional<pid_t> parent);
 
-  // Blocks until the process is asked to stop; returns why, in a word. Meanwhile runs `reload` at each SIGHUP.
+  // Blocks until the process is asked to stop; returns the reason in a word. Meanwhile runs `reload` at each SIGHUP.
   std::string Wait(const std::function<void()>& reload) const;
 
-  // From now on, the next request to stop runs `last_words` and ends the process at once, with exit status 1.
+  // From now on, the next request to stop runs `last_words`, and ends the process at once with exit status 1.
   void ExitOnNext(std::function<void()> last_words) const;
 
  private:

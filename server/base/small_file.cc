@@ -22,7 +22,7 @@ absl::Status CannotRead(const std::string& path, absl::string_view why) {
 }  // namespace
 
 absl::StatusOr<SmallFile> ReadSmallFile(const std::string& path) {
-  // Without O_NONBLOCK, a pipe that nobody writes to would stop us here.
+  // Without O_NONBLOCK, a pipe without a writer would block here.
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) return CannotRead(path, std::strerror(errno));
   const absl::Cleanup closer = [fd] { close(fd); };

@@ -23,7 +23,7 @@ bool SomebodyListens(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path.copy(address.sun_path, sizeof(address.sun_path) - 1);
-  // EAGAIN: there is a queue, though it is full.
+  // EAGAIN means that there is a queue, although it is full.
   const bool listens =
       connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 || errno == EAGAIN;
   close(fd);

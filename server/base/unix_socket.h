@@ -1,4 +1,4 @@
-// The files of Unix sockets.
+// Files of Unix sockets.
 #ifndef LATVOX_SERVER_BASE_UNIX_SOCKET_H_
 #define LATVOX_SERVER_BASE_UNIX_SOCKET_H_
 
@@ -13,27 +13,28 @@
 
 namespace latvox {
 
-// PATH of an address unix:PATH or unix:///PATH.
+// Returns PATH of an address unix:PATH or unix:///PATH.
 std::optional<std::string> SocketPathOf(const std::string& address);
 
-// gRPC would take the path over from a server that still listens there. UNAVAILABLE if one does, or if the path is too
-// long, or if it is something else than a socket. A socket file without a server behind it is fine.
+// Returns UNAVAILABLE if a server still listens at the path, because gRPC would take the path from it; or if the path
+// is too long, or is not a socket. A socket file without a server is fine.
 absl::Status CheckSocketPathIsFree(const std::string& path);
 
-// Where gRPC is to listen in the place of an address: of unix:PATH, at a name of this process's own beside PATH, if
-// there is room for one. When gRPC shuts down, it removes what has the name that it listens at, whoever's that is.
+// Returns the address that gRPC listens on in place of `address`: for unix:PATH, a name of this process's own beside
+// PATH, if there is room for one. At shutdown, gRPC removes the file with the name that it listens on, even if that
+// file is another server's.
 std::string ProvisionalAddress(const std::string& address);
 
 // The files of the sockets that a server listens at.
 class SocketFiles {
  public:
-  // Once the server listens at the provisional address: moves its file to where it belongs. Addresses that are no files
-  // do nothing. UNAVAILABLE if that fails.
+  // Moves the file of a provisional address into its place, once the server listens there. Does nothing for addresses
+  // without a file. Returns UNAVAILABLE if that fails.
   absl::Status MoveIntoPlace(const std::string& address);
 
   void Add(const SocketFiles& others) { files_.insert(files_.end(), others.files_.begin(), others.files_.end()); }
 
-  // Removes them, but none that another server has made in the place of one.
+  // Removes the files, except one that another server has put in its place.
   void Remove() const;
 
  private:
@@ -41,7 +42,7 @@ class SocketFiles {
     std::string path;
     dev_t device;
     ino_t number;
-    timespec made;  // numbers are given again
+    timespec made;  // because file numbers are reused
 
     static std::optional<File> At(const std::string& path);
   };

@@ -13,10 +13,10 @@
 namespace latvox {
 namespace {
 
-// No field of the contract's, now or later.
+// A number that no field of the contract has, now or later.
 constexpr int kMark = (1 << 29) - 1;
 
-// Tag and length of the only field of a message, up to: a piece of a mesh may be as long as the limit.
+// The most bytes of tag and length of a message's only field: a piece of a mesh may be as long as the limit.
 constexpr uint64_t kFieldHead = 6;
 
 }  // namespace
@@ -31,7 +31,7 @@ void DropUnknownFields(google::protobuf::Message& message) {
   const size_t bytes = message.ByteSizeLong();
   message.DiscardUnknownFields();
   if (message.ByteSizeLong() == bytes) return;
-  // A message keeps the memory of what it had.
+  // A message keeps the memory of its former content.
   const std::unique_ptr<google::protobuf::Message> fresh(message.New());
   fresh->CopyFrom(message);
   message.GetReflection()->Swap(&message, fresh.get());
@@ -78,7 +78,7 @@ absl::Status StalledClient(absl::Duration patience) {
       absl::ZeroDuration());
 }
 
-// What TryCancel does, with a status.
+// Does the same as TryCancel, with a status.
 void CallCanceller::Cancel(const absl::Status& status) {
   const grpc::Status sent = ToGrpcStatus(status);
   const std::lock_guard lock(mu_);

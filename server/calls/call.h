@@ -1,4 +1,4 @@
-// What calls have in common.
+// Functions for calls of all kinds.
 #ifndef LATVOX_SERVER_CALLS_CALL_H_
 #define LATVOX_SERVER_CALLS_CALL_H_
 
@@ -14,41 +14,41 @@
 
 namespace latvox {
 
-// RESOURCE_EXHAUSTED if the message is larger than the limit, its outermost tag and length aside.
+// Returns RESOURCE_EXHAUSTED if the message is larger than the limit, without its outermost tag and length.
 absl::Status CheckSize(const google::protobuf::Message& message, const Limits& limits);
 
-// Leaves out what the protocol does not know, which takes thirty times its bytes in memory.
+// Drops fields that the protocol does not know. They take thirty times their bytes in memory.
 void DropUnknownFields(google::protobuf::Message& message);
 
-// gRPC says the same, that a read failed, of a half-close, of a message that cannot be parsed, and of a call that is
-// broken, be it by a message larger than what gRPC receives. A mark that is put on the message before the read tells
-// the second: parsing takes it away. The third is known for certain in OnDone, where gRPC has cancelled the call.
+// gRPC reports a failed read in three cases: a half-close, a message that cannot be parsed, and a broken call, for
+// example after a message larger than gRPC receives. A mark on the message before the read shows the second case,
+// because parsing removes the mark. The third case is certain in OnDone, where gRPC has cancelled the call.
 void MarkUnread(google::protobuf::Message& message);
 bool IsUnread(const google::protobuf::Message& message);
 
-// INVALID_ARGUMENT for what cannot be parsed.
+// Returns INVALID_ARGUMENT for a message that cannot be parsed.
 absl::Status UnreadableMessage(const google::protobuf::Message& message);
 
-// For the log, of a call that is broken and whose client seemed to have sent too little.
+// The status in the log for a broken call whose client seemed to have sent too little.
 absl::Status BrokenRead(const Limits& limits);
 
-// The status as it is sent. For one that is not OK, before it is sent: a client that retries by itself is told when to,
-// or (-1) that it is of no use.
+// Returns the status as it is sent. Call it before an error is sent: it tells clients that retry by themselves when to
+// retry, or that a retry is pointless (-1).
 grpc::Status StatusForClient(const absl::Status& status, grpc::CallbackServerContext& context);
 
-// Why gRPC has cancelled the call.
+// Returns the reason why gRPC has cancelled the call.
 absl::Status CancellationOf(const grpc::CallbackServerContext& context);
 
-// Why a call ends whose client has neither sent nor taken anything for `patience`.
+// The status of a call whose client has neither sent nor taken anything for `patience`.
 absl::Status StalledClient(absl::Duration patience);
 
-// Cancels a call from a thread that does not know whether it is over. Not on gRPC's threads.
+// Cancels a call from a thread that does not know whether the call is over. Do not use it on gRPC's threads.
 class CallCanceller {
  public:
   explicit CallCanceller(grpc::CallbackServerContext& context) : context_(context) {}
-  // The client gets code and message once it has taken what was written; details it gets none.
+  // The client gets code and message once it has taken the messages written before, but no details.
   void Cancel(const absl::Status& status);
-  // At the beginning of OnDone, after which the context is gone.
+  // Call it at the beginning of OnDone; afterwards the context is gone.
   void Over() {
     const std::lock_guard lock(mu_);
     over_ = true;

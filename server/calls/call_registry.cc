@@ -42,7 +42,7 @@ void CallRegistry::Move(Entry& entry, State state) {
   entry.state = state;
 }
 
-// A paused call counts as before: it comes back without being admitted again.
+// A paused call counts as before, because it comes back without another admission.
 absl::Status CallRegistry::CheckRoom(const std::string& client, uint32_t max_jobs_of_client) const {
   if (closed_) return Stopping();
   const uint64_t limit = uint64_t{limits_.max_jobs} + limits_.max_queued_jobs;
@@ -91,7 +91,7 @@ void CallRegistry::Pause(const LiveCall* call) {
   GiveTurns();
 }
 
-// The call whose turn it is, now at work, or null.
+// Returns the call that has the next turn, and counts it as working; or null.
 std::shared_ptr<LiveCall> CallRegistry::NextTurnLocked() {
   if (counts_[kWorking] >= limits_.max_jobs) return nullptr;
   const auto rank = [&](const Entry& entry) {
@@ -136,7 +136,7 @@ void CallRegistry::Vacate(const LiveCall* call) {
 }
 
 void CallRegistry::Remove(const LiveCall* call) {
-  std::shared_ptr<LiveCall> removed;  // dies after the lock is released
+  std::shared_ptr<LiveCall> removed;  // destroyed after the lock is released
   {
     const std::lock_guard lock(mu_);
     const auto found = calls_.find(call);
@@ -168,7 +168,7 @@ void CallRegistry::Close() {
   StopWaitingIfClosed();
 }
 
-// They would do better elsewhere.
+// Stops waiting calls: another server can take them sooner.
 void CallRegistry::StopWaitingIfClosed() {
   const auto in_vain = [this](const Entry& entry) { return closed_ && entry.state == kWaiting; };
   for (const auto& call : Select(in_vain)) call->Stop(Stopping());

@@ -1,4 +1,4 @@
-// The calls in progress: admission before work starts, whose turn it is, and the drain when the server stops.
+// The calls in progress: their admission, their turns, and the drain when the server stops.
 #ifndef LATVOX_SERVER_CALLS_CALL_REGISTRY_H_
 #define LATVOX_SERVER_CALLS_CALL_REGISTRY_H_
 
@@ -22,59 +22,61 @@ class LiveCall {
   virtual ~LiveCall() = default;
   // Ends the call early with `status`. Returns at once; the call leaves the registry when it is over.
   virtual void Stop(const absl::Status& status) = 0;
-  // The turn that the call has waited for has come, the first or another. Returns at once.
+  // The call's turn has come, the first or another. Returns at once.
   virtual void Work() = 0;
-  // Comes now and then. Ends the call if its client has neither sent nor taken anything for `patience`.
+  // Called regularly. Ends the call if its client has neither sent nor taken anything for `patience`.
   virtual void EndIfStalled(absl::Duration patience) = 0;
 };
 
 struct CallLimits {
   uint32_t max_jobs = 0;             // at work at once
   uint32_t max_queued_jobs = 0;      // that receive their input, wait for their turn, or are paused
-  uint32_t max_jobs_per_client = 0;  // either, of one client
+  uint32_t max_jobs_per_client = 0;  // both kinds, for one client
 };
 
-// Thread-safe. A call is admitted, receives its input, waits for its turn, works, and vacates its place; in between it
-// may pause and wait for another turn, as often as it likes, for it keeps its place. Turns are given to the client that
-// has the fewest calls at work. Of its calls, and among equals, now to one that is new, now to one that comes back: at
-// the end of one line for all, a stream would wait at each of its pauses as long as a new call; in a line before all,
-// many streams would shut new calls out. Of either kind the one that waits longest is next.
+// Thread-safe. A call is admitted, receives its input, waits for its turn, works, and vacates its place. In between it
+// may pause and wait for another turn, as often as it likes, because it keeps its place.
+//
+// The client with the fewest calls at work gets the next turn. Among its calls, and among equal clients, turns
+// alternate between a new call and a returning one. With one queue for all, a stream would wait as long as a new call
+// at each of its pauses. With returning calls first, many streams would shut new calls out. Within each kind, the call
+// that has waited longest is next.
 class CallRegistry {
  public:
   explicit CallRegistry(const CallLimits& limits) : limits_(limits) {}
 
-  // Takes a share in `call`, which is `client`'s, until Remove. Errors, all with a retry delay: RESOURCE_EXHAUSTED if
-  // there are too many calls, or too many of this client; UNAVAILABLE after Close.
-  //   max_jobs_of_client   of this very client, if it is less than that of all; 0: it is not
+  // Takes a share in `call` of `client`, until Remove. Errors, all with a retry delay: RESOURCE_EXHAUSTED if there are
+  // too many calls, or too many of this client; UNAVAILABLE after Close.
+  //   max_jobs_of_client   this client's own limit, if it is lower than that of all clients; 0: it has none
   absl::Status Admit(std::shared_ptr<LiveCall> call, const std::string& client, uint32_t max_jobs_of_client = 0);
 
-  // The call is ready to work: has Work() called once its turn has come, which may be at once. Once for each call, and
+  // The call is ready to work. Calls Work() once its turn has come, possibly at once. Call it once for each call, and
   // once after each Pause.
   void AwaitTurn(const LiveCall* call);
 
-  // The call has nothing to do until its client has taken what there is: its turn, if it has or awaits one, is
-  // another's.
+  // The call has nothing to do until its client takes the messages so far. Another call gets its turn, or its place in
+  // the line.
   void Pause(const LiveCall* call);
 
-  // The call's work is over and only its status has to reach the client: its place is free. Before the client can know
-  // the status, so that one which runs max_jobs calls at a time is never refused.
+  // The call's work is over, and only its status has to reach the client: its place is free. Call it before the client
+  // can see the status, so that a client with max_jobs calls at a time is never refused.
   void Vacate(const LiveCall* call);
 
-  // The call is over. Does nothing for a call that was not admitted.
+  // The call is over. Ignores a call that was not admitted.
   void Remove(const LiveCall* call);
 
-  // Admits no more calls, and stops those that wait for their first turn, now or later.
+  // Admits no more calls, and stops calls that wait for their first turn, now or later.
   void Close();
 
-  // Stops all calls, as UNAVAILABLE with a retry delay.
+  // Stops all calls with UNAVAILABLE and a retry delay.
   void StopAll();
 
   void EndStalled(absl::Duration patience);
 
-  // Blocks until no call is in progress, or for `timeout`; returns whether none is. Not for gRPC's threads.
+  // Blocks until no call is in progress, or for `timeout`; returns whether none is. Do not use it on gRPC's threads.
   bool WaitUntilEmpty(absl::Duration timeout);
 
-  // Calls in progress; of these, at work; those that receive their input or wait for their turn; and those paused.
+  // The numbers of calls in progress; at work; receiving input or waiting for a turn; paused.
   size_t size() const;
   size_t working() const;
   size_t queued() const;
@@ -86,7 +88,7 @@ class CallRegistry {
     std::shared_ptr<LiveCall> call;
     std::string client;
     State state = kReceiving;
-    uint64_t ticket = 0;  // the order of waiting
+    uint64_t ticket = 0;  // the order in the line
   };
   struct Client {
     uint32_t jobs = 0, working = 0;
@@ -108,10 +110,10 @@ class CallRegistry {
   std::condition_variable empty_;
   // All below is guarded by mu_.
   std::unordered_map<const LiveCall*, Entry> calls_;
-  std::unordered_map<std::string, Client> clients_;  // those that have jobs
-  std::array<uint32_t, kStates> counts_{};           // of calls in each state
+  std::unordered_map<std::string, Client> clients_;  // clients with jobs
+  std::array<uint32_t, kStates> counts_{};           // the number of calls in each state
   uint64_t tickets_ = 0;
-  bool new_is_next_ = false;  // rather than one that comes back
+  bool new_is_next_ = false;  // a new call is next, rather than a returning one
   bool closed_ = false;
 };
 

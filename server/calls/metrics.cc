@@ -31,7 +31,7 @@ const prometheus::Histogram::BucketBoundaries& Buckets() {
   return buckets;
 }
 
-// Values that are read when they are asked for.
+// Values that are read on request.
 class Readings final : public prometheus::Collectable {
  public:
   void Add(MetricType type, const std::string& name, const std::string& help, Metrics::Read read,
@@ -86,8 +86,8 @@ class Everything final : public prometheus::Collectable {
   Readings readings;
 };
 
-// What the server turns away or gives up. Not what the client or its deadline ends, nor a defect of ours, nor that a
-// mesh is not kept: that is the answer to a question.
+// Counts calls that the server refuses or gives up. It does not count calls that the client or its deadline ends,
+// defects of our own, or NOT_FOUND for a mesh that is not stored, which answers a question.
 bool IsRejection(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
@@ -132,7 +132,7 @@ struct Metrics::Families {
 
   Families() { StartAtZero(); }
 
-  // All that can be counted is there from the start: of what appears with its first event, rate() does not see that.
+  // Creates every counter at 0, because rate() does not see the first event of a counter that appears with it.
   void StartAtZero() {
     const google::protobuf::ServiceDescriptor& service = *v1::VoxelizeRequest::descriptor()->file()->service(0);
     for (int n = 0; n < service.method_count(); ++n) {

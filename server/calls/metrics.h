@@ -1,4 +1,4 @@
-// What the server counts, for Prometheus. Names: https://prometheus.io/docs/practices/naming
+// The server's metrics, for Prometheus. Names: https://prometheus.io/docs/practices/naming
 #ifndef LATVOX_SERVER_CALLS_METRICS_H_
 #define LATVOX_SERVER_CALLS_METRICS_H_
 
@@ -15,9 +15,9 @@ class Collectable;
 
 namespace latvox {
 
-// Thread-safe; Record takes locks for an instant only.
+// Thread-safe; Record holds locks briefly.
 //
-// What somebody else counts is read when it is asked for, in one line:
+// Other objects' figures are read on request, by one line:
 //   metrics.AddGauge("latvox_jobs_queued", "Jobs that wait for their turn.", [&] { return registry.queued(); });
 class Metrics {
  public:
@@ -29,18 +29,18 @@ class Metrics {
   Metrics(const Metrics&) = delete;
   Metrics& operator=(const Metrics&) = delete;
 
-  // Counts a call that is over.
+  // Counts a finished call.
   void Record(const RequestRecord& record);
 
-  // `read` must be thread-safe, quick, and callable until this object dies. Several with one name differ in their
+  // `read` must be thread-safe, quick, and callable until this object dies. Gauges with the same name differ in their
   // labels. A counter never falls.
   void AddGauge(const std::string& name, const std::string& help, Read read, const Labels& labels = {});
   void AddCounter(const std::string& name, const std::string& help, Read read, const Labels& labels = {});
 
-  // All, for who serves them.
+  // All metrics, for a server of metrics.
   std::shared_ptr<prometheus::Collectable> collectable() const;
 
-  // All, in Prometheus's text format.
+  // All metrics, in Prometheus's text format.
   std::string Text() const;
 
  private:

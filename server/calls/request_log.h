@@ -1,4 +1,4 @@
-// The one line that the log has of each request.
+// The log's one line for each request.
 #ifndef LATVOX_SERVER_CALLS_REQUEST_LOG_H_
 #define LATVOX_SERVER_CALLS_REQUEST_LOG_H_
 
@@ -18,16 +18,16 @@ namespace latvox {
 struct RequestRecord {
   CallOrigin origin;
   absl::Status status;
-  std::string lattice;  // empty: there was no good specification
+  std::string lattice;  // empty: the specification was not valid
   int separability = 0;
-  std::variant<std::monostate, ComputationFacts, PixelizationFacts> work;  // none: it did not come to that
-  uint64_t bytes_in = 0;                                                   // encoded mesh; of Pixelize the message
+  std::variant<std::monostate, ComputationFacts, PixelizationFacts> work;  // none: the call did not reach its work
+  uint64_t bytes_in = 0;                                                   // encoded mesh; for Pixelize the message
   uint64_t bytes_out = 0;                                                  // messages
   double total_ms = 0;
-  std::optional<double> upload_ms, queue_ms;  // if there was such a stage, and the call came to its end
+  std::optional<double> upload_ms, queue_ms;  // for a stage that the call went through to its end
 };
 
-// At `level`; errors that are ours, at level error.
+// Writes at `level`; writes our own errors at level error.
 void LogRequest(const RequestRecord& record, LogLevel level = LogLevel::kInfo);
 
 }  // namespace latvox

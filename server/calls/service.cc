@@ -89,7 +89,8 @@ grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::Cal
 grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext* context,
                                                      const v1::PixelizeRequest* request,
                                                      v1::PixelizeResponse* response) {
-  DropUnknownFields(const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: it waits for its turn with them
+  DropUnknownFields(
+      const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: the call waits for its turn with them
   CallOrigin origin = OriginOf("Pixelize", *context);
   if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
     return new FailedCall<grpc::ServerUnaryReactor>(status);
@@ -103,7 +104,7 @@ grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContext* context,
                                                       const v1::GetLimitsRequest* request,
                                                       v1::GetLimitsResponse* response) {
-  // gRPC keeps the request, which is its own and no constant, until the client has taken the answer.
+  // gRPC keeps the request, which is its own and not constant, until the client has taken the answer.
   DropUnknownFields(const_cast<v1::GetLimitsRequest&>(*request));
   CallOrigin origin = OriginOf("GetLimits", *context);
   const grpc::Status status = Admit(*context, origin);
@@ -112,7 +113,7 @@ grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContex
     RequestRecord record;
     record.origin = std::move(origin);
     record.bytes_out = response->ByteSizeLong();
-    LogRequest(record, LogLevel::kDebug);  // that often, and that little
+    LogRequest(record, LogLevel::kDebug);  // such calls are frequent and cheap
     environment_.metrics.Record(record);
   }
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();

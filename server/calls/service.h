@@ -1,4 +1,4 @@
-// latvox.v1.Voxelizer on gRPC's callback API: who calls, and what takes care of the call.
+// latvox.v1.Voxelizer on gRPC's callback API: authenticates callers, and makes a reactor for each call.
 #ifndef LATVOX_SERVER_CALLS_SERVICE_H_
 #define LATVOX_SERVER_CALLS_SERVICE_H_
 
@@ -27,17 +27,17 @@ class VoxelizerService final : public v1::Voxelizer::CallbackService {
                                       v1::GetLimitsResponse* response) override;
 
  private:
-  // What is known of a call before its first message. Answers its trace context, if it has one.
+  // Returns the facts about a call that are known before its first message. Answers its trace context, if it has one.
   CallOrigin OriginOf(const char* method, grpc::CallbackServerContext& context);
 
-  // Whether the call may go on; then, `origin` has the caller. If not, logs it.
+  // Returns whether the call may go on, and then sets the caller in `origin`. Logs a refusal.
   grpc::Status Admit(const grpc::CallbackServerContext& context, CallOrigin& origin) const;
 
   CallEnvironment EnvironmentFor(const Caller& caller) const;
 
   const CallEnvironment environment_;
   const Authenticator& authenticator_;
-  const std::string run_id_;  // random, so that request ids of different runs and servers differ
+  const std::string run_id_;  // random, so that request ids differ between runs and servers
   std::atomic<uint64_t> requests_ = 0;
 };
 

@@ -8,7 +8,7 @@
 namespace latvox {
 namespace {
 
-// Why the file has no say in the log level; empty: it has.
+// Returns the reason why the file does not decide the log level; empty: it does.
 std::string WhyLogLevelIsFixed(const Configuration& configuration) {
   if (configuration.file.empty()) return "there is no configuration file";
   const auto is_log_level = [](const Setting& setting) { return setting.name == "log-level"; };

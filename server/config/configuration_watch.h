@@ -1,4 +1,4 @@
-// The configuration file while the server runs.
+// Watches the configuration file while the server runs.
 #ifndef LATVOX_SERVER_CONFIG_CONFIGURATION_WATCH_H_
 #define LATVOX_SERVER_CONFIG_CONFIGURATION_WATCH_H_
 
@@ -12,26 +12,26 @@
 
 namespace latvox {
 
-// Puts into force what can change while the server runs, which is the log level. The rest of a changed file is named in
-// the log, and waits for a new start. Thread-safe.
+// Applies changes that are possible in a running server: the log level. Logs the names of other changed options, which
+// wait for a restart. Thread-safe.
 class ConfigurationWatch {
  public:
-  // For the program's arguments, which have to outlive it.
+  // For the program's arguments, which must outlive it.
   ConfigurationWatch(int argc, const char* const* argv, const Configuration& started_with);
 
-  // From now on, also whenever the file changes. Once.
+  // Watches the file from now on. Call it once.
   void Follow() { watch_.Start(); }
 
-  // Reads the file again. If it is wrong, which is logged, nothing changes. If the log level is not the file's to say,
-  // that is logged as well, at a level that is written. Returns whether the file was good.
+  // Reads the file again. If the file is wrong, logs that, and changes nothing. If a flag or variable decides the log
+  // level, logs that as well, at a visible level. Returns whether the file was valid.
   bool Reload();
 
  private:
   const int argc_;
   const char* const* const argv_;
   const std::vector<Setting> started_with_;
-  std::mutex mu_;    // one reads at a time
-  FileWatch watch_;  // the first to go: it calls the others
+  std::mutex mu_;    // one thread reads at a time
+  FileWatch watch_;  // destroyed first, because it calls the others
 };
 
 }  // namespace latvox

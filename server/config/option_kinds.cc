@@ -12,13 +12,13 @@
 namespace latvox {
 namespace {
 
-// Empty if it is not set.
+// Empty if the variable is not set.
 std::string FromEnvironment(absl::string_view flag) {
   const char* value = std::getenv(EnvironmentName(flag).c_str());
   return value == nullptr ? "" : value;
 }
 
-// What would be taken otherwise: -1 for 2^64 - 1, and 010 for 8.
+// Refuses numbers that the library would misread: -1 as 2^64 - 1, and 010 as 8.
 std::string CheckWithoutSign(const std::string& text) {
   const bool is_number = !text.empty() && absl::ascii_isdigit(static_cast<uint8_t>(text[0]));
   const bool is_octal_or_hexadecimal = text.size() > 1 && text[0] == '0' && absl::StrContains("0123456789xX", text[1]);
@@ -125,7 +125,7 @@ OptionRow Switch(const std::string& flag, bool& value, const std::string& help) 
   return Row(flag, &value, help, "false");
 }
 
-// The library that parses does not look at the environment for the file's own name.
+// The library does not read the environment for the file's own name.
 void AddConfigurationFile(CommandParser& parser) {
   parser.ReadFile("--config", FromEnvironment("--config"),
                   absl::StrCat("Configuration file (TOML) with the options' long names as keys (",

@@ -1,4 +1,4 @@
-// The kinds of options that latvoxd has, as rows of a table. Each is a flag, an environment variable and a key of the
+// The kinds of latvoxd's options, as rows of a table. Each option is a flag, an environment variable and a key of the
 // configuration file: --max-jobs, LATVOX_MAX_JOBS, max-jobs.
 #ifndef LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
 #define LATVOX_SERVER_CONFIG_OPTION_KINDS_H_
@@ -22,17 +22,17 @@ OptionRow Text(const std::string& flag, std::string& value, const std::string& h
 OptionRow File(const std::string& flag, std::string& path, const std::string& help);
 OptionRow Address(const std::string& flag, std::string& value, const std::string& help);
 
-// Several texts, each time or with commas between them.
+// Several texts, given one by one or with commas between them.
 OptionRow Texts(const std::string& flag, std::vector<std::string>& values, const std::string& help);
 
-// A whole number from 0 on.
+// A whole number, 0 or more.
 OptionRow Number(const std::string& flag, uint64_t& value, const std::string& help);
 OptionRow Number(const std::string& flag, uint32_t& value, const std::string& help);
 
-// The same from 0 to `most`.
+// A whole number from 0 to `most`.
 OptionRow NumberTo(int most, const std::string& flag, int& value, const std::string& help);
 
-// A number of bytes, as 1073741824 or 1GiB, or 0.
+// A number of bytes, such as 1073741824 or 1GiB, or 0.
 OptionRow Bytes(const std::string& flag, uint64_t& value, const std::string& help);
 
 // The same number, but not 0.
@@ -41,7 +41,7 @@ OptionRow AtLeastOne(OptionRow row);
 // A number of seconds from `least` to a day.
 OptionRow Seconds(const std::string& flag, double least, absl::Duration& value, const std::string& help);
 
-// One of some words. `value` must be that of one of them.
+// One of several words. `value` must have the value of one of them.
 template <class T>
 OptionRow Choice(const std::string& flag, const std::vector<std::pair<std::string, T>>& choices, T& value,
                  const std::string& help) {
@@ -58,10 +58,10 @@ OptionRow Choice(const std::string& flag, const std::vector<std::pair<std::strin
   return row;
 }
 
-// Off unless given.
+// Off by default.
 OptionRow Switch(const std::string& flag, bool& value, const std::string& help);
 
-// Adds --config; the file stands below the environment, and must exist if it is named.
+// Adds --config. The environment overrides the file. A file that is named must exist.
 void AddConfigurationFile(CommandParser& parser);
 
 }  // namespace latvox

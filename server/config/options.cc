@@ -15,7 +15,7 @@ namespace {
 
 using Rows = std::vector<OptionRow>;
 
-// With their group on the first.
+// Sets the group of the first row.
 Rows Grouped(const char* group, Rows rows) {
   rows.front().group = group;
   return rows;
@@ -40,7 +40,7 @@ Rows LimitRows(Limits& limits) {
   };
 }
 
-// In the group of limits, too.
+// These belong to the group of limits, too.
 Rows MemoryRows(ServerOptions& server) {
   OptionRow memory =
       Bytes("--memory-budget", server.memory_bytes,
@@ -159,7 +159,7 @@ void AddOptions(CommandParser& parser, ProgramOptions& options) {
   parser.Add(Grouped("Options", ParentRows(options)));
 }
 
-// What reads the command line, and what it fills.
+// Reads the command line, and holds the results.
 struct Parser {
   Configuration configuration;
   CommandParser parser{"latvoxd: voxelizes triangle meshes on lattices, as a gRPC service", "latvoxd"};
@@ -172,11 +172,11 @@ struct Parser {
     if (!page.empty()) return page;
     ServerOptions& server = configuration.options.server;
     server.shares_memory = configuration.options.exit_with_parent;
-    // A single client's job is not to wait for other programs.
+    // A single client's job must not wait for other programs.
     if (configuration.options.exit_with_parent) server.bulk_niceness = 0;
     configuration.file = parser.file();
     configuration.settings = SettingsOf(parser.States(), configuration.file);
-    configuration.misspelt = MisspeltVariables(parser.States());
+    configuration.misspelled = MisspelledVariables(parser.States());
     return "";
   }
 };

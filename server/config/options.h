@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "core/base/simd.h"
 #include "server/base/log.h"
-#include "server/config/misspelt_variables.h"
+#include "server/config/misspelled_variables.h"
 #include "server/config/settings.h"
 #include "server/listen/server.h"
 
@@ -23,23 +23,23 @@ struct ProgramOptions {
   Simd simd = Simd::kBest;
   absl::Duration grace = absl::Seconds(10);
   bool exit_with_parent = false;
-  int parent_pid = 0;         // of exit_with_parent; 0: of the process that started this one
-  bool check_config = false;  // tell the settings instead of serving
+  int parent_pid = 0;         // the parent for exit_with_parent; 0: the process that started this one
+  bool check_config = false;  // show the settings instead of serving
   bool man = false;           // print the manual instead
 };
 
 struct Configuration {
   ProgramOptions options;
-  std::vector<Setting> settings;  // the same, as text with their sources
-  std::vector<MisspeltVariable> misspelt;
+  std::vector<Setting> settings;  // the same options, as text with their sources
+  std::vector<MisspelledVariable> misspelled;
   std::string file;  // path of the configuration file; empty: there is none
 };
 
-// The command line wins over the environment (LATVOX_LISTEN and so on), and that over the file. On --help, --version or
-// wrong usage, says so on standard output or error and returns the exit status instead: 0, or 2.
+// The command line overrides the environment (LATVOX_LISTEN and so on), which overrides the file. For --help, --version
+// or wrong usage, prints to standard output or error, and returns the exit status instead: 0, or 2.
 std::variant<Configuration, int> ParseOptions(int argc, const char* const* argv);
 
-// The same again, for the file may have changed. INVALID_ARGUMENT instead of an exit status.
+// Does the same again, because the file may have changed. Returns INVALID_ARGUMENT instead of an exit status.
 absl::StatusOr<Configuration> ReadOptionsAgain(int argc, const char* const* argv);
 
 }  // namespace latvox

@@ -11,7 +11,7 @@
 namespace latvox {
 namespace {
 
-// Those that tell instead of set.
+// Options that show something instead of setting it.
 bool Tells(const std::string& name) {
   return name == "help" || name == "version" || name == "man" || name == "check-config";
 }
@@ -27,7 +27,7 @@ Reload ReloadOf(const std::string& name) {
 std::string Literal(const std::string& text) {
   double number = 0;
   if (text == "true" || text == "false" || absl::SimpleAtod(text, &number)) return text;
-  // The configuration file's reader knows no escapes, but two kinds of quotes.
+  // The reader of the configuration file knows no escapes, but two kinds of quotes.
   const char* quote = absl::StrContains(text, '"') ? "'" : "\"";
   return absl::StrCat(quote, text, quote);
 }

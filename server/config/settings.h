@@ -1,4 +1,4 @@
-// What is in force of an application's options, and where it came from.
+// The options in force, and their sources.
 #ifndef LATVOX_SERVER_CONFIG_SETTINGS_H_
 #define LATVOX_SERVER_CONFIG_SETTINGS_H_
 
@@ -9,31 +9,31 @@
 
 namespace latvox {
 
-// What a changed file, or a signal SIGHUP, does to an option of a running server.
+// The effect of a changed file, or of SIGHUP, on an option of a running server.
 enum class Reload {
-  kNo,       // nothing
-  kValue,    // the configuration file's new value holds
-  kContent,  // the file that it names is read again, as it is whenever that changes
+  kNo,       // no effect
+  kValue,    // the new value of the configuration file holds
+  kContent,  // the named file is read again, as after every change
 };
 
 struct Setting {
   std::string name;    // long name of the option, without dashes
-  std::string value;   // as the configuration file would have it; empty: not set
+  std::string value;   // in the form of the configuration file; empty: not set
   std::string source;  // "flag", "environment NAME", "file PATH" or "default"
   Reload reload = Reload::kNo;
 };
 
-// Whether the configuration file has a say in it: neither a flag nor a variable of the environment wins over it.
+// Whether the configuration file decides the option: no flag and no environment variable overrides it.
 bool FileDecides(const Setting& setting);
 
-// All options but --help, --version and the like, in the order they were added.
+// Returns all options except --help, --version and the like, in the order of their addition.
 //   file   path of the configuration file, or ""
 std::vector<Setting> SettingsOf(const std::vector<OptionState>& options, const std::string& file);
 
-// A configuration file that has all of `settings`, with their sources as comments.
+// Returns a configuration file with all of `settings`, and their sources as comments.
 std::string ToToml(const std::vector<Setting>& settings);
 
-// Names of those that differ and that only a new start can change. Both from the same options.
+// Returns the names of options that differ and that only a restart changes. Both arguments come from the same options.
 std::vector<std::string> ChangedForRestart(const std::vector<Setting>& before, const std::vector<Setting>& after);
 
 }  // namespace latvox

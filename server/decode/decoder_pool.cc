@@ -15,11 +15,11 @@
 namespace latvox {
 namespace {
 
-// Take some 50 ms to decode.
+// Meshes of this size take some 50 ms to decode.
 constexpr size_t kLargeBytes = size_t{1} << 20;
 constexpr uint64_t kLargeTriangles = uint64_t{1} << 18;
 
-// Then waiting for a process is of no use: some seconds have gone by.
+// After so many failures in a row, several seconds have passed, and it is useless to wait for a process.
 constexpr int kHopelessFailures = 6;
 
 absl::Status Cancelled() { return absl::CancelledError("the decode was cancelled"); }
@@ -28,7 +28,7 @@ absl::Status CannotStart(const std::string& why) {
   return absl::UnavailableError(absl::StrCat("no decoder process can be started: ", why));
 }
 
-// A file of a kilobyte may have millions of triangles. One that does not tell waits with the large ones.
+// A file of a kilobyte may have millions of triangles. A file that does not declare its triangles counts as large.
 bool IsLarge(const absl::Cord& mesh) {
   const std::string head(mesh.Subcord(0, kDracoHeadBytes));
   return mesh.size() > kLargeBytes || DeclaredTriangles(head).value_or(kLargeTriangles) >= kLargeTriangles;
@@ -51,7 +51,7 @@ class DecoderPool::PooledDecode final : public Decoding {
 
  private:
   DecoderPool& pool_;
-  const std::weak_ptr<DecodeJob> job_;  // lives until its end
+  const std::weak_ptr<DecodeJob> job_;  // valid until its end
 };
 
 DecoderPool::DecoderPool(const DecoderOptions& options) : options_(options), wake_(eventfd(0, EFD_CLOEXEC)) {
@@ -135,7 +135,7 @@ void DecoderPool::Run() {
   slots_.clear();
 }
 
-// Until there is something to do.
+// Waits until there is something to do.
 void DecoderPool::Wait() {
   std::vector<pollfd> polls = {{wake_, POLLIN, 0}};
   absl::Time until = absl::InfiniteFuture();

@@ -25,8 +25,9 @@ absl::Status Failed(absl::string_view what, int error) {
   return absl::InternalError(absl::StrCat("cannot start a decoder process: ", what, ": ", std::strerror(error)));
 }
 
-// posix_spawn's two arguments for a process that begins with nothing of the server's but its end of the socket: no
-// files, no signal settings, no environment; and a group of its own, for what is typed at a terminal is for the server.
+// The two arguments of posix_spawn for a process that gets nothing of the server except its end of the socket: no
+// files, no signal settings, no environment. It has a process group of its own, because keys typed at a terminal are
+// for the server.
 class SpawnSetting {
  public:
   explicit SpawnSetting(int channel) {
@@ -111,7 +112,7 @@ DecoderProcess::~DecoderProcess() {
   if (pidfd_ >= 0) close(pidfd_);
 }
 
-// Until ReceiveEnd, the process id is this process's own, ended or not.
+// Until ReceiveEnd, the process id belongs to this process, whether it has ended or not.
 void DecoderProcess::Kill() {
   if (!ended_) kill(pid_, SIGKILL);
 }
@@ -122,7 +123,7 @@ std::optional<ProcessEnd> DecoderProcess::ReceiveEnd(int options) {
   siginfo_t info{};
   while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | options) != 0) {
     if (errno == EINTR) continue;
-    ended_ = true;  // somebody else has waited for it
+    ended_ = true;  // someone else has waited for it
     return ProcessEnd{};
   }
   if (info.si_pid == 0) return std::nullopt;

@@ -15,7 +15,7 @@
 namespace latvox {
 namespace {
 
-// Enough for every message of ours; a few of Draco's are a line long.
+// Enough for each of our messages; a few of Draco's are a line long.
 constexpr size_t kMaxErrorBytes = 1024;
 constexpr uint32_t kMaxQuantizationBits = 31;
 
@@ -27,7 +27,7 @@ std::optional<T> As(absl::string_view frame) {
   return value;
 }
 
-// Appends the elements to `out` unless they are no whole number, or more than are missing to `total`.
+// Appends the elements to `out`. Refuses a part of an element, and more elements than are missing to `total`.
 template <class T, class Allocator>
 bool Append(absl::string_view frame, size_t total, std::vector<T, Allocator>& out) {
   const size_t count = frame.size() / sizeof(T);
@@ -63,7 +63,7 @@ absl::Status DecodeError(absl::string_view frame) {
     parts.push_back(Printable(part));
   }
   parts.resize(std::max<size_t>(parts.size(), 6));
-  // A process that was taken over does not choose what is counted.
+  // A process that was taken over must not choose the reason that metrics count.
   if (parts[2] != "LIMIT_EXCEEDED" && parts[2] != "OUT_OF_MEMORY") parts[2] = "BAD_MESH";
   const bool exhausted = parts[0] == absl::StrCat(static_cast<int>(absl::StatusCode::kResourceExhausted));
   return MakeError(exhausted ? absl::StatusCode::kResourceExhausted : absl::StatusCode::kInvalidArgument, parts[1],

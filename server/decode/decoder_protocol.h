@@ -1,15 +1,15 @@
-// What the server and a decoder process say to each other, over one Unix stream socket. Host byte order: both are the
-// same program.
+// Messages between the server and a decoder process, over one Unix stream socket. They have the host's byte order,
+// because both are the same program.
 //
 //   server -> process, for each mesh:  DecodeRequest, then the encoded bytes
 //   process -> server, once:           kReady, or kError
 //   process -> server, for each mesh:  kMesh, kVertices, ..., kAttributes, ..., kTriangles, ..., kDone; or kError at
 //   any point
 //
-// A socket, not shared memory: what has been received can not change any more, a process can hold back no more than a
-// socket's buffer, and one that dies leaves no mapping behind to fault on. It is the fastest, too: 16 MB take 2.6 ms
-// through a socket, 4.5 through a pipe of 1 MiB, 6.5 by pwrite and pread of a memory file; and they are received while
-// the process works on what follows.
+// Why a socket, and not shared memory: received bytes cannot change any more, a process can hold back no more than a
+// socket's buffer, and a dead process leaves no mapping that faults. It is also the fastest way. 16 MB take 2.6 ms
+// through a socket, 4.5 ms through a pipe of 1 MiB, 6.5 ms by pwrite and pread of a memory file. And the server
+// receives them while the process works on the next ones.
 #ifndef LATVOX_SERVER_DECODE_DECODER_PROTOCOL_H_
 #define LATVOX_SERVER_DECODE_DECODER_PROTOCOL_H_
 
@@ -30,9 +30,9 @@
 namespace latvox {
 
 struct DecodeRequest {
-  uint64_t bytes;  // that follow
+  uint64_t bytes;  // the length of the encoded mesh that follows
   uint64_t max_triangles, max_vertices;
-  FieldList attributes;  // that are wanted
+  FieldList attributes;  // the requested ones
 };
 
 enum class FrameKind : uint32_t {
@@ -47,43 +47,43 @@ enum class FrameKind : uint32_t {
 
 struct FrameHeader {
   FrameKind kind;
-  uint32_t bytes;  // that follow: a multiple of 4, at most kMaxFrameBytes
+  uint32_t bytes;  // the length of the content: a multiple of 4, at most kMaxFrameBytes
 };
 
 struct ReadyFrame {
-  uint64_t address_space_bytes;  // what the process takes before it has decoded anything
+  uint64_t address_space_bytes;  // of the process before its first decode
 };
 
 struct MeshFrame {
   uint32_t vertices, triangles, quantization_bits;
 };
 
-// A MeshSink's largest piece. Small enough to stay in a core's own caches on the way.
+// A MeshSink's largest piece. It is small enough to stay in a core's own caches on the way.
 inline constexpr size_t kMaxFrameBytes = MeshSink::kMaxPiece * 12;
 
-// A status as the bytes of a frame, and back: code, message and cause. What comes back is INVALID_ARGUMENT or
-// RESOURCE_EXHAUSTED in printable ASCII, whatever the bytes are.
+// Converts a status to the bytes of a frame, and back: code, message and cause. Whatever the bytes are, the result is
+// INVALID_ARGUMENT or RESOURCE_EXHAUSTED in printable ASCII.
 std::string EncodeError(const absl::Status& status);
 absl::Status DecodeError(absl::string_view frame);
 
-// Puts a mesh together from a process that may have been taken over by a hostile file: it may send anything.
+// Assembles a mesh from a process that a hostile file may have taken over: it may send anything.
 class MeshReceiver {
  public:
-  //   wanted   what each vertex is to have, and nothing else
+  //   wanted   the attributes of each vertex, and no others
   explicit MeshReceiver(const Limits& limits, MeshDecoder::Reserve reserve = {}, const FieldList& wanted = {})
       : limits_(limits), reserve_(std::move(reserve)), wanted_(wanted) {}
 
   enum class Progress {
-    kMore,     // so far, so good
+    kMore,     // valid so far
     kDone,     // result() is complete
-    kRefused,  // there is no memory for the mesh: result() says why; the process goes on to send it
-    kBroken,   // this is not what a decoder of ours sends
+    kRefused,  // there is no memory for the mesh: result() has the reason; the process goes on to send it
+    kBroken,   // a correct decoder does not send this
   };
 
-  // Receives the next frame; `frame` is aligned to 4 bytes. Not after anything but kMore.
+  // Receives the next frame; `frame` is aligned to 4 bytes. Call it only after kMore.
   Progress Receive(FrameKind kind, absl::string_view frame);
 
-  // After kDone: the mesh, which CheckMesh accepts and which is within the limits, or the process's error.
+  // After kDone: the mesh, accepted by CheckMesh and within the limits, or the process's error.
   absl::StatusOr<DecodedMesh> result() &&;
 
  private:

@@ -28,7 +28,7 @@ bool SetLimit(__rlimit_resource resource, rlim_t limit) {
   return setrlimit(resource, &both) == 0;
 }
 
-// Raising it needs no privilege. Where /proc is not to be had, the kernel chooses by size alone.
+// Raises the process's score, which needs no privilege. Without /proc, the kernel chooses by size alone.
 void BeKilledFirst() {
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (file < 0) return;
@@ -49,14 +49,14 @@ absl::Status AddRules(scmp_filter_ctx filter, int channel) {
   for (const int call : {SCMP_SYS(read), SCMP_SYS(write), SCMP_SYS(writev)}) {
     note(allow(call, {SCMP_A0_64(SCMP_CMP_EQ, fd)}));
   }
-  // What malloc does.
+  // malloc's calls
   note(allow(SCMP_SYS(brk), {}));
   note(allow(SCMP_SYS(mmap), {SCMP_A2_64(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0),
                               SCMP_A3_64(SCMP_CMP_MASKED_EQ, MAP_ANONYMOUS, MAP_ANONYMOUS)}));
   note(allow(SCMP_SYS(mremap), {}));
   note(allow(SCMP_SYS(munmap), {}));
   note(allow(SCMP_SYS(madvise), {}));
-  // What pthread_once does at its end, such as in the first exception, though there is nobody to wake.
+  // pthread_once calls it at its end, for example in the first exception, although no thread waits.
   note(allow(SCMP_SYS(futex), {SCMP_A1_64(SCMP_CMP_EQ, FUTEX_WAKE_PRIVATE)}));
   note(allow(SCMP_SYS(exit_group), {}));
   if (error == 0) return absl::OkStatus();
@@ -74,7 +74,7 @@ uint64_t AddressSpaceInUse() {
 
 absl::Status LimitSelf(pid_t parent, uint64_t memory) {
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return Failed("PR_SET_PDEATHSIG");
-  if (getppid() != parent) return absl::InternalError("the server has ended");  // before prctl
+  if (getppid() != parent) return absl::InternalError("the server has ended");  // it ended before the call of prctl
   BeKilledFirst();
   if (prctl(PR_SET_DUMPABLE, 0) != 0) return Failed("PR_SET_DUMPABLE");
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return Failed("PR_SET_NO_NEW_PRIVS");

@@ -19,20 +19,20 @@ namespace {
 constexpr absl::Duration kStartTimeout = absl::Seconds(30);
 constexpr absl::Duration kFirstDelay = absl::Milliseconds(50), kLongestDelay = absl::Seconds(5);
 
-// A process that uses no CPU time, for it was stopped or taken over, is given up after this many times the CPU limit:
-// on a machine under load an honest one may take long, too.
+// A process that uses no CPU time, because it was stopped or taken over, is given up after this many times the CPU
+// limit. On a machine under load, an honest one may take long, too.
 constexpr int kWallPerCpu = 10;
 
-// A job is tried again by another process so often. One that was ended by someone else may have been ended by the
-// kernel, short of memory; one that crashed may have been corrupted by the mesh before.
+// The number of processes that may end during a job. A process killed by someone else may have been the kernel's choice
+// when memory was short. A process that crashed may have been corrupted by the mesh before.
 constexpr int kMostKilled = 5, kMostCrashed = 2;
 
-// What a decode may take of DecoderOptions::memory grows with what it has been sent: whatever a small file makes Draco
-// believe, it can not cost much. Real meshes need some hundred bytes a byte, the densest that there are 104 KiB.
+// The memory limit of a decode grows with the bytes sent to it. So a small file cannot cost much, whatever Draco
+// believes. Real meshes need some hundred bytes for a byte, the densest possible ones 104 KiB.
 constexpr uint64_t kSmallMemory = uint64_t{256} << 20, kMemoryPerByte = uint64_t{128} << 10;
 
 constexpr size_t kReceiveBytes = size_t{256} << 10;
-constexpr int kReceivesAtOnce = 4;  // then it is the other slots' turn
+constexpr int kReceivesAtOnce = 4;  // then the other slots have their turn
 constexpr size_t kSendBytesAtOnce = size_t{1} << 20;
 
 absl::Status TooSlow(absl::Duration limit) {
@@ -116,7 +116,7 @@ absl::Time DecoderSlot::next_timer() const {
 std::shared_ptr<DecodeJob> DecoderSlot::Serve() {
   if (state_ == State::kEmpty && absl::Now() >= start_at_) StartProcess();
   if (!process_) return nullptr;
-  // The end is looked for first: what was sent before it is then all there.
+  // The end is checked first: all messages sent before it are then complete.
   const std::optional<ProcessEnd> end = process_->ReceiveEnd();
   if (state_ != State::kEnding) {
     Send();
@@ -130,7 +130,7 @@ void DecoderSlot::Send() {
   for (size_t sent = 0; !unsent_.empty() && sent < kSendBytesAtOnce;) {
     const absl::string_view chunk = *unsent_.chunk_begin();
     const ssize_t taken = send(process_->channel(), chunk.data(), chunk.size(), MSG_NOSIGNAL);
-    if (taken < 0) return;  // no room now; or there is nobody any more, which Receive finds, too
+    if (taken < 0) return;  // no room now, or the process is gone, which Receive finds, too
     unsent_.RemovePrefix(static_cast<size_t>(taken));
     sent += static_cast<size_t>(taken);
   }
@@ -143,7 +143,7 @@ void DecoderSlot::Receive() {
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (got <= 0) {
       state_ = State::kEnding;
-      process_->Kill();  // if it has closed the socket and lives
+      process_->Kill();  // it may have closed the socket and still live
       return;
     }
     received_ += static_cast<size_t>(got);
@@ -151,7 +151,7 @@ void DecoderSlot::Receive() {
     try {
       good = HandleFrames();
     } catch (const std::bad_alloc&) {
-      return Abort(WithRetry(NoMemoryToDecode(), absl::Seconds(1)));  // the server's own memory
+      return Abort(WithRetry(NoMemoryToDecode(), absl::Seconds(1)));  // of the server itself
     }
     if (good) continue;
     LogTrouble("decoder_broken");
@@ -159,7 +159,7 @@ void DecoderSlot::Receive() {
   }
 }
 
-// Handles all whole frames in the buffer; what is left of another moves to the front. Returns false for nonsense.
+// Handles all whole frames in the buffer, and moves the rest to the front. Returns false for an invalid frame.
 bool DecoderSlot::HandleFrames() {
   const char* const buffer = reinterpret_cast<const char*>(buffer_.data());
   size_t at = 0;
@@ -220,7 +220,7 @@ void DecoderSlot::CheckTimes() {
   const absl::Time now = absl::Now();
   if (state_ == State::kBusy && now >= check_cpu_at_) {
     const absl::Duration left = options_.cpu_time - (process_->CpuTime() - cpu_at_begin_);
-    // A process of one thread uses no more of it than goes by.
+    // A process with a single thread uses no more CPU time than real time.
     check_cpu_at_ = now + std::max(left, absl::Milliseconds(1));
     if (left <= absl::ZeroDuration()) give_up_at_ = now;
   }
@@ -234,7 +234,7 @@ void DecoderSlot::CheckTimes() {
   Abort(TooSlow(options_.cpu_time));
 }
 
-// With the process, and what it is busy with.
+// Logs an event of the process, with its current job.
 void DecoderSlot::LogTrouble(absl::string_view event, const std::string& end) const {
   std::vector<LogField> fields = {{"pid", process_->pid()}};
   if (!end.empty()) fields.emplace_back("end", end);
@@ -251,7 +251,7 @@ std::shared_ptr<DecodeJob> DecoderSlot::HandleEnd(const ProcessEnd& end) {
   start_at_ = absl::InfinitePast();
   give_up_at_ = absl::InfiniteFuture();
   if (!ready_) Fail(failure_.empty() ? absl::StrCat("it ended with ", end.ToString()) : failure_);
-  // One that was killed here and has its job still was killed for talking nonsense.
+  // A process that was killed here and still has its job was killed for an invalid frame.
   return job_ ? HandleLostJob(killed_ || end.is_crash()) : nullptr;
 }
 

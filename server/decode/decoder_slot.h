@@ -1,5 +1,4 @@
-// One place of a decoder pool: a decoder process, and again another when that has ended, and the decode it is busy
-// with.
+// One place of a decoder pool: a decoder process, replaced when it ends, and its current decode.
 #ifndef LATVOX_SERVER_DECODE_DECODER_SLOT_H_
 #define LATVOX_SERVER_DECODE_DECODER_SLOT_H_
 
@@ -27,7 +26,7 @@ struct DecodeJob {
   MeshDecoder::Reserve reserve;
   MeshDecoder::Done done;
   bool is_large = false;  // takes some 50 ms or more
-  // Processes that ended while they had this job: by someone, and by themselves.
+  // Processes that ended during this job: killed by someone, and by themselves.
   int killed = 0, crashed = 0;
 };
 
@@ -36,44 +35,43 @@ struct DecoderCounters {
   std::atomic<uint64_t> decodes = 0, restarts = 0, crashes = 0, killed_for_time = 0, killed_for_memory = 0;
 };
 
-// Not thread-safe, but for what says so: for the pool's thread. Never blocks for longer than it takes to start a
-// process.
+// For the pool's thread; not thread-safe, except where stated. It blocks no longer than the start of a process takes.
 class DecoderSlot {
  public:
   DecoderSlot(const DecoderOptions& options, DecoderCounters& counters);
 
-  // Whether there is a process that waits for a job.
+  // Whether a process waits for a job.
   bool idle() const { return state_ == State::kIdle; }
   const std::shared_ptr<DecodeJob>& job() const { return job_; }
 
-  // Of the process; 0 if there is none. Thread-safe.
+  // The process's id; 0 if there is none. Thread-safe.
   pid_t pid() const { return pid_; }
 
-  // How often in a row a process could not be started, and why.
+  // The number of starts that failed in a row, and the last error.
   int failures() const { return failures_; }
   const std::string& failure() const { return failure_; }
 
-  // Hands `job` to the process. Precondition: idle().
+  // Gives `job` to the process. Precondition: idle().
   void Begin(std::shared_ptr<DecodeJob> job);
 
-  // Ends the job with `status`, and its process, which has no other way to stop.
+  // Ends the job with `status`, and kills its process, because nothing else stops it.
   void Abort(const absl::Status& status);
 
-  // What to poll for before the next Serve, and until when at the latest.
+  // Appends the events to poll for before the next Serve. Returns the latest time for it.
   void AppendPolls(std::vector<pollfd>& polls) const;
   absl::Time next_timer() const;
 
-  // Does what can be done now: starts a process, sends, receives, holds the process against its limits, notices its
-  // end. Returns a job that was lost with its process, to be done again by another.
+  // Does all that is possible now: starts a process, sends, receives, checks the process's limits, notices its end.
+  // Returns a job that was lost with its process, for another process.
   std::shared_ptr<DecodeJob> Serve();
 
  private:
   enum class State {
-    kEmpty,     // a process is started at start_at_
-    kStarting,  // until it says that it is ready
+    kEmpty,     // the next process starts at start_at_
+    kStarting,  // until the process says that it is ready
     kIdle,
     kBusy,
-    kEnding,  // killed, or has hung up
+    kEnding,  // killed, or has closed its socket
   };
 
   void StartProcess();
@@ -95,10 +93,11 @@ class DecoderSlot {
   State state_ = State::kEmpty;
   std::unique_ptr<DecoderProcess> process_;
   std::atomic<pid_t> pid_ = 0;           // for pid()
-  bool ready_ = false, killed_ = false;  // the process has said so; this has killed it
-  uint64_t idle_bytes_ = 0;              // of the process's address space
+  bool ready_ = false, killed_ = false;  // the process has said so; this slot has killed it
+  uint64_t idle_bytes_ = 0;              // of address space of the idle process
   absl::Time start_at_ = absl::InfinitePast();
-  absl::Time give_up_at_ = absl::InfiniteFuture();  // on a process that neither gets ready nor ends its job
+  absl::Time give_up_at_ =
+      absl::InfiniteFuture();  // end of patience with a process that neither gets ready nor ends its job
   int failures_ = 0, started_ = 0;
   std::string failure_;
 
@@ -109,7 +108,7 @@ class DecoderSlot {
   absl::Duration cpu_at_begin_;
   absl::Time check_cpu_at_ = absl::InfiniteFuture();
 
-  std::vector<uint32_t> buffer_;  // words, for frames are aligned to them
+  std::vector<uint32_t> buffer_;  // words, because frames are aligned to them
   size_t received_ = 0;           // bytes in buffer_
 };
 

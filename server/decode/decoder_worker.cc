@@ -19,21 +19,21 @@
 namespace latvox {
 namespace {
 
-constexpr int kLost = 1;  // exit status: the server is gone, or does not understand
+constexpr int kLost = 1;  // exit status: the server is gone, or has sent an invalid message
 
-// Memory that decodes have given back, to be used again: without, a quarter of the time of a large one goes into page
-// faults, half as much as all that isolation costs is won.
+// Keeps freed memory for later decodes. Without it, a large decode spends a quarter of its time on page faults. It wins
+// back half of the cost of isolation.
 void KeepMemory() {
   constexpr int kKeptBytes = 64 << 20;
   KeepHeap(kKeptBytes);
   KeepJobMemory(kKeptBytes / 2);
-  mallopt(M_ARENA_MAX, 1);  // at the limit of memory malloc would try another, by calls that are forbidden
+  mallopt(M_ARENA_MAX, 1);  // at the limit of memory, malloc would try another arena by forbidden system calls
 }
 
-// Nobody is left to be told.
+// There is nobody left to tell.
 [[noreturn]] void GiveUp() { _exit(kLost); }
 
-// Returns whether all came; false at the end of the stream.
+// Returns whether all bytes came; false at the end of the stream.
 bool ReadAll(void* to, size_t bytes) {
   char* at = static_cast<char*>(to);
   while (bytes > 0) {
@@ -85,7 +85,7 @@ void DecodeOne(const DecodeRequest& request) {
   const std::unique_ptr<char[]> bytes(new (std::nothrow) char[request.bytes]);
   if (!bytes) {
     SendError(NoMemoryToDecode());
-    GiveUp();  // what was sent is in the way of the next request
+    GiveUp();  // the parts sent so far are in the way of the next request
   }
   if (!ReadAll(bytes.get(), request.bytes)) GiveUp();
   SendingSink sink;
@@ -96,7 +96,7 @@ void DecodeOne(const DecodeRequest& request) {
   const absl::Status status = DecodeDraco(view, limits, request.attributes, sink);
   if (status.ok()) return Send(FrameKind::kDone, nullptr, 0);
   SendError(status);
-  if (IsOutOfMemory(status)) GiveUp();  // Draco does not promise to have given back what it had
+  if (IsOutOfMemory(status)) GiveUp();  // Draco does not promise to have freed its memory
 }
 
 absl::Status Confine(const char* const* arguments) {
@@ -124,7 +124,7 @@ std::optional<int> RunIfDecoderProcess(int argc, const char* const* argv) {
   const ReadyFrame ready{in_use};
   Send(FrameKind::kReady, &ready, sizeof(ready));
   for (DecodeRequest request; ReadAll(&request, sizeof(request));) DecodeOne(request);
-  // Without destructors: they may do what is forbidden now.
+  // Without destructors, because they may make system calls that are now forbidden.
   _exit(0);
 }
 

@@ -1,4 +1,4 @@
-// A decoder process, from inside: the server's own program, started anew by DecoderProcess.
+// A decoder process, seen from inside: the server's own program, started anew by DecoderProcess.
 #ifndef LATVOX_SERVER_DECODE_DECODER_WORKER_H_
 #define LATVOX_SERVER_DECODE_DECODER_WORKER_H_
 
@@ -6,16 +6,16 @@
 
 namespace latvox {
 
-// The first argument that makes the program a decoder process; not for people. Then follow the server's process id, the
-// bytes that a decode may take, and "confined" or, if it may do without where the system does
-// not allow it, "unconfined".
+// The first argument that makes the program a decoder process; it is not for people. Three more follow: the server's
+// process id, the bytes that a decode may take, and "confined". "unconfined" instead allows a process without
+// confinement where the system does not support it.
 inline constexpr char kDecoderArgument[] = "--decoder-process";
 
 // The file descriptor of its end of the socket.
 inline constexpr int kDecoderChannel = 3;
 
-// If the arguments say so, decodes what comes until the server hangs up, and returns the exit status. Call it first
-// thing in main, before there is a second thread, an open file or anything worth stealing.
+// If the arguments say so, decodes meshes until the server hangs up, and returns the exit status. Call it first in
+// main, before there is a second thread, an open file or a secret in memory.
 std::optional<int> RunIfDecoderProcess(int argc, const char* const* argv);
 
 }  // namespace latvox

@@ -8,7 +8,7 @@
 namespace latvox {
 namespace {
 
-// The attribute is the field: it was asked for.
+// Errors name the field of the request, because it asked for the attribute.
 template <class... Words>
 absl::Status Refuse(Field kind, const Words&... words) {
   return MakeError(absl::StatusCode::kInvalidArgument, absl::StrCat("attributes: ", words...),
@@ -38,7 +38,7 @@ absl::Status CheckKind(const draco::PointAttribute& attribute, Field kind) {
   return IsInteger(attribute.data_type()) ? absl::OkStatus() : Refuse(kind, NameOf(kind), " holds no integers");
 }
 
-// Whole numbers stand for their part of the largest; Draco divides by it.
+// A whole number stands for its part of the largest one; Draco divides by that.
 bool ReadColor(const draco::PointAttribute& attribute, draco::AttributeValueIndex value, uint32_t& out) {
   std::array<float, 3> color{};
   if (!attribute.ConvertValue<float>(value, 3, color.data())) return false;

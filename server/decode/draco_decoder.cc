@@ -21,7 +21,7 @@
 namespace latvox {
 namespace {
 
-// Decodes but for the dequantization of POSITION: with it done, the number of bits would be lost.
+// Decodes without the dequantization of POSITION, which would lose the number of bits.
 absl::StatusOr<std::unique_ptr<draco::Mesh>> RunDraco(absl::string_view bytes) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
@@ -52,8 +52,8 @@ bool IsQuantized(const draco::PointAttribute& attribute) {
   return transform != nullptr && transform->transform_type() == draco::ATTRIBUTE_QUANTIZATION_TRANSFORM;
 }
 
-// The positions of points, of whatever number type the attribute has. Undoes quantization, the step that Draco's
-// decoder was told to skip, as it does: without another copy of them all, and for all architectures alike.
+// Reads the positions of points, for all number types of attributes. It dequantizes like Draco's decoder, which was
+// told to skip that step: without another copy of all positions, and equally on all architectures.
 class PositionReader {
  public:
   static absl::StatusOr<PositionReader> Create(const draco::PointAttribute& positions, uint32_t points) {
@@ -150,13 +150,13 @@ absl::Status SendAttributes(const DracoAttributes& attributes, uint32_t points, 
   return SendPieces<uint32_t>(points * count, read, [&](absl::Span<const uint32_t> piece) { sink.Attributes(piece); });
 }
 
-// Decoders split points, so that the header's counts are not the last word.
+// Decoders split points, so the header's counts are not final.
 absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits, const FieldList& wanted) {
   if (mesh.num_faces() == 0) return BadMesh("no triangles");
   if (mesh.num_faces() > limits.max_triangles) {
     return LimitExceeded("mesh.triangles", mesh.num_faces(), limits.max_triangles);
   }
-  // All numbers of all vertices can be counted.
+  // The number of all vertices' attributes fits in 32 bits.
   const uint64_t most = std::min<uint64_t>(limits.max_vertices, UINT32_MAX / std::max(wanted.size(), 1U));
   if (mesh.num_points() > most) return LimitExceeded("mesh.vertices", mesh.num_points(), most);
   return absl::OkStatus();

@@ -1,4 +1,4 @@
-// Draco's triangle meshes, decoded here and now.
+// Decodes Draco's triangle meshes in this process.
 #ifndef LATVOX_SERVER_DECODE_DRACO_DECODER_H_
 #define LATVOX_SERVER_DECODE_DRACO_DECODER_H_
 
@@ -20,7 +20,7 @@ struct MeshSize {
   uint32_t vertices, triangles, quantization_bits;
 };
 
-// Takes a mesh piece by piece: Begin, all vertices, all attributes, all triangles. Pieces are not empty.
+// Receives a mesh in pieces: Begin, all vertices, all attributes, all triangles. No piece is empty.
 class MeshSink {
  public:
   static constexpr size_t kMaxPiece = 5460;  // elements; 64 KB
@@ -28,19 +28,18 @@ class MeshSink {
   virtual ~MeshSink() = default;
   virtual void Begin(const MeshSize& size) = 0;
   virtual void Vertices(absl::Span<const Vec3f> piece) = 0;
-  virtual void Attributes(absl::Span<const uint32_t> piece) = 0;  // as TriangleMesh::attributes
+  virtual void Attributes(absl::Span<const uint32_t> piece) = 0;  // in the form of TriangleMesh::attributes
   virtual void Triangles(absl::Span<const std::array<uint32_t, 3>> piece) = 0;
 };
 
-// Decodes one mesh into `sink`; if an error comes of it, what the sink has got is to be forgotten. Positions are the
-// very floats that Draco's own decoder gives out. Takes the time and the memory that the bytes make it take.
-// Errors: as MeshDecoder::Done.
+// Decodes one mesh into `sink`; after an error, the content of the sink is invalid. Positions are the same floats as
+// those of Draco's own decoder. The cost in time and memory is up to the bytes. Errors: as MeshDecoder::Done.
 absl::Status DecodeDraco(absl::string_view bytes, const Limits& limits, const FieldList& wanted, MeshSink& sink);
 
-// The same, all at once.
+// Does the same, and returns the whole mesh.
 absl::StatusOr<DecodedMesh> DecodeDraco(absl::string_view bytes, const Limits& limits, const FieldList& wanted = {});
 
-// RESOURCE_EXHAUSTED with the reason OUT_OF_MEMORY.
+// Returns RESOURCE_EXHAUSTED with the reason OUT_OF_MEMORY.
 absl::Status NoMemoryToDecode();
 bool IsOutOfMemory(const absl::Status& status);
 

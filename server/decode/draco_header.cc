@@ -59,7 +59,8 @@ absl::Status CheckSequential(draco::DecoderBuffer& buffer, uint64_t size, const 
   constexpr uint16_t kVarintSince = DRACO_BITSTREAM_VERSION(2, 2);
   if (!ReadCount(buffer, kVarintSince, faces) || !ReadCount(buffer, kVarintSince, points)) return Truncated();
   if (absl::Status status = CheckCounts(faces, points, limits); !status.ok()) return status;
-  // Draco's own decoder insists on three bytes a face. Points cost what their attributes' entropy coding makes of them.
+  // Draco's own decoder insists on three bytes a face. The cost of points depends on the entropy coding of their
+  // attributes.
   if (absl::Status status = CheckProportion("triangles", faces, size / 3); !status.ok()) return status;
   return CheckProportion("points", points, size * kMaxElementsPerByte);
 }
@@ -79,7 +80,7 @@ absl::Status CheckEdgebreaker(draco::DecoderBuffer& buffer, uint64_t size, const
   }
   const uint64_t all_points = uint64_t{points} + new_points;
   if (absl::Status status = CheckCounts(faces, all_points, limits); !status.ok()) return status;
-  // Each symbol makes one face, and a split symbol is a symbol; the decoder reserves a point for each split.
+  // Each symbol makes one face, and a split symbol is a symbol. The decoder reserves a point for each split.
   if (absl::Status status = CheckProportion("symbols", symbols, faces); !status.ok()) return status;
   if (absl::Status status = CheckProportion("split symbols", splits, symbols); !status.ok()) return status;
   if (absl::Status status = CheckProportion("attributes", extra_attributes, kMaxExtraAttributes); !status.ok()) {

@@ -1,4 +1,4 @@
-// The first bytes of a Draco file, read before its decoder may.
+// Checks the first bytes of a Draco file before its decoder reads them.
 #ifndef LATVOX_SERVER_DECODE_DRACO_HEADER_H_
 #define LATVOX_SERVER_DECODE_DRACO_HEADER_H_
 
@@ -11,25 +11,25 @@
 
 namespace latvox {
 
-// Most faces, and most points, that a byte of an edgebreaker file is believed to stand for.
+// The most faces, and the most points, for each byte of a valid edgebreaker file.
 //
-// There is no provable minimum: valence contexts and prediction residuals go through rANS, where a symbol that never
-// changes costs nothing. The densest files are flat grids aligned with the quantization: measured with Draco 1.5.5,
-// 4097 x 4097 points on 13 bits, 1371 faces a byte; real meshes stay below 10. Three times the densest still keeps a
-// file of some hundred bytes from claiming gigabytes (google/draco#1169: 61 bytes, 20 GB).
+// There is no provable minimum of bytes: valence contexts and prediction residuals go through rANS, where a symbol that
+// never changes costs nothing. The densest files are flat grids aligned with the quantization: with Draco 1.5.5, 4097 x
+// 4097 points on 13 bits have 1371 faces a byte. Real meshes stay below 10. Three times the densest still keeps a file
+// of some hundred bytes from claiming gigabytes (google/draco#1169: 61 bytes, 20 GB).
 inline constexpr uint64_t kMaxElementsPerByte = 4096;
 
-// Most attributes besides POSITION with a connectivity of their own; the decoder keeps tables over all corners for
+// The most attributes besides POSITION with a connectivity of their own. The decoder keeps tables over all corners for
 // each.
 inline constexpr uint32_t kMaxExtraAttributes = 16;
 
-// Checks that `bytes` begin like a Draco triangle mesh whose declared counts are within `limits` and in proportion to
-// the number of bytes. Says nothing about the rest.
-// Errors: INVALID_ARGUMENT (not Draco, not a mesh, truncated, counts out of proportion), RESOURCE_EXHAUSTED (counts
-// over `limits`).
+// Checks that `bytes` begin like a Draco triangle mesh, with declared counts within `limits` and in proportion to the
+// number of bytes. Does not check the rest. Errors: INVALID_ARGUMENT (not Draco, not a mesh, truncated, counts out of
+// proportion); RESOURCE_EXHAUSTED (counts over `limits`).
 absl::Status CheckDracoHeader(absl::string_view bytes, const Limits& limits);
 
-// How many triangles a Draco mesh declares in its first kDracoHeadBytes bytes, if they tell: not where metadata come
+// Returns the number of triangles that a Draco mesh declares in its first kDracoHeadBytes bytes. Returns nothing where
+// metadata come before it, and for bitstreams before 2.2. Reads nothing else, and trusts nothing.
 // before, or in bitstreams before 2.2. Reads nothing else, and believes nothing.
 inline constexpr size_t kDracoHeadBytes = 32;
 std::optional<uint64_t> DeclaredTriangles(absl::string_view head);

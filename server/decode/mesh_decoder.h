@@ -1,4 +1,4 @@
-// Encoded bytes -> triangle mesh: the seam behind which foreign bytes meet a codec.
+// Decodes foreign bytes to a triangle mesh: the interface between the server and a codec.
 #ifndef LATVOX_SERVER_DECODE_MESH_DECODER_H_
 #define LATVOX_SERVER_DECODE_MESH_DECODER_H_
 
@@ -17,34 +17,34 @@
 namespace latvox {
 
 struct DecodedMesh {
-  TriangleMesh mesh;               // CheckMesh(mesh) is OK; with the attributes that were wanted
+  TriangleMesh mesh;               // CheckMesh(mesh) is OK; it has the requested attributes
   uint32_t quantization_bits = 0;  // of POSITION; 0: not quantized
-  MeshExtent extent = {};          // ExtentOf(mesh), once a job has asked for it: for all jobs that get a kept mesh
+  MeshExtent extent = {};          // ExtentOf(mesh), after a job has asked for it: shared by all jobs with a kept mesh
 };
 
 struct EncodedMesh {
   absl::Cord bytes;
-  FieldList wanted;        // that the mesh must have
+  FieldList wanted;        // the attributes that the mesh must have
   std::string request_id;  // for the log
 };
 
-// A decode can be interrupted only by ending whoever does it, and can not be bounded in memory from the header alone: a
-// hostile file within all limits can still make a codec allocate gigabytes. So an implementation decodes elsewhere, in
-// a process of its own, and a decode is started here and ends in a callback: nobody waits for it.
+// A decode can be interrupted only by ending its process. The header alone does not bound its memory: a hostile file
+// within all limits can still make a codec allocate gigabytes. So an implementation decodes in a process of its own. A
+// decode is started here and ends in a callback, so nobody waits for it.
 //
 // Threads: all members, any thread, at the same time.
 class MeshDecoder {
  public:
-  // Takes the end of a decode. Runs on the decoder's thread, which serves all decodes: it must return soon.
-  // Errors: INVALID_ARGUMENT for bytes that are not one good mesh, or one without an attribute; RESOURCE_EXHAUSTED for
-  // a mesh over the limits, or over the memory or the time that a decode may take; CANCELLED after Cancel.
+  // Receives the result of a decode. It runs on the decoder's thread, which serves all decodes, so it must return soon.
+  // Errors: INVALID_ARGUMENT for bytes that are not one valid mesh, or a mesh without a requested attribute;
+  // RESOURCE_EXHAUSTED for a mesh over the limits, or over the memory or time of a decode; CANCELLED after Cancel.
   using Done = std::function<void(absl::StatusOr<DecodedMesh>)>;
 
-  // Asked before the decoded mesh takes memory; what is not OK ends the decode with it. Runs as Done does; may be asked
-  // again, if a decode has to be done again.
+  // Called before the decoded mesh takes memory; an error ends the decode with that error. It runs like Done, and may
+  // be called again if a decode is repeated.
   using Reserve = std::function<absl::Status(uint64_t triangles, uint64_t vertices)>;
 
-  // A decode that was started. Letting go of it does not cancel it.
+  // A started decode. Destroying it does not cancel the decode.
   class Decoding {
    public:
     virtual ~Decoding() = default;
@@ -54,8 +54,9 @@ class MeshDecoder {
 
   virtual ~MeshDecoder() = default;
 
-  // Returns at once, whatever the size: bytes are shared, not copied. `done` is called exactly once: not within Start
-  // or Cancel, so that both may be called under a lock that `done` takes, but maybe before Start has returned.
+  // Returns at once, whatever the size: it shares bytes, without a copy. Calls `done` exactly once. It does not call it
+  // within Start or Cancel, so both may be called under a lock that `done` takes. It may call it before Start has
+  // returned.
   virtual std::shared_ptr<Decoding> Start(EncodedMesh mesh, const Limits& limits, Reserve reserve, Done done) = 0;
 };
 

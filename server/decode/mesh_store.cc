@@ -16,7 +16,7 @@ MeshDigest DigestOf(const absl::Cord& bytes) { return *DigestOf(bytes, StopSigna
 
 std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, StopSignal stop) {
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
-  // None of these can fail but for want of memory.
+  // These calls can fail only without memory.
   bool ok = context != nullptr && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
   for (const absl::string_view chunk : bytes.Chunks()) {
     if (stop.Stopped()) return std::nullopt;

@@ -1,4 +1,4 @@
-// Meshes kept by their digest, so that many requests on one mesh upload it once, and decode it once or twice.
+// Keeps meshes by their digest, so that many requests on one mesh upload it once, and decode it once or twice.
 #ifndef LATVOX_SERVER_DECODE_MESH_STORE_H_
 #define LATVOX_SERVER_DECODE_MESH_STORE_H_
 
@@ -21,28 +21,28 @@
 
 namespace latvox {
 
-// SHA-256: whoever does not have a mesh cannot name it, nor put another one in its place.
+// SHA-256. Without the mesh, nobody can name it, or put another one in its place.
 using MeshDigest = std::array<uint8_t, 32>;
 
 MeshDigest DigestOf(const absl::Cord& bytes);
 
-// The same; nullopt soon after `stop` is stopped.
+// Does the same; returns nullopt soon after `stop` is stopped.
 std::optional<MeshDigest> DigestOf(const absl::Cord& bytes, StopSignal stop);
 
-// More than some milliseconds' worth of digesting.
+// The digest of a larger mesh takes more than some milliseconds.
 inline constexpr uint64_t kLargeMeshBytes = uint64_t{4} << 20;
 
-// The digest of a message's bytes field. INVALID_ARGUMENT unless it has 32 bytes.
+// Returns the digest in a message's bytes field. INVALID_ARGUMENT unless the field has 32 bytes.
 absl::StatusOr<MeshDigest> MeshDigestFrom(absl::string_view field);
 
-// INVALID_ARGUMENT: the mesh that came has another digest than the request says.
+// Returns INVALID_ARGUMENT: the mesh has another digest than the request states.
 absl::Status WrongMeshDigest();
 
-// Values by digest, the most recently used first. Not thread-safe.
+// Values by digest, in the order of their last use. Not thread-safe.
 template <class Value>
 class RecentMeshes {
  public:
-  // Counts as a use. nullptr: there is none.
+  // Counts as a use. nullptr: there is no such value.
   Value* Find(const MeshDigest& digest) {
     const auto found = index_.find(digest);
     if (found == index_.end()) return nullptr;
@@ -50,14 +50,14 @@ class RecentMeshes {
     return &found->second->value;
   }
 
-  // Precondition: there is none of this digest.
+  // Precondition: there is no value with this digest.
   void Add(const MeshDigest& digest, Value value, uint64_t bytes) {
     entries_.push_front({digest, std::move(value), bytes});
     index_.emplace(digest, entries_.begin());
     bytes_ += bytes;
   }
 
-  // Takes out the least recently used. Precondition: not empty().
+  // Removes the least recently used value. Precondition: not empty().
   Value DropLast() {
     Entry last = std::move(entries_.back());
     entries_.pop_back();
@@ -89,11 +89,11 @@ class RecentMeshes {
   std::unordered_map<MeshDigest, typename std::list<Entry>::iterator, Hash> index_;
 };
 
-// Thread-safe. What is dropped from the store lives on as long as someone uses it. Decoded meshes take the room that
-// encoded ones leave: they are a matter of milliseconds, the others of an upload.
+// Thread-safe. A mesh that the store drops lives as long as someone uses it. Decoded meshes get the room that encoded
+// ones leave: a decode takes milliseconds, but a lost encoded mesh costs an upload.
 class MeshStore {
  public:
-  //   capacity        bytes of all meshes together; 0: none is kept
+  //   capacity        bytes of all meshes together; 0: the store keeps none
   //   keeps_decoded   whether KeepDecoded does anything
   explicit MeshStore(uint64_t capacity, bool keeps_decoded = true)
       : capacity_(capacity), keeps_decoded_(keeps_decoded) {}
@@ -101,16 +101,16 @@ class MeshStore {
   // Counts as a use.
   std::optional<absl::Cord> Find(const MeshDigest& digest);
 
-  // Keeps `mesh`, whose digest is `digest`, and drops the least recently used others until all take no more than the
-  // capacity. Does nothing if it alone takes more. Returns whether it was there before.
+  // Keeps `mesh` with the digest `digest`, and drops the least recently used meshes until all fit the capacity. Does
+  // nothing if this mesh alone does not fit. Returns whether the store had it before.
   bool Put(const MeshDigest& digest, const absl::Cord& mesh);
 
-  // What the mesh was decoded to, with these attributes, if that is kept; else nullptr. Counts as a use.
+  // Returns the decoded mesh with these attributes, if the store keeps it; else nullptr. Counts as a use.
   std::shared_ptr<const DecodedMesh> FindDecoded(const MeshDigest& digest, const FieldList& attributes);
 
-  // Takes what the mesh was decoded to, with its extent, keeps it, and drops the least recently used others of its kind
-  // for it. Returns what it keeps; or nullptr, and takes nothing, if encoded meshes leave no room, or there is one of
-  // this mesh already.
+  // Keeps the decoded mesh with its extent, and drops the least recently used decoded ones for it. Returns the kept
+  // mesh. Returns nullptr, and leaves the argument as it is, if encoded meshes leave no room, or if the store has it
+  // already.
   std::shared_ptr<const DecodedMesh> KeepDecoded(const MeshDigest& digest, const FieldList& attributes,
                                                  DecodedMesh&& decoded);
 
@@ -123,7 +123,7 @@ class MeshStore {
     std::shared_ptr<const DecodedMesh> mesh;
   };
 
-  // What was dropped: to die after the lock is released.
+  // Dropped values, destroyed after the lock is released.
   struct Dropped {
     std::vector<absl::Cord> encoded;
     std::vector<Decoded> decoded;

@@ -20,7 +20,7 @@ namespace {
 constexpr auto kProbesCloseTimeout = std::chrono::milliseconds(500);
 constexpr int kMostRequestBytes = 4096;
 
-// Reflection is a plugin of every server that is built; not of this one.
+// Reflection is a plugin of every server that is built, but not of this one.
 class WithoutPlugins final : public grpc::ServerBuilderOption {
   void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
   void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override { plugins->clear(); }
@@ -28,7 +28,7 @@ class WithoutPlugins final : public grpc::ServerBuilderOption {
 
 class ProbedServer final : public HealthServer {
  public:
-  // UNAVAILABLE naming the address.
+  // Returns UNAVAILABLE naming the address.
   absl::Status Listen(const std::string& address);
 
   ~ProbedServer() override {
@@ -42,8 +42,8 @@ class ProbedServer final : public HealthServer {
   void SetNotServing() override { server_->GetHealthCheckService()->Shutdown(); }
 
  private:
-  // gRPC builds no server without a service of its user's. Answers UNIMPLEMENTED to all calls but those of the health
-  // service.
+  // gRPC builds no server without a service of its user. This one answers UNIMPLEMENTED to all calls except those of
+  // the health service.
   grpc::CallbackGenericService nothing_;
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
@@ -56,7 +56,7 @@ absl::Status ProbedServer::Listen(const std::string& address) {
   builder.SetOption(std::make_unique<WithoutPlugins>());
   builder.RegisterCallbackGenericService(&nothing_);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // As the server's; and what asks for a service's health is small.
+  // Like the server; requests for a service's health are small.
   WithoutCompression(builder);
   builder.SetMaxReceiveMessageSize(kMostRequestBytes);
   int port = -1;

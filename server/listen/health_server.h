@@ -1,4 +1,4 @@
-// grpc.health.v1, and nothing else, on an address of its own: for probes that know no TLS, as those of Kubernetes.
+// grpc.health.v1 alone, on an address of its own: for probes without TLS, such as those of Kubernetes.
 #ifndef LATVOX_SERVER_LISTEN_HEALTH_SERVER_H_
 #define LATVOX_SERVER_LISTEN_HEALTH_SERVER_H_
 
@@ -17,7 +17,7 @@ class HealthServer {
 
   virtual ~HealthServer() = default;
 
-  // As given, but with the port that was chosen.
+  // The given address, with the port that was chosen.
   virtual const std::string& address() const = 0;
 
   virtual const SocketFiles& socket_files() const = 0;

@@ -13,7 +13,7 @@
 namespace latvox {
 namespace {
 
-// A client that says nothing holds one of these threads no longer than the timeout.
+// A silent client holds one of these threads no longer than the timeout.
 const std::vector<std::string>& Settings() {
   static const auto& settings = *new std::vector<std::string>{"num_threads",       "8",  "request_timeout_ms", "1000",
                                                               "enable_keep_alive", "no", "max_request_size",   "8192"};
@@ -50,7 +50,7 @@ absl::StatusOr<std::unique_ptr<MetricsServer>> MetricsServer::Start(const std::s
                                                                     const Metrics& metrics) {
   try {
     return std::make_unique<PrometheusServer>(address, metrics.collectable());
-  } catch (const std::exception&) {  // it says no more than "null context when constructing CivetServer"
+  } catch (const std::exception&) {  // its text is only "null context when constructing CivetServer"
     return absl::UnavailableError(
         absl::StrCat("cannot listen on ", address,
                      " for metrics: the address is in use, not of this machine, not permitted, "

@@ -34,10 +34,10 @@
 namespace latvox {
 namespace {
 
-// How long stopped calls may take to end. They end within a tile's time.
+// The time for stopped calls to end. They end within a tile's time.
 constexpr absl::Duration kStopTimeout = absl::Seconds(5);
 
-// How long connections may take to close that have no call of ours, such as watchers of the health service.
+// The time to close for connections without our calls, such as watchers of the health service.
 constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
 
 int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToInt64Milliseconds(duration)); }
@@ -45,7 +45,7 @@ int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToIn
 constexpr int kMaxStreams = 256;
 constexpr int kReflectionThreads = 16;
 
-// Parts of the memory: gRPC's quota, and at most so much of kept meshes; what the process takes besides jobs.
+// Parts of the memory: gRPC's quota, and the most for kept meshes; the process's other needs besides jobs.
 constexpr uint64_t kGrpcShare = 8, kStoreShare = 8;
 constexpr uint64_t kOwnBytes = uint64_t{128} << 20;
 constexpr uint64_t kLeastForJobs = uint64_t{64} << 20;
@@ -56,7 +56,7 @@ uint64_t DefaultMemoryOf(const ServerOptions& options) {
   return options.shares_memory ? SharedMemoryBudget(DefaultMemoryBudget()) : DefaultMemoryBudget();
 }
 
-// The options with the memory divided.
+// Returns the options with the memory divided.
 absl::StatusOr<ServerOptions> WithMemoryShared(ServerOptions options) {
   const uint64_t all = options.memory_bytes == 0 ? DefaultMemoryOf(options) : options.memory_bytes;
   options.limits.mesh_store_bytes = std::min(options.limits.mesh_store_bytes, all / kStoreShare);
@@ -87,16 +87,15 @@ absl::Status CheckAddresses(const ServerOptions& options) {
   return absl::OkStatus();
 }
 
-// More threads than the control groups' share of the cores would be stopped for a part of each period, all together.
+// The control groups would stop more threads than their share of the cores, all together for a part of each period.
 int ThreadsOf(const ServerOptions& options) {
   if (options.threads > 0) return options.threads;
   const int cores = oneapi::tbb::info::default_concurrency(), share = LimitsOfControlGroups().cores;
   return share == 0 ? cores : std::min(cores, share);
 }
 
-// As many decoder processes as compute threads, but not many: what they decode has to be received by one thread. Each
-// may take what the largest mesh needs, but all together no more than what the memory budget leaves by default, a third
-// of that.
+// As many decoder processes as compute threads, but not many, because one thread receives their meshes. Each may take
+// the memory of the largest mesh. All together may take no more than a third of the default memory budget.
 DecoderOptions DecodersOf(const ServerOptions& options) {
   constexpr int kMostProcesses = 4;
   DecoderOptions decoder = options.decoder;
@@ -126,11 +125,12 @@ class Server final : public VoxelServer {
     AddMetrics();
   }
 
-  // Of a call that is over, a task may be on its last lines, or hold the last reference: to what is about to go.
+  // After a call is over, a task may still run its last lines, or hold the last reference to objects that are about to
+  // go.
   ~Server() override {
     Stop(absl::ZeroDuration());
     bulk_.Wait();
-    quick_.Wait();  // to which tasks of the other pass work on
+    quick_.Wait();  // tasks of the other queue pass work on to this one
   }
 
   absl::Status Listen();
@@ -153,7 +153,7 @@ class Server final : public VoxelServer {
 
   const ServerOptions options_;
   const int threads_;
-  // oneTBB starts one worker less than this, at most what both queues have places for.
+  // oneTBB starts one worker less than this, and at most as many as both queues have places.
   const oneapi::tbb::global_control parallelism_;
   WorkQueue quick_, bulk_;
   const std::unique_ptr<DecoderPool> decoders_;
@@ -173,10 +173,10 @@ class Server final : public VoxelServer {
   std::thread watch_;      // ends stalled calls
 
   std::unique_ptr<HealthServer> health_server_;
-  std::unique_ptr<MetricsServer> metrics_server_;  // the first to go: it reads the others
+  std::unique_ptr<MetricsServer> metrics_server_;  // destroyed first, because it reads the others
 };
 
-// What is read when somebody asks for the metrics.
+// Adds the figures that are read on request.
 void Server::AddMetrics() {
   const auto add = [this](const char* name, const char* help, auto read) { metrics_.AddGauge(name, help, read); };
   add("latvox_jobs_running", "Jobs at work.", [this] { return registry_.working(); });
@@ -215,23 +215,23 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, ToMilliseconds(options_.keepalive_timeout));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   if (options_.max_connection_age > absl::ZeroDuration()) {
-    // gRPC's grace for the calls is endless unless it is told otherwise.
+    // By default, gRPC's grace for calls is endless.
     builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
                                std::max(1, ToMilliseconds(options_.max_connection_age)));
   }
-  // Clients may ping as they like.
+  // Clients may ping at any rate.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PING_STRIKES, 0);
-  // Messages on their way count as well: near the limit gRPC reads no more, and in the end breaks streams off.
+  // Messages on their way count as well. Near the limit, gRPC reads no more, and in the end breaks streams off.
   grpc::ResourceQuota quota("latvoxd");
   quota.Resize(options_.memory_bytes / kGrpcShare);
-  // Reflection keeps one for each call; our own calls keep none.
+  // Reflection keeps a thread for each call; our own calls keep none.
   quota.SetMaxThreads(kReflectionThreads);
   builder.SetResourceQuota(quota);
   WithoutCompression(builder);
-  // Otherwise a second server would share the port silently.
+  // Otherwise, a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // Of one connection; a client of gRPC's has the others wait. Bounds what clients hold that let their calls linger.
+  // For one connection; further calls of a gRPC client wait. It bounds the cost of clients that leave calls open.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreams);
 }
 
@@ -269,7 +269,7 @@ absl::Status Server::Listen() {
   return absl::OkStatus();
 }
 
-// For those that watch the server.
+// Listens on the addresses for metrics and health.
 absl::Status Server::ListenBesides() {
   if (!options_.health_listen.empty()) {
     auto health_server = HealthServer::Start(options_.health_listen);
@@ -285,7 +285,7 @@ absl::Status Server::ListenBesides() {
   return absl::OkStatus();
 }
 
-// Ends calls whose clients have stopped to take part in them, until the server stops.
+// Ends calls of clients that no longer take part, until the server stops.
 void Server::Watch() {
   const auto interval = absl::ToChronoMilliseconds(std::min(options_.stall_timeout / 4, absl::Seconds(1)));
   std::unique_lock lock(stop_mu_);
@@ -312,8 +312,8 @@ bool Server::Stop(absl::Duration grace) {
   registry_.Close();
   if (!registry_.WaitUntilEmpty(grace)) {
     registry_.StopAll();
-    // grpc::Server::Shutdown never returns while a call is open, whatever its deadline. A call whose client does not
-    // take what is being written cannot tell it anything more.
+    // grpc::Server::Shutdown never returns while a call is open, whatever its deadline. A client that does not take a
+    // message cannot be told anything more.
     if (!registry_.WaitUntilEmpty(kStopTimeout / 5)) registry_.EndStalled(absl::ZeroDuration());
     if (!registry_.WaitUntilEmpty(kStopTimeout)) return false;
   }
@@ -333,7 +333,7 @@ absl::Status VoxelServer::Check(const ServerOptions& options) {
 }
 
 absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOptions& options) {
-  // The library stays up until the process ends: to shut it down takes 10 s if a peer had stopped reading.
+  // The library stays up until the process ends. Its shutdown takes 10 s if a peer had stopped reading.
   static const bool kept_up = (grpc_init(), true);
   static_cast<void>(kept_up);
   grpc::EnableDefaultHealthCheckService(true);

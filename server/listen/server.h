@@ -16,62 +16,62 @@
 namespace latvox {
 
 struct ServerOptions {
-  std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any that is free; or unix:PATH
+  std::vector<std::string> listen = {"127.0.0.1:50151"};  // HOST:PORT, port 0 for any free port; or unix:PATH
   int threads = 0;                                        // for compute; 0: one for each core that control groups allow
   Limits limits;
   AccessOptions access;
   std::string metrics_listen;  // HOST:PORT for Prometheus; empty: none
-  std::string health_listen;   // of grpc.health.v1 alone, in plain text; empty: none
-  DecoderOptions decoder;      // its `program` has to be set: the server has none of its own
+  std::string health_listen;   // for grpc.health.v1 alone, in plain text; empty: none
+  DecoderOptions decoder;      // its `program` must be set: the server has no default
 
-  // What the threads for large jobs add to the process's niceness. With 10 they get a tenth of a core that is wanted
-  // for something else, by small jobs or gRPC or the client; with 0 as much as that does.
+  // Added to the process's niceness for the threads of large jobs. With 10 they get a tenth of a core that small jobs,
+  // gRPC or the client want as well; with 0 an equal share.
   int bulk_niceness = 10;
 
-  bool decode_always = false;  // a mesh for each request, rather than keep what it was decoded to
+  bool decode_always = false;  // decode the mesh of each request, instead of keeping decoded meshes
 
-  // Of the whole process but for its decoders; limits.memory_budget_bytes is set to what this leaves for jobs. 0: three
-  // quarters of what the machine, or the control group, has.
+  // Bytes for the whole process except its decoders. limits.memory_budget_bytes becomes the part that is left for jobs.
+  // 0: three quarters of the memory of the machine or the control group.
   uint64_t memory_bytes = 0;
 
-  // Whether the defaults leave half of what they would take, decoders' memory included, to the process that started
-  // this one.
+  // Halves the default memory, the decoders' included, in favor of the process that started this one.
   bool shares_memory = false;
 
-  // A client that has neither sent what it has to nor taken what it can for so long is given up; it may come back and
+  // A client that has for so long neither sent its input nor taken its messages is given up. It may come back and
   // resume.
   absl::Duration stall_timeout = absl::Seconds(60);
 
-  // A peer that does not answer a ping within `keepalive_timeout` is dead, and its calls are cancelled; it gets one
-  // after `keepalive_time` without a byte from it. A client that polls only while it is called answers within 5 s.
+  // A peer gets a ping after `keepalive_time` without a byte from it. A peer that does not answer within
+  // `keepalive_timeout` is dead, and its calls are cancelled. A client that polls only during its calls answers within
+  // 5 s.
   absl::Duration keepalive_time = absl::Seconds(5);
   absl::Duration keepalive_timeout = absl::Seconds(10);
 
-  // A connection of this age, give or take a tenth, takes no new calls, and closes once those it has have ended,
-  // however long that takes: clients that connect again may find another server. 0: never.
+  // A connection of this age, plus or minus a tenth, takes no new calls. It closes once its calls have ended, however
+  // long that takes. So clients that reconnect may find another server. 0: never.
   absl::Duration max_connection_age = absl::ZeroDuration();
 };
 
 class VoxelServer {
  public:
-  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, no program for decoder processes, or what Check
-  // finds), UNAVAILABLE naming the address that cannot be listened on, or why decoder processes cannot be started or
-  // confined.
+  // Serves when it returns. Errors: INVALID_ARGUMENT (no address, no program for decoder processes, or an error of
+  // Check); UNAVAILABLE naming an address that it cannot listen on, or the reason why decoder processes cannot be
+  // started or confined.
   static absl::StatusOr<std::unique_ptr<VoxelServer>> Start(const ServerOptions& options);
 
-  // What Start would find wrong with the options before it listens: INVALID_ARGUMENT naming the option.
+  // Returns the error of Start that does not depend on listening: INVALID_ARGUMENT naming the option.
   static absl::Status Check(const ServerOptions& options);
 
   // Precondition: Stop returned true, or was not called.
   virtual ~VoxelServer() = default;
 
-  // As given, but with the ports that were chosen.
+  // The given addresses, with the ports that were chosen.
   virtual const std::vector<std::string>& addresses() const = 0;
 
-  // Those of all addresses; for whoever ends the process without destructors.
+  // The files of all addresses, for a process that ends without destructors.
   virtual const SocketFiles& socket_files() const = 0;
 
-  // Empty if there is none.
+  // Empty if there is no such server.
   virtual std::string metrics_address() const = 0;
   virtual std::string health_address() const = 0;
 
@@ -81,13 +81,13 @@ class VoxelServer {
   // Bytes of the budget that jobs have reserved.
   virtual uint64_t reserved_memory() const = 0;
 
-  // Reads the files again that the options name. What is wrong with them is logged, and stays as it was. They are read
-  // as well whenever they change. Thread-safe.
+  // Reads the files that the options name again. Logs errors, and keeps the old content of a file that is wrong. Files
+  // that change are also read without this call. Thread-safe.
   virtual void Reload() = 0;
 
-  // Ends: reports NOT_SERVING and refuses new calls at once, lets those in progress go on for `grace`, then stops them.
-  // Returns whether all have ended. If not, for a thread of theirs is stuck, the process has to exit without
-  // destructors. Idempotent; any thread but gRPC's.
+  // Ends the server: reports NOT_SERVING, refuses new calls at once, gives calls in progress the time `grace`, then
+  // stops them. Returns whether all have ended. If one of their threads is stuck, the process has to exit without
+  // destructors. Idempotent; any thread except gRPC's.
   virtual bool Stop(absl::Duration grace) = 0;
 };
 

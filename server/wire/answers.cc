@@ -9,8 +9,8 @@
 namespace latvox {
 namespace {
 
-// Whether nothing of the surface can lie outside of what all shards deliver. The box in `facts` is clipped to the
-// region, so that one which touches the region's border may have been longer.
+// Returns whether all shards together deliver every voxel that the surface can have. The box in `facts` is clipped to
+// the region. So a box that touches the region's border may have been longer.
 bool IsUncut(const Part& part, const JobFacts& facts) {
   if (facts.cut_by_bounds) return false;
   if (!part.region) return true;
@@ -43,8 +43,8 @@ void MeshFactsToProto(const JobFacts& facts, const MeshSource& source, v1::MeshF
   ToProto(source.bounds.max, *out.mutable_max());
 }
 
-// Claims of the surface that a set holds. The exact algorithm keeps them by construction, another one if they were
-// counted.
+// Claims about the surface in a set. The exact algorithm keeps them by construction; another algorithm keeps them if
+// counting found no fault.
 void ClaimsToProto(const VoxelRequest& request, const JobFacts& facts, const std::optional<Verdict>& verdict,
                    v1::Certificate& out) {
   const bool is_exact = request.algorithm() == Algorithm::kExact;

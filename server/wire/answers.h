@@ -1,4 +1,4 @@
-// The answers: core -> protocol.
+// Converts core's answers to the protocol.
 #ifndef LATVOX_SERVER_WIRE_ANSWERS_H_
 #define LATVOX_SERVER_WIRE_ANSWERS_H_
 
@@ -16,7 +16,7 @@
 
 namespace latvox {
 
-// What core does not know of a mesh.
+// The facts about a mesh that core does not know.
 struct MeshSource {
   Bounds bounds;
   uint32_t quantization_bits = 0;

@@ -55,7 +55,7 @@ void BrickBatcher::AddPacked(const TileBricks& tile) {
   packed_bytes_ = static_cast<size_t>(PackTile(tile, packed_.get() + packed_bytes_) - packed_.get());
 }
 
-// To what one more tile needs, and most of what full batches will.
+// Grows to the room for one more tile, and for most tiles of a full batch.
 void BrickBatcher::GrowPacked() {
   packed_room_ = std::max(2 * packed_bytes_, full_bytes_) + kMaxPackedTileBytes;
   auto grown = std::make_unique_for_overwrite<uint8_t[]>(packed_room_);

@@ -1,4 +1,4 @@
-// Tiles -> BrickBatch messages.
+// Collects tiles in BrickBatch messages.
 #ifndef LATVOX_SERVER_WIRE_BRICK_BATCH_H_
 #define LATVOX_SERVER_WIRE_BRICK_BATCH_H_
 
@@ -11,19 +11,19 @@
 
 namespace latvox {
 
-// How bricks travel: v1::BrickEncoding, without its default.
+// The encoding of bricks on the wire: v1::BrickEncoding, without its default.
 enum class BrickEncoding { kMasks, kPacked, kPackedZstd };
 
-// Puts whole tiles, in the order they come, into messages of the size that gRPC moves fastest: 256 KiB to 1 MiB.
+// Puts whole tiles, in the order of their arrival, into messages of the size that gRPC moves fastest: 256 KiB to 1 MiB.
 class BrickBatcher {
  public:
-  // A batch is full at this size, before zstd, but the first ones of a stream at an eighth, a quarter and a half of it,
-  // so that the client has something to do early. One more tile is at most 512 * 76 bytes: messages stay below 1 MiB.
-  // With values, of which a tile has up to 1 MiB, they stay below 3 MiB; with attributes, of which it has
-  // up to 3 MiB, below 4.
+  // A batch is full at this size, before zstd. The first batches of a stream are full at an eighth, a quarter and a
+  // half of it, so that the client can start early. One more tile has at most 512 * 76 bytes, so messages stay below 1
+  // MiB. A tile has up to 1 MiB of values: messages stay below 3 MiB. A tile has up to 3 MiB of attributes: messages
+  // stay below 4 MiB.
   static constexpr size_t kFullBytes = size_t{512} << 10;
   static constexpr size_t kFirstFullBytes = kFullBytes / 8;
-  // The contract's limit, which what is packed well comes to first.
+  // The contract's limit. Bricks that pack well reach it before kFullBytes.
   static constexpr size_t kMaxBricks = 32768;
 
   explicit BrickBatcher(BrickEncoding encoding) : encoding_(encoding) {}
@@ -33,7 +33,7 @@ class BrickBatcher {
   bool empty() const { return bricks_ == 0; }
   bool full() const;
 
-  // The batch so far; the next one begins empty. Its progress is that of the last tile, and never decreases.
+  // Returns the batch so far, and begins an empty one. Its progress is that of the last tile, and never decreases.
   v1::BrickBatch Release();
 
  private:

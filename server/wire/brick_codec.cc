@@ -1,6 +1,6 @@
 #include "server/wire/brick_codec.h"
 
-// For ZSTD_c_literalCompressionMode, which is a number passed to a public function.
+// ZSTD_c_literalCompressionMode is a number for a public function.
 #define ZSTD_STATIC_LINKING_ONLY
 #include <zstd.h>
 
@@ -23,7 +23,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "words are read as bytes, and sent as they lie in memory");
 
-// Two words of a mask, in one register of any processor that has vectors.
+// Two words of a mask, in one register of any processor with vectors.
 using Words [[gnu::vector_size(16)]] = uint64_t;
 
 // Exchanges the bits `bits << shift` of a with the bits `bits` of b.
@@ -33,10 +33,11 @@ inline void Exchange(Words& a, Words& b, int shift, uint64_t bits) {
   a ^= difference << shift;
 }
 
-// A mask's leaves: byte (o, s) holds the cells of octant s of octant o, as the format wants them.
+// A mask's leaves: byte (o, s) holds the cells of octant s of octant o, in the order of the format.
 //
-// The cell (x, y, z), each of three bits x2 x1 x0, is in word x2 x1 x0 of a mask, bit y2 y1 y0 z2 z1 z0; it is wanted
-// in word x2 y2 z2, bit x1 y1 z1 x0 y0 z0. Three exchanges do this: x1 with y2, x0 with z2 (between words), z1 with y0.
+// The cell (x, y, z), each of three bits x2 x1 x0, is in word x2 x1 x0 of a mask, bit y2 y1 y0 z2 z1 z0. The format has
+// it in word x2 y2 z2, bit x1 y1 z1 x0 y0 z0. Three exchanges do this: x1 with y2, x0 with z2 (between words), z1 with
+// y0.
 inline BrickMask LeavesOf(const BrickMask& mask) {
   Words w01, w23, w45, w67;
   std::memcpy(&w01, &mask[0], sizeof(Words));
@@ -62,31 +63,31 @@ inline BrickMask LeavesOf(const BrickMask& mask) {
   return leaves;
 }
 
-// Bit n: byte n of the word is not 0.
+// Bit n of the result: byte n of the word is not 0.
 inline uint64_t NonZeroBytes(uint64_t word) {
   constexpr uint64_t kLow7 = 0x7F7F7F7F7F7F7F7F;
-  const uint64_t ones = ((((word & kLow7) + kLow7) | word) & ~kLow7) >> 7;  // one in each such byte
+  const uint64_t ones = ((((word & kLow7) + kLow7) | word) & ~kLow7) >> 7;  // 1 in each byte that is not 0
   return (ones * 0x0102040810204080) >> 56;
 }
 
-// In a surface almost never, in a solid almost always: a branch that is foreseen.
+// Almost never true in a surface, almost always in a solid, so the branch is predicted well.
 inline bool IsFull(const BrickMask& mask) {
   return std::all_of(mask.begin(), mask.end(), [](uint64_t word) { return word == ~uint64_t{0}; });
 }
 
-// Writes the octree of all cells.
+// Writes the octree of a full brick.
 inline uint8_t* PackFull(uint8_t* out) {
   *out++ = 0;
   return out;
 }
 
-// Writes the bytes of `word` that `which` names, lowest first.
+// Writes the bytes of `word` that `which` names, the lowest first.
 inline uint8_t* Gather(uint64_t word, uint64_t which, uint8_t* out) {
   for (; which != 0; which &= which - 1) *out++ = static_cast<uint8_t>(word >> (8 * std::countr_zero(which)));
   return out;
 }
 
-// Writes the octree of a mask that is not empty; returns where it ends. Room for kMaxOctreeBytes is needed.
+// Writes the octree of a mask that is not empty; returns the end of its bytes. Needs room for kMaxOctreeBytes.
 uint8_t* PackPortably(const BrickMask& mask, uint8_t* out) {
   if (IsFull(mask)) return PackFull(out);
   const BrickMask leaves = LeavesOf(mask);
@@ -101,7 +102,7 @@ uint8_t* PackPortably(const BrickMask& mask, uint8_t* out) {
 
 #if defined(__x86_64__)
 
-// For each set of bytes of a word: the shuffle that moves them to the front, in order.
+// For each set of bytes of a word: the shuffle that moves these bytes to the front, in order.
 struct GatherTable {
   uint64_t shuffles[256] = {};
   constexpr GatherTable() {
@@ -115,21 +116,21 @@ struct GatherTable {
 };
 constexpr GatherTable kGather;
 
-// Byte n: the bits set in byte n of the word.
+// Byte n of the result: the number of bits set in byte n of the word.
 inline uint64_t CountInBytes(uint64_t word) {
   word -= word >> 1 & 0x5555555555555555;
   word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
   return (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F;
 }
 
-// As Gather, but always writes eight bytes, of which the first ones count.
+// Like Gather, but always writes eight bytes; only the first ones count.
 LATVOX_SSSE3 inline void GatherFast(uint64_t word, uint64_t which, uint8_t* out) {
   const __m128i shuffle = _mm_cvtsi64_si128(static_cast<int64_t>(kGather.shuffles[which]));
   const __m128i bytes = _mm_shuffle_epi8(_mm_cvtsi64_si128(static_cast<int64_t>(word)), shuffle);
   _mm_storel_epi64(reinterpret_cast<__m128i*>(out), bytes);
 }
 
-// As PackPortably. No other branch depends on the mask: in bricks of a surface none could be foreseen.
+// Like PackPortably. No other branch depends on the mask: in a surface's bricks, none could be predicted.
 LATVOX_SSSE3 inline uint8_t* PackFast(const BrickMask& mask, uint8_t* out) {
   if (IsFull(mask)) return PackFull(out);
   const BrickMask leaves = LeavesOf(mask);
@@ -143,7 +144,8 @@ LATVOX_SSSE3 inline uint8_t* PackFast(const BrickMask& mask, uint8_t* out) {
   *out++ = static_cast<uint8_t>(root);
   GatherFast(nodes, root, out);
   out += CountInBytes(root);
-  const uint64_t ends = CountInBytes(nodes) * 0x0101010101010101;  // byte o: leaves in words 0..o, at most 64
+  const uint64_t ends =
+      CountInBytes(nodes) * 0x0101010101010101;  // byte o: the number of leaves in words 0..o, at most 64
   for (int o = 0; o < 8; ++o) GatherFast(leaves[o], nodes >> 8 * o & 0xFF, out + ((ends << 8) >> 8 * o & 0xFF));
   return out + (ends >> 56);
 }
@@ -164,9 +166,9 @@ uint8_t* PackAllPortably(const BrickMask& which, const std::vector<Brick>& brick
 
 using ZstdContext = std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)>;
 
-// Octrees hardly repeat themselves, and looking for repetitions is what takes zstd's time: of all levels, the one that
-// looks least, but with the literals' Huffman code that levels below 1 leave out. Compared with level 1, this takes
-// a third of the time and saves three quarters as much.
+// Octrees hardly repeat themselves, and zstd spends its time on the search for repetitions. This is the level with the
+// least search, but with the Huffman code for literals, which levels below 1 leave out. It takes a third of the time of
+// level 1, and saves three quarters as much.
 ZstdContext NewZstdContext() {
   ZstdContext context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
   if (context == nullptr) return context;
@@ -204,12 +206,12 @@ uint8_t* PackTile(const TileBricks& tile, uint8_t* out, PackKernel kernel) {
 }
 
 std::optional<std::string> CompressWherePays(std::string_view packed) {
-  // Kept by the threads of the arena rather than by jobs: it has several hundred kilobytes.
+  // The arena's threads keep it, instead of jobs, because it has several hundred kilobytes.
   thread_local const ZstdContext context = NewZstdContext();
-  if (context == nullptr) return std::nullopt;  // no memory: goes as it is
+  if (context == nullptr) return std::nullopt;  // no memory: the batch is sent without compression
   std::string frame(packed.size() - packed.size() / 8, '\0');
   const size_t size = ZSTD_compress2(context.get(), frame.data(), frame.size(), packed.data(), packed.size());
-  if (ZSTD_isError(size)) return std::nullopt;  // it does not fit
+  if (ZSTD_isError(size)) return std::nullopt;  // the frame does not fit
   frame.resize(size);
   return frame;
 }

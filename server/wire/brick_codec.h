@@ -1,4 +1,4 @@
-// Bricks -> BrickBatch.packed. The format stands in proto/latvox/v1/voxelizer.proto.
+// Encodes bricks as BrickBatch.packed. proto/latvox/v1/voxelizer.proto states the format.
 #ifndef LATVOX_SERVER_WIRE_BRICK_CODEC_H_
 #define LATVOX_SERVER_WIRE_BRICK_CODEC_H_
 
@@ -12,22 +12,22 @@
 
 namespace latvox {
 
-// How to find and gather the bytes of an octree. All give the same bytes.
+// Ways to find and gather the bytes of an octree. All give the same bytes.
 enum class PackKernel { kPortable, kSsse3 };
 
-// The fastest that this processor has.
+// Returns the fastest kernel for this processor.
 PackKernel BestPackKernel();
 
-// The octree of 512 cells has at most so many bytes: all nodes.
+// The most bytes of an octree of 512 cells: all nodes.
 inline constexpr size_t kMaxOctreeBytes = 1 + 8 + 64;
-// A tile: where it is, which bricks it has, and all of them.
+// The most bytes of a tile: its position, its bricks' octree, and all bricks.
 inline constexpr size_t kMaxPackedTileBytes = 3 * sizeof(int32_t) + (1 + 512) * kMaxOctreeBytes;
 
-// Writes one tile and returns where it ends. Preconditions: its bricks lie in it, in order, none of them empty; at
-// `out` there is room for kMaxPackedTileBytes, all of which may be overwritten.
+// Writes one tile; returns the end of its bytes. Preconditions: the tile's bricks lie in it, in order, and none is
+// empty. `out` has room for kMaxPackedTileBytes, and all of that may be overwritten.
 uint8_t* PackTile(const TileBricks& tile, uint8_t* out, PackKernel kernel = BestPackKernel());
 
-// `packed` as one zstd frame, if that saves an eighth of it or more.
+// Returns `packed` as one zstd frame, if that saves at least an eighth.
 std::optional<std::string> CompressWherePays(std::string_view packed);
 
 }  // namespace latvox

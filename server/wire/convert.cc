@@ -11,7 +11,7 @@
 namespace latvox {
 namespace {
 
-// What this request calls the fields that core tells of later.
+// The names in this request of fields that core reports later.
 RequestFields FieldNamesOf(const v1::VoxelizeSpec& spec) {
   RequestFields names;
   if (spec.has_voxel_size()) names.sampling = "voxel_size";
@@ -80,7 +80,7 @@ absl::StatusOr<FieldList> FieldsFromProto(const google::protobuf::RepeatedField<
   return fields;
 }
 
-// Where spec has a field, sets `out` to what it means.
+// Where spec has a field, sets `out` to its meaning.
 template <class T, class U>
 absl::Status Assign(absl::StatusOr<T> value, U& out) {
   if (value.ok()) out = *std::move(value);

@@ -1,5 +1,5 @@
-// The request: protocol -> core. Maps each field of a message to a member of core, and judges nothing: what goes
-// together is core/request's to say.
+// Converts requests of the protocol for core. It maps each field of a message to a member of core, and judges nothing:
+// core/request decides which options go together.
 #ifndef LATVOX_SERVER_WIRE_CONVERT_H_
 #define LATVOX_SERVER_WIRE_CONVERT_H_
 
@@ -17,7 +17,7 @@
 
 namespace latvox {
 
-// A request that needs only a mesh.
+// A request that lacks only a mesh.
 struct JobSpec {
   GridRequest grid;
   VoxelRequest request = {};
@@ -27,8 +27,8 @@ struct JobSpec {
   RequestFields fields = {};
 };
 
-// Errors: INVALID_ARGUMENT for a number that no enumeration has, a required part that is missing, and all that
-// MakeRequest and MakeGridRequest say; RESOURCE_EXHAUSTED for mesh_bytes over its limit; all with an ErrorCause.
+// Errors, all with an ErrorCause: INVALID_ARGUMENT for a number outside its enumeration, for a missing part, and for
+// every error of MakeRequest and MakeGridRequest; RESOURCE_EXHAUSTED for mesh_bytes over its limit.
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits);
 
 }  // namespace latvox

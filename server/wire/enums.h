@@ -1,4 +1,4 @@
-// The protocol's enumerations, each as a table of its numbers and what they mean in core.
+// The protocol's enumerations: a table for each, from its numbers to their meanings in core.
 #ifndef LATVOX_SERVER_WIRE_ENUMS_H_
 #define LATVOX_SERVER_WIRE_ENUMS_H_
 
@@ -22,7 +22,7 @@ namespace latvox {
 template <class T, size_t N>
 using EnumTable = std::array<std::pair<int, T>, N>;
 
-// The protocol numbers named lattices as core's table does, from 1.
+// The protocol numbers named lattices like core's table, from 1.
 static_assert(v1::NamedLattice_MAX == kNamedLattices.size());
 inline constexpr auto kLatticeNumbers = [] {
   EnumTable<NamedLattice, kNamedLattices.size()> table{};
@@ -41,7 +41,7 @@ inline constexpr EnumTable<Cover, 3> kCoverNumbers{{{v1::COVER_UNSPECIFIED, Cove
                                                     {v1::COVER_SEPARATING, Cover::kSeparating},
                                                     {v1::COVER_SUPERCOVER, Cover::kSupercover}}};
 
-// Whether the set holds the points inside, too.
+// Whether the set includes the points inside.
 inline constexpr EnumTable<bool, 3> kFillModeNumbers{
     {{v1::FILL_MODE_UNSPECIFIED, false}, {v1::FILL_MODE_SURFACE, false}, {v1::FILL_MODE_SOLID, true}}};
 
@@ -60,7 +60,8 @@ inline constexpr EnumTable<Field, 3> kFieldNumbers{{{v1::ATTRIBUTE_PART, Field::
                                                     {v1::ATTRIBUTE_MATERIAL, Field::kMaterial},
                                                     {v1::ATTRIBUTE_COLOR, Field::kColor}}};
 
-// What a number of the wire means. Errors: INVALID_ARGUMENT with an ErrorCause if the table does not have it.
+// Returns the meaning of a number on the wire. Errors: INVALID_ARGUMENT with an ErrorCause if the table does not have
+// it.
 //   kind   "an algorithm"
 template <class T, size_t N>
 absl::StatusOr<T> Meaning(const EnumTable<T, N>& table, int number, absl::string_view field, absl::string_view kind) {
@@ -71,7 +72,7 @@ absl::StatusOr<T> Meaning(const EnumTable<T, N>& table, int number, absl::string
                  absl::StrCat(table.front().first, " to ", table.back().first));
 }
 
-// The number that stands for a meaning, the last one of the table's. Precondition: the table has it.
+// Returns the number for a meaning, the last one in the table. Precondition: the table has it.
 template <class T, size_t N>
 constexpr int NumberOf(const EnumTable<T, N>& table, const T& meaning) {
   int number = 0;

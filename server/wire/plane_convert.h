@@ -1,4 +1,4 @@
-// Protocol <-> core for the plane; see server/wire/convert.h.
+// Converts messages of the plane; see server/wire/convert.h.
 #ifndef LATVOX_SERVER_WIRE_PLANE_CONVERT_H_
 #define LATVOX_SERVER_WIRE_PLANE_CONVERT_H_
 
@@ -22,14 +22,14 @@ struct PlaneJobSpec {
   RequestFields fields = {};
 };
 
-// Checks everything but the points themselves. Errors: INVALID_ARGUMENT, and RESOURCE_EXHAUSTED for more points than
-// the limit; all with an ErrorCause.
+// Checks everything except the points themselves. Errors, all with an ErrorCause: INVALID_ARGUMENT; RESOURCE_EXHAUSTED
+// for more points than the limit.
 absl::StatusOr<PlaneJobSpec> PlaneJobSpecFromProto(const v1::PixelizeRequest& request, const Limits& limits);
 
-// The points of all polylines, as far as they are given in full.
+// Returns the number of points in all polylines that are given in full.
 uint64_t CountPoints(const v1::PixelizeRequest& request);
 
-// Everything but the request's id and time.
+// Fills everything except the request's id and time.
 v1::PixelizeResponse PixelsToProto(const PlaneJobSpec& spec, const PlaneGrid& grid, const PixelizeResult& result);
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// Vectors of the protocol and of core.
+// Converts vectors between the protocol and core.
 #ifndef LATVOX_SERVER_WIRE_VECTORS_H_
 #define LATVOX_SERVER_WIRE_VECTORS_H_
 

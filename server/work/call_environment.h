@@ -1,4 +1,4 @@
-// What all calls share.
+// The parts of the server that all calls share.
 #ifndef LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_
 #define LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_
 
@@ -13,14 +13,14 @@ class MeshDecoder;
 class MeshStore;
 class Metrics;
 
-// The limits are the caller's. What is referred to must outlive the calls.
+// The limits are the caller's. The referenced objects must outlive the calls.
 struct CallEnvironment {
   Limits limits;
   MeshDecoder& decoder;
   MeshStore& meshes;
   MemoryBudget& memory;
-  WorkQueue& quick;  // for what takes some milliseconds
-  WorkQueue& bulk;   // for what takes longer
+  WorkQueue& quick;  // for work of some milliseconds
+  WorkQueue& bulk;   // for longer work
   CallRegistry& registry;
   Metrics& metrics;
 };

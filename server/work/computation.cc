@@ -15,13 +15,13 @@
 namespace latvox {
 namespace {
 
-// A batch leaves when it is full, or this old: someone may be watching the progress.
+// A batch leaves when it is full, or this old, because someone may be watching the progress.
 constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
 
-// How long a computation goes on while others wait.
+// The longest time that a computation runs while others wait.
 constexpr auto kSlice = std::chrono::milliseconds(20);
 
-// Whether a job takes more than some 50 ms of a core, at 50 ns a triangle and 15 ns a voxel.
+// Returns whether a job takes more than some 50 ms of a core, at 50 ns a triangle and 15 ns a voxel.
 bool LastsLong(uint64_t triangles, double voxels) { return static_cast<double>(triangles) * 50 + voxels * 15 > 50e6; }
 
 absl::Status BadResumePoint(const Vec3i& tile_ijk) {
@@ -62,7 +62,8 @@ absl::Status Computation::CheckCancelled() const {
 
 void Computation::Cancel() {
   stop_.Stop();
-  // Either this sees the decode or the job, or Decode or CreateJob, which set them first, see stop_.
+  // Decode and CreateJob set decoding_ and running_ before they read stop_. So either this function sees the decode or
+  // the job, or they see stop_.
   if (VoxelizeJob* job = running_) job->Cancel();
   const std::lock_guard lock(decoding_mu_);
   if (decoding_) decoding_->Cancel();
@@ -111,7 +112,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   if (stop_.Stopped()) decoding_->Cancel();
 }
 
-// What is over this caller's limits is left to the decoder to refuse.
+// Leaves it to the decoder to refuse a mesh over this caller's limits.
 bool Computation::FindDecoded() {
   if (!mesh_comes_again_) return false;
   kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.request.fields);
@@ -146,7 +147,7 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   return memory_.ReserveMesh(triangles, vertices);
 }
 
-// Finds its extent, and lets the store keep it if it comes again: most meshes come once.
+// Finds the mesh's extent. Lets the store keep a mesh that has come again; most meshes come once.
 void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
   if (!mesh_comes_again_ || stop_.Stopped()) return;
@@ -186,7 +187,7 @@ absl::Status Computation::CreateJob() {
   const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.request, voxels, stop_.Signal());
   const JobEstimate estimate = EstimateJob(decoded.mesh, voxels);
   VoxelRequest request = spec_.request;
-  if (spec_.request.verify) request.part.resume_after.reset();  // all is to be verified
+  if (spec_.request.verify) request.part.resume_after.reset();  // verify the whole result
   auto job = kept ? VoxelizeJob::CreateFromValid({kept, &kept->mesh}, *grid_, request, stop_.Signal())
                   : VoxelizeJob::CreateFromValid(std::move(decoded_.mesh), *grid_, request, stop_.Signal());
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
@@ -237,7 +238,7 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
   });
 }
 
-// Of what is delivered.
+// Totals of the delivered part.
 const JobTotals& Computation::totals() const { return DeliversTheEndOnly() ? delivered_ : job_->totals(); }
 
 bool Computation::DeliversTheEndOnly() const { return spec_.request.verify && spec_.request.part.resume_after; }

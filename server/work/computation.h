@@ -1,4 +1,4 @@
-// One request's work after its upload: encoded mesh in, response messages out. Knows no gRPC.
+// One request's work after its upload: encoded mesh in, response messages out. It does not know gRPC.
 //
 //   Receive … ──▶ ReceiveMesh ──▶ Decode ──▶ (elsewhere) ──▶ decoded ──▶ Start ──▶ Advance ──▶ Advance …
 #ifndef LATVOX_SERVER_WORK_COMPUTATION_H_
@@ -27,14 +27,14 @@
 
 namespace latvox {
 
-// What a computation has come to so far.
+// The results and times of a computation so far.
 struct ComputationFacts {
   uint64_t triangles = 0, voxels = 0, bricks = 0;
   double decode_ms = 0, voxelize_ms = 0;
-  double stream_ms = 0;  // paused, waiting for the client, then for a turn
+  double stream_ms = 0;  // pauses: the wait for the client, then for a turn
 };
 
-// Threads: one step after the other; Cancel at any time, too.
+// Threads: one step after the other; Cancel at any time.
 class Computation {
  public:
   // Takes a finished message; returns false to pause.
@@ -42,37 +42,38 @@ class Computation {
 
   Computation(JobSpec spec, std::string request_id, const CallEnvironment& environment);
 
-  // Reserves memory for an upload of so many bytes, altogether. Cheap enough for a gRPC callback.
-  // Errors: as JobMemory::ReserveUpload.
+  // Reserves memory for an upload of so many bytes in all. Cheap enough for a gRPC callback. Errors: as
+  // JobMemory::ReserveUpload.
   absl::Status Receive(uint64_t bytes);
 
-  // Holds what came against the digest, if the request has one, and keeps it; or finds what was kept if nothing came.
-  // Once. Errors: INVALID_ARGUMENT; NOT_FOUND if there is no such mesh.
+  // Checks the digest of the uploaded mesh, if the request has one, and stores the mesh. Without an upload, finds the
+  // stored mesh. Call it once. Errors: INVALID_ARGUMENT; NOT_FOUND if no such mesh is stored.
   absl::Status ReceiveMesh(MeshUpload upload);
 
-  // Has the mesh decoded, unless what it decodes to is kept, and returns at once. `decoded` is called exactly once, as
-  // MeshDecoder::Done, or before this returns; the computation has to live until then. Once. Errors: as there.
+  // Starts to decode the mesh, unless the decoded mesh is stored, and returns at once. Calls `decoded` exactly once,
+  // like MeshDecoder::Done, or before this returns; the computation must live until then. Call it once. Errors: as
+  // MeshDecoder::Done.
   void Decode(std::function<void(const absl::Status&)> decoded);
 
-  // Whether what follows will take long. After a decode that went well.
+  // Whether the next steps will take long. Call it after a successful decode.
   bool IsLarge() const { return large_; }
 
-  // Delivers Accepted. Once, after a decode that went well. Errors: as the contract; CANCELLED after Cancel.
+  // Delivers Accepted. Call it once, after a successful decode. Errors: as the contract; CANCELLED after Cancel.
   absl::Status Start(const Deliver& deliver);
 
   // Delivers further BrickBatches until paused (false), or to the end, with Summary as the last message (true). Pauses
-  // by itself after some milliseconds if `make_way` says that others wait.
-  // Errors: CANCELLED after Cancel, INTERNAL, RESOURCE_EXHAUSTED if memory runs out.
+  // after some milliseconds if `make_way` says that others wait. Errors: CANCELLED after Cancel, INTERNAL,
+  // RESOURCE_EXHAUSTED if memory runs out.
   absl::StatusOr<bool> Advance(const Deliver& deliver, const std::function<bool()>& make_way);
 
-  // Gives all memory back; facts() are kept. Once all is over: no step, no Cancel at the same time or later.
+  // Gives all memory back, but keeps facts(). Call it when no step and no Cancel runs or follows.
   void Free();
 
-  // Makes the step under way end soon.
+  // Ends the current step soon.
   void Cancel();
 
   const JobSpec& spec() const { return spec_; }
-  // Not while a step is under way.
+  // Not during a step.
   const ComputationFacts& facts() const { return facts_; }
 
  private:
@@ -104,15 +105,15 @@ class Computation {
   std::atomic<VoxelizeJob*> running_ = nullptr;      // job_, for Cancel
   Clock::time_point decode_began_;
   absl::Cord mesh_;                          // encoded, until it is decoded
-  bool mesh_comes_again_ = false;            // it was kept before this request
-  std::shared_ptr<const DecodedMesh> kept_;  // until Start, if it is the store's, too
-  DecodedMesh decoded_;                      // until Start, if it is not
+  bool mesh_comes_again_ = false;            // it was stored before this request
+  std::shared_ptr<const DecodedMesh> kept_;  // until Start, if the store has the mesh
+  DecodedMesh decoded_;                      // until Start, if the store does not have it
   bool large_ = false;
   std::unique_ptr<VoxelizeJob> job_;
   std::optional<Grid> grid_;
   MeshSource source_;
-  VoxelSet voxels_;       // of the whole result, if it is to be verified
-  JobTotals delivered_;   // of a result of which only the end is wanted, but all is to be verified
+  VoxelSet voxels_;       // the whole result, for verification
+  JobTotals delivered_;   // totals of the delivered end, where all is verified but only the end is wanted
   absl::Status failure_;  // of the sink
   BrickBatcher batcher_;
   uint64_t mesh_bytes_ = 0;

@@ -8,28 +8,28 @@
 namespace latvox {
 namespace {
 
-// The stream: the reactor's credit, and what gRPC and the kernel hold for a slow client.
+// The stream: the reactor's credit, and the memory of gRPC and the kernel for a slow client.
 constexpr uint64_t kStreamBytes = uint64_t{8} << 20;
 
-// A thread: what it scans with.
+// A thread: the memory of its scan.
 constexpr uint64_t kThreadBytes = uint64_t{6} << 20;
 constexpr uint64_t kSolidThreadBytes = uint64_t{2} << 20;
 constexpr uint64_t kAttributeThreadBytes = uint64_t{24} << 20;
 
-// The mesh: its arrays and the job's, as measured, and half as much again. An attribute is a vertex's: it lies in the
-// job's mesh, and in one that the store has dropped since.
+// The mesh: its arrays and those of the job, as measured, and half as much again. An attribute counts twice for each
+// vertex: in the job's mesh, and in a mesh that the store has dropped since.
 constexpr uint64_t kBytesPerTriangle = 48, kBytesPerVertex = 24;
 constexpr uint64_t kBytesPerAttribute = 8;
 
-// Thinning: where triangles fill a volume, it has many voxels of a block of 128^3 in doubt.
+// Thinning: where triangles fill a volume, many voxels of a block of 128^3 are in doubt.
 constexpr double kBlockSide = 128, kBytesPerVoxelOfBlock = 60, kMostBytesOfBlock = 64 << 20;
 
-// Sets that are kept: a brick lies in a vector and an index that double as they grow. Where bricks are not counted
-// beforehand, voxels are: a surface has at least ten of them in a brick.
+// Kept sets: a brick lies in a vector and an index that double as they grow. Where the number of bricks is unknown, it
+// follows from the number of voxels: a surface has at least ten in a brick.
 constexpr uint64_t kBytesPerKeptBrick = 250;
 constexpr double kBytesPerKeptVoxel = 25;
 
-// An estimate may be beyond all 64-bit numbers; no budget has that much.
+// An estimate may exceed all 64-bit numbers. No budget has that much.
 uint64_t ToBytes(double bytes) { return static_cast<uint64_t>(std::min(bytes, 1e18)); }
 
 }  // namespace
@@ -53,7 +53,7 @@ absl::Status JobMemory::ReserveJob(const JobEstimate& estimate) {
   const uint64_t kept = ToBytes(estimate.voxels * kBytesPerKeptVoxel);
   job_bytes_ += BytesOfSolid(estimate.line_crossings) + BytesOfThinning(estimate);
   if (request_.algorithm() != Algorithm::kExact) job_bytes_ += kept;
-  // What verification keeps is reserved now, by an estimate that is seldom too low: a job that is accepted should end.
+  // Reserves for verification now, by an estimate that is seldom too low, because an accepted job should end.
   return memory_.Grow(request_.verify ? job_bytes_ + kept : job_bytes_);
 }
 
@@ -64,21 +64,21 @@ absl::Status JobMemory::ReserveKept(uint64_t bricks) {
 
 void JobMemory::Free() { memory_.Shrink(0); }
 
-// For a job with a mesh of that size.
+// For a job with a mesh of this size.
 uint64_t JobMemory::BytesOf(uint64_t triangles, uint64_t vertices) const {
   const uint64_t attributes = request_.fields.size();
   return kStreamBytes + threads_ * (kThreadBytes + (attributes != 0 ? kAttributeThreadBytes : 0)) +
          triangles * kBytesPerTriangle + vertices * (kBytesPerVertex + attributes * kBytesPerAttribute);
 }
 
-// More, if the job fills.
+// More for a job that fills.
 uint64_t JobMemory::BytesOfSolid(double line_crossings) const {
   if (request_.solid() == nullptr) return 0;
   return threads_ * kSolidThreadBytes + ToBytes(line_crossings * kBytesPerLineCrossing);
 }
 
-// More, if the job thins: for a block's share of the voxels, if they are spread over the part of the mesh's box that is
-// asked for.
+// More for a job that thins: a block's share of the voxels, if they are spread over the requested part of the mesh's
+// box.
 uint64_t JobMemory::BytesOfThinning(const JobEstimate& estimate) const {
   if (!request_.is_minimal()) return 0;
   double blocks = 1;

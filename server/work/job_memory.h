@@ -11,10 +11,10 @@
 
 namespace latvox {
 
-// What is known of a job before it begins.
+// The facts known about a job before it begins.
 struct JobEstimate {
-  double voxels = 0;          // that it finds
-  double line_crossings = 0;  // that it keeps, if it fills a mesh that may be open
+  double voxels = 0;          // the number of voxels that it finds
+  double line_crossings = 0;  // the number that it keeps, if it fills a mesh that may be open
   Bounds bounds;              // of the mesh, world units
   double voxel_size = 0;      // world units
 };
@@ -23,7 +23,7 @@ struct JobEstimate {
 //
 //   ReserveUpload … ──▶ ReserveDecode ──▶ ReserveMesh ──▶ ReserveJob ──▶ ReserveKept …
 //
-// Errors of all steps: as MemoryReservation::Grow; what was reserved before stays. The destructor gives it back.
+// Errors of all steps: as MemoryReservation::Grow; earlier reservations stay. The destructor gives them back.
 // Threads: one at a time.
 class JobMemory {
  public:
@@ -32,19 +32,20 @@ class JobMemory {
   //   budget    must outlive this
   JobMemory(const VoxelRequest& request, int threads, MemoryBudget& budget);
 
-  // For an encoded mesh, of so many bytes altogether.
+  // Reserves for an encoded mesh of so many bytes in all.
   absl::Status ReserveUpload(uint64_t bytes);
 
-  // For the encoded mesh, and a job with what it decodes to.
+  // Reserves for the encoded mesh, and for a job with the decoded mesh.
   absl::Status ReserveDecode(uint64_t encoded_bytes, uint64_t triangles, uint64_t vertices);
 
-  // For a job with the decoded mesh. Gives back what the encoded mesh had.
+  // Reserves for a job with the decoded mesh. Gives the encoded mesh's memory back.
   absl::Status ReserveMesh(uint64_t triangles, uint64_t vertices);
 
-  // For what the job needs besides, including what verification will keep. Once, after ReserveMesh.
+  // Reserves the other memory of the job, including the bricks that verification keeps. Call it once, after
+  // ReserveMesh.
   absl::Status ReserveJob(const JobEstimate& estimate);
 
-  // For more bricks that verification keeps. What ReserveJob reserved for them is used first.
+  // Reserves for more bricks that verification keeps, after it has used up those of ReserveJob.
   absl::Status ReserveKept(uint64_t bricks);
 
   // Gives everything back.
@@ -58,7 +59,7 @@ class JobMemory {
   const VoxelRequest& request_;
   const uint64_t threads_;
   MemoryReservation memory_;
-  uint64_t job_bytes_ = 0, kept_bytes_ = 0;  // of memory_, by what they are for
+  uint64_t job_bytes_ = 0, kept_bytes_ = 0;  // parts of memory_, by their purpose
 };
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// The memory that jobs may take, all together.
+// The budget of memory for all jobs together.
 #ifndef LATVOX_SERVER_WORK_MEMORY_BUDGET_H_
 #define LATVOX_SERVER_WORK_MEMORY_BUDGET_H_
 
@@ -39,11 +39,11 @@ class MemoryReservation {
       : budget_(other.budget_), bytes_(std::exchange(other.bytes_, 0)) {}
   MemoryReservation& operator=(MemoryReservation&&) = delete;
 
-  // Makes it `bytes` altogether, if it is less. Errors: RESOURCE_EXHAUSTED: without a retry delay if that is more than
-  // the whole budget, with one if others have it.
+  // Raises the reservation to `bytes` in all, if it is less. Errors: RESOURCE_EXHAUSTED, without a retry delay if that
+  // exceeds the whole budget, and with one if other jobs have it.
   absl::Status Grow(uint64_t bytes);
 
-  // Gives back what is over `bytes`.
+  // Gives back all above `bytes`.
   void Shrink(uint64_t bytes);
 
   uint64_t bytes() const { return bytes_; }
@@ -56,8 +56,8 @@ class MemoryReservation {
 // Three quarters of the memory of the machine, or of the process's control groups if these have less.
 uint64_t DefaultMemoryBudget();
 
-// What a server takes of that if the process that started it needs memory as well: half, but no less than it can start
-// with, as far as there is so much.
+// The budget of a server whose parent needs memory as well: half of that, but no less than a server needs to start, as
+// far as it exists.
 inline constexpr uint64_t kLeastMemoryBudget = uint64_t{256} << 20;
 constexpr uint64_t SharedMemoryBudget(uint64_t budget) {
   return std::min(budget, std::max(budget / 2, kLeastMemoryBudget));

@@ -9,7 +9,7 @@
 namespace latvox {
 namespace {
 
-// Pieces are put together up to this size, so that a mesh sent byte by byte costs no more memory than its bytes.
+// Smaller pieces are joined up to this size, so that a mesh sent byte by byte costs no more memory than its bytes.
 constexpr size_t kSmallPiece = size_t{64} << 10;
 
 absl::Status WrongLength(absl::string_view relation, uint64_t size, uint64_t declared) {

@@ -1,4 +1,4 @@
-// The encoded mesh while it arrives in pieces.
+// An encoded mesh that arrives in pieces.
 #ifndef LATVOX_SERVER_WORK_MESH_UPLOAD_H_
 #define LATVOX_SERVER_WORK_MESH_UPLOAD_H_
 
@@ -15,23 +15,23 @@ namespace latvox {
 
 class MeshUpload {
  public:
-  // At the arrival of the specification. `declared` is the length that the client announced, 0 if none; `limit` the
-  // most that is taken.
+  // Construct it when the specification arrives. `declared` is the length that the client announced, 0 if none; `limit`
+  // is the maximum length.
   MeshUpload(uint64_t declared, uint64_t limit) : declared_(declared), limit_(limit) {}
 
-  // Takes the next piece over. Cheap enough for a gRPC callback: pieces are kept, not copied, unless they are small.
+  // Appends the next piece. Cheap enough for a gRPC callback: pieces are kept, and copied only if they are small.
   // Errors: RESOURCE_EXHAUSTED over the limit, INVALID_ARGUMENT over the declared length.
   absl::Status Append(std::string&& piece);
 
-  // INVALID_ARGUMENT if less than the declared length, or nothing at all, has come.
+  // Returns INVALID_ARGUMENT if less than the declared length has come, or nothing at all.
   absl::Status CheckComplete() const;
 
-  // All bytes. The pieces are handed over, not copied.
+  // Returns all bytes. It moves the pieces, without a copy.
   absl::Cord Release() &&;
 
   uint64_t size() const { return size_; }
 
-  // From the specification to the last piece; nothing if no byte has come.
+  // Returns the time from the specification to the last piece; nothing if no byte has come.
   std::optional<double> milliseconds() const;
 
  private:

@@ -18,15 +18,15 @@
 namespace latvox {
 namespace {
 
-// What a job takes, bytes, twice as much as measured. Of points and polylines, the request, what it becomes, and the
-// segments, snapped twice; of crossings, the lists while they grow, and then the incidences.
+// The memory of a job, in bytes, twice as much as measured. A point or polyline counts for the request, the converted
+// drawing and the segments, snapped twice. A crossing counts for the growing lists, and then for the incidences.
 constexpr uint64_t kBytesPerPoint = 128, kBytesPerPolyline = 256, kBytesPerCrossing = 64;
 
 absl::Status CheckCancelled(StopSignal stop) {
   return stop.Stopped() ? absl::CancelledError("the request was cancelled") : absl::OkStatus();
 }
 
-// An upper estimate: a segment meets the lattice lines of a direction at most once more than it is long between them.
+// An upper estimate: along a direction, a segment meets at most one lattice line more than its length has spacings.
 uint64_t EstimateCrossings(const std::vector<Segment>& segments, const std::vector<PlaneFrame>& frames) {
   uint64_t crossings = 0;
   for (const Segment& segment : segments) {
@@ -39,7 +39,7 @@ uint64_t EstimateCrossings(const std::vector<Segment>& segments, const std::vect
   return crossings;
 }
 
-// Crossings are held against their limit, and their memory against the budget, before they take it.
+// Checks crossings against their limit, and their memory against the budget, before it is used.
 absl::Status Admit(const PlaneJobSpec& spec, const PlaneGrid& grid, const Limits& limits, MemoryReservation& memory) {
   const auto snapped = Snap(spec.polylines, grid.lattice, grid.origin);
   if (!snapped.ok()) return WithCauseOfCore(snapped.status(), spec.fields);
@@ -65,7 +65,7 @@ absl::StatusOr<v1::PixelizeResponse> Answer(const PlaneJobSpec& spec, const Limi
 
 }  // namespace
 
-// By the length of all segments in pixels, at some 0.5 us each.
+// Judges by the length of all segments in pixels, at some 0.5 us each.
 bool LastsLong(const v1::PixelizeRequest& request) {
   constexpr double kMostPixels = 1e5;
   std::array<double, 2> low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};

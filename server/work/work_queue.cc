@@ -14,23 +14,23 @@
 namespace latvox {
 namespace {
 
-// Of this thread: Linux has a niceness for each. Everyone may raise it; where a sandbox forbids even that, work goes
-// on, less fairly.
+// Lowers the priority of this thread; Linux has a niceness for each. Everyone may raise it. Where a sandbox forbids
+// even that, work goes on, less fairly.
 void AddToNiceness(int niceness) {
   const auto self = static_cast<id_t>(gettid());
   errno = 0;
-  const int before = getpriority(PRIO_PROCESS, self);  // -1 is a niceness, too
+  const int before = getpriority(PRIO_PROCESS, self);  // -1 is a valid niceness, too
   if (errno == 0 && setpriority(PRIO_PROCESS, self, before + niceness) == 0) return;
   Log(LogLevel::kWarning, "priority_not_lowered", {{"error", std::strerror(errno)}});
 }
 
-// Of an arena with places for others. Of one with a single place, a worker would take what is enqueued.
+// An arena needs a second place: with a single one, a worker would take an enqueued task.
 int PlacesFor(int threads) { return std::max(threads, 2); }
 
 }  // namespace
 
-// A thread that waits in the arena for what comes in the end only. As everyone does who waits within oneTBB, it takes
-// up the arena's tasks meanwhile, and sleeps while there are none.
+// A thread that waits in the arena for an event that comes only at the end. Like every thread that waits within oneTBB,
+// it runs the arena's tasks meanwhile, and sleeps while there are none.
 class WorkQueue::Resident {
  public:
   Resident(oneapi::tbb::task_arena& arena, int niceness)

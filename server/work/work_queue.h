@@ -1,8 +1,8 @@
-// Where tasks compute. Small work must not wait for large work: each has a queue, with as many threads as there are
-// cores, and the operating system divides the cores between the two, by the priority of their threads.
+// Queues of tasks. Small work must not wait for large work, so each has a queue with as many threads as there are
+// cores. The operating system divides the cores between the two by the priority of their threads.
 //
-// oneTBB's workers go from arena to arena, and a thread that has lowered its priority may not raise it again without
-// privileges (RLIMIT_NICE). Hence a queue of lower priority has threads of its own, which stay.
+// oneTBB's workers go from arena to arena, and a thread that has lowered its priority cannot raise it again without
+// privileges (RLIMIT_NICE). So a queue of lower priority has threads of its own, which stay.
 #ifndef LATVOX_SERVER_WORK_WORK_QUEUE_H_
 #define LATVOX_SERVER_WORK_WORK_QUEUE_H_
 
@@ -19,7 +19,7 @@ namespace latvox {
 // Thread-safe.
 class WorkQueue {
  public:
-  // `niceness` is what the queue's threads add to the process's; 0: they are oneTBB's workers.
+  // `niceness` is added to the process's own for the queue's threads; 0: oneTBB's workers are the threads.
   WorkQueue(int threads, int niceness);
   ~WorkQueue() noexcept;  // as Wait
   WorkQueue(const WorkQueue&) = delete;
@@ -27,10 +27,10 @@ class WorkQueue {
 
   int threads() const { return threads_; }
 
-  // Whether its threads have a lower priority than the process's others. Those that they start have it, too.
+  // Whether its threads, and the threads that they start, have a lower priority than the process's others.
   bool nice() const { return !residents_.empty(); }
 
-  // Runs task() on a thread of the queue, after what was enqueued before. Parallel algorithms within it run on all.
+  // Runs task() on a thread of the queue, after all earlier tasks. Its parallel algorithms use all threads.
   template <class F>
   void Enqueue(F task) {
     ++waiting_;
@@ -43,7 +43,7 @@ class WorkQueue {
   // Waits for all tasks.
   void Wait() { tasks_.wait(); }
 
-  // Whether tasks wait for those that run: long ones should make way.
+  // Whether tasks wait for running ones; long tasks should make way.
   bool contended() const { return waiting_ > 0; }
 
  private:
@@ -57,8 +57,8 @@ class WorkQueue {
   std::vector<std::unique_ptr<Resident>> residents_;
 };
 
-// Does for a task of `queue` what calls gRPC: at once, but from a nice queue on a thread of `ordinary`. For gRPC starts
-// threads of its own from those that call it, and holds locks meanwhile that other calls need.
+// Runs act(), which calls gRPC, for a task of `queue`: at once, but from a nice queue on a thread of `ordinary`. A
+// thread that calls gRPC may start gRPC's own threads, and holds locks that other calls need.
 template <class F>
 void DoOrdinarily(const WorkQueue& queue, WorkQueue& ordinary, F act) {
   queue.nice() ? ordinary.Enqueue(std::move(act)) : act();

@@ -1,5 +1,5 @@
-"""Core's kernels compile for ARM: each file of them, with the flags of this build and gcc's cross compiler, for which
-Debian has the package g++-12-aarch64-linux-gnu. Nothing is run. Skipped, with status 77, without the compiler."""
+"""Compiles each file of core's kernels for ARM, with the flags of this build and gcc's cross compiler (Debian's package
+g++-12-aarch64-linux-gnu). Nothing runs. Without the compiler the test is skipped, with status 77."""
 
 import concurrent.futures
 import json
@@ -15,11 +15,11 @@ import tempfile
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 COMMANDS = pathlib.Path(os.environ["LATVOX_BUILD_DIR"]) / "compile_commands.json"
 COMPILERS = ("aarch64-linux-gnu-g++", "aarch64-linux-gnu-g++-12")
-LIBRARIES = ("absl", "boost", "hwy", "oneapi", "tbb", "xxhash.h")  # headers of the host that are for any processor
+LIBRARIES = ("absl", "boost", "hwy", "oneapi", "tbb", "xxhash.h")  # host headers that work on any processor
 
 
 def kernels():
-    """Files of core that Highway compiles for several instruction sets, with their commands."""
+    """Returns the files of core that Highway compiles for several instruction sets, with their commands."""
     for entry in json.loads(COMMANDS.read_text()):
         file = pathlib.Path(entry["file"])
         if file.is_relative_to(REPOSITORY / "core") and "hwy/foreach_target.h" in file.read_text():
@@ -28,7 +28,7 @@ def kernels():
 
 def compile_for_arm(compiler, headers, file, command):
     kept = [word for word in command if re.match(r"-(D|W|f|std=|I)", word)]
-    # As core/CMakeLists.txt has it for ARM; unoptimized, which takes half of the time and finds the same errors.
+    # As core/CMakeLists.txt sets for ARM, but unoptimized: half of the time, and the same errors.
     words = [compiler, *kept, "-march=armv8-a+crypto", "-O0", "-isystem", headers, "-c", file, "-o", os.devnull]
     return file, subprocess.run(words, capture_output=True, text=True)
 

@@ -1,16 +1,16 @@
-"""Runs the kernels for AVX-512 on a machine that has none: in Bochs, as on a Skylake-X, under Debian's kernel.
+"""Runs the AVX-512 kernels on a machine without AVX-512: on a Skylake-X in Bochs, under Debian's kernel.
 
 Usage: emulate.py FOLDER_OF_PROGRAMS [TEST...]
-    FOLDER_OF_PROGRAMS  where latvox_bench and the tests are, such as build/release/bin
-    TEST                tests to run, with arguments if need be, such as 'core_tiny_test --gtest_filter=*Kernel'; without
-                        any, those of TESTS
+    FOLDER_OF_PROGRAMS  the folder of latvox_bench and the tests, such as build/release/bin
+    TEST                tests to run, with arguments if needed, such as 'core_tiny_test --gtest_filter=*Kernel'; default:
+                        those of TESTS
 
-JOBS of latvox_bench must have the digests there that plain C++ has here. All of it takes a quarter of an hour: an
-emulated core is a hundred times slower. It needs what `deploy/install-packages emulate` installs. The status is 1 where
-something differs or fails, 2 where it cannot be tried.
+JOBS of latvox_bench must have the digests that plain C++ has here. All of it takes a quarter of an hour, because an
+emulated core is a hundred times slower. It needs the packages of `deploy/install-packages emulate`. The status is 1 if
+something differs or fails, and 2 if the test cannot run.
 
-A Skylake-X has no VBMI2. Bochs has processors that do, but version 2.7 takes VPCOMPRESSW of 32 lanes, all selected, for
-one of none, and with it the lists of tiny triangles are wrong.
+A Skylake-X has no VBMI2. Bochs has processors with VBMI2, but version 2.7 treats VPCOMPRESSW of 32 lanes, all selected,
+as one of no lanes. That makes the lists of tiny triangles wrong.
 """
 
 import itertools
@@ -47,7 +47,7 @@ ONCE = "--warmups 0 --reps 1 --threads 1 --json"
 RESULT = re.compile(r'^\{"(?:voxels|error)".*\}', re.MULTILINE)
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build/avx512"
-SECONDS = 2 * 3600  # before an emulated machine is taken to hang
+SECONDS = 2 * 3600  # until an emulated machine counts as hung
 
 INIT = """#!/bin/busybox sh
 busybox mount -t devtmpfs dev /dev
@@ -63,7 +63,7 @@ busybox poweroff -f
 """
 TEST = "/programs/{command} --gtest_color=no --gtest_brief=1\necho Test {number} ended with $?\n"
 
-# Linux does not believe what Bochs says of the sizes of compact XSAVE areas, and would do without AVX.
+# Linux distrusts the sizes that Bochs reports for compact XSAVE areas, and would disable AVX.
 BOOT = """default linux
 prompt 0
 timeout 0
@@ -90,7 +90,7 @@ def run(*words, **options):
 
 
 def fetch(package):
-    """Where one of Debian's packages is unpacked, which is not installed: it would change this machine."""
+    """Unpacks one of Debian's packages, and returns its folder. Installing it would change this machine."""
     folder = FOLDER / package
     if not folder.exists():
         aside = FOLDER / "unpacked"
@@ -102,7 +102,7 @@ def fetch(package):
 
 
 def fetch_kernel():
-    """That for virtual machines."""
+    """Returns the kernel for virtual machines."""
     package = re.search(r"Depends: (linux-image-\S+)", run("apt-cache", "depends", "linux-image-cloud-amd64"))[1]
     return next(fetch(package).glob("boot/vmlinuz-*"))
 
@@ -114,7 +114,7 @@ def copy_into(root, path, to=None):
 
 
 def make_root(root, programs, tests):
-    """Files of the emulated machine: the programs and what they load and read."""
+    """Writes the files of the emulated machine: the programs and the files that they load and read."""
     shutil.rmtree(root, ignore_errors=True)
     for folder in ("dev", "proc"):
         (root / folder).mkdir(parents=True)
@@ -148,7 +148,7 @@ def make_disk(root, kernel):
 
 
 def read_all(terminal, to):
-    """Until the program at its other end is gone."""
+    """Reads until the program at the other end is gone."""
     try:
         while data := os.read(terminal, 1 << 16):
             to(data)
@@ -157,18 +157,18 @@ def read_all(terminal, to):
 
 
 def emulate():
-    """Returns what the emulated machine wrote to its serial line, until it switched itself off."""
+    """Runs the emulated machine until it switches itself off, and returns what it wrote to its serial line."""
     (FOLDER / "bochsrc").write_text(BOCHS)
-    (FOLDER / "debugger").write_text("continue\nquit\n")  # Debian's Bochs begins in its debugger
+    (FOLDER / "debugger").write_text("continue\nquit\n")  # Debian's Bochs starts in its debugger
     serial = FOLDER / "serial"
     serial.unlink(missing_ok=True)
     print(f"Emulating; what it prints goes to {serial}", flush=True)
-    here, there = pty.openpty()  # its debugger's terminal
+    here, there = pty.openpty()  # the debugger's terminal
     said, screens = bytearray(), []
 
     def listen(data):
         said.extend(data)
-        # It stops when nobody looks at its screen.
+        # Bochs stops if nobody reads its screen.
         if not screens and (found := re.search(rb'connected to screen "(.*?)"', said)):
             screens.append(os.open(found[1], os.O_RDONLY | os.O_NOCTTY))
             threading.Thread(target=read_all, args=(screens[0], lambda data: None), daemon=True).start()
@@ -191,10 +191,10 @@ def emulate():
 
 
 def outcome(line):
-    """What is compared of a job."""
+    """Returns the facts about a job that are compared: digest and kernels."""
     try:
         result = json.loads(line)
-    except ValueError:  # the kernel had something to say in the middle of it
+    except ValueError:  # a kernel message interrupted the line
         result = {}
     return result.get("digest"), result.get("simd")
 

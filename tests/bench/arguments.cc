@@ -19,7 +19,7 @@ const std::map<std::string, NamedLattice>& Lattices() {
   return *lattices;
 }
 
-// Options that are not of the type that they end as.
+// Options whose type differs from that of their value in Arguments.
 struct Words {
   std::string algorithm = "exact", simd = "best", peer, fill = "surface", rule = "parity", cover;
   bool without_surface = false, minimal = true;
@@ -44,30 +44,32 @@ void Declare(CLI::App& app, Arguments& arguments, Words& words) {
                  "box, sphere:N (about N triangles), or a file: .drc .obj .ply .stl .glb .gltf .3ds");
   app.add_option("RESOLUTION", arguments.resolution, "voxels along the longest side")
       ->check(CLI::Range(uint32_t{2}, kMaxResolution));
-  app.add_option("--subdivide", arguments.subdivide, "times that each triangle becomes four")->check(CLI::Range(0, 8));
+  app.add_option("--subdivide", arguments.subdivide, "how often each triangle is divided into four")
+      ->check(CLI::Range(0, 8));
   CLI::Option* lattice = app.add_option("--lattice", arguments.lattice)->check(CLI::IsMember(Lattices()));
   app.add_option("--basis", arguments.basis, "three basis vectors")->delimiter(',')->expected(9)->excludes(lattice);
   app.add_option("--separability", options.separability)->check(CLI::Range(0, 2));
   app.add_flag("--minimal,!--no-minimal", words.minimal);
   app.add_option("--region", words.region, "i0,j0,k0,i1,j1,k1: only these lattice points")->delimiter(',')->expected(6);
-  app.add_option("--bounds", words.bounds, "x0,y0,z0,x1,y1,z1: only voxels with their centres in this box")
+  app.add_option("--bounds", words.bounds, "x0,y0,z0,x1,y1,z1: only voxels with their centers in this box")
       ->delimiter(',')
       ->expected(6);
   app.add_option("--shard", words.shard, "I/N: only part I, from 0, of N")->delimiter('/')->expected(2);
-  app.add_option("--band", words.band, "a band of distances, so many voxel sizes wide")->check(CLI::PositiveNumber);
+  app.add_option("--band", words.band, "a band of distances, this many voxel sizes wide")->check(CLI::PositiveNumber);
   app.add_option("--algorithm", words.algorithm)->check(OneOf(kAlgorithms));
   app.add_option("--fill", words.fill)->check(CLI::IsMember({"surface", "solid"}));
-  app.add_option("--interior-rule", words.rule, "of a solid")->check(CLI::IsMember({"parity", "winding"}));
-  app.add_flag("--without-surface", words.without_surface, "of a solid");
+  app.add_option("--interior-rule", words.rule, "which points are inside a solid")
+      ->check(CLI::IsMember({"parity", "winding"}));
+  app.add_flag("--without-surface", words.without_surface, "a solid without its surface's voxels");
   app.add_option("--cover", words.cover)
       ->check(CLI::IsMember({std::string(NameOf(Cover::kSeparating)), std::string(NameOf(Cover::kSupercover))}));
   app.add_option("--simd", words.simd, "kernels")->check(OneOf(kSimdNames));
   app.add_option("--threads", arguments.threads)->check(CLI::Range(1, kMaxThreads));
   app.add_option("--warmups", arguments.warmups, "repetitions before the clock")->check(CLI::Range(0, 1000));
   app.add_option("--reps", arguments.reps, "repetitions")->check(CLI::Range(1, 1000));
-  app.add_option("--peer", words.peer, "times another program instead")->check(CLI::IsMember({"openvdb"}));
-  app.add_flag("--discard", arguments.discard, "drop bricks as they come");
-  app.add_flag("--cancel", arguments.cancel, "measure cancelling, too");
+  app.add_option("--peer", words.peer, "time another program instead")->check(CLI::IsMember({"openvdb"}));
+  app.add_flag("--discard", arguments.discard, "drop bricks as they arrive");
+  app.add_flag("--cancel", arguments.cancel, "also measure cancellation");
   app.add_flag("--json", arguments.json);
 }
 
@@ -82,7 +84,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
   Words named;
   CLI::App app;
   Declare(app, arguments, named);
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  std::reverse(words.begin(), words.end());  // in CLI11's form
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
@@ -112,7 +114,7 @@ absl::StatusOr<Arguments> ParseArguments(std::vector<std::string> words) {
                                                {"--cover", options.cover != Cover::kSeparating}};
   for (const auto& [option, is_given] : ours) {
     if (arguments.openvdb && is_given) {
-      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has nothing like this ", option));
+      return absl::InvalidArgumentError(absl::StrCat("--peer: OpenVDB has no equivalent of ", option));
     }
   }
   for (const char* option : {"--interior-rule", "--without-surface"}) {

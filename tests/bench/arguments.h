@@ -1,4 +1,4 @@
-// What to measure, as the command line says it.
+// The command line of latvox_bench: what to measure.
 #ifndef LATVOX_TESTS_BENCH_ARGUMENTS_H_
 #define LATVOX_TESTS_BENCH_ARGUMENTS_H_
 
@@ -16,16 +16,16 @@ inline constexpr int kMaxThreads = 1024;
 
 struct Arguments {
   std::string mesh;   // see MeshNamed
-  int subdivide = 0;  // times that each triangle becomes four
+  int subdivide = 0;  // how often each triangle is divided into four
   uint32_t resolution = 0;
   std::string lattice = "cartesian";
   std::vector<double> basis;  // empty or nine numbers, instead of `lattice`
   VoxelRequest request;
   Simd simd = Simd::kBest;
   int threads = 1, warmups = 0, reps = 7;
-  bool openvdb = false;  // OpenVDB's meshToVolume instead of ours
-  bool discard = false;  // drop bricks as they come, for results larger than the memory
-  bool cancel = false;   // measure cancelling, too
+  bool openvdb = false;  // measure OpenVDB's meshToVolume
+  bool discard = false;  // drop bricks as they arrive, for results larger than memory
+  bool cancel = false;   // also measure cancellation
   bool json = false, help = false;
 };
 

@@ -1,4 +1,4 @@
-"""latvox_bench keeps what scripts rely on: fields, exit statuses, the same digest from every kernel."""
+"""Tests of latvox_bench: fields and exit statuses that scripts rely on, and the same digest from every kernel."""
 
 import importlib.machinery
 import json
@@ -12,7 +12,7 @@ import unittest
 
 BENCH = pathlib.Path(os.environ["LATVOX_BIN"]) / "latvox_bench"
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
-# The program beside this file, of which `count` is wanted.
+# The program beside this file; the tests use its function `count`.
 COUNTER = types.ModuleType("instructions")
 COUNTER.__file__ = str(pathlib.Path(__file__).with_name("instructions"))
 importlib.machinery.SourceFileLoader("instructions", COUNTER.__file__).exec_module(COUNTER)
@@ -36,7 +36,7 @@ def once(*words):
 
 
 def instructions(*words):
-    """By valgrind, which has no AVX-512: the same on every machine, however busy it is."""
+    """Counts by valgrind, which has no AVX-512: the same on every machine, however busy."""
     return COUNTER.count(BENCH, [*words, "--warmups", "0"], "avx2")
 
 
@@ -67,7 +67,7 @@ class Bench(unittest.TestCase):
                 self.assertEqual(out["simd"], simd)
                 self.assertEqual(out["digest"], reference["digest"], (lattice, simd))
 
-    def test_what_is_discarded_counts_all_the_same(self):
+    def test_discarded_bricks_count(self):
         kept, discarded = measured("box", "128"), measured("box", "128", "--discard")
         self.assertEqual((kept["voxels"], kept["digest"]), (discarded["voxels"], discarded["digest"]))
 
@@ -86,7 +86,7 @@ class Bench(unittest.TestCase):
             measured("box", "32", "--algorithm", "optimized-incremental")["digest"], measured("box", "32")["digest"]
         )
 
-    def test_what_a_peer_has_nothing_like_is_refused(self):
+    def test_options_without_an_equivalent_in_the_peer_are_refused(self):
         for option, value in (("--lattice", "bcc"), ("--region", "0,0,0,1,1,1"), ("--fill", "solid")):
             done = run("box", "32", "--peer", "openvdb", option, value)
             self.assertEqual(done.returncode, 2)
@@ -133,7 +133,7 @@ class Bench(unittest.TestCase):
         self.assertGreater(out["triangles"], 1_900_000)
         self.assertLess(out["job_peak_bytes"] / out["triangles"], 60)
 
-    def test_thinning_what_fills_a_volume_takes_bounded_time_and_memory(self):
+    def test_thinning_triangles_that_fill_a_volume_takes_bounded_time_and_memory(self):
         random.seed(5)
         with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
             for n in range(900):
@@ -141,7 +141,7 @@ class Bench(unittest.TestCase):
                 mesh.write(f"f {3 * n + 1} {3 * n + 2} {3 * n + 3}\n")
             mesh.flush()
             words = (mesh.name, "64", "--threads", "1", "--discard")
-            # In between there are some ten voxel-triangle pairs for each voxel, all of which thinning has to ask.
+            # Each voxel has some ten voxel-triangle pairs, and thinning has to ask all of them.
             self.assertLess(instructions(*words), 24 * instructions(*words, "--no-minimal"))
             self.assertLess(once(*words)["job_peak_bytes"], 60e6)
 
@@ -160,8 +160,8 @@ class Bench(unittest.TestCase):
             self.assertLess(instructions(*coarse) / count, 80_000)
 
     def test_cost_grows_with_output_not_with_volume(self):
-        # Some twenty triangles: a lattice of 8 times the volume has 4 times the voxels. The column meets a part of the
-        # surface that is as large as that at 256, in a lattice of 2^48 points.
+        # Some twenty triangles: a lattice of 8 times the volume has 4 times the voxels. The column lies in a lattice of
+        # 2^48 points, and the part of the surface in it is as large as the whole surface at 256.
         words = ("sphere:20", "--separability", "2", "--discard")
         column = ("65536", "--region", "30000,30000,0,30200,30200,65536")
         coarse, fine, part = (cost_of_a_voxel(*words, *more) for more in (("256",), ("512",), column))

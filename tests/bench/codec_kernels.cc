@@ -25,7 +25,7 @@ namespace {
 
 constexpr size_t kRawBrickBytes = 76;
 
-// All tiles of the bunny at 1024.
+// Returns all tiles of the bunny at 1024.
 struct Bunny {
   std::vector<TileBricks> tiles;
   JobTotals totals;
@@ -59,7 +59,7 @@ std::vector<v1::BrickBatch> Encode(const Bunny& bunny, BrickEncoding encoding) {
   return batches;
 }
 
-// `bricks` and `packed` are kept, as by a client.
+// `bricks` and `packed` are kept, as in a client.
 void Decode(const std::vector<v1::BrickBatch>& batches, std::vector<client::Brick>& bricks, std::string& packed) {
   for (const v1::BrickBatch& batch : batches) {
     const bool zstd = batch.packed_bytes() != 0;
@@ -111,10 +111,10 @@ void RegisterCodec() {
                                                     {"cartesian_k2", NamedLattice::kCartesian, 2},
                                                     {"bcc", NamedLattice::kBcc, 0},
                                                     {"fcc_k2", NamedLattice::kFcc, 2}}) {
-    // clang does not capture what a structured binding names.
+    // clang does not capture structured bindings.
     const auto add = [name = std::string(name), lattice = lattice, k = separability](const std::string& way, auto run) {
       const auto measure = [lattice, k, run](benchmark::State& state) {
-        static std::map<std::pair<NamedLattice, int>, Bunny> bunnies;  // made when needed, once
+        static std::map<std::pair<NamedLattice, int>, Bunny> bunnies;  // made on first use
         auto [at, made] = bunnies.try_emplace({lattice, k});
         if (made) at->second = MakeBunny(lattice, k);
         run(at->second, state);

@@ -1,4 +1,5 @@
-// What it costs to decode in a process of its own: Draco called here, and through a pool of decoder processes, in turn.
+// Measures decoding in a confined process beside decoding in this process: by a pool of decoder processes and by Draco,
+// in turns.
 //   draco_encoder -i bunny.obj -o bunny.drc --skip NORMAL
 //   latvox_bench_decoders bunny.drc
 #include <algorithm>

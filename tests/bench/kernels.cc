@@ -1,4 +1,4 @@
-// The stages of the core one by one, for each kind of kernel, and the codec of bricks, on one thread.
+// Benchmarks of the stages of the core one by one, for each kind of kernel, and of the codec of bricks, on one thread.
 //   latvox_bench_kernels --benchmark_filter=Tile
 #include <benchmark/benchmark.h>
 #include <oneapi/tbb/global_control.h>
@@ -25,14 +25,14 @@ namespace {
 
 constexpr Vec3i kReach{1, 1, 1};
 
-// A mesh over some voxels. One tile is 64 voxels a side.
+// A mesh and its resolution. One tile is 64 voxels a side.
 struct Scene {
   const char* name;
   const char* mesh;
   uint32_t resolution;
 };
-constexpr Scene kTinyTriangles{"tiny", "sphere:200000", 60};     // a third of a voxel
-constexpr Scene kVoxelSized{"voxel_sized", "sphere:10000", 60};  // a voxel and a half
+constexpr Scene kTinyTriangles{"tiny", "sphere:200000", 60};     // triangles of a third of a voxel
+constexpr Scene kVoxelSized{"voxel_sized", "sphere:10000", 60};  // triangles of a voxel and a half
 constexpr Scene kLargeTriangles{"large", "box", 60};
 
 template <class T>
@@ -92,7 +92,7 @@ void Tree(benchmark::State& state, const Scene& scene) {
   CountTriangles(state, mesh.triangles.size());
 }
 
-// All of a job, from the valid mesh in memory. The items are voxels for triangles that are larger than voxels.
+// A whole job, from the valid mesh in memory. It counts voxels as items if triangles are larger than voxels.
 void Job(benchmark::State& state, const Scene& scene, const VoxelizeOptions& options) {
   const TriangleMesh mesh = MeshOf(scene);
   const Grid grid = GridOf(scene, mesh);
@@ -110,7 +110,7 @@ void Job(benchmark::State& state, const Scene& scene, const VoxelizeOptions& opt
   CountTriangles(state, std::max<uint64_t>(mesh.triangles.size(), voxels));
 }
 
-// `run` with each kind of kernel that this processor has.
+// Registers `run` for each kind of kernel that this processor has.
 void Register(const std::string& name, const std::function<void(benchmark::State&)>& run) {
   for (const auto& [simd, simd_name] : kSimdNames) {
     if (simd == Simd::kBest || !ForceSimd(simd).ok()) continue;

@@ -1,4 +1,4 @@
-// The core alone, memory to memory: from a valid mesh in memory to all bricks in memory.
+// Measures the core alone: from a valid mesh in memory to all bricks in memory.
 #include <oneapi/tbb/global_control.h>
 
 #include <cstdio>
@@ -48,7 +48,7 @@ int RunOnce(std::vector<std::string> words) {
   return 0;
 }
 
-// Answers each line of standard input with a line of JSON. A mesh stays until a line names another.
+// Answers each line of standard input with a line of JSON. A mesh is kept until a line names another one.
 class Lines {
  public:
   void Answer() {
@@ -88,8 +88,8 @@ class Lines {
 }  // namespace latvox
 
 int main(int argc, char** argv) {
-  latvox::KeepHeap(latvox::kHeapOfJobs);  // as latvoxd does
-  // Else there would be no more threads than cores, whatever an arena asks for.
+  latvox::KeepHeap(latvox::kHeapOfJobs);  // like latvoxd
+  // Otherwise there would be no more threads than cores, whatever an arena asks for.
   const oneapi::tbb::global_control any(oneapi::tbb::global_control::max_allowed_parallelism, latvox::kMaxThreads);
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words == std::vector<std::string>{"-"}) {

@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 double Milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
-// A job with what is to be freed after the clock.
+// A job, and the memory that must be freed after the clock stops.
 struct Run {
   TriangleMesh mesh;
   std::unique_ptr<VoxelizeJob> job = nullptr;
@@ -30,7 +30,7 @@ struct Run {
   Clock::time_point start{}, first_tile{}, end{};
 };
 
-// The whole of what is timed, and the function that tests/bench/instructions counts.
+// All of the timed work. tests/bench/instructions counts the instructions of this function.
 extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, const Grid& grid, Run& run) {
   run.start = Clock::now();
   auto job = VoxelizeJob::CreateFromValid(std::move(run.mesh), grid, arguments.request);
@@ -46,8 +46,8 @@ extern "C" [[gnu::noinline]] void latvox_bench_job(const Arguments& arguments, c
   run.end = Clock::now();
 }
 
-// The longest time from a cancel to the end of Create or Advance, which return when every thread has stopped; of
-// cancels at five points of the work, which takes `whole` in all.
+// Returns the longest time from a cancel to the end of Create or Advance, which return once every thread has stopped.
+// It cancels at five points of the work, which takes `whole` in all.
 absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMesh& mesh, const Grid& grid,
                                     Clock::duration whole) {
   double most = 0;
@@ -71,7 +71,7 @@ absl::StatusOr<double> MostToCancel(const Arguments& arguments, const TriangleMe
     const auto end = Clock::now();
     canceller.join();
     if (!job.ok() && !absl::IsCancelled(job.status())) return job.status();
-    most = std::max(most, Milliseconds(end - cancelled));  // negative if it was too late
+    most = std::max(most, Milliseconds(end - cancelled));  // negative: too late
   }
   return most;
 }

@@ -1,4 +1,4 @@
-// Times one job, or OpenVDB, over and over.
+// Times one job, or OpenVDB, repeatedly.
 #ifndef LATVOX_TESTS_BENCH_MEASURE_H_
 #define LATVOX_TESTS_BENCH_MEASURE_H_
 
@@ -17,15 +17,15 @@ struct Measurement {
   std::string simd;                                // kernels, or "openvdb"
   std::string digest;                              // empty for OpenVDB
   std::vector<double> milliseconds;                // of each repetition, ascending: valid mesh to bricks, in memory
-  std::optional<double> first_brick_milliseconds;  // from the same start to the first tile, least
-  std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel until all threads stopped, most
-  uint64_t peak_rss_bytes = 0;                     // of the process, once the mesh was there
-  std::optional<uint64_t> job_peak_bytes;          // beyond what it held before the first repetition: the mesh
+  std::optional<double> first_brick_milliseconds;  // from the same start to the first tile; minimum
+  std::optional<double> cancel_milliseconds;       // see Arguments::cancel; from Cancel to the last thread's stop, most
+  uint64_t peak_rss_bytes = 0;                     // of the process, once the mesh was loaded
+  std::optional<uint64_t> job_peak_bytes;          // beyond the memory held before the first repetition, mesh included
 };
 
-// Runs in an arena of arguments.threads threads that have been started before the clock. A job takes its mesh over, so
-// each gets a copy, made before the clock; with `last_use`, the last one gets the mesh itself.
-// Errors: those of ForceSimd, ResolveGrid and VoxelizeJob.
+// Runs in an arena of arguments.threads threads, which start before the clock. A job takes over its mesh, so each
+// repetition gets a copy, made before the clock. With `last_use`, the last one gets the mesh itself. Errors: those of
+// ForceSimd, ResolveGrid and VoxelizeJob.
 absl::StatusOr<Measurement> Measure(const Arguments& arguments, TriangleMesh& mesh, bool last_use);
 
 }  // namespace latvox

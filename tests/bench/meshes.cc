@@ -20,7 +20,7 @@ namespace latvox {
 namespace {
 
 TriangleMesh Box() {
-  // Three edges of equal length at right angles.
+  // Returns three edges of equal length at right angles.
   constexpr std::array<Vec3f, 3> edges{{{-10, 2, 11}, {10, -5, 10}, {5, 14, 2}}};
   TriangleMesh mesh;
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -37,7 +37,7 @@ TriangleMesh Box() {
   return mesh;
 }
 
-// Rings of 4, 8, ... vertices from a pole to the equator, and back.
+// A sphere of rings: 4, 8, ... vertices from a pole to the equator, and back.
 class Sphere {
  public:
   explicit Sphere(uint32_t half) : half_(half) {}
@@ -57,7 +57,7 @@ class Sphere {
   }
 
  private:
-  // Returns the first of its vertices.
+  // Adds a ring, and returns its first vertex.
   uint32_t AddRing(uint32_t ring) {
     const auto first = static_cast<uint32_t>(mesh_.vertices.size());
     const uint32_t count = VerticesOf(std::min(ring, 2 * half_ - ring));
@@ -71,7 +71,8 @@ class Sphere {
     return first;
   }
 
-  // Between the ring of 4 n vertices that begins at vertex `inner` and the one of 4 n + 4 that begins at `outer`.
+  // Adds the triangles between the ring of 4 n vertices from vertex `inner` on, and the ring of 4 n + 4 from `outer`
+  // on.
   void AddBelt(uint32_t inner, uint32_t n, uint32_t outer, bool flipped) {
     const auto in = [&](uint32_t m) { return inner + m % VerticesOf(n); };
     const auto out = [&](uint32_t m) { return outer + m % VerticesOf(n + 1); };
@@ -90,7 +91,7 @@ class Sphere {
 
   static uint32_t VerticesOf(uint32_t n) { return std::max(4 * n, 1U); }
 
-  const uint32_t half_;  // rings to the equator
+  const uint32_t half_;  // number of rings to the equator
   TriangleMesh mesh_;
 };
 
@@ -102,7 +103,7 @@ absl::StatusOr<TriangleMesh> SphereOf(absl::string_view count) {
   return Sphere(static_cast<uint32_t>(std::lround(std::sqrt(triangles / 8.0)))).Make();
 }
 
-// Adds the midpoints of a mesh's edges to its vertices.
+// Adds the midpoints of a mesh's edges as vertices.
 class Midpoints {
  public:
   explicit Midpoints(TriangleMesh& mesh) : vertices_(mesh.vertices) { of_edge_.reserve(mesh.triangles.size() * 3 / 2); }

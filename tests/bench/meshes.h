@@ -1,4 +1,4 @@
-// Meshes to measure with: from files, and made on the spot.
+// Meshes to measure with: from files, or generated.
 #ifndef LATVOX_TESTS_BENCH_MESHES_H_
 #define LATVOX_TESTS_BENCH_MESHES_H_
 
@@ -9,14 +9,14 @@
 
 namespace latvox {
 
-// By name:
-//   box        a cube of 12 triangles, turned so that no two of its edges have the same slope on any axis
-//   sphere:N   closed; of 4 m^2 triangles, about N, of about the same size; N from 8 to 2^26
+// Returns the mesh of a name:
+//   box        a cube of 12 triangles, turned so that no two edges have the same slope on any axis
+//   sphere:N   closed; 4 m^2 triangles of about the same size, about N in all; N from 8 to 2^26
 //   a file     .drc .obj .ply .stl .glb .gltf .3ds
 // Errors: INVALID_ARGUMENT, and those of files.
 absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name);
 
-// Each triangle cut into four at the midpoints of its edges, `times` over. Vertices stay shared.
+// Divides each triangle into four at the midpoints of its edges, `times` times. Vertices stay shared.
 TriangleMesh Subdivided(TriangleMesh mesh, int times);
 
 }  // namespace latvox

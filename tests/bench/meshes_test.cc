@@ -1,4 +1,4 @@
-// The meshes that latvox_bench makes on the spot.
+// Tests of the meshes that latvox_bench generates.
 #include "tests/bench/meshes.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace latvox {
 namespace {
 
-// Whether every edge is in two triangles, which run along it in opposite directions.
+// Returns whether every edge is in two triangles that run along it in opposite directions.
 bool IsClosedAndOriented(const TriangleMesh& mesh) {
   std::set<std::pair<uint32_t, uint32_t>> edges;
   for (const auto& t : mesh.triangles) {

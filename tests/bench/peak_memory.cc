@@ -9,7 +9,7 @@
 namespace latvox {
 namespace {
 
-// A field of /proc/self/status, which is in kB.
+// Returns a field of /proc/self/status, which is in kB.
 uint64_t StatusBytes(const std::string& field) {
   std::ifstream status("/proc/self/status");
   uint64_t kilobytes = 0;
@@ -20,7 +20,7 @@ uint64_t StatusBytes(const std::string& field) {
   return kilobytes * 1024;
 }
 
-// Makes VmHWM what VmRSS is.
+// Resets VmHWM to VmRSS.
 bool ForgetPeak() {
   std::ofstream refs("/proc/self/clear_refs");
   refs << 5 << std::flush;

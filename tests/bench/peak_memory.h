@@ -1,4 +1,4 @@
-// How much memory a piece of work takes.
+// Measures the memory that a piece of work needs.
 #ifndef LATVOX_TESTS_BENCH_PEAK_MEMORY_H_
 #define LATVOX_TESTS_BENCH_PEAK_MEMORY_H_
 
@@ -7,14 +7,14 @@
 
 namespace latvox {
 
-// The peak of the process's resident memory since construction. What was freed before is given back to the system
-// first, so that it does not count. Where the system cannot forget an earlier peak (Linux can), that one counts, too.
+// The peak of the process's resident memory since construction. The constructor first returns freed memory to the
+// system, so that it does not count. If the system cannot forget an earlier peak (Linux can), that peak counts as well.
 class PeakMemory {
  public:
   PeakMemory();
 
   uint64_t Bytes() const;
-  // What was taken beyond what the process held at construction; nullopt where an earlier peak may have hidden it.
+  // Returns the peak beyond the memory held at construction; nullopt if an earlier peak may have hidden it.
   std::optional<uint64_t> BytesBeyondStart() const;
 
  private:

@@ -1,4 +1,4 @@
-// OpenVDB's meshToVolume, to be timed beside ours.
+// OpenVDB's meshToVolume, timed beside our core.
 #ifndef LATVOX_TESTS_BENCH_PEER_OPENVDB_H_
 #define LATVOX_TESTS_BENCH_PEER_OPENVDB_H_
 
@@ -8,8 +8,8 @@
 
 namespace latvox {
 
-// The mesh in OpenVDB's own containers and in index space (Cartesian, voxel size 1, low corner of `bounds` at 0): what
-// its caller would have at hand, so that conversion is not timed.
+// The mesh in OpenVDB's own containers and in index space (Cartesian, voxel size 1, low corner of `bounds` at 0). A
+// caller of OpenVDB would have it in this form, so the conversion is not timed.
 class OpenVdbPeer {
  public:
   OpenVdbPeer(const TriangleMesh& mesh, const Bounds& bounds, double voxel_size);
@@ -17,7 +17,7 @@ class OpenVdbPeer {
   OpenVdbPeer(const OpenVdbPeer&) = delete;
   OpenVdbPeer& operator=(const OpenVdbPeer&) = delete;
 
-  // An unsigned distance field with a band of so many voxels on both sides; returns its active voxels.
+  // Makes an unsigned distance field with a band of `half_width` voxels on both sides, and returns its active voxels.
   uint64_t Run(float band) const;
 
  private:

@@ -1,4 +1,4 @@
-// Measurements as a line for people, or as JSON.
+// Prints measurements as a line of text, or as JSON.
 #ifndef LATVOX_TESTS_BENCH_PRINT_H_
 #define LATVOX_TESTS_BENCH_PRINT_H_
 

@@ -1,4 +1,4 @@
-"""The table of tests/bench/run as files: CSV, Markdown and a plot."""
+"""Writes the table of tests/bench/run as files: CSV, Markdown and a plot."""
 
 import csv
 import math
@@ -12,7 +12,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "thesis"))
 from plot import Chart, Series, figure  # noqa: E402
 
 EXACT = {("cartesian", 0): "k = 0", ("cartesian", 1): "k = 1", ("cartesian", 2): "k = 2", ("bcc", 0): "BCC", ("fcc", 0): "FCC"}
-LINES = {  # of the plot: program, lattice, separability, dash, colour, marker
+LINES = {  # of the plot: program, lattice, separability, dash, color, marker
     "k = 0": ("exact", "cartesian", 0, "", "#D55E00", "circle"),
     "k = 2": ("exact", "cartesian", 2, "", "#0072B2", "square"),
     "BCC": ("exact", "bcc", 0, "", "#009E73", "diamond"),
@@ -22,7 +22,7 @@ LINES = {  # of the plot: program, lattice, separability, dash, colour, marker
 
 
 def machine():
-    """What the figures depend on, by name."""
+    """Returns the facts that the figures depend on, by name."""
     with open("/proc/cpuinfo") as cpuinfo:
         model = re.search(r"model name\s*:\s*(.*)", cpuinfo.read())
 
@@ -38,7 +38,7 @@ def machine():
 
 
 def write(table):
-    """All files; called after each block of rows, so that an interrupted run leaves what it has."""
+    """Writes all files. It is called after each block of rows, so an interrupted run keeps its results."""
     directory = table.directory
     write_csv(directory / "table.csv", table.rows)
     write_csv(directory / "streams.csv", table.streams)
@@ -57,7 +57,7 @@ def write_csv(path, rows):
 
 
 class Rows:
-    """Rows of the table by what they measure."""
+    """Rows of the table by the case that they measure."""
 
     def __init__(self, table):
         self.by_key = {
@@ -74,7 +74,7 @@ class Rows:
 
 
 def number(value, unit=1.0):
-    """Three significant digits, or a dash."""
+    """Formats three significant digits, or a dash."""
     if value is None:
         return "–"
     value /= unit
@@ -97,7 +97,7 @@ def grid(header, rows):
 
 
 def blocks(table):
-    """Mesh and resolution, in the order measured."""
+    """Returns mesh and resolution of each block, in the order measured."""
     return list(dict.fromkeys((row["mesh"], row["resolution"]) for row in table.rows))
 
 

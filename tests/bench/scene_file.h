@@ -1,4 +1,4 @@
-// Meshes of formats that latvox itself does not read.
+// Reads meshes of formats that latvox itself does not read.
 #ifndef LATVOX_TESTS_BENCH_SCENE_FILE_H_
 #define LATVOX_TESTS_BENCH_SCENE_FILE_H_
 
@@ -9,7 +9,7 @@
 
 namespace latvox {
 
-// All triangles of the scene in world coordinates, as assimp reads them. Errors: INVALID_ARGUMENT.
+// Returns all triangles of the scene in world coordinates, as assimp reads them. Errors: INVALID_ARGUMENT.
 absl::StatusOr<TriangleMesh> ReadSceneFile(const std::string& path);
 
 }  // namespace latvox

@@ -1,9 +1,9 @@
-"""Measures what tests/bench/run makes its table of, and writes it.
+"""Measures the cells of tests/bench/run's table, and writes the table.
 
 Usage: table.py PROGRAMS DIRECTORY [--quick] [--mesh NAME,...] [--resolution N,...]
-  PROGRAMS    where latvox_bench is
-  DIRECTORY   where dragon.ply is; gets table.csv, streams.csv, table.md and table.svg
-Relative to the working directory. Exits with 1 if a digest differs from the scalar kernels'.
+  PROGRAMS    the folder of latvox_bench
+  DIRECTORY   the folder of dragon.ply; table.csv, streams.csv, table.md and table.svg are written there
+Paths are relative to the working directory. Exits with 1 if a digest differs from the scalar kernels'.
 """
 
 import argparse
@@ -23,7 +23,7 @@ HORSE = "/usr/share/glmark2/models/horse.3ds"
 RESOLUTIONS = (256, 512, 1024, 2048, 4096)
 LATTICES = (("cartesian", 0), ("cartesian", 1), ("cartesian", 2), ("bcc", 0), ("fcc", 0))  # with separability
 SIMDS = ("scalar", "avx2", "avx512")
-THREADS = (1, 2, 16)  # as far as there are cores
+THREADS = (1, 2, 16)  # at most as many as there are cores
 REFERENCE = ("scalar", 1)
 
 
@@ -32,8 +32,8 @@ class Effort:
     meshes: tuple
     resolutions: tuple
     rounds: int  # of all cells of a mesh at a resolution
-    seconds: float  # spent on one cell before it takes no part in further rounds
-    limit: float  # seconds of one repetition, above which no higher resolution is tried
+    seconds: float  # on one cell, until it takes no part in further rounds
+    limit: float  # seconds of one repetition; above them no higher resolution is tried
     streams: tuple  # arguments of latvox_bench, after a name
 
 
@@ -67,7 +67,7 @@ QUICK = Effort(
 
 
 def mesh_words(name, directory):
-    """A mesh as arguments of latvox_bench."""
+    """Returns a mesh as arguments of latvox_bench."""
     dragon = str(directory / "dragon.ply")
     return {
         "bunny": [BUNNY],
@@ -80,7 +80,7 @@ def mesh_words(name, directory):
 
 
 class Bench:
-    """latvox_bench as a process that keeps its mesh."""
+    """latvox_bench as a process that keeps its mesh between measurements."""
 
     def __init__(self, programs):
         self.process = subprocess.Popen([programs / "latvox_bench", "-"], stdin=-1, stdout=-1, text=True, bufsize=1)
@@ -99,22 +99,22 @@ class Bench:
 
 @dataclasses.dataclass
 class Cell:
-    """What one program does with one mesh, in one way."""
+    """One program on one mesh, with one set of options."""
 
     mesh: str
     resolution: int
     lattice: str
     separability: int
     program: str  # exact, optimized-incremental, openvdb
-    simd: str  # of exact alone
+    simd: str  # of the exact program only
     threads: int
     samples: list = dataclasses.field(default_factory=list)  # milliseconds
     spent: float = 0  # seconds
-    first: dict = None  # the first answer
-    left_out: str = ""  # why
+    first: dict = None  # first answer
+    left_out: str = ""  # the reason, if it is left out
 
     def key(self):
-        """All but the resolution."""
+        """Returns everything except the resolution."""
         return (self.mesh, self.lattice, self.separability, self.program, self.simd, self.threads)
 
     def words(self):
@@ -125,7 +125,7 @@ class Cell:
         return out + ["--algorithm", self.program] + (["--simd", self.simd] if self.simd else [])
 
     def measure(self, bench, mesh):
-        """Adds samples: one of a cold process first, of which the memory is taken, too; then warm ones."""
+        """Adds samples. The first is of a cold process and gives the memory, too; the others are of warm ones."""
         repetitions = ["--reps", "1"]
         if self.first:
             warm = 1 + min(6, int(100 / self.samples[0]))
@@ -163,7 +163,8 @@ class Cell:
 
 
 def cells_of(mesh, resolution, simds, threads):
-    """All cells of a mesh at a resolution; the reference of each lattice comes before what is held against it."""
+    """Yields all cells of a mesh at a resolution. The reference of each lattice comes before the cells compared with
+    it."""
     for lattice, k in LATTICES:
         for count in threads:
             for simd in simds:
@@ -179,7 +180,8 @@ def available_memory():
 
 
 def reason_to_leave_out(cell, before, limit):
-    """From the same cell at a lower resolution. Results, and memory with them, grow with the square of it."""
+    """Decides by the same cell at a lower resolution. Results, and memory with them, grow with the square of the
+    resolution."""
     lower = before.get(cell.key())
     if lower is None:
         return ""
@@ -228,7 +230,7 @@ class Table:
         bench.close()
 
     def interleave(self, bench, cells):
-        """Each round takes every cell once, so that what else the machine does hits all alike; ours twice at least."""
+        """Each round takes every cell once, so that other load hits all cells alike. Our cells run at least twice."""
         for done in range(self.effort.rounds):
             for cell in cells:
                 wanted = cell.spent < self.effort.seconds or (done < 2 and cell.program == "exact")
@@ -237,7 +239,7 @@ class Table:
 
     def compare_digests(self, cells):
         exact = [cell for cell in cells if cell.program == "exact" and cell.first]
-        reference = {cell.lattice + str(cell.separability): cell for cell in reversed(exact)}  # the first of each
+        reference = {cell.lattice + str(cell.separability): cell for cell in reversed(exact)}  # the first cell of each
         for cell in exact:
             expected = reference[cell.lattice + str(cell.separability)]
             if (expected.simd, expected.threads) != REFERENCE:
@@ -255,7 +257,7 @@ class Table:
                 self.notes.append(f"{where}, {what}, threads: {cell.threads}: left out: {cell.left_out}")
 
     def measure_stream(self, mesh, words):
-        """Bricks are dropped as they come, in a process of its own."""
+        """Bricks are dropped as they arrive, in a process of its own."""
         command = [self.programs / "latvox_bench", *mesh_words(mesh, self.directory), *words.split()]
         command += ["--reps", "1", "--discard", "--json", "--threads", str(min(2, os.cpu_count()))]
         done = subprocess.run(command, stdout=-1, text=True)
@@ -267,7 +269,7 @@ class Table:
 
 
 def chosen(all_values, text):
-    """Those of all_values that a list, separated by commas, names; all if there is no list."""
+    """Returns the values of all_values that a comma-separated list names; all of them if there is no list."""
     if not text:
         return all_values
     names = {str(value): value for value in all_values}

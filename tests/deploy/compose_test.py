@@ -1,4 +1,5 @@
-"""deploy/compose.yaml brought up: jobs through its balancer, a server killed under load, Prometheus that sees all of it."""
+"""Starts deploy/compose.yaml: jobs through its balancer, a server killed under load, and Prometheus, which sees all of
+it."""
 
 import json
 import os
@@ -15,7 +16,7 @@ import containers
 from containers import IMAGE, ROOT, await_true, inspect, podman, run
 from harness import BIN, BUNNY, Case, latvox
 
-# haproxy and Prometheus as Debian has them; no registry is needed.
+# haproxy and Prometheus from Debian; no registry is needed.
 HAPROXY, PROMETHEUS = "localhost/latvox-test-haproxy", "localhost/latvox-test-prometheus"
 FILE = ROOT / "deploy/compose.yaml"
 SERVICES = ("latvoxd-1", "latvoxd-2", "haproxy", "prometheus")
@@ -25,7 +26,7 @@ JOBS = [
     ["--lattice", "fcc", "--resolution", "3000"],
     ["--lattice", "hexagonal", "--resolution", "3000"],
 ]
-PATIENCE = 300  # seconds: four such jobs share two cores with all else
+PATIENCE = 300  # seconds: four such jobs share two cores with everything else
 QUERY = """
 import sys, urllib.parse, urllib.request
 url = "http://127.0.0.1:9090/api/v1/" + sys.argv[1]
@@ -34,7 +35,7 @@ print(urllib.request.urlopen(url, timeout=10).read().decode())
 
 
 class Stack(Case):
-    """A network, and images for all services, as of `environment`."""
+    """A network, and images for all services, as `environment` names them."""
 
     @classmethod
     def setUpClass(cls):
@@ -102,7 +103,7 @@ class Compose(Stack):
         return answer["data"]
 
     def up(self):
-        """What Prometheus could fetch from: instance -> up."""
+        """Returns the targets that Prometheus could scrape: instance -> up."""
         result = self.prometheus("query?query=up")["result"]
         return {sample["metric"]["instance"]: sample["value"][1] for sample in result}
 
@@ -122,7 +123,7 @@ class Compose(Stack):
         return json.loads(out)
 
     def digests(self):
-        """Of JOBS, without any server of the compose file."""
+        """Returns the digests of JOBS, computed without any server of the compose file."""
         found = []
         for options in JOBS:
             done = latvox("voxelize", BUNNY, "-o", self.dir / "expected.png", *options, "--json")
@@ -131,11 +132,11 @@ class Compose(Stack):
         return found
 
     def running(self, service):
-        """The process of a service's container; 0: none."""
+        """Returns the process of a service's container; 0: none."""
         return inspect(self.container(service))["State"]["Pid"]
 
     def jobs_running(self, pid):
-        """Of the server with that process, as it says itself: at work, or waiting for their clients."""
+        """Returns the number of jobs that the server of this process reports: at work, or waiting for their clients."""
         ask = "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())"
         metrics = run("nsenter", f"--net=/proc/{pid}/ns/net", sys.executable, "-c", ask).stdout
         return sum(map(int, re.findall(r"^latvox_jobs_(?:running|paused) (\d+)", metrics, re.MULTILINE)))
@@ -148,7 +149,7 @@ class Compose(Stack):
         services = yaml.safe_load(FILE.read_text())["services"]
         long_running = [service for service in services.values() if "restart" in service]
         self.assertEqual(len(long_running), len(SERVICES))
-        self.assertTrue(all(service["pids_limit"] > 0 for service in long_running))  # podman-compose does not know it
+        self.assertTrue(all(service["pids_limit"] > 0 for service in long_running))  # podman-compose ignores it
         self.assertEqual([name for name, service in services.items() if "build" in service], ["latvoxd-1"])
 
     def test_it_comes_up_and_does_the_example(self):

@@ -1,9 +1,9 @@
-"""Containers of the tests' own: podman and buildah whose images and state lie in the build directory, and networks in a
-network namespace. Nothing of the machine's own containers is touched, and no registry is needed: the base image is made
+"""Containers of the tests' own: podman and buildah with images and state in the build directory, and networks in a
+network namespace. The machine's own containers are not touched. No registry is needed, because the base image is made
 from the packages of this machine's own sources.
 
-    containers.require(*programs)     ends the test with ctest's "skipped", and says why, where it cannot run here
-    containers.podman(*arguments)     and buildah: run it, and give back what it prints
+    containers.require(*programs)     ends the test with ctest's "skipped", and says why, if it cannot run here
+    containers.podman(*arguments)     and buildah: run it, and return its output
     containers.Container(...)         a running container, removed with the test
 """
 
@@ -28,9 +28,9 @@ BASE = "localhost/debian:bookworm-slim"
 IMAGE = "localhost/latvox"
 SKIPPED = 77
 
-# runc, because crun stops on machines with control groups of both versions; cgroupfs and no journal, because systemd
-# may not be there; and no limits above what this machine allows. Two folders are within graphroot because the podman
-# that conmon starts when a container has ended knows graphroot alone, and looks there.
+# runc, because crun stops on machines with control groups of both versions. cgroupfs and no journal, because systemd
+# may not run here. No limits above those of this machine. Two folders are within graphroot, because the podman that
+# conmon starts when a container has ended knows only graphroot, and looks there.
 ENGINE = """
 [containers]
 log_driver = "k8s-file"
@@ -72,7 +72,7 @@ def require(*programs):
     os.environ["CONTAINERS_CONF"] = str(STATE / "containers.conf")
     os.environ["CONTAINERS_STORAGE_CONF"] = str(STATE / "storage.conf")
     os.environ["TMPDIR"] = str(STATE / "work")  # buildah's caches
-    os.environ["DISABLE_HC_SYSTEMD"] = "true"  # no timers: the tests themselves ask for a container's health
+    os.environ["DISABLE_HC_SYSTEMD"] = "true"  # no timers: the tests check a container's health themselves
     os.environ.pop("XDG_RUNTIME_DIR", None)
     done = subprocess.run(["podman", "info"], capture_output=True, text=True)
     if done.returncode != 0:
@@ -100,7 +100,7 @@ def exists(image):
 
 
 def package_sources():
-    """Debian's lines among this machine's own package sources, as of sources.list."""
+    """Returns Debian's lines among this machine's own package sources, in the form of sources.list."""
     form = "deb $(REPO_URI) $(CODENAME) $(COMPONENT)"
     listed = run("apt-get", "indextargets", "--format", form, "Created-By: Packages", "Origin: Debian").stdout
     if not listed:
@@ -109,11 +109,11 @@ def package_sources():
 
 
 def debian(name, *options, change=()):
-    """An image NAME of Debian 12, made of this machine's package sources. `options` are mmdebstrap's, `change` is as in
-    a Dockerfile."""
+    """Makes an image NAME of Debian 12 from this machine's package sources. `options` are mmdebstrap's; `change` is as
+    in a Dockerfile."""
     if exists(name):
         return
-    # How this machine reaches its package sources, and what it asks of them.
+    # The configuration by which this machine reaches its package sources.
     settings = run("apt-config", "dump", "Acquire").stdout.splitlines()
     chosen = [line for line in settings if line.lower().startswith(("acquire::http", "acquire::check"))]
     files = {"sources": package_sources(), "apt.conf": "\n".join(chosen) + "\n"}
@@ -131,7 +131,7 @@ def debian(name, *options, change=()):
 
 
 def build(context, image, *options):
-    """Builds the image as deploy/README.md does, but from `debian`'s base. The seconds that it took."""
+    """Builds the image as deploy/docs/image.md does, but from `debian`'s base. Returns the seconds that it took."""
     command = ["buildah", "bud", "--isolation=chroot", "--layers", "--pull-never", "--format=docker", "--timestamp=0"]
     command += [f"--build-arg=BASE={BASE}", "--file", pathlib.Path(context) / "deploy/Dockerfile", "--tag", image, *options]
     started = time.monotonic()
@@ -141,7 +141,7 @@ def build(context, image, *options):
 
 @contextlib.contextmanager
 def network_namespace():
-    """A network namespace with a loopback: a prefix for commands that shall run in it."""
+    """Makes a network namespace with a loopback device. Yields a prefix for commands that run in it."""
     name = f"latvox-{uuid.uuid4().hex[:8]}"
     run("ip", "netns", "add", name)
     try:
@@ -167,7 +167,7 @@ class Container:
         return done.stdout + done.stderr
 
     def wait(self, seconds=60):
-        """Its exit status."""
+        """Waits for the end, and returns the exit status."""
         return int(podman("wait", self.id, timeout=seconds))
 
     def start(self):

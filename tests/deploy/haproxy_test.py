@@ -1,4 +1,4 @@
-"""deploy/haproxy/haproxy.cfg is one that haproxy takes, and asks for health in the bytes that the fault suite proves."""
+"""haproxy accepts deploy/haproxy/haproxy.cfg, whose health check has the bytes that the fault suite tests."""
 
 import pathlib
 import re

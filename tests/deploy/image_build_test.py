@@ -1,4 +1,5 @@
-"""The image is built, small, and the same whenever its sources are: times of a build, and of one after a change."""
+"""The image builds, is small, and is the same for the same sources. Reports the times of a build, and of one after a
+change."""
 
 import gzip
 import pathlib
@@ -26,7 +27,7 @@ class ImageBuild(unittest.TestCase):
         print(f"image: {inspect(IMAGE)['Size'] / 1e6:.1f} MB, built in {seconds:.0f} s", "with" if cached else "without", "a cache")
 
     def copy(self):
-        """The sources in a folder of their own."""
+        """The sources, in a folder of their own."""
         folder = containers.STATE / "work" / "copy"
         shutil.rmtree(folder, ignore_errors=True)
         self.addCleanup(shutil.rmtree, folder)
@@ -65,11 +66,11 @@ class ImageBuild(unittest.TestCase):
             members = {pathlib.PurePath(member.name): member for member in files if not member.name.startswith(("dev", "run"))}
         regular = [path for path, member in members.items() if member.isreg() and member.size > 0]
         others = [str(path) for path in regular if not path.match("lib*/**/*.so*") and not path.match("*/*/*.so*")]
-        licences = {name for name in others if name.startswith("usr/share/doc/")}
-        self.assertLessEqual({f"usr/share/doc/{name}" for name in ("latvox/LICENSE", "openvdb/copyright", "libgrpc29/copyright")}, licences)
-        self.assertEqual([name for name in licences if not name.endswith(("/LICENSE", "/copyright"))], [])
+        licenses = {name for name in others if name.startswith("usr/share/doc/")}
+        self.assertLessEqual({f"usr/share/doc/{name}" for name in ("latvox/LICENSE", "openvdb/copyright", "libgrpc29/copyright")}, licenses)
+        self.assertEqual([name for name in licenses if not name.endswith(("/LICENSE", "/copyright"))], [])
         self.assertEqual(
-            sorted(name for name in others if ".so" not in name and name not in licences),
+            sorted(name for name in others if ".so" not in name and name not in licenses),
             ["etc/latvox/latvoxd.toml", "etc/ssl/certs/ca-certificates.crt", "usr/bin/latvox", "usr/bin/latvoxd"],
         )
         self.assertGreater(members[pathlib.PurePath("etc/ssl/certs/ca-certificates.crt")].size, 100_000)
@@ -78,7 +79,7 @@ class ImageBuild(unittest.TestCase):
         self.assertEqual((members[pathlib.PurePath("data")].uid, members[pathlib.PurePath("tmp")].mode & 0o7777), (65532, 0o1777))
 
     def test_it_says_what_it_is(self):
-        # Without the cache: buildah 1.28 takes a step with other arguments for the same.
+        # Without the cache, because buildah 1.28 reuses a step although its arguments differ.
         arguments = ["--build-arg=VERSION=1.2.3", "--build-arg=REVISION=abc"]
         containers.build(ROOT, "localhost/latvox-labelled", "--no-cache", *arguments)
         self.addCleanup(podman, "rmi", "localhost/latvox-labelled")

@@ -1,5 +1,5 @@
-"""The commands of deploy/README.md under "Image" and "Compose" run as they stand, one after the other, with podman in the
-place of docker: a folder on $PATH has a `docker` that is podman, podman-compose or buildah."""
+"""Runs the commands of deploy/docs/image.md and compose.md as they stand, one after the other, with podman in place of
+docker. A folder on $PATH has a `docker` that calls podman, podman-compose or buildah."""
 
 import os
 import re
@@ -10,8 +10,8 @@ from compose_test import Stack
 from containers import ROOT, podman, run
 from harness import latvox
 
-# The base image is ours; podman-compose 1.0.3 neither builds on it nor knows profiles: for its `up` the page has words of
-# its own.
+# The base image is ours. podman-compose 1.0.3 neither builds on it nor knows profiles, so the page has a command of its
+# own for its `up`.
 DOCKER = """#!/bin/sh
 set -e
 command=$1
@@ -26,12 +26,12 @@ esac
 """
 
 
-PAGE = (ROOT / "deploy/README.md").read_text()
+def page(name):
+    return (ROOT / "deploy/docs" / name).read_text()
 
 
-def blocks(section):
-    body = re.search(rf"^## {section}\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S)[1]
-    return re.findall(r"^```bash\n(.*?)^```$", body, re.M | re.S)
+def blocks(name):
+    return re.findall(r"^```bash\n(.*?)^```$", page(name), re.M | re.S)
 
 
 class Readme(Stack):
@@ -41,7 +41,8 @@ class Readme(Stack):
         (self.dir / "deploy").symlink_to(ROOT / "deploy")
         programs = self.dir / "programs"
         programs.mkdir()
-        (programs / "docker").write_text(DOCKER.format(root=ROOT, base=containers.BASE, up=re.search(r"`(podman-compose \S+ \S+ up [^`]+)`", PAGE)[1]))
+        up = re.search(r"`(podman-compose \S+ \S+ up [^`]+)`", page("compose.md"))[1]
+        (programs / "docker").write_text(DOCKER.format(root=ROOT, base=containers.BASE, up=up))
         (programs / "docker").chmod(0o755)
         git = run("git", "-C", ROOT, "rev-parse", "--absolute-git-dir").stdout.strip()
         self.environment |= {"PATH": f"{programs}:{os.environ['PATH']}", "GIT_DIR": git}
@@ -54,8 +55,8 @@ class Readme(Stack):
         return run(*self.inside, "bash", "-euo", "pipefail", "-c", commands, cwd=self.dir, env=self.environment, timeout=600).stdout
 
     def test_the_image_and_then_compose(self):
-        """One after the other, as one who reads on does it."""
-        image, compose = blocks("Image"), blocks("Compose")
+        """In the order in which a reader runs them."""
+        image, compose = blocks("image.md"), blocks("compose.md")
         self.assertEqual((len(image), len(compose)), (2, 2))
         for commands in image:
             output = self.do(commands)

@@ -1,5 +1,5 @@
-"""The image at work, under the limits of deploy/README.md: the same digests as without it, a drain at SIGTERM, streams
-that go on after kill -9."""
+"""The image under the limits of deploy/docs/image.md: the same digests as without it, a drain at SIGTERM, streams that
+resume after kill -9."""
 
 import json
 import os
@@ -25,7 +25,7 @@ class Image(Case):
         self.inside = self.enterContext(containers.network_namespace())
 
     def start(self, *arguments, image_options=("--insecure", "--threads", "1")):
-        """A server in the test's network, in use, under limits."""
+        """Starts a server in the test's network, under limits."""
         server = Container("--network=host", *LIMITED, *arguments, IMAGE, *image_options, prefix=self.inside)
         self.addCleanup(server.remove)
         self.await_healthy(server)
@@ -42,7 +42,7 @@ class Image(Case):
         return float(run(*self.inside, "/usr/bin/python3", "-c", FETCH, name).stdout)
 
     def begin(self, *arguments):
-        """A client with a long stream, in the midst of it."""
+        """Starts a client, and returns it in the middle of its long stream."""
         command = [*self.inside, BIN / "latvox", "voxelize", BUNNY, "-o", self.dir / "out.png", *LONG, "--json"]
         client = subprocess.Popen(
             [*map(str, command), "--server", SERVER, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -74,9 +74,9 @@ class Image(Case):
 
     def test_memory_budget_and_threads_are_the_containers(self):
         self.start(image_options=("--insecure", "--metrics-listen", "127.0.0.1:9464"))
-        self.assertEqual(self.metric("latvox_decoder_processes"), 1)  # one for each thread, and one core is allowed
+        self.assertEqual(self.metric("latvox_decoder_processes"), 1)  # one for each thread; one core is allowed
         limits = json.loads(self.client("limits", "--json").stdout)
-        # Three quarters of 512 MiB, less what is not for jobs; see server/listen/server.cc.
+        # Three quarters of 512 MiB, less the memory that is not for jobs; see server/listen/server.cc.
         self.assertEqual(limits["memory_budget_bytes"], (384 - 128 - 48 - 48) << 20)
 
     def test_plain_text_for_others_has_to_be_asked_for(self):

@@ -1,4 +1,5 @@
-"""A Pod of each of deploy/kubernetes' overlays, run by `podman play kube`: what the manifests ask for is there, and enough."""
+"""Runs a Pod of each of deploy/kubernetes' overlays by `podman play kube`: it gets everything that the manifests ask
+for, and needs no more."""
 
 import hashlib
 import json
@@ -16,7 +17,7 @@ TOKEN = "0123456789abcdef0123"
 
 
 def pod_of(path, kind):
-    """A Pod as the object of this kind makes them, but for this machine's size."""
+    """Makes the Pod that an object of this kind creates, adapted to this machine's size."""
     made = next(document for document in yaml.safe_load_all(path.read_text()) if document["kind"] == kind)
     template = made["spec"]["template"]
     container = template["spec"]["containers"][0]
@@ -24,7 +25,7 @@ def pod_of(path, kind):
     container["resources"] = {"limits": {"cpu": "1", "memory": "1Gi"}}
     for volume in template["spec"]["volumes"]:
         if "secret" in volume:
-            volume["secret"]["optional"] = False  # the default, without which podman 4.3 crashes
+            volume["secret"]["optional"] = False  # the default; podman 4.3 crashes without it
     return {"apiVersion": "v1", "kind": "Pod", "metadata": {"name": made["metadata"]["name"]} | template["metadata"], "spec": template["spec"]}
 
 
@@ -34,7 +35,8 @@ class Pods(Case):
         self.inside = self.enterContext(containers.network_namespace())
 
     def play(self, pod, *others):
-        """Its one container. Standard input would need no file, but what plays it also takes it down."""
+        """Plays the Pod, and returns its only container. It uses a file, not standard input, because `--down` needs it,
+        too."""
         file = self.dir / "pod.yaml"
         file.write_text("---\n".join(json.dumps(document, indent=1) + "\n" for document in (*others, pod)))
         network = f"{pod['metadata']['name']}-test"
@@ -52,14 +54,15 @@ class Pods(Case):
         self.assertEqual(found["HostConfig"]["Memory"], memory)
 
     def secret(self, name, **data):
-        """As `kubectl create secret` makes it, but in plain text: podman 4.3 does not decode it."""
+        """Makes the Secret as `kubectl create secret` does, but in plain text, because podman 4.3 does not decode
+        it."""
         file = self.dir / f"{name}.json"
         file.write_text(json.dumps({"apiVersion": "v1", "kind": "Secret", "metadata": {"name": name}, "data": data}))
         self.make("secret", name, file)
         self.remove_later("volume", name)
 
     def make(self, kind, name, *options):
-        """Also where a run that was killed has left one."""
+        """Also removes the leftovers of a run that was killed."""
         run("podman", kind, "rm", name, check=False)
         podman(kind, "create", name, *options)
         self.remove_later(kind, name)

@@ -1,4 +1,4 @@
-"""deploy/scale/measure measures what deploy/scale/farm reads."""
+"""deploy/scale/measure writes the file that deploy/scale/farm reads."""
 
 import json
 import pathlib
@@ -10,7 +10,7 @@ SCALE = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "scale"
 
 
 def shape(value):
-    """Keys and names, without the figures."""
+    """Returns keys and names, without the figures."""
     if isinstance(value, dict):
         return {key: shape(inner) for key, inner in value.items()}
     if isinstance(value, list):

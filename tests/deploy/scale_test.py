@@ -1,4 +1,4 @@
-"""deploy/scale: the page's tables are what the program prints, and the program computes what its parts say."""
+"""deploy/scale: the page has the tables that the program prints, and the program's formulas are right."""
 
 import functools
 import importlib.machinery
@@ -44,13 +44,13 @@ class ThePage(unittest.TestCase):
         self.assertIn(done.stdout.strip(), page, "deploy/scale/farm prints other tables: put them into the page")
 
     def test_quotes_figures_of_the_tables_alone(self):
-        """Each figure in bold in the page's text stands in a table, too."""
+        """Each figure in bold in the page's text is also in a table."""
         text, _, tables = (SCALE / "README.md").read_text().partition("### What one core does")
         quoted = re.findall(r"\*\*([\d.,]+)", text)
         self.assertGreater(len(quoted), 5)
         self.assertEqual([figure for figure in quoted if not re.search(rf"(?<![\d.,]){re.escape(figure)}(?![\d.,]*\d)", tables)], [])
 
-    def test_simulation_and_formula_agree_but_near_the_knee(self):
+    def test_simulation_and_formula_agree_except_near_the_knee(self):
         ratios = sorted(map(float, re.findall(r"(\d\.\d\d) \([\d,]+\) \|", printed().stdout)))
         self.assertGreaterEqual(len(ratios), 5)
         self.assertGreater(ratios[0], 0.9)
@@ -90,7 +90,7 @@ class TheSimulation(unittest.TestCase):
         self.assertAlmostEqual(made(write=1e-3).simulate(1000, 10), 4000, delta=10)
 
     def test_no_worker_helps_another(self):
-        slow = KIND | {"core_seconds": 20.0}  # two of them in one share take 40 s; a worker that helped would end by 36 s
+        slow = KIND | {"core_seconds": 20.0}  # two in one share: 40 s; with help, at most 36 s
         self.assertGreater(made([KIND, slow], mix=(90, 10), cores=1).simulate(400, 100), 40)
 
 

@@ -1,5 +1,5 @@
-"""A Slurm of the test's own: a controller and four nodes on this host, in a network that nobody else sees. Each node is a
-process namespace, so that to kill it kills all that runs there, as when a machine dies. Needs root."""
+"""A private Slurm: a controller and four nodes on this host, in a private network. Each node is a process namespace, so
+killing it kills everything that runs there, as if the machine died. Needs root."""
 
 import ctypes
 import getpass
@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "tests" / "e2e"))
 import harness  # noqa: E402
 
 SLURM = ROOT / "deploy" / "slurm"
-SKIPPED = 77  # ctest's word for it
+SKIPPED = 77  # ctest's code for it
 NODES = 4
 CLONE_NEWNET = 0x40000000
 PROGRAMS = ["munged", "slurmctld", "slurmd", "sbatch", "scontrol", "sinfo", "unshare", "ip"]
@@ -62,14 +62,14 @@ def skip(reason):
 
 
 def require():
-    """Ends the test where there can be no cluster, and says why. Moves this process into a network of its own."""
+    """Ends the test if there can be no cluster, and says why. Moves this process into a network of its own."""
     absent = [name for name in PROGRAMS if shutil.which(name) is None]
     if absent:
         skip(f"{', '.join(absent)} not found; deploy/install-packages deploy")
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(CLONE_NEWNET) != 0:
         skip(f"no network of its own: {os.strerror(ctypes.get_errno())}")
-    # A second address: names are only resolved where there is one beside 127.0.0.1.
+    # A second address, because names are only resolved if there is one beside 127.0.0.1.
     for command in (["ip", "link", "set", "lo", "up"], ["ip", "address", "add", "198.18.0.1/32", "dev", "lo"]):
         if subprocess.run(command).returncode != 0:
             skip(f"{' '.join(command)} fails")
@@ -84,7 +84,7 @@ def latvox(*words):
 
 
 def results(directory):
-    """Lines of the workers' results, whole ones only, by file."""
+    """Returns the whole lines of the workers' results, by file."""
     return {path.name: [json.loads(line) for line in path.read_text().splitlines(True) if line.endswith("\n")]
             for path in directory.glob("results*.jsonl")}
 
@@ -109,7 +109,7 @@ class Cluster:
 
     def start_all(self, nodes):
         files = [f"--{name}-file={self.directory}/munge.{name}" for name in ("key", "pid", "log", "seed")]
-        # Without --force it minds that others may write above its socket: this is a directory below /tmp.
+        # Without --force it rejects a socket whose parent directories others can write: this one is below /tmp.
         self.start("munged", "--foreground", "--force", f"--socket={self.directory}/munge.socket", *files)
         self.wait("munged", lambda: (self.directory / "munge.socket").exists())
         self.start("slurmctld", "-D")
@@ -129,7 +129,7 @@ class Cluster:
         self.nodes[name].wait()
 
     def run(self, *command, **options):
-        """Standard output of a command that must succeed, but for those that ask while the controller starts."""
+        """Returns standard output of a command that must succeed, except sinfo, which asks while the controller starts."""
         options = {"env": self.environment, "capture_output": True, "text": True, "timeout": 120} | options
         done = subprocess.run([str(word) for word in command], **options)
         if done.returncode != 0 and command[0] != "sinfo":
@@ -137,12 +137,12 @@ class Cluster:
         return done.stdout.strip()
 
     def jobs(self, job):
-        """What Slurm says of a job, or of each task of an array: a list of field -> value."""
+        """Returns Slurm's facts about a job, or about each task of an array: a list of field -> value."""
         lines = self.run("scontrol", "--oneliner", "show", "job", job).splitlines()
         return [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
 
     def wait_for_job(self, job, seconds=180):
-        """The tasks of a job that has come to an end."""
+        """Waits until a job has ended, and returns its tasks."""
         ended = {"COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL", "OUT_OF_MEMORY"}
         self.wait(f"job {job}", lambda: all(task["JobState"] in ended for task in self.jobs(job)), seconds)
         return self.jobs(job)
@@ -158,7 +158,7 @@ class Cluster:
         return (self.directory / "cluster.log").read_text(errors="replace")[-4000:]
 
     def stop(self):
-        """Nodes first, with all that runs on them; munged last, whom the others ask."""
+        """Kills nodes first, with everything on them, and munged last, because the others ask it."""
         for process in reversed(self.processes):
             if process.poll() is None:
                 process.send_signal(signal.SIGKILL if process in self.nodes.values() else signal.SIGTERM)
@@ -170,9 +170,9 @@ class Cluster:
 
 
 class ClusterCase(unittest.TestCase):
-    """Tests with a cluster each; jobs run in self.dir."""
+    """Tests with a cluster each. Jobs run in self.dir."""
 
-    environment = {}  # of jobs, beside that of the test
+    environment = {}  # of jobs, beside the environment of the test
 
     def setUp(self):
         self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-slurm-")))
@@ -183,7 +183,7 @@ class ClusterCase(unittest.TestCase):
         self.addCleanup(self.cluster.stop)
 
     def submit(self, *command):
-        """What a command that submits a job prints: the job's id, as a rule."""
+        """Returns the output of a command that submits a job: usually the job's id."""
         return self.cluster.run(*command, cwd=self.dir)
 
     def assert_all_completed(self, tasks):

@@ -1,4 +1,4 @@
-"""deploy/slurm on a real Slurm, whose tasks run latvox in containers."""
+"""Runs deploy/slurm on a real Slurm, with latvox in containers."""
 
 import json
 import unittest

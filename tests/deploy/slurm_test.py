@@ -1,4 +1,5 @@
-"""deploy/slurm on a real Slurm of four nodes: a job array over many meshes, one mesh in parts; nodes die on the way."""
+"""Runs deploy/slurm on a real Slurm of four nodes: a job array over many meshes, and one mesh in parts. Nodes die on
+the way."""
 
 import json
 import os
@@ -11,7 +12,7 @@ import unittest
 import slurm_cluster
 from slurm_cluster import NODES, ROOT, SLURM, ClusterCase, harness, latvox, results
 
-# Of each task's three jobs the last is the slowest: one that has a result is still at work.
+# The last of each task's three jobs is the slowest, so a task with a result is still at work.
 RESOLUTIONS = [64] * NODES + [256] * NODES + [2048] * NODES
 
 
@@ -22,7 +23,7 @@ def stretched(mesh, factor):
 
 class Slurm(ClusterCase):
     def kill_the_node_of(self, job, index):
-        """Returns its name; whatever else ran there is dead, too."""
+        """Kills the node of a task, with everything else on it. Returns the node's name."""
         node = next(task["NodeList"] for task in self.cluster.jobs(job) if task.get("ArrayTaskId") == str(index))
         self.assertIn(node, self.cluster.nodes)
         self.cluster.kill_node(node)
@@ -80,7 +81,7 @@ class Slurm(ClusterCase):
         self.assertIn(f"{whole['voxels']} voxels", log)
         self.assertIn(f"digest {whole['digest']}", log)
 
-    def test_what_fails_is_told_and_is_not_joined(self):
+    def test_failed_parts_are_reported_and_not_joined(self):
         (self.dir / "bad.obj").write_text("f 1 2 3\n")
         joining = self.submit(SLURM / "shards", 2, self.dir / "bad.obj", self.dir / "joined.vdb", "--resolution", 8)
         parts = re.search(r"\d+", self.cluster.jobs(joining)[0]["Dependency"])[0]
@@ -89,9 +90,9 @@ class Slurm(ClusterCase):
         self.assertEqual(self.cluster.wait_for_job(joining)[0]["JobState"], "CANCELLED")
         self.assertFalse((self.dir / "joined.vdb").exists())
 
-    def test_the_examples_of_the_readme_run(self):
-        section = (ROOT / "deploy" / "README.md").read_text().partition("\n## Slurm\n")[2]
-        example = re.search(r"^```sh\n(.*?)^```$", section, re.M | re.S)[1]
+    def test_the_examples_of_the_page_run(self):
+        page = (ROOT / "deploy/docs/slurm.md").read_text()
+        example = re.search(r"^```sh\n(.*?)^```$", page, re.M | re.S)[1]
         (self.dir / "deploy").symlink_to(ROOT / "deploy")
         (self.dir / "build/release").mkdir(parents=True)
         (self.dir / "build/release/bin").symlink_to(harness.BIN)
@@ -120,7 +121,7 @@ class Slurm(ClusterCase):
 
 
 class Scripts(unittest.TestCase):
-    """What they run, without a cluster."""
+    """The scripts' commands, without a cluster."""
 
     def environment_of(self, script, *words, **variables):
         directory = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))

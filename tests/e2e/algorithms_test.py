@@ -1,4 +1,5 @@
-"""Every algorithm runs, says its name, and claims no more than was counted; the exact one has nothing to count."""
+"""Every algorithm runs, reports its name, and claims no more than was counted. The exact one has no tunnels and no
+redundant voxels to count."""
 
 import unittest
 
@@ -29,7 +30,7 @@ class Algorithms(Case):
                         self.assertEqual((tunnels, redundant), (0, 0))
                         self.assertEqual(summary["digest"], exact["digest"])
                     else:
-                        # Each digitizes the whole bunny, and none thins.
+                        # Each algorithm digitizes the whole bunny, and none thins.
                         self.assertGreater(summary["voxels"], 0.8 * exact["voxels"])
                         self.assertLess(summary["voxels"], 2 * exact["voxels"])
                         self.assertGreater(redundant, 0)
@@ -45,7 +46,7 @@ class Algorithms(Case):
                                     "--algorithm", "incremental", "--verify")  # fmt: skip
             self.assertEqual(summary["certificate"]["tunnels"], 1)
 
-    def test_what_was_not_counted_is_claimed_of_the_exact_one_alone(self):
+    def test_only_the_exact_algorithm_claims_without_counting(self):
         for algorithm in ALGORITHMS:
             with self.subTest(algorithm):
                 certificate = self.run_one(algorithm, "bcc", 0)["certificate"]

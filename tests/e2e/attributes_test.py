@@ -1,4 +1,4 @@
-"""Attributes of voxels: against all triangles, read back from every format, in parts, and from other encoders."""
+"""Attributes of voxels: compared with all triangles, read back from every format, in parts, and from other encoders."""
 
 import json
 import random
@@ -12,7 +12,7 @@ import pyopenvdb
 
 from harness import PATIENCE, Case, by_three, encode_drc, gltf_info, latvox, octahedron, read_points, write_obj
 
-GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--quantization", "0"]  # where snapping leaves whole numbers alone
+GRID = ["--voxel-size", "1", "--origin", "0,0,0", "--quantization", "0"]  # snapping does not change whole numbers here
 
 
 def write_colored_ply(path, vertices, colors, triangles):
@@ -42,7 +42,7 @@ def mountains():
 
 
 def distances(point, corners):
-    """From a point to each of many triangles, corners[t][n]."""
+    """Returns the distances from a point to many triangles, corners[t][n]."""
     a, b, c = corners.transpose(1, 0, 2).astype(float)
     best = numpy.full(len(a), numpy.inf)
     for start, end in ((a, b), (b, c), (c, a)):
@@ -67,7 +67,8 @@ def table(csv, columns):
 
 
 def grids_of(vdb):
-    """name -> active voxels of a .vdb file's grids. Debian's pyopenvdb knows no grids of integers; vdb_print and vdb_ax do."""
+    """Returns name -> active voxels of a .vdb file's grids. Debian's pyopenvdb has no integer grids; vdb_print and
+    vdb_ax have."""
     done = subprocess.run(["vdb_print", "-l", vdb], capture_output=True, text=True, timeout=PATIENCE, check=True)
     names = re.findall(r"^Name: (\w+)", done.stdout, re.M)
     counts = re.findall(r"^  Number of active voxels: +([\d,]+)", done.stdout, re.M)
@@ -85,7 +86,7 @@ class Attributes(Case):
             with self.subTest(options):
                 summary = self.voxelize(self.colored(), *GRID, "--attributes", "color", *options)
                 basis = numpy.array(summary["basis"]).reshape(3, 3)
-                exact = 1 if "bcc" in options else 0  # there, snapping moves corners by up to 1/256 of a voxel
+                exact = 1 if "bcc" in options else 0  # there snapping moves corners by up to 1/256 of a voxel
                 voxels = table(self.dir / "out.csv", "red,green,blue")
                 self.assertEqual(len(voxels), summary["voxels"])
                 checked = 0
@@ -152,7 +153,7 @@ class Attributes(Case):
         found = {item.min: tuple(item.value) for item in grid.iterOnValues()}
         self.assertEqual({ijk: tuple(round(255 * x) for x in color) for ijk, color in found.items()},
                          {ijk: carried[1:4] for ijk, carried in voxels.items()})  # fmt: skip
-        # Grids of integers: by OpenVDB's expressions, into the grid of colors.
+        # OpenVDB's expressions copy integer grids into the grid of colors.
         expression = "vec3f@color = {float(int@material), float(int@part), -1.0f};"
         subprocess.run(["vdb_ax", "-i", self.dir / "o.vdb", "-o", self.dir / "ax.vdb", "-s", expression],
                        capture_output=True, timeout=PATIENCE, check=True)  # fmt: skip
@@ -167,7 +168,7 @@ class Attributes(Case):
         points = numpy.frombuffer(body, dtype=[("xyz", "<f8", 3), ("ijk", "<i4", 3), *kind])
         for rows in (array, points):
             self.assertEqual({tuple(r["ijk"]): (r["material"], *r["color"], r["part"]) for r in rows}, voxels)
-        # meshio takes a uchar, but not a uint8, for signed.
+        # meshio treats a uchar as signed, but not a uint8.
         rows = read_points(self.dir / "o.ply", *"ijk", "material", "red", "green", "blue", "part")
         self.assertEqual({(i, j, k): (material, *(c % 256 for c in color), part)
                           for _, i, j, k, material, *color, part in rows}, voxels)  # fmt: skip
@@ -215,7 +216,7 @@ class Attributes(Case):
             (2, "not together with fill.mode solid", [plain, "--attributes", "part", "--fill", "solid"]),
             (2, "not together with band", [plain, "--attributes", "part", "--band", "1"]),
             (2, "not together with algorithm brute-force", [plain, "--attributes", "part", "--algorithm", "brute-force"]),
-            (2, '"colour" is not one of part, material, color', [plain, "--attributes", "part,colour"]),
+            (2, '"hue" is not one of part, material, color', [plain, "--attributes", "part,hue"]),
             (2, "twice", [plain, "--attributes", "part,part"]),
             (2, "o.glb cannot hold part", [plain, "--attributes", "part", "-o", self.dir / "o.glb"]),
             (2, "--npy dense", [plain, "--attributes", "part", "--npy", "dense", "-o", self.dir / "o.npy"]),
@@ -228,7 +229,7 @@ class Attributes(Case):
                 self.assertIn(says, done.stderr)
                 self.assertFalse((self.dir / "o.csv").exists())
 
-    def test_a_batch_does_a_job_again_whose_attributes_are_others(self):
+    def test_a_batch_repeats_a_job_with_changed_attributes(self):
         self.colored()
         for attributes, skipped in (('"part"', 0), ('"part"', 1), ('["part", "color"]', 0)):
             job = f'{{"mesh": "colored.ply", "resolution": 20, "attributes": {attributes}}}\n'

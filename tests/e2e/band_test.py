@@ -1,4 +1,4 @@
-"""Bands of distances: against closed forms, OpenVDB's meshToVolume, and themselves in parts."""
+"""Bands of distances: compared with closed forms, with OpenVDB's meshToVolume, and with their own parts."""
 
 import json
 import math
@@ -9,18 +9,18 @@ import pyopenvdb
 
 from harness import Case, float32, latvox, read_points, write_obj
 
-SNAP = 1 / 512 + 2**-20  # how far snapping moves a vertex in a lattice coordinate, voxels
+SNAP = 1 / 512 + 2**-20  # how far snapping moves a vertex in a lattice coordinate, in voxels
 
 
 def box(low, high):
-    """A closed box with twelve triangles that face outwards."""
+    """Returns a closed box with twelve triangles that face outwards."""
     vertices = [(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return vertices, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
 
 
 def distances_to_box(points, low, high):
-    """Signed, in closed form."""
+    """Returns the signed distance, in closed form."""
     beyond = numpy.maximum(low - points, points - high)
     return numpy.linalg.norm(numpy.maximum(beyond, 0), axis=1) + numpy.minimum(beyond.max(axis=1), 0)
 
@@ -39,7 +39,7 @@ def torus(around, across):
 
 
 def rows(csv):
-    """(i, j, k) -> (position, distance) of a .csv file."""
+    """Returns (i, j, k) -> (position, distance) of a .csv file."""
     lines = csv.read_text().splitlines()
     assert lines[0] == "i,j,k,x,y,z,distance", lines[0]
     voxels = {}
@@ -51,7 +51,7 @@ def rows(csv):
 
 
 def values_of(grid):
-    """(i, j, k) -> value of a grid's active voxels."""
+    """Returns (i, j, k) -> value of a grid's active voxels."""
     values = {}
     for item in grid.iterOnValues():
         assert item.count == 1, item
@@ -81,7 +81,7 @@ class Band(Case):
         self.assertEqual(len(voxels), summary["voxels"])
         found = numpy.array([distance for _, distance in voxels.values()])
         exact = distances_to_box(numpy.array([position for position, _ in voxels.values()]), self.LOW, self.HIGH)
-        # Where the surface is nearer than it may have moved, the side is open.
+        # Where the surface is nearer than it may have moved, either side is right.
         near = numpy.abs(exact) <= slack
         self.assertLessEqual(numpy.abs(numpy.where(near, 0, found - (exact if signed else abs(exact)))).max(), slack)
         self.assertLessEqual(numpy.abs(found).max(), numpy.float32(0.33))
@@ -92,8 +92,8 @@ class Band(Case):
         self.assertLessEqual(inside, voxels.keys())
         self.assertLessEqual(voxels.keys(), around)
 
-    # OpenVDB smooths its distances here, by up to a fifth of a voxel; tests/unit/core/band/band_openvdb_test.cc has them
-    # unsmoothed.
+    # OpenVDB smooths its distances here, by up to a fifth of a voxel. tests/unit/core/band/band_openvdb_test.cc
+    # compares them unsmoothed.
     def test_on_cubes_it_is_the_level_set_that_openvdb_makes(self):
         vertices, triangles = torus(48, 24)
         size = 0.09
@@ -119,7 +119,7 @@ class Band(Case):
                     self.assertAlmostEqual(ours[ijk], theirs[ijk], delta=slack, msg=ijk)
             else:
                 self.assertAlmostEqual(abs((ours if ijk in ours else theirs)[ijk]), 3 * size, delta=slack, msg=ijk)
-        # Beyond the band, too: in the ring, in its hole, far away.
+        # Also beyond the band: in the ring, in its hole, far away.
         for ijk in ((33, 0, 0), (0, 33, 0), (0, 0, 0), (200, 0, 0)):
             self.assertEqual(grid.getConstAccessor().getValue(ijk), peer.getConstAccessor().getValue(ijk), ijk)
         self.assertEqual(grid.getConstAccessor().getValue((33, 0, 0)), -numpy.float32(3 * size))

@@ -1,4 +1,5 @@
-"""Many meshes in one command: what fails stops nothing else, what was done is not done again, workers make up the whole."""
+"""Many meshes in one command: a failure stops nothing else, finished jobs are not repeated, and workers together do the
+whole."""
 
 import collections
 import contextlib
@@ -34,7 +35,7 @@ class Batch(Case):
         return path
 
     def small(self, count):
-        """Different jobs that take no time."""
+        """Returns different jobs that take no time."""
         return [{"mesh": "octahedron.obj", "resolution": 8 + n, "out": f"{n}.vdb"} for n in range(count)]
 
     def batch(self, jobs, *options, out=None, code=OK, **environment):
@@ -65,14 +66,14 @@ class Batch(Case):
         return {r["id"]: r["summary"]["digest"] for r in results if r["status"] == "done"}
 
     def outputs(self, out=None):
-        """Everything but results."""
+        """Returns all output files except results."""
         out = out or self.out
         files = (path for path in out.rglob("*") if path.is_file())
         return sorted(str(path.relative_to(out)) for path in files if not path.name.startswith("results"))
 
 
 class Jobs(Batch):
-    def test_each_job_is_what_voxelize_does(self):
+    def test_each_job_gives_the_result_of_voxelize(self):
         write_ply(self.dir / "a.ply", octahedron(2))
         write_stl(self.dir / "b.stl", octahedron(3))
         encode_drc(self.dir / "c d.drc", self.mesh)
@@ -129,7 +130,7 @@ class Jobs(Batch):
         self.assertEqual(done.returncode, BAD_INPUT)
         self.assertIn("standard input:1: mesh: 3 is not a path", done.stderr)
 
-    def test_what_fails_stops_nothing_else(self):
+    def test_a_failed_job_stops_no_other(self):
         (self.dir / "broken.ply").write_text("this is no mesh\n")
         small = self.small(3)
         jobs = self.jobs(small[0], {"mesh": "missing.obj", "resolution": 8}, small[1], {"mesh": "broken.ply", "resolution": 8}, small[2])
@@ -226,7 +227,7 @@ class Jobs(Batch):
                 shown += part
         os.close(reader)
         self.assertEqual(client.wait(), OK)
-        plain = re.sub(r"\x1b\[\d*m", "", shown.decode())  # without colours
+        plain = re.sub(r"\x1b\[\d*m", "", shown.decode())  # without colors
         self.assertRegex(plain, r"\[#+\.*\] +\d+ %  \d+/31 jobs, [\d.e+]+/s, \S+ left")
 
 
@@ -244,7 +245,7 @@ class Resume(Batch):
         self.assertGreaterEqual(len(finished), 4)
         self.assertLess(len(finished), 16)
         with open(self.out / "results.jsonl", "a") as file:
-            file.write('{"id":"15.vdb","status":"do')  # as a kill within a write leaves it
+            file.write('{"id":"15.vdb","status":"do')  # as a kill during a write leaves it
         times = {name: (self.out / name).stat().st_mtime_ns for name in finished}
         summary = json.loads(self.batch(jobs, "--resume", "--json").stdout)
         self.assertEqual((summary["done"], summary["skipped"], summary["failed"]), (16 - len(finished), len(finished), 0))
@@ -256,7 +257,7 @@ class Resume(Batch):
         self.batch(jobs, out=undisturbed)
         self.assertEqual(self.digests(results), self.digests(self.results(out=undisturbed)))
 
-    def test_what_is_not_the_same_any_more_is_done_again(self):
+    def test_changed_jobs_are_done_again(self):
         write_obj(self.dir / "other.obj", octahedron(2))
         small = [{**job, "mesh": mesh} for job, mesh in zip(self.small(6), ["octahedron.obj"] * 5 + ["other.obj"])]
         small[4]["out"] = ["4.vdb", "4.csv"]
@@ -280,7 +281,7 @@ class Resume(Batch):
         os.truncate(self.out / "4.csv", (self.out / "4.csv").stat().st_size - 1)
         self.assertEqual(done_again(*small), ["4.vdb"])
         self.assertEqual(done_again(*small), [])
-        self.batch(self.jobs(*small))  # without --resume everything is done
+        self.batch(self.jobs(*small))  # without --resume all jobs run
         self.assertEqual([r["status"] for r in self.results()[-6:]], ["done"] * 6)
 
     def test_nothing_left_to_do_needs_no_server(self):
@@ -328,7 +329,7 @@ class Shards(Batch):
         for result in self.results("results-0-of-3.jsonl"):
             self.assertIn(result["ended_unix_ms"], range(started, time.time_ns() // 10**6 + 1))
             self.assertEqual(result["output_bytes"], [(self.out / name).stat().st_size for name in result["outputs"]])
-        # However they were shared, what is done is done.
+        # However the jobs were shared, finished ones are not repeated.
         self.assertRegex(self.batch(jobs, "--resume").stdout, "^0 of 11 jobs done, 11 skipped")
         self.assertRegex(self.batch(jobs, "--resume", "--worker", "1/2").stdout, "^0 of 5 jobs done, 5 skipped")
 

@@ -13,7 +13,7 @@ SKEW = ["--basis", "0.05,0,0,0.02,0.05,0,0.01,-0.02,0.06"]
 
 
 def inside(summary, bounds):
-    """Whether a lattice point is in the box, in rational numbers."""
+    """Returns a test for lattice points in the box, in rational numbers."""
     basis, origin = ([Fraction(x) for x in summary[name]] for name in ("basis", "origin"))
     low, high = ([Fraction(x) for x in bounds[n : n + 3]] for n in (0, 3))
 
@@ -34,7 +34,7 @@ class Bounds(Case):
             density = [] if lattice is SKEW else ["--resolution", "48"]
             whole = self.voxelize(BUNNY, *lattice, *density)
             everything = rows(self.dir / "out.csv")
-            # Faces at the voxels' own positions, as they are written: a rounded digit would move a voxel out or in.
+            # Faces at the voxels' own positions, as written: a rounded digit would move a voxel out or in.
             places = sorted(everything.values())
             low, high = places[len(places) // 5], places[len(places) // 2]
             bounds = [f(low[m], high[m]) for f in (min, max) for m in range(3)]
@@ -88,7 +88,7 @@ class Bounds(Case):
             self.voxelize(BUNNY, *options, *more, option(bounds))
             self.assertEqual((self.dir / "out.csv").read_text().splitlines()[1:], expected, more)
 
-    def test_what_is_outside_costs_little(self):
+    def test_voxels_outside_cost_little(self):
         mesh = write_obj(self.dir / "octahedron.obj", octahedron())
         options = ["--lattice", "fcc", "--resolution", "60000"]
         part = self.voxelize(mesh, *options, option([0.999, -0.001, -0.001, 1, 0.001, 0.001]), "--timeout", "30")
@@ -120,7 +120,7 @@ class Bounds(Case):
                 found = re.search(says, done.stderr)
                 self.assertTrue(found, done.stderr)
                 if found.groups():
-                    # Of the mesh's box on this lattice: k = z / c, i = (x - z) / a and j alike.
+                    # The mesh's box on this lattice: k = z / c, i = (x - z) / a, and j likewise.
                     a, c = whole["basis"][0], whole["basis"][8]
                     ij, k = math.ceil(8 / a), math.ceil(4 / c)
                     self.assertEqual(list(map(int, found[1].split(","))), [-ij, -ij, -k, ij + 1, ij + 1, k + 1])

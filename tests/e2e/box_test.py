@@ -1,4 +1,4 @@
-"""Boxes of cubes (.binvox, .vox) hold the voxels of the .csv, where they are."""
+"""Boxes of cubes (.binvox, .vox) hold the voxels of the .csv, in their places."""
 
 import struct
 import unittest
@@ -7,7 +7,7 @@ from harness import BUNNY, Case, latvox, rows
 
 
 def read_binvox(path):
-    """World position of each voxel's centre."""
+    """Returns the world position of each voxel's center."""
     head, _, data = path.read_bytes().partition(b"\ndata\n")
     lines = dict(line.split(" ", 1) for line in head.decode().splitlines())
     assert lines["#binvox"] == "1"
@@ -51,7 +51,7 @@ class Boxes(Case):
                 voxels = self.outputs(*options)
                 found = read_binvox(self.dir / "a.binvox")
                 self.assertEqual(len(found), len(voxels))
-                # Sorted by lattice coordinates and by position alike: both rise together.
+                # Lattice coordinates and positions give the same order, because both rise together.
                 expected = [voxels[ijk] for ijk in sorted(voxels, key=lambda v: (v[0], v[2], v[1]))]
                 for position, wanted in zip(found, expected):
                     for x, y in zip(position, wanted):
@@ -67,7 +67,7 @@ class Boxes(Case):
         self.assertEqual(read_binvox(self.dir / "a.binvox"), [])
         self.assertEqual(read_vox(self.dir / "a.vox"), ((1, 1, 1), set()))
 
-    def test_what_does_not_fit_is_refused_and_leaves_no_file(self):
+    def test_voxels_that_do_not_fit_are_refused_and_leave_no_file(self):
         for out, options, code, says in (
             ("a.binvox", ["--lattice", "bcc", "--resolution", 20], 2, "cubes along the axes"),
             ("a.vox", ["--basis", "0.1,0,0,0,0.1,0,0,0,0.2"], 2, "cubes along the axes"),

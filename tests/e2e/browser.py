@@ -12,7 +12,7 @@ import numpy
 
 from harness import PATIENCE
 
-# Draws WebGL in software; may ask nobody for anything.
+# Draws WebGL in software, without any network.
 OPTIONS = [
     "--headless", "--no-sandbox", "--disable-gpu-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--host-resolver-rules=MAP * ~NOTFOUND", "--disable-background-networking", "--no-first-run", "--hide-scrollbars",
@@ -21,14 +21,14 @@ OPTIONS = [
 
 
 class Browser:
-    """Takes a command as JSON and a 0 on descriptor 3, and answers on 4."""
+    """Reads commands as JSON, terminated by 0, on descriptor 3, and answers on 4."""
 
     def __init__(self, directory, *options):
         commands, self.commands = os.pipe()
         self.answers, answers = os.pipe()
         words = ["chromium", f"--user-data-dir={directory}/profile", *OPTIONS, *options, "about:blank"]
         environment = {**os.environ, "HOME": str(directory), "XDG_RUNTIME_DIR": str(directory)}
-        # The shell puts the pipes where the browser looks for them.
+        # The shell puts the pipes where the browser expects them.
         pipes = f'exec "$@" 3<&{commands} 4>&{answers}'
         with open(directory / "chromium.log", "wb") as log:
             self.process = subprocess.Popen(["bash", "-c", pipes, "bash", *words], stdout=log, stderr=log, cwd=directory,
@@ -67,7 +67,7 @@ class Browser:
 
 
 class Tab:
-    """A page of the browser. Nothing on its console may be an error or a warning."""
+    """A page of the browser. Its console may show no error and no warning."""
 
     def __init__(self, browser, width, height, scale=1, phone=False, dark=False):
         self.browser = browser
@@ -94,14 +94,14 @@ class Tab:
         self.rest()
 
     def rest(self):
-        """Returns when the page has nothing more to draw, having had time to begin."""
+        """Returns when the page has nothing more to draw, after it had time to begin."""
         self.run("""new Promise((resolve) => {
           const look = () => (document.body?.dataset.busy === "no" ? resolve() : setTimeout(look, 10));
           requestAnimationFrame(() => requestAnimationFrame(look));
         })""")
 
     def run(self, script):
-        """What the script comes to, a promise's value included."""
+        """Returns the script's value, or that of the promise that it returns."""
         done = self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in done, done["exceptionDetails"]
         return done["result"].get("value")
@@ -111,14 +111,14 @@ class Tab:
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=CODES[key])
 
     def touch(self, *places):
-        """Fingers that go through these places, each a list of (x, y); then they leave."""
+        """Moves fingers through these places, each a list of (x, y); then they leave."""
         for n, fingers in enumerate(places):
             points = [{"x": x, "y": y, "id": finger} for finger, (x, y) in enumerate(fingers)]
             self.call("Input.dispatchTouchEvent", type="touchMove" if n else "touchStart", touchPoints=points)
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def picture(self):
-        """The page as it looks: an array of rows of pixels of red, green, blue."""
+        """Returns the page's picture: an array of rows of red, green and blue pixels."""
         self.run("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
         return decode(self.png())
 
@@ -126,7 +126,7 @@ class Tab:
         return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
 
     def complaints(self):
-        """Errors and warnings since the last call; not that tests wait for pixels."""
+        """Returns errors and warnings since the last call, except the one that tests wait for pixels."""
         found = []
         for event in self.browser.events:
             if event["method"] == "Runtime.exceptionThrown":

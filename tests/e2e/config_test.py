@@ -1,4 +1,5 @@
-"""Options from flags, environment and file: --check-config tells them, a changed file is read again; the log's lines."""
+"""Options from flags, environment and file: --check-config shows them, a changed file is read again; and the lines of
+the log."""
 
 import json
 import os
@@ -12,7 +13,7 @@ import harness
 from harness import BIN, Case, latvox
 
 
-# What Kubernetes makes for a Service of the name latvox, and what other programs of ours read.
+# Variables that Kubernetes makes for a Service named latvox, and variables of our other programs.
 FOREIGN_VARIABLES = {
     "LATVOX_SERVICE_HOST": "10.0.0.1",
     "LATVOX_SERVICE_PORT": "50151",
@@ -35,7 +36,7 @@ class CheckConfig(Case):
         return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment, cwd=self.dir)
 
     def settings(self, *arguments, **environment):
-        """name -> (value, source)"""
+        """Returns name -> (value, source)."""
         done = self.check(*arguments, **environment)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         lines = [re.fullmatch(r"(\S+) = (.*?) +# ([^;]*)(;.*)?", line) for line in done.stdout.splitlines()]
@@ -58,7 +59,7 @@ class CheckConfig(Case):
         self.assertEqual(found["max-mesh-bytes"], ("3145728", f"file {file}"))
         self.assertEqual(found["threads"], ("0", "default"))
 
-    def test_what_it_prints_is_a_configuration_file_of_the_same_values(self):
+    def test_its_output_is_a_configuration_file_of_the_same_values(self):
         once = self.settings("--listen", "127.0.0.1:1", "--listen", "unix:a b", LATVOX_GRACE="2.5", LATVOX_THREADS="3")
         (self.dir / "again.toml").write_text(self.check("--listen", "127.0.0.1:1,unix:a b", "--grace", 2.5, "--threads", 3).stdout)
         again = self.settings("--config", "again.toml")
@@ -96,7 +97,7 @@ class CheckConfig(Case):
                 self.assertRegex(done.stderr, says)
 
 
-    def test_a_misspelt_variable_is_warned_of_and_a_foreign_one_is_not(self):
+    def test_a_misspelled_variable_is_warned_of_and_a_foreign_one_is_not(self):
         done = self.check(
             LATVOX_MAX_JBS="3",
             LATVOX_TLS_CERTIFICATE="none.pem",
@@ -161,13 +162,13 @@ class RunningServer(Case):
             self.assertEqual(done.returncode, 0, done.stderr)
             return json.loads(done.stdout)["memory_budget_bytes"]
 
-        own = 128 << 20  # which is not for jobs; an eighth more is gRPC's
+        own = 128 << 20  # which is not for jobs; gRPC has an eighth more
         with harness.server(self.dir, "--mesh-store-bytes", "1") as server:
             alone = memory_for_jobs("--server", server.address) + own
         self.assertAlmostEqual((memory_for_jobs() + own) / alone, max(0.5, (256 << 20) / (alone * 8 / 7)), delta=1e-6)
         self.assertAlmostEqual(memory_for_jobs(LATVOX_MEMORY_BUDGET="2GiB"), (7 << 28) - own, delta=1)
 
-    def test_a_misspelt_variable_is_in_its_log(self):
+    def test_a_misspelled_variable_is_in_its_log(self):
         with unittest.mock.patch.dict(os.environ, {"LATVOX_MAX_JBS": "3"} | FOREIGN_VARIABLES):
             with harness.server(self.dir):
                 self.assertEqual(re.findall("unknown_variable.*", self.log()), ["unknown_variable name=LATVOX_MAX_JBS nearest=LATVOX_MAX_JOBS"])

@@ -1,7 +1,7 @@
-"""The voxel counts of the Stanford bunny, each proved by the service's independent verification.
+"""The voxel counts of the Stanford bunny, each confirmed by the service's independent verification.
 
-The expected numbers come from another implementation of the same rule (vertices on the same 1/256 grid); ties are decided
-alike, so they are close, but a vertex may have been rounded otherwise: within 0.3 %.
+The expected numbers come from another implementation of the same rule, with vertices on the same 1/256 grid and the
+same ties. A vertex may be rounded differently there, so the counts agree only within 0.3 %.
 """
 
 import unittest

@@ -1,4 +1,4 @@
-"""The voxels are a function of mesh and specification alone."""
+"""The voxels depend only on mesh and specification."""
 
 import unittest
 

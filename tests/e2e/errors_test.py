@@ -1,4 +1,4 @@
-"""Every failure has its exit status and its one line, leaves files alone, and the server goes on serving."""
+"""Every failure has its exit status and its one line, and leaves files alone. The server goes on serving."""
 
 import contextlib
 import os
@@ -17,8 +17,8 @@ LONG = ["--lattice", "cartesian", "--separability", "0", "--resolution", "30000"
 
 
 def listens(pid):
-    """Whether latvox has begun to take signals for its user's wishes: it blocks these three, where a library or Python that
-    starts a thread or a process blocks all for a moment."""
+    """Returns whether latvox has begun to wait for signals from its user. It then blocks these three. A library, or
+    Python, that starts a thread or a process blocks all signals for a moment."""
     status = pathlib.Path(f"/proc/{pid}/status").read_text()
     blocked = [int(line.split()[1], 16) for line in status.splitlines() if line.startswith("SigBlk:")]
     return blocked == [sum(1 << number - 1 for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))]
@@ -29,14 +29,15 @@ class Failures(Case):
         super().setUp()
         self.mesh = write_obj(self.dir / "octahedron.obj", octahedron())
         self.out = self.dir / "out.vdb"
-        self.lines = {}  # what was said, and about what
+        self.lines = {}  # error line -> name of its failure
 
     def good(self, *options):
         done = latvox("voxelize", self.mesh, "-o", self.dir / "good.vdb", *GOOD, *options)
         self.assertEqual(done.returncode, OK, done.stderr)
 
     def bad(self, name, mesh, *options, code, says, out=None):
-        """The run fails with `code` and one line matching `says`; neither makes nor touches the output."""
+        """Checks that the run fails with `code` and one line matching `says`, and neither makes nor touches the
+        output."""
         out = out or self.out
         for old in (None, b"what was here before"):
             with self.subTest(name, output_exists=old is not None):
@@ -54,13 +55,13 @@ class Failures(Case):
         out.unlink(missing_ok=True)
 
     def one_line(self, stderr):
-        """The error's line: the last one, and but for the embedded server's announcement the only one."""
+        """Returns the error's line. It is the only line, except for the private server's announcement."""
         lines = [line for line in stderr.splitlines() if "started a private" not in line]
         self.assertEqual(len(lines), 1, stderr)
         return lines[0]
 
     def bad_meshes(self):
-        """name, file, what the line must say."""
+        """Yields name, file, and the pattern of the error's line."""
         vertices, triangles = octahedron()
         text = self.mesh.read_text()
 
@@ -163,7 +164,7 @@ class Failures(Case):
 
 class Interruptions(Case):
     def start(self, *options):
-        """A run that would take minutes, once it is well under way."""
+        """Starts a run that would take minutes, and waits until it is well under way."""
         before = set(children())
         command = [BIN / "latvox", "voxelize", BUNNY, "-o", self.dir / "out.vdb", *LONG, *options]
         client = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
@@ -201,16 +202,16 @@ class Interruptions(Case):
             time.sleep(0.01)
 
     def test_timeouts_two_signals_count_as_one(self):
-        """timeout sends its signal to its child, and to its group, of which that is one."""
+        """`timeout` signals its child, and then its group, which contains the child."""
         client = self.start()
         client.send_signal(signal.SIGTERM)
-        time.sleep(0.05)  # the first has come: two that wait would be one
+        time.sleep(0.05)  # after the first arrived: two pending signals would be one
         client.send_signal(signal.SIGTERM)
         stderr = client.communicate(timeout=15)[1]
         self.assertTrue(stderr.endswith("latvox: cancelled by the caller\n"), stderr)
         self.assertEqual((client.returncode, list(self.dir.iterdir())), (STOPPED, []))
 
-    def test_sigterm_ends_what_waits_for_a_pipe(self):
+    def test_sigterm_ends_a_run_that_waits_for_a_pipe(self):
         os.mkfifo(self.dir / "in.obj")  # which nobody opens to write
         command = [BIN / "latvox", "voxelize", self.dir / "in.obj", "--resolution", "9", "-o", self.dir / "out.vdb"]
         client = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
@@ -220,7 +221,7 @@ class Interruptions(Case):
         self.assertEqual((client.communicate(timeout=15)[1], client.returncode), ("latvox: cancelled\n", STOPPED))
         self.assertEqual([path.name for path in self.dir.iterdir()], ["in.obj"])
 
-    def test_timeout_ends_what_waits_for_input(self):
+    def test_timeout_ends_a_run_that_waits_for_input(self):
         silent, endless = ["sleep", "60"], ["yes", "# more"]
         for command, writer in ("voxelize", silent), ("voxelize", endless), ("pixelize", silent):
             with self.subTest(command=command, writer=writer):
@@ -236,7 +237,7 @@ class Interruptions(Case):
                 self.assertEqual((done.stderr, done.returncode), (message, STOPPED))
                 self.assertEqual(list(self.dir.iterdir()), [])
 
-    def test_sigint_ends_what_waits_for_standard_input(self):
+    def test_sigint_ends_a_run_that_waits_for_standard_input(self):
         command = [BIN / "latvox", "voxelize", "-", "--resolution", "9", "-o", self.dir / "out.vdb"]
         client = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(client.stdin.close)
@@ -266,7 +267,7 @@ class Interruptions(Case):
         self.assertEqual(len(list(runtime.iterdir())), 1)
         self.assertEqual(len(list(self.dir.glob(".out.vdb.*.part"))), 1)
         client.send_signal(signal.SIGINT)
-        client.send_signal(signal.SIGHUP)  # comes at once, and does not count
+        client.send_signal(signal.SIGHUP)  # follows at once, and does not count
         time.sleep(0.5)
         self.assertIsNone(client.poll())
         client.send_signal(signal.SIGTERM)
@@ -290,7 +291,7 @@ class Interruptions(Case):
                 while not listens(client.pid):
                     self.assertLess(time.monotonic(), listening)
                 if words[0] == "render":
-                    time.sleep(3)  # to be at work on the picture, which takes half a minute
+                    time.sleep(3)  # until it draws the picture, which takes half a minute
                 client.send_signal(signal.SIGINT)
                 stderr = client.communicate(timeout=15)[1]
                 self.assertEqual((client.returncode, stderr), (STOPPED, "latvox: cancelled\n"))
@@ -307,7 +308,7 @@ class Interruptions(Case):
             self.assert_becomes_idle(server.pid)
 
     def assert_becomes_idle(self, pid):
-        """Uses next to no processor time within some second of the next ten."""
+        """Checks that the server uses next to no processor time in some second of the next ten."""
         used = []
         for _ in range(10):
             fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()

@@ -1,4 +1,4 @@
-"""The clients in client/examples, which share no code with latvox, find the voxels that latvox finds."""
+"""The clients in client/examples share no code with latvox, and find the same voxels."""
 
 import os
 import pathlib
@@ -13,7 +13,7 @@ LATTICES = ("cartesian", "bcc", "fcc", "hexagonal")
 
 class Examples(Case):
     def run_example(self, *command, **environment):
-        """The voxels that it prints, and the last word of what it says: the digest."""
+        """Runs an example. Returns the voxels that it prints, and the last word of its output: the digest."""
         words = list(map(str, command))
         done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, env=os.environ | environment)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -48,7 +48,7 @@ class Examples(Case):
                     self.assertEqual(found, self.expected(latvoxd.address, mesh, lattice))
 
     def test_node(self):
-        # Node looks for packages in the folders above the program.
+        # Node searches for packages in the folders above the program.
         example = self.dir / "client/examples/voxelize.mjs"
         example.parent.mkdir(parents=True)
         example.write_bytes((ROOT / "client/examples/voxelize.mjs").read_bytes())

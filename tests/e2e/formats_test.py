@@ -1,4 +1,4 @@
-"""What is written is read by programs of others, with the voxels of the .csv at their positions."""
+"""Programs of others read our files, and find the voxels of the .csv at their positions."""
 
 import itertools
 import json
@@ -21,7 +21,7 @@ def run(*words, **options):
 
 
 def grid_points(path):
-    """The active points of the first grid of a .vdb file, and that grid."""
+    """Returns the active points of the first grid of a .vdb file, and that grid."""
     grid = pyopenvdb.readAll(str(path))[0][0]
     points = set()
     for item in grid.citerOnValues():
@@ -32,16 +32,17 @@ def grid_points(path):
 
 
 def nano_map(path):
-    """The matrix and shift from index to world of a .nvdb file's first grid: GridData's Map, as NanoVDB.h has it."""
+    """Returns the matrix and shift from index to world of a .nvdb file's first grid: GridData's Map in NanoVDB.h."""
     data = path.read_bytes()
-    grid = data.index(b"NanoVDB0", 16)  # after that of the file itself
+    grid = data.index(b"NanoVDB0", 16)  # the second one; the first is that of the file
     name_ends = grid + 40 + 256
-    doubles = numpy.frombuffer(data, "<f8", 21, name_ends + 22 * 4)  # behind the same as floats
+    doubles = numpy.frombuffer(data, "<f8", 21, name_ends + 22 * 4)  # behind the same values as floats
     return doubles[:9].reshape(3, 3), doubles[18:]
 
 
 def nano_text(path):
-    """The blind data of a .nvdb file's first grid: name and bytes, by GridData's and GridBlindMetaData's layout."""
+    """Returns the blind data of a .nvdb file's first grid: name and bytes, by GridData's and GridBlindMetaData's
+    layout."""
     data = path.read_bytes()
     grid = data.index(b"NanoVDB0", 16)
     offset, count = struct.unpack_from("<qI", data, grid + 640)
@@ -53,14 +54,14 @@ def nano_text(path):
 
 class Formats(Case):
     def write(self, names, *options):
-        """The summary and the .csv's voxels of a run that writes these files, too."""
+        """Writes these files in one run. Returns the summary and the .csv's voxels."""
         files = [word for name in ("a.csv", *names) for word in ("-o", self.dir / name)]
         done = latvox("voxelize", BUNNY, *files, "--json", *options)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout), rows(self.dir / "a.csv")
 
     def by_node(self, script, name):
-        """What a script of node prints as JSON of the bytes of a file, `data`."""
+        """Returns the JSON that a script of node prints from the bytes of a file, `data`."""
         whole = f"const data = require('fs').readFileSync(process.argv[1]); {script}"
         return json.loads(run("node", "-e", whole, self.dir / name, cwd=NODE))
 
@@ -73,7 +74,7 @@ class Formats(Case):
         self.assertIn(summary["digest"], text)
 
     def test_a_vdb_tells_the_request_which_repeats_it(self):
-        """latvox_request is a line of `latvox batch`, but for the mesh's path."""
+        """latvox_request is a line of `latvox batch`, without the mesh's path."""
         for n, options in enumerate((
             [*BCC, "--no-minimal"],
             ["--basis", "0.2,0,0.01,0.02,0.25,0,0,0.03,0.3", "--origin", "0.1,-0.2,0.3", "--separability", "1"],
@@ -132,7 +133,7 @@ class Formats(Case):
                 points, grid = grid_points(self.dir / "back.vdb")
                 self.assertEqual(points, set(voxels))
                 self.assertEqual(grid.name, "voxels")
-                # The way back to OpenVDB turns the matrix over; NanoVDB's own map has it as it is.
+                # nanovdb_convert transposes the matrix on the way back to OpenVDB. NanoVDB's own map has it unchanged.
                 matrix, shift = nano_map(self.dir / "a.nvdb")
                 for ijk, position in voxels.items():
                     for seen, written in zip(matrix @ ijk + shift, position):
@@ -177,7 +178,8 @@ class Formats(Case):
         self.assertEqual({tuple(ijk): tuple(xyz) for xyz, *ijk in read_points(self.dir / "a.ply", *"ijk")}, voxels)
 
     def test_three_reads_the_surface(self):
-        """Its corners are those of facets between voxels and none; of BCC, all as far from a centre as can be."""
+        """Its corners are those of the facets between voxels and empty points. On BCC all are at the cell's outer
+        radius from a center."""
         summary, voxels = self.write(["a.glb"], *CUBES)
         found = by_three(self.dir / "a.glb")
         half, origin = summary["basis"][0] / 2, summary["origin"]
@@ -190,9 +192,9 @@ class Formats(Case):
         self.assertLess(max(abs(x - round(x)) for place in places for x in place), 1e-3)
         self.assertEqual({tuple(map(round, place)) for place in places}, corners)
         summary, voxels = self.write(["a.glb"], "--lattice", "bcc", "--resolution", "16")
-        centres, radius = numpy.array(list(voxels.values())), summary["basis"][0] * 5**0.5 / 4
+        centers, radius = numpy.array(list(voxels.values())), summary["basis"][0] * 5**0.5 / 4
         for corner in by_three(self.dir / "a.glb")["corners"]:
-            self.assertAlmostEqual(numpy.linalg.norm(centres - corner, axis=1).min() / radius, 1, places=4)
+            self.assertAlmostEqual(numpy.linalg.norm(centers - corner, axis=1).min() / radius, 1, places=4)
 
     def test_readers_from_npm_find_the_cubes(self):
         summary, voxels = self.write(["a.binvox", "a.vox"], *CUBES)
@@ -211,10 +213,10 @@ class Formats(Case):
 
     def test_imagemagick_sees_the_picture(self):
         self.write(["a.png"], *BCC)
-        width, height, depth, colours = run("identify", "-format", "%w %h %z %k", self.dir / "a.png").split()
+        width, height, depth, colors = run("identify", "-format", "%w %h %z %k", self.dir / "a.png").split()
         self.assertGreater(min(int(width), int(height)), 100)
         self.assertEqual(depth, "8")
-        self.assertGreater(int(colours), 16, "the picture is not shaded")
+        self.assertGreater(int(colors), 16, "the picture is not shaded")
 
 
 if __name__ == "__main__":

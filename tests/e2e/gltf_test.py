@@ -1,4 +1,4 @@
-"""glTF, binary or not: what of it is read, and what is refused, naming the place."""
+"""glTF, text or binary: which parts are read, and which are refused, with the place in the message."""
 
 import base64
 import json
@@ -10,24 +10,24 @@ from inputs import GRID, MESH, InputCase, write_gltf
 
 
 def parts(path):
-    """The JSON and the buffer of a .glb."""
+    """Returns the JSON and the buffer of a .glb."""
     data = path.read_bytes()
     (size,) = struct.unpack_from("<I", data, 12)
     return json.loads(data[20 : 20 + size]), data[28 + size :]
 
 
 def write_document(path, document, body):
-    """As .gltf, the buffer within it."""
+    """Returns a .gltf with the buffer inside it."""
     uri = "data:application/octet-stream;base64," + base64.b64encode(body).decode()
     path.write_text(json.dumps(document | {"buffers": [{"byteLength": len(body), "uri": uri}]}))
     return path
 
 
-SPARSE, CORNERS_AT = 48, 88  # bytes of the buffer below: which positions are changed; what corners are
+SPARSE, CORNERS_AT = 48, 88  # bytes of the buffer below: indices of changed positions; corners
 
 
 def sparse_gltf():
-    """MESH with sparse accessors, and its buffer: two positions of four, and all corners, are changes."""
+    """Returns MESH with sparse accessors, and its buffer: two of four positions, and all corners, are changes."""
     wrong = [MESH[0][0], (9, 9, 9), MESH[0][2], (-9, 9, 9)]
     body = b"".join(struct.pack("<3f", *v) for v in wrong) + bytes((1, 3, 0, 0))
     body += struct.pack("<6f", *MESH[0][1], *MESH[0][3]) + bytes(range(12))
@@ -83,7 +83,7 @@ class Gltf(InputCase):
                 self.assert_refused(3, says, self.dir / name)
 
     def rigged(self, path):
-        """MESH with a skin that has no inverseBindMatrices, which are optional."""
+        """Returns MESH with a skin without inverseBindMatrices, which are optional."""
         document, body = parts(write_gltf(self.dir / "rigged.glb", MESH))
         document["nodes"] = [{"mesh": 0, "skin": 0}, {"name": "joint"}]
         document["skins"] = [{"joints": [1]}]
@@ -114,7 +114,7 @@ class Gltf(InputCase):
         self.assertEqual((self.dir / "rigged.gltf.csv").read_text(), (self.dir / "a.obj.csv").read_text())
 
     def test_quantized_positions_in_a_file_beside_it(self):
-        """As exporters write them: shorts in steps of 8 bytes, which a node scales back."""
+        """Exporters write them like this: shorts in steps of 8 bytes, which a node scales back."""
         document, body = parts(write_gltf(self.dir / "a.glb", MESH))
         steps = [tuple(round(x * 4000) for x in v) for v in MESH[0]]
         quantized = b"".join(struct.pack("<4h", *v, 0) for v in steps)

@@ -1,4 +1,4 @@
-"""Runs the programs of $LATVOX_BIN as a user does, and writes the meshes that the tests send them."""
+"""Runs the programs of $LATVOX_BIN as a user does, and writes meshes for the tests."""
 
 import contextlib
 import ctypes
@@ -17,16 +17,16 @@ import unittest
 BIN = pathlib.Path(os.environ["LATVOX_BIN"])
 NODE = pathlib.Path(__file__).resolve().parents[1] / "node"  # with packages of npm
 BUNNY = pathlib.Path("/usr/share/glmark2/models/bunny.obj")
-PATIENCE = float(os.environ.get("LATVOX_PATIENCE", "60"))  # seconds that any one command may take
+PATIENCE = float(os.environ.get("LATVOX_PATIENCE", "60"))  # seconds that one command may take
 
 PR_SET_CHILD_SUBREAPER = 36
 
 
 class Case(unittest.TestCase):
-    """A test with a directory of its own that must end without any process left over."""
+    """A test with a directory of its own. It must end without any process left over."""
 
     def setUp(self):
-        # Orphans of our children become our children, so that none can hide.
+        # Orphans of our children become our children, so none can hide.
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
         self.dir = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="latvox-")))
         self.addCleanup(self.assert_no_process_left)
@@ -39,7 +39,7 @@ class Case(unittest.TestCase):
             time.sleep(0.02)
 
     def voxelize(self, mesh, *options, out="out.csv"):
-        """The summary of a run that must succeed; its voxels are in self.dir / out."""
+        """Runs a job that must succeed. Returns the summary; the voxels are in self.dir / out."""
         done = latvox("voxelize", mesh, "-o", self.dir / out, "--json", *options)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)
@@ -51,7 +51,7 @@ def latvox(*arguments, **options):
 
 
 def children():
-    """Command lines of this process's living children, by pid."""
+    """Returns the command lines of this process's living children, by pid."""
     living = {}
     for pid in pathlib.Path("/proc/thread-self/children").read_text().split():
         with contextlib.suppress(OSError):
@@ -63,7 +63,7 @@ def children():
 
 @contextlib.contextmanager
 def server(directory, *options):
-    """A latvoxd on a socket in `directory`. Ends with SIGTERM; must then exit with 0."""
+    """Runs a latvoxd on a socket in `directory`. It ends with SIGTERM, and must then exit with 0."""
     address = f"unix:{directory}/latvoxd.socket"
     with open(directory / "latvoxd.log", "ab") as log:
         process = subprocess.Popen([BIN / "latvoxd", "--listen", address, *options], stderr=log, stdout=log)
@@ -81,7 +81,7 @@ def server(directory, *options):
 
 
 def await_log(directory, pattern, count=1):
-    """The first group, or all, of the count-th place that matches in the log of the server in `directory`, once it is there."""
+    """Waits for the count-th match in the log of the server in `directory`. Returns its first group, or all of it."""
     deadline = time.monotonic() + PATIENCE
     while len(found := re.findall(pattern, log := (directory / "latvoxd.log").read_text())) < count:
         assert time.monotonic() < deadline, f"no {pattern} in {log}"
@@ -98,7 +98,7 @@ def wait_until_healthy(process):
 
 
 def rows(csv):
-    """(i, j, k) -> (x, y, z) of a .csv file."""
+    """Returns (i, j, k) -> (x, y, z) of a .csv file."""
     lines = csv.read_text().splitlines()
     assert lines[0] == "i,j,k,x,y,z", lines[0]
     voxels = {}
@@ -110,7 +110,7 @@ def rows(csv):
 
 
 def gltf_info(path):
-    """What Khronos' validator counts in a .glb that it has nothing against."""
+    """Returns the counts of Khronos' validator for a .glb, which must have no errors or warnings."""
     script = (
         "const v = require('gltf-validator'); const bytes = require('fs').readFileSync(process.argv[1]);"
         "v.validateBytes(new Uint8Array(bytes)).then(r => console.log(JSON.stringify(r)));"
@@ -123,14 +123,14 @@ def gltf_info(path):
 
 
 def by_three(path):
-    """What three.js finds in a .glb: corners, how many triangles, colors."""
+    """Returns the content of a .glb that three.js reads: corners, number of triangles, colors."""
     command = ["node", "read_glb.js", path]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True, cwd=NODE)
     return json.loads(done.stdout)
 
 
 def read_points(path, *names):
-    """By meshio, for each point of a .ply: its position, and what it has under these names."""
+    """Returns, by meshio, for each point of a .ply its position and its values of these names."""
     script = (
         "import json, meshio, sys; mesh = meshio.read(sys.argv[1]);"
         "print(json.dumps([mesh.points.tolist(), *(mesh.point_data[name].tolist() for name in sys.argv[2:])]))"
@@ -165,7 +165,7 @@ def octahedron(radius=1.0):
 
 
 def shuffled(mesh, seed):
-    """The same triangles in another order, each from another corner on."""
+    """Returns the same triangles in another order, each starting at another corner."""
     vertices, triangles = mesh
     chance = random.Random(seed)
     turned = [t[n:] + t[:n] for t in triangles for n in [chance.randrange(3)]]
@@ -202,7 +202,7 @@ def write_stl(path, mesh):
 
 
 def encode_drc(path, mesh_path, *options):
-    """Draco's own encoder, lossless unless `options` say otherwise."""
+    """Runs Draco's own encoder, lossless unless `options` say otherwise."""
     command = ["draco_encoder", "-i", mesh_path, "-o", path, "-qp", "0", *options]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return path

@@ -1,4 +1,5 @@
-"""However a mesh comes in, the voxels are those of its triangles: formats, standard input, several files, --up-axis."""
+"""The voxels depend only on the triangles, however a mesh arrives: formats, standard input, several files,
+--up-axis."""
 
 import json
 import subprocess
@@ -107,8 +108,8 @@ class WeldReport(InputCase):
     def test_it_counts_what_is_wrong_with_a_mesh(self):
         vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 0), (0, -1, 0)]
         triangles = [
-            (0, 2, 1), (0, 4, 3), (1, 2, 3), (2, 0, 3),  # closed, once 4 is 1
-            (0, 1, 4),  # degenerate likewise
+            (0, 2, 1), (0, 4, 3), (1, 2, 3), (2, 0, 3),  # closed once vertex 4 is vertex 1
+            (0, 1, 4),  # degenerate in the same way
             (0, 1, 5),  # a third triangle on edge 0-1, with two open edges
         ]
         path = write_obj(self.dir / "a.obj", (vertices, triangles))

@@ -1,4 +1,4 @@
-"""What the tests of mesh formats share: a mesh, files of it, and what a file's voxels are held against."""
+"""Shared by the tests of mesh formats: a mesh, files of it, and the expected values."""
 
 import functools
 import json
@@ -7,7 +7,7 @@ import zipfile
 
 from harness import Case, float32, latvox, server, write_obj
 
-# No two extents or turns of it are alike.
+# All of its extents, and those of its turns, differ.
 CORNERS = [(0.1, 0.2, 0.3), (2.7, 0.2, 0.4), (0.3, 4.1, 0.1), (0.2, 0.9, 7.3)]
 MESH = ([tuple(map(float32, v)) for v in CORNERS], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
 GRID = ["--voxel-size", "0.25", "--origin", "0,0,0", "--quantization", "0"]
@@ -50,7 +50,7 @@ def write_3mf(path, text, **parts):
 
 
 def write_gltf(path, mesh):
-    """As .glb: a node that moves the mesh by (1, 0, 0), and one that has it as it is."""
+    """Returns a .glb with two nodes: one moves the mesh by (1, 0, 0), the other leaves it in place."""
     body = b"".join(struct.pack("<3f", *v) for v in mesh[0]) + b"".join(struct.pack("<3H", *t) for t in mesh[1])
     split, low, high = 12 * len(mesh[0]), *([f(v[m] for v in mesh[0]) for m in range(3)] for f in (min, max))
     document = {
@@ -79,7 +79,7 @@ def write_gltf(path, mesh):
 class InputCase(Case):
     @functools.cached_property
     def server(self):
-        """The options that name a server of this test; what is refused needs none."""
+        """Returns the options that name this test's server. Refused requests need none."""
         return ["--server", self.enterContext(server(self.dir)).address]
 
     def digest(self, *arguments, stdin=None):
@@ -90,7 +90,7 @@ class InputCase(Case):
         return json.loads(done.stdout)["digest"]
 
     def carried(self, *arguments):
-        """What voxels carry, each once."""
+        """Returns the distinct values of the voxels."""
         self.digest(*arguments)
         lines = (self.dir / "out.csv").read_text().splitlines()[1:]
         return {tuple(map(int, line.split(",")[6:])) for line in lines}

@@ -1,4 +1,4 @@
-"""What the programs say of themselves: help, introduction and its examples, man pages, completions."""
+"""The programs' own descriptions: help, introduction and its examples, man pages, completions."""
 
 import functools
 import os
@@ -29,19 +29,19 @@ def help_of(*words):
 
 
 def commands():
-    """The commands of latvox, by its help."""
+    """Returns the commands of latvox, by its help."""
     listed = help_of().partition("Subcommands:\n")[2].partition("\n\n")[0]
     return re.findall(r"^  (\w+)", listed, re.M)
 
 
 def options(text):
-    """The long options that a help text defines."""
+    """Returns the long options that a help text defines."""
     defined = re.findall(r"^  (-\S*)", text, re.M)
     return {name for names in defined for name in re.findall(r"--[\w-]+", names)}
 
 
 def entries(shown):
-    """The long options that a section of a page has entries for."""
+    """Returns the long options that a section of a page has entries for."""
     heads = re.findall(r"^       (-.*)", shown, re.M)
     return {name for head in heads for name in re.findall(r"--[\w-]+", head.partition("  ")[0])}
 
@@ -86,7 +86,7 @@ class Help(Case):
         text = "\n".join(page.read_text() for page in pages)
         helps = "\n".join(help_of(name) for name in commands())
         of_latvox = options(helps)
-        # One word to choose from is no choice.
+        # A single word is no choice.
         single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))
         of_latvoxd = options(run(BIN / "latvoxd", "--help"))
         self.assertGreater(len(of_latvox), 30)
@@ -105,7 +105,7 @@ class ManPages(Case):
             (self.dir / page).write_text(run(BIN / program, *words))
 
     def shown(self, page):
-        """What a reader sees, without bold and underlined letters' other strokes."""
+        """Returns the text that a reader sees, without the extra strokes of bold and underlined letters."""
         return re.sub(r".\x08", "", run("mandoc", "-Tascii", "-O", "width=200", self.dir / page))
 
     def test_neither_man_nor_mandoc_complains(self):
@@ -157,7 +157,7 @@ class Completions(Case):
         (self.dir / "folder").mkdir()
 
     def bash(self, *words):
-        """What bash offers for the last of the words."""
+        """Returns bash's completions of the last word."""
         script = ('source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1));'
                   '_latvox 2>/dev/null; printf "%s\\n" "${COMPREPLY[@]}"')
         done = run("bash", "-uc", script, f"{self.scripts}/bash", *words, cwd=self.dir)
@@ -194,7 +194,8 @@ class Completions(Case):
             self.assertEqual(self.fish(f"latvox {name} --"), options(help_of(name)))
 
     def zsh(self, line):
-        """What an interactive zsh makes of the line and a tab, without the space or slash that the next key removes."""
+        """Returns the line as interactive zsh completes it after a tab, without the space or slash that the next key
+        removes."""
         master, slave = pty.openpty()
         path = f"{BIN}:{os.environ['PATH']}"
         environment = os.environ | {"PATH": path, "TERM": "dumb", "PS1": "> ", "ZDOTDIR": str(self.dir)}

@@ -1,4 +1,4 @@
-"""latvox merge: the joined file is that of the whole, read by OpenVDB and by latvox info, and made in little memory."""
+"""latvox merge: the joined file equals that of the whole, by OpenVDB and by latvox info, and needs little memory."""
 
 import json
 import os
@@ -22,7 +22,7 @@ STATISTICS = ("file_bbox_min", "file_bbox_max", "file_mem_bytes", "file_voxel_co
 
 
 def slabs(axis, *borders):
-    """Regions that together are everything, cut across an axis."""
+    """Regions that together cover everything, cut across an axis."""
     ends = [-FAR, *borders, FAR]
     for low, high in zip(ends, ends[1:]):
         box = [-FAR] * 3 + [FAR] * 3
@@ -81,7 +81,7 @@ class Union(MergeCase):
         self.check_grids(rows(self.dir / "whole.csv"))
 
     def check_info(self, shards):
-        """latvox info tells the same, but for what nobody can know of a union that may not be of all regions."""
+        """latvox info reports the same, except for facts that are unknown for a union that may lack regions."""
         lines = [latvox("info", path).stdout.splitlines() for path in (self.dir / "whole.vdb", self.merged)]
         self.assertGreater(len(lines[0]), 20)
         differ = {line.partition(" = ")[0] for line in set(lines[0]) ^ set(lines[1])}
@@ -124,7 +124,7 @@ class Union(MergeCase):
         self.merged.rename(self.dir / "ab.vdb")
         self.assertEqual(self.merge(self.dir / "ab.vdb", c)["digest"], whole["digest"])
 
-    def test_nothing_but_nothing(self):
+    def test_empty_parts_merge_to_an_empty_grid(self):
         paths = self.parts([["--region", f"{FAR},0,0,{FAR + n},9,9"] for n in (1, 2)], "--lattice", "bcc", "--resolution", "16")
         self.assertEqual(self.merge(*paths)["voxels"], 0)
         (grid,), _ = pyopenvdb.readAll(str(self.merged))
@@ -137,7 +137,8 @@ class Union(MergeCase):
             peaks.append(self.peak_memory("merge", *paths, "-o", self.merged))
             sizes.append(self.merged.stat().st_size)
         self.assertGreater(sizes[1], 30e6)
-        # A few MB of buffers at most, where there were hardly any bricks before: loading all would be as much as the file.
+        # At most a few MB of buffers beyond a file with hardly any bricks. Loading everything would take as much as the
+        # file.
         self.assertLess(peaks[1], peaks[0] + 8e6, (peaks, sizes))
 
     def peak_memory(self, *arguments):
@@ -152,7 +153,8 @@ class Failures(MergeCase):
     OPTIONS = ["--lattice", "bcc", "--resolution", "64"]
 
     def bad(self, *arguments, code, says, out=None, **options):
-        """Fails with `code` and one line matching `says`; neither makes nor touches the output, and leaves nothing."""
+        """Checks that the run fails with `code` and one line matching `says`, neither makes nor touches the output, and
+        leaves nothing."""
         out = out or self.merged
         for old in (None, b"what was here before"):
             if old:
@@ -201,7 +203,7 @@ class Failures(MergeCase):
         self.bad(self.flipped(a), b, code=BAD_INPUT, says="flipped.vdb: is damaged")
 
     def flipped(self, path):
-        """The same file with one voxel more in its last brick: mask and value."""
+        """Returns the same file with one more voxel in its last brick: mask and value."""
         data = bytearray(path.read_bytes())
         for at in (len(data) - 140, len(data) - 64):
             data[at] ^= 1

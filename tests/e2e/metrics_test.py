@@ -1,4 +1,4 @@
-"""Metrics over HTTP count what happened; dashboard and alert rules of deploy/ speak of metrics that there are."""
+"""Metrics over HTTP count what happened. Dashboard and alert rules of deploy/ use existing metrics."""
 
 import contextlib
 import json
@@ -22,7 +22,7 @@ BUILD = pathlib.Path(harness.BIN).parent
 
 @contextlib.contextmanager
 def watched_server(directory, *options):
-    """A latvoxd with TLS and metrics; `scrape()` fetches these."""
+    """Runs a latvoxd with TLS and metrics; `scrape()` fetches these."""
     key, certificate = directory / "key.pem", directory / "certificate.pem"
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "3",
                     "-subj", "/CN=x", "-keyout", key, "-out", certificate], check=True, capture_output=True)
@@ -33,7 +33,7 @@ def watched_server(directory, *options):
 
 
 def samples(text):
-    """name{labels, sorted} -> value"""
+    """Returns name{labels, sorted} -> value."""
     found = {}
     for line in text.splitlines():
         if not line.startswith("#"):
@@ -43,7 +43,7 @@ def samples(text):
 
 
 def work(case, server):
-    """Requests good, bad and refused."""
+    """Makes good, bad and refused requests."""
     remote = ["--server", server.address]
     summary = case.voxelize(BUNNY, "--lattice", "bcc", "--resolution", 64, *remote)
     bad = latvox("voxelize", BUNNY, "-o", case.dir / "no.csv", "--basis", "1,0,0,0,1,0,1,1,0", *remote)
@@ -172,7 +172,7 @@ class Deploy(Case):
 
 
 class Promtool(Case):
-    """What Prometheus itself says."""
+    """Checks by Prometheus's own tool."""
 
     @classmethod
     def setUpClass(cls):
@@ -208,10 +208,10 @@ class Promtool(Case):
         (self.dir / "dashboard.yaml").write_text("\n".join(lines) + "\n")
         self.check("check", "rules", self.dir / "dashboard.yaml")
 
-    def test_what_is_served_is_what_prometheus_reads(self):
+    def test_prometheus_reads_the_served_metrics(self):
         with watched_server(self.dir) as server:
             text = server.scrape()
-        # What prometheus-cpp counts of itself does not follow the conventions.
+        # prometheus-cpp's metrics about itself break the conventions.
         ours = "".join(line + "\n" for line in text.splitlines() if "exposer_" not in line)
         said = self.check("check", "metrics", input=ours)
         self.assertEqual(said.stdout + said.stderr, "")

@@ -1,4 +1,4 @@
-"""OpenVDB's own reader finds in a .vdb file what the summary and the .csv file say."""
+"""OpenVDB's own reader finds the facts of the summary and of the .csv file in a .vdb file."""
 
 import json
 import unittest

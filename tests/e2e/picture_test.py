@@ -1,4 +1,4 @@
-"""What is told of .vdb files: pictures and slices show the voxels where they belong, and differences are found."""
+"""Commands on .vdb files: pictures and slices show the voxels in their places, and differences are found."""
 
 import itertools
 import json
@@ -22,7 +22,7 @@ LATTICES = {
 
 
 def write_octahedron(path, basis, radius=12):
-    """The lattice points of an octahedron; their world positions by lattice coordinates."""
+    """Writes the lattice points of an octahedron. Returns their world positions by lattice coordinates."""
     grid = pyopenvdb.BoolGrid()
     grid.name = "voxels"
     grid.transform = pyopenvdb.createLinearTransform([[*vector, 0] for vector in basis] + [[0, 0, 0, 1]])
@@ -37,7 +37,7 @@ def write_octahedron(path, basis, radius=12):
 
 
 def read_png(path):
-    """Width, height and the rows of (r, g, b) of an 8-bit RGB .png."""
+    """Returns width, height and the rows of (r, g, b) of an 8-bit RGB .png."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", "not a .png"
     at, packed = 8, b""
@@ -75,7 +75,7 @@ class Picture(Case):
         for lattice, basis in LATTICES.items():
             with self.subTest(lattice):
                 write_octahedron(self.dir / "a.vdb", basis, 10)
-                # From z: the shape is a square on its corner, half of its box.
+                # Seen from z, the shape is a square on its corner, half of its box.
                 width, height, lines = self.render(self.dir / "a.vdb", "--size", 96, "--view", "0,0")
                 self.assertEqual((width, height), (96, 96))
                 seen = self.covered(lines)
@@ -158,7 +158,7 @@ class Slice(Case):
             self.assertEqual(done.returncode, OK, done.stderr)
             width, height, lines = read_png(self.dir / "a.png")
             self.assertEqual(max(width, height), 240)
-            # Cells are blue, what is empty is not.
+            # Cells are blue, the background is not.
             inside = sum(b - r > 20 for line in lines for r, _, b in line)
             voxels = sum(ijk[0] == index for ijk in points)
             if index == 0:

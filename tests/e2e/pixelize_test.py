@@ -1,4 +1,5 @@
-"""Drawings become pixels: without tunnel or redundancy, the same from every file format, and with clear errors."""
+"""Drawings become pixels: without tunnels or redundant pixels, the same from every file format, and with clear
+errors."""
 
 import json
 import pathlib
@@ -13,7 +14,7 @@ NAMES = ("circle.svg", "star.svg", "word.svg")
 
 
 def pixels(csv):
-    """(i, j) -> (x, y) of a .csv file, which is in order."""
+    """Returns (i, j) -> (x, y) of a .csv file, in the file's order."""
     lines = csv.read_text().splitlines()
     assert lines[0] == "i,j,x,y", lines[0]
     rows = [line.split(",") for line in lines[1:]]
@@ -24,7 +25,7 @@ def pixels(csv):
 
 class Pixelize(Case):
     def pixelize(self, drawing, *options):
-        """Summary and pixels of a run that must succeed."""
+        """Returns summary and pixels of a run that must succeed."""
         out = self.dir / "out.csv"
         done = latvox("pixelize", drawing, "-o", out, "--json", *options)
         self.assertEqual(done.returncode, OK, done.stderr)
@@ -51,7 +52,7 @@ class Pixelize(Case):
             self.assertEqual(position, (x + i * a + j * c, y + i * b + j * d))
 
     def test_a_circle_holds_its_radius(self):
-        """Every pixel's centre lies within half a step of the circle of radius 4, and all around it."""
+        """Every pixel's center lies within half a step of the circle of radius 4. The pixels go all around it."""
         summary, found = self.pixelize(DRAWINGS / "circle.svg", "--pixel-size", 0.1, "--separability", 1)
         for x, y in found.values():
             self.assertAlmostEqual((x * x + y * y) ** 0.5, 4, delta=0.075)
@@ -94,7 +95,8 @@ class Pixelize(Case):
 
 class Failures(Case):
     def bad(self, drawing, *options, code, says):
-        """Fails with `code` and one line matching `says`; neither makes nor touches the output."""
+        """Checks that the run fails with `code` and one line matching `says`, and neither makes nor touches the
+        output."""
         out = self.dir / "out.csv"
         for old in (None, b"what was here before"):
             if old:

@@ -1,4 +1,4 @@
-"""A server that dies in the middle costs the user time, and one line on standard error."""
+"""If a server dies in the middle, the user loses time and gets one line on standard error."""
 
 import contextlib
 import re
@@ -11,7 +11,7 @@ import harness
 from harness import BIN, BUNNY, Case, latvox
 
 LONG = ["--lattice", "bcc", "--resolution", "6000"]
-SLOW = ["--simd", "scalar", "--threads", "1"]  # seconds of work, on any machine
+SLOW = ["--simd", "scalar", "--threads", "1"]  # seconds of work on any machine
 
 
 class Resume(Case):
@@ -23,7 +23,7 @@ class Resume(Case):
         self.addresses = [f"unix:{directory}/latvoxd.socket" for directory in self.dirs]
 
     def start(self, *options):
-        """A long run on both servers."""
+        """Starts a long run on both servers."""
         command = [BIN / "latvox", "voxelize", BUNNY, "-o", self.dir / "out.png", *LONG, "--json"]
         client = subprocess.Popen(
             [*map(str, command), "--server", ",".join(self.addresses), *options],
@@ -39,14 +39,14 @@ class Resume(Case):
 
     @contextlib.contextmanager
     def mortal_server(self, directory):
-        """As harness.server, but slow, and may die."""
+        """Like harness.server, but slow, and it may die."""
         with contextlib.suppress(AssertionError), harness.server(directory, *SLOW) as server:
             yield server
 
     def test_another_server_goes_on(self):
         with self.mortal_server(self.dirs[0]) as first:
             client = self.start()
-            time.sleep(1)  # into the stream: the second server is not there for the call to begin on
+            time.sleep(1)  # into the stream; the second server must not run yet when the call begins
             with harness.server(self.dirs[1]):
                 self.assertIsNone(client.poll(), "the long run has ended already")
                 first.send_signal(signal.SIGKILL)

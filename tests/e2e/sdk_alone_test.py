@@ -1,5 +1,5 @@
-"""The SDK built alone, without server, tool and grids: on gRPC, Protobuf, abseil and Draco, as archives and as shared
-libraries, for users of CMake and of pkg-config."""
+"""The SDK built alone, without server, tool and grids. It needs only gRPC, Protobuf, abseil and Draco; as archives and
+as shared libraries; for users of CMake and of pkg-config."""
 
 import fnmatch
 import os
@@ -15,12 +15,12 @@ from harness import BUNNY, latvox, server
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ALONE = [f"-D{name}=OFF" for name in ("LATVOX_BUILD_SERVER", "LATVOX_BUILD_TOOL", "LATVOX_BUILD_GRID", "BUILD_TESTING")]
-# What the rest of the repository needs, by name of CMake's package, and as pieces of the names of files.
+# Dependencies of the rest of the repository, as names of CMake packages, and as parts of file names.
 FOREIGN = ("Boost", "CLI11", "OpenVDB", "PNG", "TBB", "hwy", "libzip", "nlohmann_json", "prometheus-cpp", "pugixml",
            "spdlog")
 FOREIGN_FILE = (r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|libzip|zip\.h|nlohmann|prometheus|pugi|spdlog"
                 r"|/fmt/")
-MODULES = ("libxxhash", "libzstd", "re2")  # of pkg-config; gRPC's package asks for the last one
+MODULES = ("libxxhash", "libzstd", "re2")  # of pkg-config; gRPC's package requires the last one
 KINDS = ("static", "shared")
 
 CACHED = {"CCACHE_NOHASHDIR": "1", "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
@@ -39,14 +39,15 @@ def configure(source, build, *options, **more):
 
 
 def marked(headers):
-    """The names of the functions and classes that these headers mark with LATVOX_EXPORT."""
+    """Returns the names of the functions and classes that these headers mark with LATVOX_EXPORT."""
     text = "\n".join(header.read_text() for header in headers)
     classes, functions = r"^class LATVOX_EXPORT (\w+)", r"^LATVOX_EXPORT [^(]*\b(\w+)\("
     return {*re.findall(classes, text, re.M), *re.findall(functions, text, re.M)}
 
 
 class Kind:
-    """One kind of library, in a folder of its own: the same paths in each, so that ccache knows the second one."""
+    """One kind of library, in a folder of its own. The paths in it are the same for each kind, so ccache finds the
+    files of the second."""
 
     def __init__(self, folder, source, shared):
         self.folder, self.shared = folder, shared
@@ -63,7 +64,7 @@ class Kind:
                               env=os.environ | {"PKG_CONFIG_LIBDIR": str(modules)})
         run("cmake", "--build", self.build, env=self.cached)
         run("cmake", "--install", self.build, "--prefix", folder / "first")
-        (folder / "first").rename(self.prefix)  # programs are built where it was moved to
+        (folder / "first").rename(self.prefix)  # programs are built against the moved copy
         shutil.copytree(ROOT / "client/examples", folder / "source")
         needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco") if shared]
         configure(folder / "source", self.examples, f"-DCMAKE_PREFIX_PATH={self.prefix}",
@@ -75,7 +76,7 @@ class Kind:
         return run("pkg-config", *(() if self.shared else ("--static",)), *words, env=environment).split()
 
     def by_pkg_config(self, example, package):
-        """The example's program, built as README.md says."""
+        """Builds the example's program by pkg-config, as the documentation says."""
         made = self.folder / f"{example}.o"
         compiler = ["ccache", "g++", "-std=c++20", *self.pkg_config("--cflags", package)]
         run(*compiler, "-c", f"source/{example}.cc", "-o", made, cwd=self.folder, env=self.cached)
@@ -92,7 +93,7 @@ class SdkAlone(harness.Case):
     @classmethod
     def setUpClass(cls):
         folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-sdk-")))
-        source = cls.source = folder / "repository"  # what it is built from: the rest is not there
+        source = cls.source = folder / "repository"  # the SDK is built from this copy, without the rest
         for part in "proto", "client":
             shutil.copytree(ROOT / part, source / part, ignore=shutil.ignore_patterns("tool"))
         for file in "CMakeLists.txt", "LICENSE":
@@ -128,7 +129,7 @@ class SdkAlone(harness.Case):
                 self.assertNotRegex(kind.said, "(?i)tbb|openvdb|boost")
 
     def test_shared_libraries_bring_what_they_need(self):
-        """Their users' link lines have neither gRPC nor Protobuf nor Draco."""
+        """Link lines of their users have neither gRPC nor Protobuf nor Draco."""
         kind = self.kinds["shared"]
         self.assertNotRegex(run("ninja", "-C", kind.examples, "-t", "commands"), "grpc|protobuf|draco")
         self.assertNotRegex(" ".join(kind.pkg_config("--cflags", "--libs", "latvox-mesh")), "grpc|protobuf|draco")
@@ -167,7 +168,7 @@ class SdkAlone(harness.Case):
                 self.assertFalse((kind.prefix / "include/latvox/grid").exists())
 
     def test_options_that_exclude_each_other_are_named(self):
-        """The encoder may be left out, too."""
+        """The SDK also builds without the encoder."""
         for options, wrong in (
             (["-DLATVOX_BUILD_GRID=OFF"], r"LATVOX_BUILD_TOOL is ON and needs LATVOX_BUILD_GRID, which\s+is\s+OFF"),
             ([*ALONE, "-DCMAKE_DISABLE_FIND_PACKAGE_draco=ON"], r"Draco is not found.*LATVOX_BUILD_MESH=OFF"),

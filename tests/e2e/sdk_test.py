@@ -1,4 +1,4 @@
-"""The installed SDK: find_package(latvox) finds it, client/examples build against it alone, and do what they say."""
+"""The installed SDK: find_package(latvox) finds it, client/examples build against it alone, and work as they say."""
 
 import contextlib
 import os
@@ -29,7 +29,7 @@ class Sdk(TlsCase):
         cls.sdk = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-sdk-")))
         cls.include = cls.sdk / "prefix/include"
         run("cmake", "--install", BUILD, "--prefix", cls.sdk / "prefix")
-        source = cls.sdk / "source"  # where nothing of the repository is near
+        source = cls.sdk / "source"  # outside the repository
         source.mkdir()
         for path in (ROOT / "client/examples").iterdir():
             (source / path.name).write_bytes(path.read_bytes())
@@ -41,7 +41,7 @@ class Sdk(TlsCase):
 
     def setUp(self):
         super().setUp()
-        self.mesh = self.dir / "bunny.drc"  # as a newcomer makes it
+        self.mesh = self.dir / "bunny.drc"  # as a new user builds it
         self.assertEqual(latvox("encode", BUNNY, "-o", self.mesh).returncode, 0)
 
     def example(self, name, *arguments):
@@ -120,7 +120,7 @@ class Sdk(TlsCase):
         self.assertEqual(self.output("fake_server"), "passed\n")
 
     def test_resume_goes_on_where_the_server_died(self):
-        """The pipe that nobody reads holds the program back, and so the server, until that is dead."""
+        """Nobody reads the pipe. This blocks the program, and so the server, until the server is dead."""
         with contextlib.suppress(AssertionError), server(self.dir) as mortal:
             words = [self.sdk / "build/resume", mortal.address, self.mesh, "3000"]
             said = self.dir / "said"

@@ -1,4 +1,4 @@
-"""Where a picture of voxels has to be covered: cells of the lattices, seen as the page of `latvox view` shows them."""
+"""The expected silhouette of a picture of voxels: cells of the lattices, as the page of `latvox view` projects them."""
 
 import itertools
 import math
@@ -17,7 +17,7 @@ CELLS = {
 
 
 def write_shape(path, basis, **metadata):
-    """Lattice points of a shape without any symmetry."""
+    """Writes the lattice points of a shape without any symmetry, and returns them."""
     grid = pyopenvdb.BoolGrid()
     grid.name = "voxels"
     grid.transform = pyopenvdb.createLinearTransform([[*vector, 0] for vector in basis] + [[0, 0, 0, 1]])
@@ -33,7 +33,7 @@ def write_shape(path, basis, **metadata):
 
 
 def hull(points):
-    """Counter-clockwise."""
+    """Returns the convex hull, counter-clockwise."""
     turns = lambda p, q, r: (q[0] - p[0]) * (r[1] - p[1]) > (q[1] - p[1]) * (r[0] - p[0])
 
     def half(points):
@@ -49,8 +49,8 @@ def hull(points):
 
 
 def places(cells, basis, corners, page, size, azimuth, elevation, up="y", distance=1.0):
-    """Where on a canvas of that size corners of these cells are, by geometry alone; where the page puts its middle, and how
-    large it shows the world, is in its data."""
+    """Yields the positions of these cells' corners on a canvas of this size, by geometry alone. The page's data give
+    the point in its middle and the scale."""
     width, height = size
     turn = lambda v: numpy.array(TURNS[up](*v))
     scale = numpy.linalg.norm(page["basis"][0]) / numpy.linalg.norm(basis[0])
@@ -69,7 +69,7 @@ def places(cells, basis, corners, page, size, azimuth, elevation, up="y", distan
 
 
 def silhouette(cells, basis, corners, page, size, *view, **how):
-    """The pixels that the cells cover."""
+    """Returns the pixels that the cells cover."""
     mask = numpy.zeros(size[::-1], bool)
     for place in places(cells, basis, corners, page, size, *view, **how):
         polygon = hull(place)

@@ -1,4 +1,4 @@
-"""`--fill solid` through the real tool: counts, what is refused, what files say, and parts that make the whole."""
+"""`--fill solid` with the real tool: counts, refusals, the content of files, and parts that make the whole."""
 
 import json
 import math
@@ -10,7 +10,7 @@ LATTICES = ("cartesian", "bcc", "fcc", "hexagonal")
 
 
 def torus(rings=48, segments=24, radius=3.0, tube=1.0):
-    """A mesh of quads cut in two, closed, oriented outwards; not convex."""
+    """Returns a mesh of quads cut in two: closed, oriented outwards, not convex."""
     vertices, triangles = [], []
     for r in range(rings):
         for s in range(segments):
@@ -51,8 +51,8 @@ class Solids(Case):
             inside = self.voxelize(self.torus, *grid, "--fill", "solid", "--without-surface", out="inside.csv")
             inner = set(rows(self.dir / "inside.csv"))
             with self.subTest(lattice):
-                # Points within are as dense as the volume tells, but for what the surface's voxels, which may count or
-                # not, leave open; in a mesh as round as this one that nearly cancels.
+                # The number of points inside follows from the volume. The voxels of the surface may count or not; in a
+                # mesh as round as this one, their effect nearly cancels.
                 expected = volume(torus()) / 0.1**3
                 self.assertLess(abs(inside["voxels"] - expected), 0.05 * surface["voxels"])
                 self.assertEqual(set(rows(self.dir / "solid.csv")), inner | on_surface)
@@ -78,7 +78,7 @@ class Solids(Case):
             {v for v in rows(self.dir / "closed.csv") if v[:2] in columns}, set(rows(out)), "other lines changed"
         )
 
-    def test_what_does_not_go_together_is_wrong_usage(self):
+    def test_options_that_exclude_each_other_are_wrong_usage(self):
         for words, says in (
             (("--verify", "--fill", "solid"), "verify: not together with fill.mode solid"),
             (("--fill", "solid", "--algorithm", "incremental"), "fill.mode solid: not together with algorithm incremental"),

@@ -10,7 +10,7 @@ OPTION = ["--voxel-size", ",".join(map(str, SIZES)), "--origin", "0,0,0", "--qua
 
 
 class Stretched(Case):
-    # Factors that are powers of two move no vertex, so that the voxels are the same.
+    # Factors that are powers of two move no vertex, so the voxels are the same.
     def test_on_cubes_it_is_the_mesh_compressed(self):
         vertices, triangles = octahedron(2)
         mesh = write_obj(self.dir / "mesh.obj", (vertices, triangles))
@@ -51,7 +51,7 @@ class Stretched(Case):
         result = json.loads((self.dir / "results.jsonl").read_text())
         self.assertEqual(result["summary"]["digest"], self.voxelize(self.dir / "a.obj", *OPTION)["digest"])
 
-    def test_what_it_does_not_go_with_is_refused(self):
+    def test_incompatible_options_are_refused(self):
         for options, says in (
             (["--voxel-size", "1,2"], '"1,2" is not one number or three'),
             (["--voxel-size", "1,2,0"], "above 0"),

@@ -1,5 +1,5 @@
-"""--cover supercover: every voxel whose cell meets the mesh, through the real tool, held against counting by hand and
-against separating axes in Python's integers."""
+"""--cover supercover: every voxel whose cell meets the mesh. The real tool is compared with counts by hand and with
+separating axes in Python's integers."""
 
 import json
 import unittest
@@ -7,11 +7,11 @@ import unittest
 from harness import BUNNY, Case, latvox, octahedron, read_obj, rows, write_obj
 
 UNIT = 256  # lattice units a voxel
-SIZE = 1 / 32  # a power of two: what the bunny's vertices are rounded to, Python finds the same
+SIZE = 1 / 32  # a power of two, so Python finds the bunny's rounded vertices, too
 
 
 def meets(corners, voxel):
-    """Whether the closed cube around a voxel meets the closed triangle. Separating axes, lattice units."""
+    """Returns whether the closed cube around a voxel meets the closed triangle, by separating axes in lattice units."""
     v = [[x - UNIT * c for x, c in zip(corner, voxel)] for corner in corners]
     edges = [[b - a for a, b in zip(v[n], v[(n + 1) % 3])] for n in range(3)]
     units = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -29,7 +29,7 @@ def cross(a, b):
 
 
 def supercover(mesh, low, high):
-    """Of the voxels low <= ijk < high."""
+    """Returns the supercover's voxels with low <= ijk < high."""
     vertices, triangles = mesh
     snapped = [[round(x / SIZE * UNIT) for x in v] for v in vertices]
     found = set()
@@ -50,7 +50,7 @@ class Supercover(Case):
         mesh = write_obj(self.dir / "triangle.obj", (corners, [(0, 1, 2)]))
         options = ["--voxel-size", 1, "--origin", "0,0,0", "--quantization", 0]
         self.voxelize(mesh, *options, "--cover", "supercover")
-        # Of 4 x 4 columns, those beyond the hypotenuse's middle are not met.
+        # There are 4 x 4 columns; those beyond the middle of the hypotenuse do not meet the triangle.
         columns = {(i, j) for i in range(4) for j in range(4)} - {(2, 3), (3, 2), (3, 3)}
         self.assertEqual(set(rows(self.dir / "out.csv")), {(i, j, k) for i, j in columns for k in (0, 1)})
 
@@ -102,7 +102,7 @@ class Supercover(Case):
         self.assertEqual(line["summary"]["digest"], alone["digest"])
         self.assertEqual(line["summary"]["certificate"]["cover"], "supercover")
 
-    def test_what_contradicts_it_is_refused(self):
+    def test_contradicting_options_are_refused(self):
         for option, value in (("--minimal", None), ("--algorithm", "incremental")):
             words = ["--resolution", 20, "--cover", "supercover", option, *([value] if value else [])]
             done = latvox("voxelize", BUNNY, "-o", self.dir / "out.vdb", *words)

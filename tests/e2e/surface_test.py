@@ -1,4 +1,4 @@
-"""Surfaces (.glb) enclose exactly the voxels: checked by their volume, their edges, and a validator that is not ours."""
+"""Surfaces (.glb) enclose exactly the voxels: checked by their volume, their edges, and an independent validator."""
 
 import collections
 import json
@@ -11,7 +11,7 @@ FACETS = {"cartesian": 6, "bcc": 14, "fcc": 12, "hexagonal": 8}
 
 
 def read_glb(path):
-    """The document, corners in world coordinates, triangles."""
+    """Returns the document, corners in world coordinates, and triangles."""
     data = path.read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data)
     assert (magic, version, length) == (b"glTF", 2, len(data))
@@ -28,7 +28,7 @@ def read_glb(path):
 
 
 def volume(corners, triangles):
-    """By the divergence theorem, about a corner, lest much cancels."""
+    """Returns the volume by the divergence theorem, about a corner, so that little cancels."""
     o = corners[0]
     sum_ = 0.0
     for triangle in triangles:
@@ -52,7 +52,7 @@ class Surface(Case):
             + a[2] * (b[0] * c[1] - b[1] * c[0])
         )
         self.assertAlmostEqual(volume(corners, triangles) / cell / summary["voxels"], 1, places=4)
-        # Closed: as often as an edge is passed one way, it is passed the other.
+        # Closed: every edge is passed equally often in both directions.
         size = cell ** (1 / 3)
         key = [tuple(round(x / size * 1000) for x in corner) for corner in corners]
         passes = collections.Counter()

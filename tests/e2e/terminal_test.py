@@ -1,4 +1,4 @@
-"""Progress and colours are for terminals; pipes get plain lines."""
+"""Progress and colors are for terminals. Pipes get plain lines."""
 
 import fcntl
 import math
@@ -19,7 +19,8 @@ BAR = re.compile(r"\[(#*)\.*\] +(\d+) %  voxelizing: (\d+) bricks(?:, (\d+)/s)?(
 
 
 class Pauses:
-    """Stops the server for a while whenever the bar moves, the first few times: first for long enough to tell a rate."""
+    """Stops the server for a while when the bar moves, the first few times. The first stop is long enough to show a
+    rate."""
 
     def __init__(self, process):
         self.process, self.frames = process, 0
@@ -35,7 +36,8 @@ class Pauses:
 
 
 def on_terminal(*words, see=lambda text: None, **environment):
-    """The exit status, and what a terminal of 120 columns gets on standard error; `see` is told all of it as it grows."""
+    """Returns the exit status, and the standard error on a terminal of 120 columns. Calls `see` with all of it as it
+    grows."""
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("4H", 24, 120, 0, 0))
     command = [BIN / "latvox", *map(str, words)]
@@ -49,7 +51,7 @@ def on_terminal(*words, see=lambda text: None, **environment):
         try:
             text += os.read(master, 65536)
             see(text.decode(errors="replace"))
-        except OSError:  # nobody has the other end any more
+        except OSError:  # the other end is closed
             break
     os.close(master)
     return process.wait(PATIENCE), text.decode()
@@ -63,7 +65,7 @@ class Terminal(Case):
             self.assertIn(stage, text)
         self.assertRegex(text, r"\[.*\] +\d+ %  voxelizing: \d+ bricks")
         self.assertIn("\x1b[32m#", text.replace("\x1b[32m\x1b", ""))
-        # What is left in the line that progress is drawn over: nothing.
+        # Nothing is left of the line that shows progress.
         self.assertEqual(re.split(r"\r\x1b\[K|\n", text)[-1], "")
         self.assertNotIn("\n\x1b", text)
 

@@ -57,7 +57,8 @@ class ThreeMf(InputCase):
     COLORS = '<m:colorgroup id="6"><m:color color="#102030"/><m:color color="#405060FF"/></m:colorgroup>'
 
     def colored(self, *triangles, of_object=""):
-        """MESH with attributes of the object and of its triangles, placed twice, beside groups of properties."""
+        """Returns MESH with attributes of the object and of its triangles, placed twice, beside groups of
+        properties."""
         mesh = mesh_xml(MESH)
         for n, attributes in enumerate(triangles):
             corners = 'v1="%d" v2="%d" v3="%d"' % MESH[1][n]
@@ -68,7 +69,7 @@ class ThreeMf(InputCase):
         return write_3mf(self.dir / "a.3mf", model(f'{groups}<object id="1" {of_object}>{mesh}</object>', items, extension))
 
     def test_base_materials_and_colors_are_carried(self):
-        orange, dark, slate, grey = (255, 128, 0), (1, 2, 3), (16, 32, 48), (64, 80, 96)
+        orange, dark, slate, gray = (255, 128, 0), (1, 2, 3), (16, 32, 48), (64, 80, 96)
         path = self.colored('pid="5" p1="0"', of_object='pid="5" pindex="1"')
         self.assertEqual(self.carried(path, "--attributes", "color"), {orange, dark})
         self.assertEqual(self.carried(path, "--attributes", "material"), {(0,), (1,)})
@@ -77,13 +78,13 @@ class ThreeMf(InputCase):
         path = self.colored('pid="5" p1="0"', of_object='pid="5" pindex="1"')
         self.assertEqual(self.digest(path), self.expected(joined(MESH, mapped(MESH, lambda x, y, z: (x + 9, y, z)))))
         path = self.colored('p1="1"', of_object='pid="6" pindex="0"')
-        self.assertEqual(self.carried(path, "--attributes", "color"), {slate, grey})
+        self.assertEqual(self.carried(path, "--attributes", "color"), {slate, gray})
         self.assert_refused(3, "has no material$", path, "--attributes", "material")
-        # Corners of one triangle: the vertices that it shares have other colors in others.
+        # Corners of one triangle: their vertices have other colors in other triangles.
         path = self.colored('pid="6" p1="0" p2="1" p3="0"', of_object='pid="5" pindex="0"')
-        self.assertEqual(self.carried(path, "--attributes", "color"), {orange, slate, grey})
+        self.assertEqual(self.carried(path, "--attributes", "color"), {orange, slate, gray})
 
-    def test_properties_that_are_none_are_missed_where_they_are_asked_for(self):
+    def test_missing_properties_are_reported_if_requested(self):
         for says, attributes in (
             ("$", ""),
             ('3dmodel.model, line 7: <triangle>: pid="9" is no group', 'pid="9" p1="0"'),

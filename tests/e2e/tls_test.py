@@ -1,4 +1,5 @@
-"""TLS and mutual TLS: who is let in, certificates that change while the server runs, and plain text nowhere by accident."""
+"""TLS and mutual TLS: admitted and rejected clients, certificates that change while the server runs, and no accidental
+plain text."""
 
 import contextlib
 import os
@@ -23,7 +24,7 @@ def openssl(*arguments):
 
 
 class Authority:
-    """Throw-away certificates, made by openssl in a directory of the test's."""
+    """Throw-away certificates, made by openssl in the test's directory."""
 
     def __init__(self, directory, name):
         self.directory, self.name = directory, name
@@ -32,7 +33,7 @@ class Authority:
                 "-subj", f"/CN={name}", "-keyout", directory / f"{name}.key", "-out", self.root)
 
     def issue(self, name, subject, *extensions):
-        """Paths of a certificate and its key, signed by this authority."""
+        """Returns paths of a certificate and its key, signed by this authority."""
         key, request, certificate = (self.directory / f"{name}.{end}" for end in ("key", "csr", "crt"))
         openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", f"/CN={subject}",
                 "-keyout", key, "-out", request)
@@ -54,13 +55,13 @@ class TlsCase(Case):
 
     @contextlib.contextmanager
     def server(self, *options):
-        """A latvoxd that also listens on a port of its own, with TLS if `options` say so."""
+        """Runs a latvoxd that also listens on a port of its own, with TLS if `options` say so."""
         with harness.server(self.dir, "--listen", "127.0.0.1:0", *options) as server:
             server.tcp = self.await_log(r"event=listening address=(127\.0\.0\.1:\d+)")
             yield server
 
     def serial(self, server):
-        """Of the certificate that a new connection sees."""
+        """Returns the serial number of the certificate that a new connection sees."""
         with Connection(server.tcp, self.authority.root) as connection:
             return connection.serial
 
@@ -89,7 +90,7 @@ class Connection(contextlib.ExitStack):
         self.socket.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + b"\0\0\0\4\0\0\0\0\0")
 
     def ping(self, payload):
-        """Whether the other side answers; payload of eight bytes."""
+        """Sends a ping with a payload of eight bytes. Returns whether the other side answers."""
         self.socket.sendall(b"\0\0\x08\x06\0\0\0\0\0" + payload)
         while b"\0\0\x08\x06\x01\0\0\0\0" + payload not in self.received:
             got = self.socket.recv(4096)
@@ -259,7 +260,7 @@ class Health(TlsCase):
 
     @contextlib.contextmanager
     def long_job(self, address):
-        """A voxelization of minutes, of which some has come."""
+        """Starts a voxelization of minutes, and waits until some of it has arrived."""
         command = ["voxelize", BUNNY, "-o", self.dir / "long.csv", "--lattice", "bcc", "--resolution", 30000, "--server", address]
         with subprocess.Popen([BIN / "latvox", *map(str, command)], stderr=subprocess.DEVNULL) as process:
             try:

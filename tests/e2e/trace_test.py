@@ -1,4 +1,4 @@
-"""A W3C trace: from the tool's option or environment to the server's log, by every command that makes a call."""
+"""A W3C trace goes from the tool's option or environment to the server's log, for every command that makes a call."""
 
 import json
 import os
@@ -16,12 +16,12 @@ OK, USAGE = 0, 2
 
 class Trace(Case):
     def requests(self):
-        """The log's lines of calls so far."""
+        """Returns the log's lines of calls so far."""
         lines = [json.loads(line) for line in (self.dir / "latvoxd.log").read_text().splitlines() if line[:1] == "{"]
         return [line for line in lines if line["event"] == "request"]
 
     def commands(self, server):
-        """Of each command with a server: its words, and the method that it calls."""
+        """For each command with a server: its words, and the method that it calls."""
         drawing, jobs = self.dir / "star.txt", self.dir / "jobs.jsonl"
         drawing.write_text("0,0 4,9 8,0 -1,6 9,6 z\n")
         jobs.write_text(json.dumps({"mesh": str(BUNNY), "resolution": 16, "out": "bunny.csv"}) + "\n")
@@ -33,7 +33,7 @@ class Trace(Case):
         ]
 
     def trace_of(self, words, method, **environment):
-        """What the log says of a call: its trace and the span that called."""
+        """Returns the log's facts about a call: its trace and the span that called."""
         before = len(self.requests())
         done = latvox(*words, env=os.environ | environment)
         self.assertEqual(done.returncode, OK, done.stderr)

@@ -1,4 +1,4 @@
-"""What voxels have besides their places: drawn, listed and compared by render, slice and compare."""
+"""Values of voxels: render draws them, slice lists them, compare compares them."""
 
 import json
 import unittest
@@ -16,7 +16,7 @@ SURFACE, FAR = (0x44, 0x01, 0x54), (0xFD, 0xE7, 0x25)  # of viridis
 
 
 def table(csv):
-    """(i, j, k) -> the further columns of a .csv file, and their names."""
+    """Returns (i, j, k) -> the further columns of a .csv file, and their names."""
     header, *lines = csv.read_text().splitlines()
     voxels = {}
     for line in lines:
@@ -27,7 +27,7 @@ def table(csv):
 
 
 def has_hole(lines):
-    """Whether there is background that the picture's corner has no way to."""
+    """Returns whether some background is not connected with the picture's corner."""
     empty = lines[0][0]
     outside = {(x, y) for y, line in enumerate(lines) for x, color in enumerate(line) if color == empty}
     ways = [(0, 0)]
@@ -46,7 +46,7 @@ class ValuesCase(Case):
         return done
 
     def bodies(self):
-        """Two octahedra, red and blue, of two parts and materials, in a .vdb file."""
+        """Writes two octahedra, red and blue, of two parts and materials."""
         text = []
         for n, color in enumerate(("1 0 0", "0 0 1")):
             vertices, triangles = octahedron(8.0)
@@ -63,7 +63,7 @@ class ValuesCase(Case):
         return self.dir / out
 
     def sides(self, picture):
-        """The mean color of what is drawn on the left and on the right."""
+        """Returns the mean color of the left and of the right half's voxels."""
         width, _, lines = read_png(picture)
         found = []
         for half in (range(width // 2), range(width // 2, width)):
@@ -97,7 +97,7 @@ class Pictures(ValuesCase):
             self.run_latvox("render", self.dir / "a.vdb", "-o", self.dir / "b.png")
             self.assertEqual((self.dir / "a.png").read_bytes(), (self.dir / "b.png").read_bytes())
 
-    def test_what_a_picture_cannot_show_is_refused(self):
+    def test_colors_that_a_picture_cannot_show_are_refused(self):
         self.voxelize(self.bodies(), *GRID, "--attributes", "part", out="a.vdb")
         out = ["-o", self.dir / "x.png"]
         for status, says, words in (
@@ -119,7 +119,7 @@ class Pictures(ValuesCase):
                 self.check_layer(sign)
 
     def check_surface(self):
-        """From z, the octahedron is a square on its corner."""
+        """Seen from z, the octahedron is a square on its corner."""
         done = self.run_latvox("render", self.dir / "band.vdb", "-o", self.dir / "c.png", "--size=96", "--view=0,0")
         self.assertIn("within the band; those at its surface are drawn", done.stdout)
         _, _, lines = read_png(self.dir / "c.png")

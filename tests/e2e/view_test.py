@@ -1,4 +1,4 @@
-"""`latvox view`: the page shows in Chromium, without a network, what the file holds."""
+"""`latvox view`: the page shows the file's content in Chromium, without a network."""
 
 import csv
 import filecmp
@@ -20,7 +20,7 @@ from silhouettes import CELLS, places, silhouette, write_shape
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED = range(6)
-NORMAL = (-45, 35.264)  # azimuth and elevation; against it, nothing below a layer across k of FCC hides any of it
+NORMAL = (-45, 35.264)  # azimuth and elevation; seen against it, nothing below a layer across k of FCC hides any of it
 PLACE = f"#axis=k&azimuth={NORMAL[0]}&elevation={NORMAL[1]}"
 
 
@@ -29,7 +29,7 @@ def rgb(color):
 
 
 class View(Case):
-    """All in one browser, which stays until the last test."""
+    """All tests share one browser, which stays until the last test."""
 
     @classmethod
     def setUpClass(cls):
@@ -46,7 +46,7 @@ class View(Case):
             time.sleep(0.02)
 
     def assert_no_process_left(self):
-        """At the end of the class."""
+        """Checked at the end of the class instead."""
 
     def setUp(self):
         super().setUp()
@@ -69,7 +69,7 @@ class View(Case):
         return self.tab.run(f"document.getElementById('{name}').innerText")
 
     def canvas(self):
-        """The pixels of the voxels, and which are not background."""
+        """Returns the pixels of the canvas, and which of them are not background."""
         box = self.tab.run("(({ x, y, width, height }) => [x, y, width, height])(document.querySelector('canvas').getBoundingClientRect())")
         scale = self.tab.run("devicePixelRatio")
         x, y, width, height = (round(scale * n) for n in box)
@@ -84,7 +84,7 @@ class View(Case):
         self.assertLess((seen != expected).sum() / expected.sum(), error)
 
     def assert_colors(self, colors, error=0.1):
-        """`colors`: cell -> red, green, blue, of a layer across k of FCC, seen along its normal."""
+        """Checks colors; `colors`: cell -> red, green, blue, of a layer across k of FCC, seen along its normal."""
         pixels, seen = self.canvas()
         page = json.loads(self.tab.run("JSON.stringify(data)"))
         at = places(colors, LATTICES["fcc"], [(0, 0, 0)], page, seen.shape[::-1], *NORMAL)
@@ -101,7 +101,7 @@ class View(Case):
                 self.assert_shows(cells, lattice, 25, 35)
                 pixels, seen = self.canvas()
                 self.assertGreater(len(numpy.unique(pixels[seen], axis=0)), 4, "shades")
-                # What is drawn while it moves: a point for each voxel.
+                # While it moves, the page draws a point for each voxel.
                 self.tab.run("view.draw('points')")
                 self.assert_shows(cells, lattice, 25, 35, error=0.25)
 
@@ -132,7 +132,7 @@ class View(Case):
         for name in ("voxels", "shown"):
             self.assertEqual(self.text(name), str(summary["voxels"]))
         self.assertEqual(self.text("bricks"), str(summary["bricks"]))
-        # Those outside alone, and not those between voxels.
+        # Only outer facets, not those between voxels.
         facets = int(self.text("facets")) / summary["voxels"]
         self.assertTrue(2 < facets < 5, facets)
         self.assertRegex(self.text("certificate"), f"digest\\s+{summary['digest']}")
@@ -208,7 +208,7 @@ class View(Case):
         pixels, seen = self.canvas()
         self.assertGreater((pixels[..., 2] > pixels[..., 0])[seen].mean(), 0.5)
 
-    def test_what_takes_too_long_is_points_until_it_rests(self):
+    def test_slow_pages_draw_points_until_they_rest(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["bcc"])
         self.view(self.dir / "a.vdb")
         drawn = """(async () => {
@@ -236,7 +236,7 @@ class View(Case):
             self.tab.rest()
             self.assertRegex(self.text("error"), told)
         self.assert_shows(cells, "fcc", 30, 22)
-        self.assertEqual(len(self.tab.complaints()), 2)  # three.js says so, too
+        self.assertEqual(len(self.tab.complaints()), 2)  # three.js reports it, too
 
     def test_no_voxel_is_an_empty_page(self):
         pyopenvdb.write(str(self.dir / "a.vdb"), grids=[pyopenvdb.BoolGrid()])
@@ -250,7 +250,7 @@ class View(Case):
         self.tab.run("document.querySelector('canvas').focus()")
         for key in ("ArrowRight", "ArrowRight", "ArrowUp", "+"):
             self.tab.key(key)
-        self.tab.run("document.activeElement.blur()")  # without the line about what has the focus
+        self.tab.run("document.activeElement.blur()")  # without the line about the focus
         self.tab.rest()
         self.assert_shows(cells, "hexagonal", 30, 30, distance=0.8)
         self.tab.run("document.querySelector('canvas').focus()")

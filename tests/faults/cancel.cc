@@ -1,5 +1,5 @@
 // Calls that end in a chosen stage, one after another. Prints a line for each: the time at which it was cancelled, in
-// seconds since 1970, so that the server's log tells how long it went on.
+// seconds since 1970, so the server's log tells how long it went on.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -23,10 +23,10 @@ struct Options {
   double after_ms = 20;
 };
 
-// The call up to the point where its stage begins. Stage "stream" is that of a client that takes no answer any more.
+// Makes the call up to the point where its stage begins. In stage "stream" the client reads no further answers.
 class StagedCall {
  public:
-  // With a deadline, that is what ends it.
+  // With a deadline, the deadline ends the call.
   StagedCall(grpc::Channel& channel, const Job& job, std::optional<absl::Time> deadline)
       : job_(job), deadline_(deadline) {
     if (deadline) context_.set_deadline(absl::ToChronoTime(*deadline));
@@ -53,7 +53,7 @@ class StagedCall {
     }
   }
 
-  // Returns when it was cancelled, or was to end.
+  // Cancels the call, unless it has a deadline. Returns the time at which it was cancelled or is due to end.
   absl::Time Cancel() {
     if (deadline_) return *deadline_;
     const absl::Time now = absl::Now();
@@ -83,7 +83,7 @@ class StagedCall {
   std::jthread reader_;
 };
 
-// Gives the server time to be idle again, and keeps the connection busy: gRPC looks at it only while there is a call.
+// Gives the server time to become idle, and keeps the connection busy, because gRPC looks at it only during a call.
 void Rest(grpc::Channel& channel) {
   Script health;
   health.method = "/grpc.health.v1.Health/Check";
@@ -121,12 +121,13 @@ int RunCancel(const Options& options) {
 
 void AddCancel(CLI::App& program, Command& run) {
   const auto options = std::make_shared<Options>();
-  CLI::App& command = *program.add_subcommand("cancel", "Calls cancelled in a stage; prints when, as JSON lines");
+  CLI::App& command = *program.add_subcommand("cancel", "Cancels calls in a stage; prints the times as JSON lines");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--jobs", options->jobs, "Table of jobs, JSON")->required();
-  command.add_option("--job", options->job, "One of them")->required();
+  command.add_option("--job", options->job, "A job of the table")->required();
   command.add_option("--stage", options->stage)->check(CLI::IsMember({"upload", "decode", "voxelize", "stream"}));
-  command.add_option("--after-ms", options->after_ms, "From the beginning of the stage; with a deadline, of the call");
+  command.add_option("--after-ms", options->after_ms,
+                     "Delay from the beginning of the stage; with a deadline, of the call");
   command.add_flag("--deadline", options->deadline, "A deadline instead of cancelling");
   command.add_option("--times", options->times);
   command.callback([options, &run] { run = [options] { return RunCancel(*options); }; });

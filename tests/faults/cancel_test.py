@@ -1,6 +1,6 @@
-"""Cancelled calls, and those whose deadline has passed, stop their work at once, wherever it is.
+"""Cancelled calls, and calls past their deadline, stop their work at once, in every stage.
 
-The log has a call's line when all of its work has ended.
+The log gets a call's line when all of its work has ended.
 """
 
 import datetime
@@ -55,9 +55,9 @@ class Cancelled(Faults):
             time.sleep(0.05)
         ended = server.lines("request")[before:]
         self.assertEqual(len(ended), TIMES, "calls that go on after they were stopped")
-        # The log has milliseconds.
+        # The log has a resolution of milliseconds.
         took = [max(0.0, (seconds(line) - stop["cancelled"]) * 1000) for line, stop in zip(ended, stops)]
-        # At its deadline, the client cancels by itself, too; either may come first.
+        # At its deadline the client also cancels by itself; either may come first.
         codes = {"cancelled": ("CANCELLED",), "deadline": ("CANCELLED", "DEADLINE_EXCEEDED")}[by]
         self.figure(
             f"{what}, {by}: calls that ended so",

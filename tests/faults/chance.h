@@ -14,11 +14,11 @@ class Chance {
  public:
   explicit Chance(uint64_t seed) : bits_(seed) {}
 
-  // 0 to n - 1. Precondition: n > 0.
+  // Returns 0 to n - 1. Precondition: n > 0.
   uint64_t Below(uint64_t n) { return std::uniform_int_distribution<uint64_t>(0, n - 1)(bits_); }
   bool OneIn(uint64_t n) { return Below(n) == 0; }
   double Between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(bits_); }
-  // Each order of magnitude as likely as any other.
+  // Returns a number; each order of magnitude is equally likely.
   double LogBetween(double low, double high) { return std::exp(Between(std::log(low), std::log(high))); }
   template <class Container>
   auto& Of(Container& container) {

@@ -1,4 +1,4 @@
-"""A huge job does not starve small ones, nor they it."""
+"""A huge job does not starve small ones, and small ones do not starve it."""
 
 import time
 import unittest
@@ -24,7 +24,7 @@ class Fairness(Faults):
         return [r["ms"] for r in select(records, "done")]
 
     def beside(self, server, what, job, idle):
-        """Small requests while `job` runs, again and again."""
+        """Makes small requests while `job` runs repeatedly."""
         with Swarm(self.dir, server.address, LOAD + 0.5, clients=1, roles=["good"], jobs=[job], name=what) as swarm:
             time.sleep(0.5)
             times = self.small_times(server, f"beside {what}")
@@ -54,7 +54,7 @@ class Fairness(Faults):
             )
             self.beside(server, "many voxels", HUGE, idle)
             self.beside(server, "many triangles", "huge bunny-x16-512-cartesian", idle)
-            # Not of gRPC's threads either, which inherit it from those that start them.
+            # gRPC's threads must not have it either; they inherit it from the threads that start them.
             nicer = {name for name, nice in server.niceness() if nice != 0}
             self.figure("threads of lower priority", ", ".join(nicer), "", BULK, nicer == {BULK})
 

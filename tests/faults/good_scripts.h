@@ -1,4 +1,4 @@
-// Requests that are right.
+// Correct requests.
 #ifndef LATVOX_TESTS_FAULTS_GOOD_SCRIPTS_H_
 #define LATVOX_TESTS_FAULTS_GOOD_SCRIPTS_H_
 
@@ -9,8 +9,8 @@
 
 namespace latvox::faults {
 
-// A good request of any of the four calls, with the mesh in some pieces, small enough to take milliseconds. Now and
-// then it continues after a tile that is not there, which is INVALID_ARGUMENT.
+// Returns a correct request of any of the four calls, with the mesh in some pieces, small enough to take milliseconds.
+// Now and then it resumes after a tile that does not exist, which is INVALID_ARGUMENT.
 Script GoodScript(const std::string& drc, Chance& chance);
 
 }  // namespace latvox::faults

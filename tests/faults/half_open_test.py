@@ -1,4 +1,5 @@
-"""Connections that one end believes in: packets are dropped in a network of the test's own."""
+"""Half-open connections: packets are dropped in a private network, so only one end knows that the connection is
+dead."""
 
 import contextlib
 import ctypes
@@ -14,18 +15,18 @@ import stage
 from stage import Faults, Server, Swarm, harness, select
 
 CLONE_NEWNET = 0x40000000
-SKIP = 77  # ctest's word for it
+SKIP = 77  # ctest's code for it
 KEEPALIVE = ["--keepalive-time", "1", "--keepalive-timeout", "1"]
-SERVER_SECONDS = 6  # for the server to notice: 1 s + 1 s, and what the machine is late
+SERVER_SECONDS = 6  # for the server to notice: 1 s + 1 s, and the machine's delay
 CLIENT_SECONDS = 30  # for the SDK to notice, and to go on elsewhere
 JOB = "huge bunny-8192-cartesian"
-# A call must not be over when its packets are dropped, however fast the machine is: of a hundred batches and more, each
-# makes it pause.
+# A call must still run when its packets are dropped, however fast the machine is. It has a hundred batches and more,
+# and pauses at each.
 PAUSE = ["--pause-ms", 50]
 
 
 def own_network():
-    """A loopback of this process's own, which ends with it."""
+    """A private loopback device, which ends with this process."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(CLONE_NEWNET) != 0:
         return os.strerror(ctypes.get_errno())
@@ -43,7 +44,7 @@ class HalfOpen(Faults):
     scenario = "half_open"
 
     def drop(self, server, *ways):
-        """From now on, packets "to" the server, or "from" it, are lost."""
+        """From now on, drops packets "to" the server, or "from" it."""
         port = server.address.rpartition(":")[2]
         for way in ways:
             rule = ["INPUT", "-p", "tcp", "--dport" if way == "to" else "--sport", port, "-j", "DROP"]
@@ -59,20 +60,20 @@ class HalfOpen(Faults):
         return running
 
     def jobs(self, server):
-        """How many it is at work on, or has results of for clients that pause."""
+        """Returns the number of jobs at work, or paused for their clients."""
         with urllib.request.urlopen(server.metrics) as answer:
             lines = answer.read().decode().splitlines()
         wanted = ("latvox_jobs_running ", "latvox_jobs_paused ")
         return sum(int(float(line.split()[1])) for line in lines if line.startswith(wanted))
 
     def wait_for_jobs(self, servers, count):
-        """Until all are there, and the first server has one of them."""
+        """Waits until all jobs are there, and the first server has one of them."""
         end = time.monotonic() + harness.PATIENCE
         while (jobs := [self.jobs(server) for server in servers])[0] == 0 or sum(jobs) < count:
             self.assertLess(time.monotonic(), end, jobs)
             time.sleep(0.02)
 
-    def test_the_server_ends_calls_of_the_lost(self):
+    def test_the_server_ends_calls_of_lost_clients(self):
         cut = {way: self.server(f"latvoxd-{'-'.join(way)}") for way in (("to",), ("from",), ("to", "from"))}
         with contextlib.ExitStack() as swarms:
             for way, server in cut.items():
@@ -93,7 +94,7 @@ class HalfOpen(Faults):
         self.figure("their processor time in a second after", used, "s", "< 0.2", used < 0.2)
 
     def times_until_idle(self, servers, calls):
-        """Seconds from now until each server's log has so many calls."""
+        """Returns the seconds until each server's log has this many calls."""
         start, took = time.monotonic(), {}
         while len(took) < len(servers) and time.monotonic() < start + 20:
             time.sleep(0.05)
@@ -103,7 +104,7 @@ class HalfOpen(Faults):
         return {key: took.get(key, float("inf")) for key in servers}
 
     def test_the_client_goes_on_at_another_server(self):
-        """The one that it is connected to is cut off in the middle; the other has the rest."""
+        """The client's connected server is cut off in the middle; the other one has the rest."""
         servers = [self.server("latvoxd0"), self.server("latvoxd1")]
         addresses = ",".join(s.address for s in servers)
         with Swarm(

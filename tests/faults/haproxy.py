@@ -1,4 +1,4 @@
-"""haproxy in front of several servers: each call goes to the next one that says that it serves."""
+"""haproxy in front of several servers: each call goes to the next serving one."""
 
 import contextlib
 import socket
@@ -7,8 +7,9 @@ import time
 
 from stage import free_port, harness
 
-# Streams may be silent for half an hour: a job computes, or its client stands still. A call of which no byte was sent
-# yet is tried again at another server. A server that drains gets no more calls, and ends those that it has.
+# Streams may be silent for half an hour, while a job computes or its client stands still. A call is tried again at
+# another server if none of its bytes was sent yet. A server that drains gets no more calls, and finishes those that it
+# has.
 CONFIG = """
 global
     maxconn 4000
@@ -41,8 +42,8 @@ def header(name, value):
 
 
 def health_check():
-    """A call of grpc.health.v1.Health.Check as bytes of HTTP/2, and the answer's body for SERVING. haproxy's own checks
-    by HTTP cannot send a gRPC message, which begins with zeros."""
+    """A call of grpc.health.v1.Health.Check as bytes of HTTP/2, and the answer's body for SERVING. haproxy's own HTTP
+    checks cannot send a gRPC message, because it begins with zeros."""
     headers = {
         b":method": b"POST",
         b":scheme": b"http",
@@ -52,7 +53,7 @@ def health_check():
         b"content-type": b"application/grpc",
     }
     fields = b"".join(header(*pair) for pair in headers.items())
-    empty = bytes(5)  # a message of no bytes: the whole server is meant
+    empty = bytes(5)  # an empty message asks about the whole server
     preface = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(4, 0, 0, b"")
     question = preface + frame(1, 4, 1, fields) + frame(0, 1, 1, empty)
     return question.hex(), bytes([0, 0, 0, 0, 2, 8, 1]).hex()
@@ -60,7 +61,7 @@ def health_check():
 
 @contextlib.contextmanager
 def haproxy(directory, servers):
-    """Its address. Ends with the context."""
+    """Starts haproxy, and yields its address."""
     port = free_port()
     question, answer = health_check()
     lines = [CONFIG.format(port=port, question=question, answer=answer)]

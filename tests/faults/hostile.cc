@@ -13,7 +13,7 @@ namespace latvox::faults {
 namespace {
 
 constexpr size_t kPieceBytes = size_t{256} << 10;
-// What a hostile call may take of the server: some are good requests for a huge amount of work.
+// The deadline of a hostile call, because some are correct requests for a huge amount of work.
 constexpr absl::Duration kPatience = absl::Seconds(5);
 
 std::string SpecMessage(const v1::VoxelizeSpec& spec) {
@@ -130,7 +130,7 @@ Script NoSuchMethod(const Job& job, Chance& chance) {
   return script;
 }
 
-// Floods that HTTP/2 allows: streams opened and reset, pings, settings, headers without end.
+// Floods that HTTP/2 allows: opened and reset streams, pings, settings, endless headers.
 std::string Flood(const Job& job, Chance& chance) {
   std::string bytes = Preface();
   const uint64_t kind = chance.Below(5);
@@ -157,7 +157,7 @@ std::string RawBytes(const Job& job, Chance& chance) {
       return Preface() + chance.Bytes(1 + chance.Below(2000));
     case 2:
       return "GET / HTTP/1.1\r\nHost: latvox\r\n\r\n";
-    case 3:  // a message that says it has 4 GiB
+    case 3:  // a message that claims 4 GiB
       return absl::StrCat(Preface(), call, Frame(kData, 0, 1, std::string("\0\xff\xff\xff\xff", 5) + "begin"));
     default:
       return Flood(job, chance);

@@ -1,4 +1,4 @@
-// Clients that mean harm.
+// Hostile clients.
 #ifndef LATVOX_TESTS_FAULTS_HOSTILE_H_
 #define LATVOX_TESTS_FAULTS_HOSTILE_H_
 
@@ -11,11 +11,11 @@
 
 namespace latvox::faults {
 
-// Does one hostile thing, and fills in `job` (what it was), `outcome` and `detail`: "rejected" if the server answered
-// with an error that is not its own defect, or with what was asked for.
+// Does one hostile thing. Fills in `job` (the thing done), `outcome` and `detail`. The outcome is "rejected" if the
+// server answered with an error that is not its own defect, or with the result of the request.
 void BeHostile(const std::string& address, grpc::Channel& channel, const Job& job, Chance& chance, Record& record);
 
-// Whether a server that gave this answer to a bad request has kept its promises: no INTERNAL, no UNKNOWN.
+// Returns whether this answer to a bad request keeps the server's promises: no INTERNAL, no UNKNOWN.
 bool IsFairAnswer(const grpc::Status& status);
 
 }  // namespace latvox::faults

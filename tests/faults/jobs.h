@@ -1,4 +1,4 @@
-// What the clients of the fault suite ask for, and what the answer must be.
+// The requests of the fault suite's clients, and the expected answers.
 #ifndef LATVOX_TESTS_FAULTS_JOBS_H_
 #define LATVOX_TESTS_FAULTS_JOBS_H_
 
@@ -18,12 +18,12 @@ struct Job {
   std::string lattice;
   uint32_t resolution = 0;
   uint32_t separability = 0;
-  std::string digest;  // what the voxels must have; found by latvox_bench, without any server
-  double weight = 1;   // how often it is asked for, relative to the others
+  std::string digest;  // expected digest of the voxels, computed by latvox_bench without a server
+  double weight = 1;   // how often it is requested, relative to the others
 };
 
-// From a JSON file: an array of objects with the members above, `mesh`, the path of a .drc file, in place of `drc`.
-// With `names`, only those. Errors: INVALID_ARGUMENT, NOT_FOUND.
+// Reads jobs from a JSON file: an array of objects with the members above, and `mesh`, the path of a .drc file, in
+// place of `drc`. With `names`, returns only those. Errors: INVALID_ARGUMENT, NOT_FOUND.
 absl::StatusOr<std::vector<Job>> ReadJobs(const std::string& path, const std::vector<std::string>& names);
 
 client::VoxelizeRequest RequestOf(const Job& job);

@@ -24,7 +24,7 @@ EVERY = 4.0 if stage.FULL else 1.2  # seconds from kill to kill
 
 
 class Killer:
-    """Kills one victim after the other, and starts a server again at once, as a supervisor would."""
+    """Kills one victim after the other. Restarts a server at once, as a supervisor would."""
 
     def __init__(self, kill):
         self.kills, self._kill, self._over = 0, kill, threading.Event()
@@ -56,7 +56,7 @@ class Kill(Faults):
         return running
 
     def load(self, what, address, kill):
-        """Clients at `address` while `kill` does its work."""
+        """Runs clients at `address` while `kill` does its work."""
         name = what.replace(" ", "-")
         with Swarm(self.dir, address, LOAD, clients=CLIENTS, roles=["good"], jobs=JOBS, name=name) as swarm:
             with Killer(kill) as killer:

@@ -1,4 +1,4 @@
-// latvox_faults: what the fault suite does to a server, apart from killing it. Run by the tests of this folder.
+// latvox_faults: the clients that the fault suite sets on a server. The tests of this folder run it.
 #include <CLI/CLI.hpp>
 
 #include "tests/faults/commands.h"

@@ -42,8 +42,8 @@ void AddMesh(CLI::App& program, Command& run) {
   CLI::App& command = *program.add_subcommand("mesh", "Encodes a mesh, as latvox_bench names it");
   command.add_option("mesh", options->mesh)->required();
   command.add_option("out", options->out)->required();
-  command.add_option("--subdivide", options->subdivide, "Times that each triangle becomes four");
-  command.add_option("--bits", options->bits, "Of position quantization; 0: none");
+  command.add_option("--subdivide", options->subdivide, "How often each triangle is divided into four");
+  command.add_option("--bits", options->bits, "Bits of position quantization; 0: none");
   command.callback([options, &run] { run = [options] { return WriteMesh(*options); }; });
 }
 

@@ -1,4 +1,4 @@
-// Nearly right requests over many parallel streams, and now and then a good one, which must be answered.
+// Nearly right requests over many parallel streams, and now and then a correct one, which must be answered.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
@@ -31,10 +31,10 @@ struct Options {
 
 constexpr int kStreamsPerChannel = 8;
 constexpr uint64_t kGoodEvery = 100;
-// A connection of bytes costs more than a stream, and finds less of ours.
+// A connection of raw bytes costs more than a stream, and finds fewer of our defects.
 constexpr uint64_t kConnectionEvery = 4;
 
-// What came of all requests: how often which status, and what must not be.
+// Counts of all outcomes: how often each status came, and violations.
 class Tally {
  public:
   void Count(const std::string& what) {
@@ -63,14 +63,14 @@ void SendBytes(const std::string& server, const Script& script, Chance& chance, 
   if (chance.OneIn(2)) connection.Reset();
 }
 
-// Request number n, the same whichever thread sends it.
+// Returns request number n, the same on every thread.
 void SendRequest(const Options& options, const std::string& drc, uint64_t n, grpc::Channel& channel, Tally& tally) {
   Chance chance(options.seed * 1'000'003 + n);
   if (n % kGoodEvery == 0) {
     const Script script = GoodScript(drc, chance);
     const Ending ending = Run(channel, script);
     tally.Count(absl::StrCat("good ", Name(script), ": ", ending.status.error_code()));
-    // GoodScript may ask for a mesh, a tile or a combination that is not there.
+    // GoodScript may ask for a mesh, a tile or a combination that does not exist.
     if (!IsFairAnswer(ending.status)) {
       tally.Complain(
           absl::StrCat("request ", n, ", good: ", ending.status.error_code(), " ", ending.status.error_message()));
@@ -113,12 +113,12 @@ int Mutate(const Options& options) {
 
 void AddMutate(CLI::App& program, Command& run) {
   const auto options = std::make_shared<Options>();
-  CLI::App& command = *program.add_subcommand("mutate", "Nearly right requests; prints what came of them as JSON");
+  CLI::App& command = *program.add_subcommand("mutate", "Sends nearly right requests; prints their outcomes as JSON");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--mesh", options->mesh, "A small .drc file")->required();
-  command.add_option("--requests", options->requests, "How many");
-  command.add_option("--streams", options->streams, "How many at once");
-  command.add_option("--seed", options->seed, "Of all random choices");
+  command.add_option("--requests", options->requests, "Number of requests");
+  command.add_option("--streams", options->streams, "Streams at once");
+  command.add_option("--seed", options->seed, "Seed of all random choices");
   command.callback([options, &run] { run = [options] { return Mutate(*options); }; });
 }
 

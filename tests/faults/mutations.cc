@@ -49,7 +49,7 @@ uint64_t AnyInteger(Chance& chance) {
   return chance.OneIn(3) ? chance.Below(1000) : chance.Of(values);
 }
 
-// Gives a field another value, or takes it away. Of a repeated one, appends.
+// Changes or removes the value of a field. Appends to a repeated field.
 void SetField(Message& message, const FieldDescriptor& field, Chance& chance) {
   const Reflection& reflection = *message.GetReflection();
   if (chance.OneIn(6)) return reflection.ClearField(&message, &field);
@@ -76,11 +76,11 @@ void SetField(Message& message, const FieldDescriptor& field, Chance& chance) {
                                  : reflection.MutableMessage(&message, &field));
       return;
     default:
-      return;  // the protocol has no others
+      return;  // the protocol has no other types
   }
 }
 
-// Somewhere in the tree of messages.
+// Changes one field, anywhere in the tree of messages.
 void MutateFields(Message& message, Chance& chance) {
   const auto& type = *message.GetDescriptor();
   if (type.field_count() == 0) return;
@@ -147,7 +147,7 @@ void AppendVarint(uint32_t value, std::string& bytes) {
 Script MutatedScript(const std::string& drc, Chance& chance) {
   Script script = GoodScript(chance.OneIn(3) ? MutatedBytes(drc, chance) : drc, chance);
   script.timeout = kLittle;
-  // The specification, most of the time: most of a mesh is a single field.
+  // Mostly mutates the specification, because a mesh is mostly a single field.
   const auto any_message = [&]() -> std::string& {
     return chance.OneIn(3) ? chance.Of(script.messages) : script.messages.front();
   };
@@ -198,7 +198,7 @@ std::string MutatedConnection(const Script& script, Chance& chance) {
   for (size_t n = 0; n < script.messages.size(); ++n) {
     if (script.messages[n].size() < 16000) call += MessageFrame(1, script.messages[n], n + 1 == script.messages.size());
   }
-  // The preface decides alone whether anything else is read.
+  // The preface alone decides whether anything else is read.
   return chance.OneIn(8) ? MutatedBytes(Preface() + call, chance) : Preface() + MutatedBytes(call, chance);
 }
 

@@ -1,4 +1,4 @@
-// Requests that are nearly right.
+// Nearly right requests.
 #ifndef LATVOX_TESTS_FAULTS_MUTATIONS_H_
 #define LATVOX_TESTS_FAULTS_MUTATIONS_H_
 
@@ -9,17 +9,17 @@
 
 namespace latvox::faults {
 
-// A good request (good_scripts.h) with something wrong with it, mostly: values of fields, order of messages, bytes of
-// the mesh, bytes of messages. What is left of its work takes no longer than script.timeout, which is short.
+// Returns a correct request (good_scripts.h), mostly with a mistake: in values of fields, order of messages, bytes of
+// the mesh or bytes of messages. The rest of its work takes at most script.timeout, which is short.
 Script MutatedScript(const std::string& drc, Chance& chance);
 
-// `bytes` with some flipped, removed, repeated or put in.
+// Returns `bytes` with some flipped, removed, repeated or inserted.
 std::string MutatedBytes(std::string bytes, Chance& chance);
 
-// A whole connection with one such call, mutated as bytes: frames, headers, lengths.
+// Returns a whole connection with one such call, mutated as bytes: frames, headers, lengths.
 std::string MutatedConnection(const Script& script, Chance& chance);
 
-// A Draco stream of `size` bytes whose header is good and declares billions of triangles and points.
+// Returns a Draco stream of `size` bytes. Its header is valid and declares billions of triangles and points.
 std::string DracoWithHugeCounts(bool edgebreaker, size_t size, Chance& chance);
 
 }  // namespace latvox::faults

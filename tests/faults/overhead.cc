@@ -1,6 +1,6 @@
-// What the service costs: one job through a server, and the same within this process, in turns, so that whatever else
-// the machine does hits both alike. Prints the medians as JSON. This process decodes the mesh each time; the server may
-// keep what it was decoded to, as it does for every client.
+// Measures the overhead of the service: one job through a server and the same job within this process, in turns, so
+// that other load hits both alike. Prints the medians as JSON. This process decodes the mesh each time. The server may
+// keep the decoded mesh, as it does for every client.
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -88,7 +88,7 @@ absl::StatusOr<std::string> MeasureOverhead(const Options& options) {
   oneapi::tbb::task_arena arena(oneapi::tbb::info::default_concurrency());
   std::vector<double> service, kept, process, decode, voxelize, stream;
   for (int round = 0; round < options.rounds + 2; ++round) {
-    // A new client sends the mesh; the second time, it knows that the server has it.
+    // A new client sends the mesh. The second time, it knows that the server has it.
     const auto client = client::Client::Connect(options.server);
     if (!client.ok()) return client.status();
     client::ServerTimings timings, ignored;
@@ -99,7 +99,7 @@ absl::StatusOr<std::string> MeasureOverhead(const Options& options) {
     const auto ours = arena.execute([&] { return InProcess(options); });
     if (!ours.ok()) return ours.status();
     if (ours->digest != theirs->digest) return absl::InternalError("the server's voxels are others");
-    if (round < 2) continue;  // to warm up
+    if (round < 2) continue;  // warm-up
     service.push_back(theirs->ms);
     kept.push_back(again->ms);
     process.push_back(ours->ms);

@@ -1,8 +1,8 @@
-"""What the service costs over decoding and voxelizing in one process, and what of that is for decoders of their own.
+"""The cost of the service over decoding and voxelizing in one process, and the part of it that separate decoders cause.
 
-Two cases of the service. Warm: the server keeps what it has decoded of a mesh, so it does not decode again, while the
-one process does; this is what the promise is of, and what a mesh costs that is asked for more than once. New: the
-server decodes each time, too, so that like is compared with like; nothing is promised of that.
+Two cases. Warm: the server keeps the decoded mesh, so it does not decode again; the single process does. This is the
+case of a mesh that is requested more than once, and the promise covers it. New: the server decodes each time, too, so
+both do the same work. Nothing is promised for it.
 """
 
 import json
@@ -25,7 +25,7 @@ class Overhead(Faults):
         with stage.server(self.dir) as server:
             self.measure(server, "warm", promised=PROMISED)
 
-    def test_what_a_mesh_costs_that_is_new(self):
+    def test_a_new_mesh_is_measured(self):
         with stage.server(self.dir, "--decode-always") as server:
             self.measure(server, "a new mesh")
 
@@ -45,12 +45,12 @@ class Overhead(Faults):
             )
             self.figure(f"{what}: more than in one process, minima", best, "%")
 
-    def test_a_decoder_of_its_own_costs_little(self):
+    def test_a_confined_decoder_costs_little(self):
         """At most 5 %, or 2 ms, whichever is more."""
         for name in ("bunny", "bunny-x4"):
             command = [BIN / "latvox_bench_decoders", MESHES / f"{name}.drc"]
             told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-            # Medians; in brackets behind them are minima.
+            # The program prints medians, with minima in brackets.
             one, confined = map(float, re.search(r"in process ([\d.]+) ms .* isolated ([\d.]+) ", told).groups())
             what = f"{name}, decoded in a confined process"
             self.figure(f"{what}: median, and in one process", f"{confined:.1f}, {one:.1f}", "ms")

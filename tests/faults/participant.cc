@@ -20,10 +20,10 @@ constexpr absl::Duration kSlowPause = absl::Milliseconds(100);
 
 double MillisecondsSince(absl::Time start) { return absl::ToDoubleMilliseconds(absl::Now() - start); }
 
-// Bare and hostile clients know one address only.
+// Bare and hostile clients know only one address.
 std::string FirstOf(const std::string& servers) { return servers.substr(0, servers.find(',')); }
 
-// The delay of google.rpc.RetryInfo, if it is there as the protocol has it.
+// Returns the delay of google.rpc.RetryInfo, if the answer has one in the protocol's form.
 std::optional<absl::Duration> RetryDelayOf(const grpc::Status& status) {
   google::rpc::Status details;
   if (!details.ParseFromString(status.error_details())) return std::nullopt;
@@ -78,7 +78,7 @@ void Participant::Run() {
   }
 }
 
-// A refused call is made again, as its answer says, until it is done.
+// Repeats a refused call as its answer says, until it is done.
 void Participant::CallBare() {
   const Job& job = AnyJob();
   Script script;

@@ -1,4 +1,4 @@
-"""Makes the meshes of the fault suite, and finds what their voxels must be, without any server."""
+"""Makes the meshes of the fault suite, and computes their expected voxels without any server."""
 
 import json
 import os
@@ -11,7 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 MESHES = ROOT / "build" / "faults" / "meshes"
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 
-# name: mesh as latvox_bench names it, times that each triangle becomes four, quantization bits
+# name: mesh as latvox_bench names it, how often each triangle is divided into four, quantization bits
 SOURCES = {
     "sphere": ("sphere:800", 0, 11),
     "bunny": (BUNNY, 0, 14),
@@ -20,8 +20,8 @@ SOURCES = {
     "tangle": (str(MESHES / "tangle.obj"), 0, 14),
 }
 
-# name: mesh, lattice, resolution, separability, weight. A name's first word tells the size in the report. Weight 0: for
-# those who ask for it; None: and not meant to be done.
+# name: mesh, lattice, resolution, separability, weight. A name's first word tells the size in the report. Weight 0:
+# only for tests that ask for it. None: never meant to finish.
 TABLE = {
     "small sphere-64-bcc": ("sphere", "bcc", 64, 0, 20),
     "small bunny-64-bcc": ("bunny", "bcc", 64, 0, 20),
@@ -44,7 +44,8 @@ def digest(mesh, lattice, resolution, separability):
 
 
 def write_tangle(path):
-    """Triangles from anywhere to anywhere: few voxels, many in each. Meshes with bits flipped may be such."""
+    """Triangles between random points: few voxels, with many triangles in each. Meshes with flipped bits may be like
+    this."""
     chance = random.Random(1)
     lines = ["v %f %f %f" % tuple(chance.random() for _ in range(3)) for _ in range(60000)]
     lines += ["f %d %d %d" % (n, n + 1, n + 2) for n in range(1, 60000, 3)]

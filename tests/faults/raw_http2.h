@@ -9,8 +9,8 @@
 
 namespace latvox::faults {
 
-// A socket to "HOST:PORT" (HOST a number) or "unix:PATH". Nothing throws; a connection that the peer has closed takes
-// no more bytes and gives none.
+// A socket to "HOST:PORT" (HOST a number) or "unix:PATH". Nothing throws. After the peer has closed, writes are dropped
+// and reads return nothing.
 class RawConnection {
  public:
   explicit RawConnection(const std::string& address);
@@ -19,11 +19,11 @@ class RawConnection {
   RawConnection& operator=(const RawConnection&) = delete;
 
   bool connected() const { return socket_ >= 0; }
-  // Gives up after a second in which the peer takes nothing.
+  // Gives up once the peer has taken nothing for a second.
   bool Send(const std::string& bytes);
   // Reads and drops until the peer closes (true) or `patience` is over (false).
   bool WaitUntilClosed(absl::Duration patience);
-  // Closes with a reset instead of a goodbye.
+  // Closes with a reset instead of an orderly shutdown.
   void Reset();
 
  private:
@@ -33,14 +33,14 @@ class RawConnection {
 inline constexpr uint8_t kData = 0, kHeaders = 1, kResetStream = 3, kSettings = 4, kPing = 6, kContinuation = 9;
 inline constexpr uint8_t kEndStream = 1, kEndHeaders = 4;
 
-// What every connection begins with: the preface and empty settings.
+// Returns the beginning of every connection: the preface and empty settings.
 std::string Preface();
 std::string Frame(uint8_t type, uint8_t flags, uint32_t stream, const std::string& payload);
-// One header, not compressed.
+// Returns one header, not compressed.
 std::string Header(const std::string& name, const std::string& value);
-// The headers of a gRPC call.
+// Returns the headers of a gRPC call.
 std::string CallHeaders(uint32_t stream, const std::string& method);
-// A gRPC message in a DATA frame; shorter than 16,000 bytes.
+// Returns a gRPC message in a DATA frame; shorter than 16,000 bytes.
 std::string MessageFrame(uint32_t stream, const std::string& message, bool last);
 
 }  // namespace latvox::faults

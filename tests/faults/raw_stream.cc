@@ -19,8 +19,8 @@ grpc::ByteBuffer ToBuffer(const std::string& bytes) {
   return {&slice, 1};
 }
 
-// What generated stubs do, for messages that are bytes; the generic stub offers it without this header, but by
-// completion queue or callback only.
+// As in generated stubs, but messages are bytes. Without this header the generic stub offers only completion queues and
+// callbacks.
 std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> OpenStream(grpc::Channel& channel,
                                                                                          const std::string& method,
                                                                                          grpc::ClientContext& context) {

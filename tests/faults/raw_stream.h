@@ -1,4 +1,4 @@
-// A call whose messages are any bytes: what the SDK, or the generated stub, would never send.
+// A call whose messages are arbitrary bytes, which neither the SDK nor the generated stub would send.
 #ifndef LATVOX_TESTS_FAULTS_RAW_STREAM_H_
 #define LATVOX_TESTS_FAULTS_RAW_STREAM_H_
 
@@ -23,7 +23,7 @@ struct Script {
   absl::Duration timeout = absl::Seconds(60);
 };
 
-// How a call ended.
+// The end of a call.
 struct Ending {
   grpc::Status status;
   size_t answers = 0;
@@ -31,7 +31,8 @@ struct Ending {
   std::string pushback;  // trailer grpc-retry-pushback-ms; empty: none
 };
 
-// A channel with a connection of its own: gRPC shares one among all channels of a process to the same address.
+// Makes a channel with a connection of its own, because gRPC shares one among all channels of a process to the same
+// address.
 std::shared_ptr<grpc::Channel> OwnChannel(const std::string& address);
 
 grpc::ByteBuffer ToBuffer(const std::string& bytes);
@@ -40,7 +41,7 @@ std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> Op
                                                                                          const std::string& method,
                                                                                          grpc::ClientContext& context);
 
-// Writes all, then reads all. Messages that the server does not want to have are dropped.
+// Writes everything, then reads everything. Drops messages that the server does not accept.
 Ending Run(grpc::Channel& channel, const Script& script);
 
 }  // namespace latvox::faults

@@ -1,4 +1,4 @@
-"""Clients that read slowly, or not at all, cost bounded memory, no thread, and nobody else's time."""
+"""Clients that read slowly, or not at all, cost bounded memory, no thread, and no time of others."""
 
 import os
 import signal
@@ -9,10 +9,10 @@ import stage
 from stage import MIB, SECONDS, Faults, Swarm, Watch, descendants, percentile, select, tally
 
 READERS = 12
-THREADS = 8  # that gRPC and oneTBB may start when there is more to do, however many readers there are
-# Messages in the server's queue and under way in gRPC and the kernel, and the job itself.
+THREADS = 8  # that gRPC and oneTBB may start under load, however many readers there are
+# Messages in the server's queue and in gRPC and the kernel, and the job itself.
 BYTES_A_READER = 32 * MIB
-BIG = "huge bunny-8192-cartesian"  # hundreds of megabytes: more than fits under way
+BIG = "huge bunny-8192-cartesian"  # hundreds of megabytes: more than the buffers hold
 LOAD = max(3.5, SECONDS / 4)
 GROSS = 30
 KEEPALIVE = ["--keepalive-time", "1", "--keepalive-timeout", "1"]
@@ -30,7 +30,8 @@ class Readers(Faults):
         return [r["ms"] for r in select(records, "done")]
 
     def under(self, server, what, roles, jobs, count=READERS):
-        """Small requests while readers of these roles hang on big ones; their times alone, and beside these."""
+        """Makes small requests while readers of these roles hang on big ones. Compares times alone with times beside
+        these readers."""
         alone = self.small_times(server, 1, f"{what}, before")
         rest, threads = stage.memory(descendants(server.pid)), server.threads()
         with Swarm(self.dir, server.address, LOAD, clients=count, roles=roles, jobs=jobs, name=what) as swarm, Watch(
@@ -72,7 +73,7 @@ class Readers(Faults):
             self.assert_serves(server)
 
     def test_slow_readers_do_not_keep_their_turns(self):
-        """Twice as many of them as there are turns, but not more than the cores can serve."""
+        """Twice as many readers as turns, but no more than the cores can serve."""
         with stage.server(self.dir, "--max-jobs", "2") as server:
             alone, beside = self.under(server, "slow readers on all turns", ["slow"], [BIG], count=4)
             ratio = percentile(beside, 50) / percentile(alone, 50)
@@ -80,7 +81,7 @@ class Readers(Faults):
             self.assert_serves(server)
 
     def test_stopped_processes_are_ended_by_keepalive(self):
-        """Their kernel goes on taking bytes, and nobody answers a ping."""
+        """Their kernel goes on accepting bytes, and nobody answers a ping."""
         with stage.server(self.dir, *KEEPALIVE) as server:
             with Swarm(self.dir, server.address, 60, clients=READERS, roles=["slow"], jobs=[BIG]) as swarm:
                 time.sleep(2)

@@ -5,12 +5,12 @@ import pathlib
 import re
 
 OUT = pathlib.Path(__file__).resolve().parents[2] / "build" / "faults"
-# In the order in which a reader asks.
+# In the order of a reader's questions.
 SCENARIOS = ["swarm", "kill", "sigterm", "half_open", "readers", "mutated", "cancel", "fairness", "overhead"]
 
 
 def in_bold(kept):
-    """The word, if the promise was not kept."""
+    """Returns the word, if the promise was not kept."""
     return re.sub("^(no|missed)", r"**\1**", kept)
 
 

@@ -1,4 +1,4 @@
-"""SIGTERM under load: nobody is let down, and it ends."""
+"""SIGTERM under load: no client is let down, and the server ends."""
 
 import signal
 import threading
@@ -27,7 +27,7 @@ class Drain(Faults):
         return running
 
     def not_serving_after(self, server):
-        """Seconds from a SIGTERM until a health check says so; the process may have ended by then."""
+        """Returns the seconds from a SIGTERM until a health check says so. The process may have ended by then."""
         server.process.send_signal(signal.SIGTERM)
         start = time.monotonic()
         while latvox("health", "--server", server.address).returncode == 0:

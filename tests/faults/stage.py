@@ -1,7 +1,7 @@
-"""What the fault suite's tests stand on: servers that can be killed, a look at their memory, clients, and figures.
+"""The basis of the fault suite's tests: servers that can be killed, a watch over their memory, clients, and figures.
 
-How long and how much is up to $LATVOX_FAULTS_SECONDS, the time of load in the longest tests: 600 is the full dose, the
-default is continuous integration's. Meshes and what their voxels must be are made once, by `prepare.py`.
+$LATVOX_FAULTS_SECONDS sets the time of load in the longest tests, and with it the dose. The full dose is 600; continuous
+integration uses the default. Meshes and their expected voxels are made once, by `prepare.py`.
 """
 
 import contextlib
@@ -24,7 +24,7 @@ import harness  # noqa: E402
 from harness import BIN, Case, latvox  # noqa: E402
 
 SECONDS = float(os.environ.get("LATVOX_FAULTS_SECONDS", "10"))
-FULL = SECONDS >= 120  # the full dose, or much of it
+FULL = SECONDS >= 120  # the full dose, or nearly
 SEED = int(os.environ.get("LATVOX_FAULTS_SEED", "1"))
 OUT = ROOT / "build" / "faults"
 MESHES = OUT / "meshes"
@@ -33,25 +33,25 @@ MIB = 1 << 20
 
 
 def two_cores():
-    """What the promises are about, whatever the machine has. Children inherit it."""
+    """The promises hold for this many cores, whatever the machine has. Children inherit it."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2])
 
 
 def free_port():
-    """Of this moment: a server that is to come back at the same address cannot ask for any."""
+    """Returns a port that is free now. A server that must come back at the same address cannot ask for any port."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
 
 
 def ticks(pid):
-    """Processor seconds of one process."""
+    """Returns the processor seconds of one process."""
     fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def descendants(pid):
-    """The process and all below it."""
+    """Returns the process and its descendants."""
     pids = [pid]
     for parent in pids:
         for task in pathlib.Path(f"/proc/{parent}/task").glob("*/children"):
@@ -61,7 +61,7 @@ def descendants(pid):
 
 
 def memory(pids):
-    """Bytes of all: what several of them share counts once."""
+    """Returns the bytes of all processes; shared memory counts once."""
     total = 0
     for pid in pids:
         with contextlib.suppress(OSError):
@@ -72,7 +72,7 @@ def memory(pids):
 
 
 class Watch:
-    """Looks at a server and its decoders every 100 ms: most bytes of the server, of one decoder, of all together."""
+    """Watches a server and its decoders every 100 ms: most bytes of the server, of one decoder, of all together."""
 
     def __init__(self, server):
         self.server = server
@@ -101,7 +101,7 @@ class Watch:
 
 
 class Server:
-    """A latvoxd that may be killed and started again, always at the same address."""
+    """A latvoxd that may be killed and restarted, always at the same address."""
 
     def __init__(self, directory, *options, name="latvoxd"):
         self.address = f"127.0.0.1:{free_port()}"
@@ -126,7 +126,7 @@ class Server:
         return len(os.listdir(f"/proc/{self.pid}/task"))
 
     def niceness(self):
-        """Of each thread, beyond the first one's: pairs of name and number."""
+        """Returns pairs of name and number for each thread except the first."""
         found = []
         for stat in sorted(pathlib.Path(f"/proc/{self.pid}/task").glob("*/stat"), key=lambda path: int(path.parent.name)):
             with contextlib.suppress(OSError):
@@ -144,7 +144,7 @@ class Server:
         return sum(ticks(pid) for pid in descendants(self.pid))
 
     def lines(self, event=None):
-        """The log, as dictionaries."""
+        """Returns the log, as dictionaries."""
         parsed = []
         for line in self.log.read_text(errors="replace").splitlines():
             with contextlib.suppress(ValueError):
@@ -159,7 +159,7 @@ class Server:
 
 @contextlib.contextmanager
 def server(directory, *options, name="latvoxd"):
-    """A server that must be alive in the end, and end with 0 when it is told to."""
+    """Runs a server that must be alive in the end, and exit with 0 when told to stop."""
     running = Server(directory, *options, name=name)
     try:
         harness.wait_until_healthy(running.process)
@@ -173,7 +173,7 @@ def server(directory, *options, name="latvoxd"):
 
 
 def faults(*arguments, **options):
-    """latvox_faults, to its end."""
+    """Runs latvox_faults to its end."""
     command = [BIN / "latvox_faults", *map(str, arguments)]
     return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, **options).stdout
 
@@ -190,7 +190,7 @@ class Swarm:
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL)
 
     def wait(self, seconds):
-        """Waits for its end; returns its records."""
+        """Waits for the end, and returns the records."""
         code = self.process.wait(seconds)
         assert code == 0, f"the swarm exited with {code}"
         return self.records()
@@ -209,33 +209,33 @@ class Swarm:
 
 
 def select(records, outcome=None, **wanted):
-    """Records with these values; a tuple is a choice."""
+    """Returns the records with these values; a tuple is a choice."""
     if outcome:
         wanted["outcome"] = outcome
     return [r for r in records if all(r[k] in v if isinstance(v, tuple) else r[k] == v for k, v in wanted.items())]
 
 
 def percentile(values, percent):
-    """The least of the values that so many percent of them do not exceed."""
+    """Returns the least value that this percentage of the values does not exceed."""
     ordered = sorted(values)
     return ordered[max(0, math.ceil(len(ordered) * percent / 100) - 1)] if ordered else math.nan
 
 
 def words(value):
-    """A figure as a reader wants it."""
+    """Formats a figure for readers."""
     if isinstance(value, float):
         return f"{value:.3g}" if abs(value) < 100 else f"{value:.0f}"
     return str(value)
 
 
 def tally(values):
-    """How often each, as words: "3 a, 1 b"."""
+    """Counts each, as words: "3 a, 1 b"."""
     values = list(values)
     return ", ".join(f"{values.count(v)} {v}" for v in sorted(set(values))) or "none"
 
 
 class Faults(Case):
-    """A scenario of the suite. Its figures go into the report, also if it fails."""
+    """A scenario of the suite. Its figures go into the report even if it fails."""
 
     scenario = None
 
@@ -260,12 +260,12 @@ class Faults(Case):
         (OUT / f"{cls.scenario}.json").write_text(json.dumps(report, indent=1) + "\n")
 
     def figure(self, what, value, unit="", promise="", kept=None):
-        """One line of the report. `kept`: whether the promise was; it is a failure if it was not."""
+        """Adds a line to the report. `kept`: whether the promise was kept; if not, the test fails."""
         self._add(what, value, unit, promise, {None: "", True: "yes", False: "no"}[kept])
 
     def bounded(self, what, value, unit, *, promised=None, fails_over):
-        """One line of the report, of a figure that noise may move. More than `promised` is a promise missed, and said
-        to be; only more than `fails_over` is a failure, for no noisy neighbour explains it."""
+        """Adds a line with a figure that noise may move. Above `promised`, the promise counts as missed, and the report
+        says so. Only above `fails_over` does the test fail, because no noisy neighbor explains it."""
         promise = f"<= {promised}; fails over {fails_over}" if promised is not None else f"fails over {fails_over}"
         if not value <= fails_over:
             kept = f"no ({words(value)} > {fails_over})"
@@ -286,7 +286,7 @@ class Faults(Case):
                 self.fail(f"{what}: {text}; promised: {promise}")
 
     def assert_serves(self, running, job="small bunny-64-bcc"):
-        """A good request, right in the end."""
+        """A correct request gets the right answer in the end."""
         with Swarm(self.dir, running.address, 0.5, clients=1, roles=["good"], jobs=[job], name="last") as swarm:
             records = swarm.wait(60)
         done = select(records, "done")
@@ -299,7 +299,7 @@ class Faults(Case):
         )
 
     def all_done(self, records, what=""):
-        """No call failed, for none of the reasons that there are."""
+        """No call failed, for any reason."""
         promised = bool(records) and len(select(records, "done")) == len(records)
         self.figure(f"{what}calls", tally(r["outcome"] for r in records), "", "done, all of them", promised)
 

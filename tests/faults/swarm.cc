@@ -1,5 +1,5 @@
-// Starts the clients as processes, and starts them again when they have killed themselves. This process never uses
-// gRPC, which does not survive a fork.
+// Starts the clients as processes, and restarts them when they have killed themselves. This process never uses gRPC,
+// which does not survive a fork.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -56,10 +56,10 @@ class Starter {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) std::_Exit(0);
     Participant(swarm_, number, life, records_).Run();
-    std::_Exit(0);  // gRPC's library would be shut down with calls of its own still going on
+    std::_Exit(0);  // gRPC's library would shut down during its own calls
   }
 
-  // Waits until all have ended; starts those again that have killed themselves, as long as there is time.
+  // Waits until all have ended. Restarts those that have killed themselves, as long as there is time.
   void Wait() {
     const absl::Time give_up = swarm_.end + swarm_.patience + kLastCall;
     while (!number_of_.empty()) {
@@ -138,16 +138,17 @@ void AddSwarm(CLI::App& program, Command& run) {
   CLI::App& command = *program.add_subcommand("swarm", "Many clients at once");
   command.add_option("--server", options->server, "Address")->required();
   command.add_option("--jobs", options->jobs, "Table of jobs, JSON")->required();
-  command.add_option("--records", options->records, "File that outcomes are appended to")->required();
+  command.add_option("--records", options->records, "File to which outcomes are appended")->required();
   command.add_option("--job", options->only, "Only these jobs; may be repeated");
-  command.add_option("--roles", options->roles, "Roles that clients have, in turns")->delimiter(',');
+  command.add_option("--roles", options->roles, "Roles of the clients, in turns")->delimiter(',');
   command.add_option("--clients", options->clients, "Clients at once");
   command.add_option("--seconds", options->seconds, "Time in which calls begin");
   command.add_option("--patience", options->patience, "Seconds that a good call may take");
   command.add_option("--pause-ms", options->pause_ms, "Milliseconds that clients of the SDK pause at each batch");
-  command.add_option("--keepalive", options->keepalive, "Seconds until a silent server gets a ping, and to answer it");
-  command.add_option("--retries", options->retries, "Rounds of further tries of a call");
-  command.add_option("--seed", options->seed, "Of all random choices");
+  command.add_option("--keepalive", options->keepalive,
+                     "Seconds until a silent server gets a ping, and for its answer");
+  command.add_option("--retries", options->retries, "Rounds of retries of a call");
+  command.add_option("--seed", options->seed, "Seed of all random choices");
   command.callback([options, &run] { run = [options] { return RunSwarm(*options); }; });
 }
 

@@ -1,4 +1,4 @@
-"""Two hundred strangers at once, some of them rude."""
+"""Two hundred unrelated clients at once, some of them rude."""
 
 import os
 import time
@@ -12,14 +12,14 @@ BUDGET = 1024 * MIB  # of the server without its decoders
 DECODERS, DECODER_MEMORY = 2, 256 * MIB  # of each
 ALL = BUDGET + DECODERS * DECODER_MEMORY
 OPTIONS = ["--memory-budget", BUDGET, "--decoder-processes", DECODERS, "--decoder-memory", DECODER_MEMORY]
-# Of twenty: 5 % cancel, 5 % vanish, 5 % are hostile.
+# Twenty roles: 5 % cancel, 5 % vanish, 5 % are hostile.
 ROLES = ["cancel", "vanish", "hostile", "bare", "bare"] + 15 * ["good"]
 
 
 class TwoHundredClients(Faults):
     scenario = "swarm"
 
-    def test_two_hundred_clients_on_two_cores_get_what_they_asked_for(self):
+    def test_two_hundred_clients_on_two_cores_get_their_results(self):
         with stage.server(self.dir, *map(str, OPTIONS)) as server:
             threads, descriptors = server.threads(), server.descriptors()
             before = server.cpu()
@@ -45,7 +45,7 @@ class TwoHundredClients(Faults):
             self.assert_rests(server, descriptors)
 
     def assert_everyone_is_served(self, records):
-        """Who is refused tries again until he is served, or the load ends; who has been accepted is served at once."""
+        """A refused client tries again until it is served, or the load ends. An accepted call is served at once."""
         tries = select(records, role=("good", "bare"))
         accepted = select(tries, accepted=True)
         self.figure(
@@ -93,7 +93,7 @@ class TwoHundredClients(Faults):
         return now.children_user + now.children_system - swarm.before.children_user - swarm.before.children_system
 
     def assert_rests(self, server, descriptors):
-        """No connection, no thread's work, is left behind."""
+        """No connection and no thread's work is left behind."""
         time.sleep(1)
         idle = server.cpu()
         time.sleep(1)

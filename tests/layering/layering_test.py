@@ -1,5 +1,5 @@
-"""Who may depend on whom: core and deploy on nothing of ours, server on core, proto and deploy, client on proto and deploy,
-tests on all.
+"""The dependencies of the top folders: core and deploy depend on nothing of ours, server on core, proto and deploy,
+client on proto and deploy, tests on all.
 
 Reads every #include, every target_link_libraries, and the link lines of $LATVOX_BUILD_DIR/build.ninja.
 """
@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("core", "proto", "server", "client", "deploy", "tests")
 TOP = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", *FOLDERS}
 
-# What each folder must not include, as a pattern over include paths, and must not link, over names of libraries.
+# Patterns of the include paths and of the libraries that each folder must not use.
 GRPC = r"grpc|protobuf|google/|.*\.pb\.h|latvox/v1/"
 Rule = collections.namedtuple("Rule", "includes links")
 RULES = {
@@ -30,25 +30,25 @@ RULES = {
     "deploy": Rule(r"(core|proto|server|client|tests)/", r"latvox[_:]+(core|proto|server|client|mesh|grid|tool|oracle)|gtest"),
 }
 
-# The folder that each of our programs comes from. What is in core alone is a library: its rule is on its CMakeLists.txt.
+# The folder of each of our programs. core has only a library; the rule for it is on its CMakeLists.txt.
 PROGRAMS = {"latvoxd": "server", "latvox": "client"}
 
 
 @functools.cache
 def includes(source):
-    """The paths of all #include lines of a C++ source text."""
+    """Returns the paths of all #include lines of a C++ source text."""
     return re.findall(r'^[ \t]*#[ \t]*(?:include|include_next|import)[ \t]*[<"]([^>"]+)[>"]', source, re.M)
 
 
 def linked(cmake):
-    """All libraries of the target_link_libraries of a CMake source text."""
+    """Returns all libraries of the target_link_libraries of a CMake source text."""
     code = re.sub(r"#.*", "", cmake)
     calls = re.findall(r"target_link_libraries\s*\(\s*\S+\s+([^)]*)\)", code, re.I)
     return [word for call in calls for word in call.split() if word not in ("PUBLIC", "PRIVATE", "INTERFACE")]
 
 
 def programs(ninja):
-    """Link lines of a build.ninja: program name -> file names of the libraries."""
+    """Returns the link lines of a build.ninja: program name -> file names of the libraries."""
     found = {}
     for name, body in re.findall(r"^build (?:\S*/)?(\S+): CXX_EXECUTABLE_LINKER\S*[^\n]*\n((?:  [^\n]*\n)*)", ninja, re.M):
         libraries = re.search(r"^  LINK_LIBRARIES = (.*)$", body, re.M)
@@ -57,7 +57,7 @@ def programs(ninja):
 
 
 def violations(folder, path, text):
-    """What is wrong with one file of a folder, as lines for people."""
+    """Returns the violations in one file of a folder, as lines for people."""
     rule = RULES.get(folder)
     if rule is None:
         return []
@@ -69,7 +69,7 @@ def violations(folder, path, text):
 
 
 def link_violations(found):
-    """What is wrong with the link lines of our programs."""
+    """Returns the violations in the link lines of our programs."""
     return [
         f"{program} links {library}"
         for program, libraries in found.items()
@@ -108,7 +108,7 @@ class TheTree(unittest.TestCase):
 
 
 class TheRules(unittest.TestCase):
-    """What must not be there is found if it is there."""
+    """The test finds violations that are put into a copy of the tree."""
 
     def test_wrong_includes_are_found(self):
         for folder, name in (

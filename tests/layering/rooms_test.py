@@ -1,8 +1,8 @@
-"""The rooms of core, server and client, and the order they stand in: a room includes only rooms below it.
+"""The rooms of core, server and client, and their order: a room includes only rooms below it.
 
-A room is a folder. server/main.cc is a room, too, and client/include is one room with its subfolders.
-The test prints how many rooms there are and how many arrows between them: an arrow is an ordered pair of rooms, of which
-the first includes the second. Neither number may grow unnoticed: LIMITS records today's.
+A room is a folder. server/main.cc is a room, too, and client/include is one room with its subfolders. The test prints
+the number of rooms and the number of arrows between them. An arrow is an ordered pair of rooms; the first includes the
+second. Neither number may grow unnoticed: LIMITS records today's numbers.
 """
 
 import collections
@@ -15,7 +15,7 @@ import unittest
 
 from layering_test import ROOT, includes
 
-# From low to high. The README.md of each folder says why.
+# From low to high. The README.md of each folder gives the reasons.
 ORDER = {
     "core": (
         "base lattice mesh brick request snap tile digitize thin triangles plane scan supercover verify solid thesis tree tiny"
@@ -25,7 +25,8 @@ ORDER = {
     "client": "include internal mesh grid tool/json tool/mesh_files tool/curve tool/output tool/view tool/cli".split(),
 }
 
-# Who adds an arrow raises `arrows`, if the arrow is worth it, but not beyond `most_arrows`; the same for rooms.
+# A change that adds an arrow raises `arrows`, if the arrow is worth it, but not beyond `most_arrows`. The same holds
+# for rooms.
 Limits = collections.namedtuple("Limits", "rooms most_rooms arrows most_arrows upward")
 LIMITS = {
     "core": Limits(rooms=22, most_rooms=26, arrows=110, most_arrows=115, upward=0),
@@ -33,13 +34,13 @@ LIMITS = {
     "client": Limits(rooms=10, most_rooms=22, arrows=25, most_arrows=55, upward=0),
 }
 
-# What the public headers of the SDK include: each other, the standard library and abseil. One header is about OpenVDB.
+# The public headers of the SDK may include each other, the standard library and abseil. One header is about OpenVDB.
 PUBLIC = re.compile(r"latvox/(?!v1/)|absl/|[a-z_]+$")
 OPENVDB_HEADER = "client/include/latvox/grid/openvdb_grid.h"
 
 
 def room(path):
-    """The room of a file, or None where it is in none."""
+    """Returns the room of a file, or None if it is in none."""
     if path.startswith("client/include/"):
         return "client/include"
     if path.startswith("client/examples/") or path.partition("/")[0] not in ORDER:
@@ -49,7 +50,7 @@ def room(path):
 
 
 def target(path, name):
-    """The path of the file of ours that `path` includes as `name`, or `name` where it is not ours."""
+    """Returns the path of our file that `path` includes as `name`, or `name` if it is not ours."""
     if name.startswith("."):
         return posixpath.normpath(posixpath.join(posixpath.dirname(path), name))
     if name.startswith("latvox/") and not name.startswith("latvox/v1/"):
@@ -76,25 +77,25 @@ class Floor:
                     self.arrows[source, goal].append(f"{path} includes {included}")
 
     def unordered(self):
-        """Rooms that the order does not name."""
+        """Returns the rooms that the order does not name."""
         return sorted(self.rooms - {f"{self.top}/{name}" for name in ORDER[self.top]})
 
     def upward(self):
-        """Arrows to a room that does not stand below."""
+        """Returns the arrows to a room that is not below."""
         height = {f"{self.top}/{name}": number for number, name in enumerate(ORDER[self.top])}
         return {
             arrow: why for arrow, why in self.arrows.items() if height.get(arrow[0], -1) <= height.get(arrow[1], len(height))
         }
 
     def circle(self):
-        """Rooms that remain when rooms that include none of the others are taken away, again and again."""
+        """Returns the rooms that remain after repeatedly removing rooms that include none of the others."""
         left = set(self.rooms)
         while free := {source for source in left if not any((source, goal) in self.arrows for goal in left)}:
             left -= free
         return sorted(left)
 
     def violations(self):
-        """What is wrong, as lines for people."""
+        """Returns the violations, as lines for people."""
         limits = LIMITS[self.top]
         wrong = [f"{name} has no place in ORDER" for name in self.unordered()]
         upward = self.upward()
@@ -112,7 +113,7 @@ class Floor:
 
 
 def public_violations(path, text):
-    """What a public header of the SDK must not include, as lines for people."""
+    """Returns the forbidden includes of a public header of the SDK, as lines for people."""
     return [
         f"{path} includes {name}"
         for name in includes(text)
@@ -122,7 +123,7 @@ def public_violations(path, text):
 
 @functools.cache
 def tree():
-    """Path -> text of all our C++ files."""
+    """Returns path -> text of all our C++ files."""
     return {
         str(path.relative_to(ROOT)): path.read_text(encoding="utf-8", errors="replace")
         for top in ORDER
@@ -132,7 +133,7 @@ def tree():
 
 
 def read_sources():
-    """A copy of the tree, for tests to change."""
+    """A copy of the tree that tests can change."""
     return dict(tree())
 
 
@@ -159,7 +160,7 @@ class TheTree(unittest.TestCase):
         tested = {line.split()[0] for line in lines}
         self.assertEqual({f"{top}/{name}" for top, names in ORDER.items() for name in names} - tested, set())
 
-    def test_what_is_recorded_is_allowed(self):
+    def test_recorded_limits_are_allowed(self):
         for top, limits in LIMITS.items():
             with self.subTest(top):
                 self.assertLessEqual(limits.rooms, limits.most_rooms)
@@ -172,7 +173,7 @@ class TheTree(unittest.TestCase):
 
 
 class TheRules(unittest.TestCase):
-    """What must not be there is found if it is there."""
+    """The test finds violations that are put into a copy of the tree."""
 
     def violations(self, top, path, *names):
         sources = read_sources()

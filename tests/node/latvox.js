@@ -39,7 +39,7 @@ export function getLimits(client) {
   });
 }
 
-// Sends the messages as they are; resolves with all answers, rejects with the gRPC error.
+// Sends the messages unchanged. Resolves with all answers, or rejects with the gRPC error.
 export function call(client, messages) {
   return new Promise((resolve, reject) => {
     const stream = client.Voxelize({ deadline: Date.now() + 60_000 });
@@ -52,7 +52,7 @@ export function call(client, messages) {
   });
 }
 
-// One whole request, its answers held against the documented order and format.
+// Makes one whole request, and checks its answers against the documented order and format.
 export async function voxelize(client, spec, drc, pieceBytes = 1 << 16) {
   const messages = [{ spec }];
   for (let at = 0; at < drc.length; at += pieceBytes) messages.push({ meshPiece: drc.subarray(at, at + pieceBytes) });
@@ -113,7 +113,7 @@ function unpack(packed) {
   return bricks;
 }
 
-// All voxels of some bricks as "i,j,k".
+// Returns all voxels of some bricks as "i,j,k".
 export function voxelsOf(bricks) {
   const voxels = new Set();
   for (const { ijk, mask } of bricks) {
@@ -127,7 +127,7 @@ export function voxelsOf(bricks) {
   return voxels;
 }
 
-// Certificate.digest, computed anew.
+// Computes Certificate.digest anew.
 export async function digestOf(bricks) {
   let sum = 0n;
   for (const { ijk, mask } of bricks) {
@@ -139,7 +139,7 @@ export async function digestOf(bricks) {
   return (sum & ((1n << 128n) - 1n)).toString(16).padStart(32, '0');
 }
 
-// The google.rpc.ErrorInfo of a gRPC error.
+// Returns the google.rpc.ErrorInfo of a gRPC error.
 export function errorInfoOf(error) {
   const [bytes] = error.metadata.get('grpc-status-details-bin');
   const status = describe('google/rpc/status.proto')['google.rpc.Status'].deserialize(bytes);
@@ -148,7 +148,7 @@ export function errorInfoOf(error) {
   return describe('google/rpc/error_details.proto')['google.rpc.ErrorInfo'].deserialize(info.value);
 }
 
-// A mesh as Draco bytes, positions as they are. positions: flat x, y, z; triangles: flat indices.
+// Returns a mesh as Draco bytes, with unquantized positions. positions: flat x, y, z; triangles: flat indices.
 export async function encode({ positions, triangles }) {
   const draco = await draco3d.createEncoderModule({});
   const [mesh, builder, encoder, out] = [new draco.Mesh(), new draco.MeshBuilder(), new draco.Encoder(), new draco.DracoInt8Array()];

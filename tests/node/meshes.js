@@ -1,4 +1,4 @@
-// Meshes, and what the voxels of a box must be, found by trying every lattice edge.
+// Meshes, and the expected voxels of a box, found by trying every lattice link.
 import { readFileSync } from 'node:fs';
 
 export function octahedron(radius = 1) {
@@ -28,7 +28,7 @@ export function readObj(file) {
 
 const world = (basis, ijk) => [0, 1, 2].map((m) => ijk[0] * basis[0][m] + ijk[1] * basis[1][m] + ijk[2] * basis[2][m]);
 
-// Where the segment p to p + step meets the surface of the box, as parameters between 0 and 1. No corner of the
+// Returns where the segment p to p + step meets the surface of the box, as parameters between 0 and 1. No end of the
 // segment may lie on the surface.
 function crossings(p, step, low, high) {
   let [enter, leave] = [-Infinity, Infinity];
@@ -44,8 +44,8 @@ function crossings(p, step, low, high) {
   return enter <= leave ? [enter, leave].filter((s) => s > 0 && s < 1) : [];
 }
 
-// All crossed edges of a box's surface: { ends: ["i,j,k", "i,j,k"], nearer: Set of those ends that are the nearer one
-// of a crossing }. directions: one of each pair of neighbours, in lattice coordinates.
+// Returns all crossed links of a box's surface: { ends: ["i,j,k", "i,j,k"], nearer: Set of the nearer ends }. Each pair of
+// neighbors has one entry in `directions`, in lattice coordinates.
 export function crossedEdges({ basis, directions, low, high, range }) {
   const edges = [];
   for (let i = range[0]; i < range[1]; ++i) {
@@ -64,7 +64,7 @@ export function crossedEdges({ basis, directions, low, high, range }) {
   return edges;
 }
 
-// One of each pair +-q of the k-neighbours of the Cartesian lattice.
+// One of each pair +-q of the k-neighbors of the Cartesian lattice.
 export function cartesianDirections(k) {
   const all = [];
   for (const i of [0, 1]) for (const j of [-1, 0, 1]) for (const l of [-1, 0, 1]) all.push([i, j, l]);
@@ -72,6 +72,6 @@ export function cartesianDirections(k) {
   return positive.filter((q) => q.filter((x) => x !== 0).length <= 3 - k);
 }
 
-// The same of the body-centred lattice with columns (2,0,0) (0,2,0) (1,1,1): three long steps, four diagonals.
+// The same for the body-centered lattice with columns (2,0,0) (0,2,0) (1,1,1): three long steps, four diagonals.
 export const BCC = [[2, 0, 0], [0, 2, 0], [1, 1, 1]];
 export const bccDirections = [[1, 0, 0], [0, 1, 0], [-1, -1, 2], [0, 0, 1], [1, 0, -1], [0, 1, -1], [1, 1, -1]];

@@ -1,8 +1,9 @@
-// What three.js finds in a .glb: corners in world coordinates, how many triangles, colors. `node read_glb.js FILE`.
+// Prints the content of a .glb that three.js reads: corners in world coordinates, number of triangles, colors. `node
+// read_glb.js FILE`.
 import { readFileSync } from 'node:fs';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-globalThis.self = globalThis; // as a browser has it
+globalThis.self = globalThis; // as in a browser
 const { scene } = await new GLTFLoader().parseAsync(new Uint8Array(readFileSync(process.argv[2])).buffer, '');
 scene.updateMatrixWorld();
 const found = { corners: [], triangles: 0, colors: [] };

@@ -1,4 +1,4 @@
-// Which facets the page of `latvox view` shows, held against a search of its own for what is outside.
+// Checks the facets that the page of `latvox view` shows against an independent search for the outside.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
@@ -16,13 +16,13 @@ const STEPS = {
   far: both([[1, 0, 0], [0, 1, 0], [0, 0, 1], [8, -3, 1]]),
 };
 
-// Deterministic, from 0 to 1.
+// Returns a deterministic number from 0 to 1.
 function randomOf(seed) {
   let state = seed;
   return () => (state = (state * 48271) % 2147483647) / 2147483647;
 }
 
-// Voxels by their names, and as a set of bricks in the order of the page, which numbers them.
+// Returns voxels by their names, and as a set of bricks in the page's order, which numbers them.
 function setOf(voxels, low, high) {
   const bricks = new Map(), set = new VoxelSet(low, high), numbers = [];
   for (const [i, j, k] of voxels) {
@@ -41,7 +41,7 @@ function setOf(voxels, low, high) {
   return { set, numbers };
 }
 
-// Names of what is empty and reached from outside, of the box and so much about it.
+// Returns the names of empty points that are reached from outside, within the box and a margin.
 function search(names, steps, low, high) {
   const far = 1 + Math.max(...steps.flat()), found = new Set(), next = [low.map((n) => n - far)];
   while (next.length > 0) {
@@ -53,7 +53,7 @@ function search(names, steps, low, high) {
   return found;
 }
 
-// A hollow box with a hole or none, and some more voxels in and about it.
+// Returns a hollow box with or without a hole, and some more voxels in and about it.
 function shapeOf(random, hole) {
   const low = [-5, 3, -12], high = [9, 14, 6], voxels = new Map();
   const add = (...ijk) => voxels.set(ijk.join(), ijk);
@@ -126,7 +126,7 @@ test('points are all that is seen, each once, with a direction outwards', () => 
       assert.ok(Math.abs(Math.sign(Math.abs(to) < 0.02 ? 0 : to) - wanted) < 1e-9, `${ijk}: ${[x, y, z]}`);
     });
   });
-  // The first few have one in each larger cube that has any.
+  // For each size of cube, the first points have one in each cube that has any.
   const cubes = (some, shift) => new Set(some.map((ijk) => ijk.map((n) => n >> shift).join()));
   const points = [...of].map((number) => numbers[number].split(',').map(Number));
   assert.equal(ends[0], points.length);

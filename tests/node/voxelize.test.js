@@ -1,4 +1,4 @@
-// The service as any program in any language sees it. Needs LATVOX_BIN.
+// The service as seen by a program in any language. Needs LATVOX_BIN.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -29,7 +29,7 @@ after(async () => {
   assert.equal(code, 0, 'latvoxd drains on SIGTERM');
 });
 
-// What must hold of every answer; returns its voxels.
+// Checks every answer, and returns its voxels.
 async function check({ accepted, bricks, summary }) {
   const voxels = voxelsOf(bricks);
   assert.equal(String(voxels.size), summary.voxels);
@@ -47,7 +47,7 @@ async function check({ accepted, bricks, summary }) {
   return voxels;
 }
 
-// Brute force on a box, with the lattice just as given: exact in doubles.
+// Brute force on a box, with the lattice as given: exact in doubles.
 const LOW = [0.25, 0.375, 0.125], HIGH = [10.25, 9.375, 11.125];
 const LATTICES = [
   ...[0, 1, 2].map((k) => ({ name: `cartesian, k = ${k}`, k, basis: CARTESIAN, directions: cartesianDirections(k) })),
@@ -82,11 +82,11 @@ for (const { name, k, basis, directions } of LATTICES) {
 test('a cube of side 10 has as many 6-separating voxels as can be counted by hand', async () => {
   const spec = { lattice: asGiven(CARTESIAN), origin: vector([0, 0, 0]), separability: 2 };
   const cube = await encode(box([0.25, 0.25, 0.25], [10.25, 10.25, 10.25]));
-  // Three low sides of 10 x 10 outside of the cube, three high ones inside, where they share edges and a corner.
+  // Three low sides of 10 x 10 outside the cube, three high ones inside, where they share edges and a corner.
   const all = 300 + (300 - 30 + 1);
   const thick = await check(await voxelize(server.client, { ...spec, minimal: false }, cube));
   assert.equal(thick.size, all);
-  // A low side's voxel covers one edge; where a high side meets it, the edge's other end is there as well.
+  // A low side's voxel covers one link. Where a high side meets it, the link's other end is also in the set.
   const thin = await check(await voxelize(server.client, { ...spec, minimal: true }, cube));
   assert.equal(thin.size, all - 3 * 19);
 });

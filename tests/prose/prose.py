@@ -34,7 +34,7 @@ HABITS = {
     "'of which'": re.compile(r"\bof (?:which|whom|those (?:that|which|who|in|of|with))\b", re.I),
     "'but for'": re.compile(r"\bbut for\b", re.I),
     "'for' in place of 'because'": re.compile(
-        r"[,;:] for (?:it|they|there|this|that|these|those|we|nobody|nothing|no one) (?:\w+)", re.I),
+        r"[,;] for (?:it|they|there|this|that|these|those|we|nobody|nothing|no one) (?:\w+)", re.I),
     "opens with 'Of'": re.compile(r"^Of (?!course)"),
     "a what-clause in place of a noun": re.compile(r"^What (?!if\b)[^?]*$|\b(?:than|of|by|from|with|for|in|beside) what\b", re.S),
     "'who has X, does Y'": re.compile(r"^(?:Who|Whoever)\b[^?]*$", re.S),
@@ -174,7 +174,7 @@ ABBREVIATION = re.compile(r"\b(?:e\.g|i\.e|etc|cf|vs|Fig|Eq|No|Dr|approx)\.$")
 
 def plain(text):
     """Without marks: code, and the targets of links, are one word or none."""
-    text = re.sub(r"``[^`]+``|`[^`]*`", "code", text)
+    text = re.sub(r"``[^`]+``|`[^`]*`", "Code", text)  # which may begin a sentence
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
     text = re.sub(r"https?://\S+", "link", text)
     return re.sub(r"[*_]{2,}|(?<!\w)[*_](?=\w)|(?<=\w)[*_](?!\w)", "", text)

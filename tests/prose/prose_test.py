@@ -68,7 +68,7 @@ class WhatIsRead(unittest.TestCase):
         text = "# A long heading of a page\n\nSee [this page](a.md) and\n`f(x)`. Next one is here.\n\n```\nof which what is code\n```\n- An item of a list\n- Another item is here\n\n| a cell of words | x |\n|---|---|\n"
         self.assertEqual(
             self.sentences("a.md", text),
-            [(3, "See this page and code."), (3, "Next one is here."), (9, "An item of a list"), (10, "Another item is here"),
+            [(3, "See this page and Code."), (3, "Next one is here."), (9, "An item of a list"), (10, "Another item is here"),
              (12, "a cell of words")])  # fmt: skip
 
     def test_comments_of_each_language(self):

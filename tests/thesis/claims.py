@@ -44,8 +44,9 @@ def all_claims(data):
 
 
 def convergence(data, where, algorithm):
-    """The bound: the voxels of the surface that lie inside of it fill at most half of its area, (3 + sqrt 3)/4 of the
-    side's square, times a thickness of sqrt(3) voxels: 1.02 / D. To that comes what the note says, 1 / (8 D)."""
+    """The bound: the surface's voxels inside the tetrahedron fill at most half of its area times a thickness of sqrt(3)
+    voxels. The area is (3 + sqrt 3)/4 of the side's square, so they fill 1.02 / D. The shift that the note describes
+    adds 1 / (8 D)."""
     bound = 1.2
     largest = {case: max(data.errors(case, algorithm)) for case in CASES}
     means = [abs(data.mean(case, algorithm, d, "displaced_volume") - IDEAL) for case in CASES for d in (data.resolutions[0], data.top)]
@@ -54,9 +55,9 @@ def convergence(data, where, algorithm):
     return Claim(
         where,
         f"ΔV of {NAMES[algorithm]} converges to the tetrahedron's volume, 1/(6·√2³) = {IDEAL:.5f}.",
-        f"|ΔV − ideal| ≤ {bound}/D in every run (the surface's voxels inside of it, which ΔV leaves out, fill no more), and the mean error at "
+        f"|ΔV − ideal| ≤ {bound}/D in every run (ΔV leaves out the surface's voxels inside the tetrahedron, which fill no more), and the mean error at "
         f"D = {data.top} is less than half of that at {data.resolutions[0]}",
-        f"|ΔV − ideal|·D at most {listed(largest, '{:.2f}')}. Mean ΔV fitted by v + a/D + b/D² (D ≥ 20, weights D²) gives the ideal v but for "
+        f"|ΔV − ideal|·D at most {listed(largest, '{:.2f}')}. Mean ΔV fitted by v + a/D + b/D² (D ≥ 20, weights D²) gives the ideal v, except for "
         f"{listed(limits, '{:+.2%}')}",
         max(largest.values()) <= bound and falls,
         note="The fitted limit is no sharper than about a percent: one face of the tetrahedron is normal to the axis of rotation and so parallel to lattice "
@@ -103,7 +104,7 @@ def minimality_ratio(data):
         "R = 0 in every run",
         f"largest R: incremental {largest['incremental']:.4g}, optimized {largest['optimized-incremental']:.4g}",
         largest["incremental"] == 0 == largest["optimized-incremental"],
-        why="A sum of roundings took the end of a tie that eq. 4.7 does not take, so that one line along C has two voxels.",
+        why="A sum of roundings chose the end of a tie that eq. 4.7 does not choose, so one line along C has two voxels.",
     )
     yield Claim(
         "5.10, 5.11",
@@ -147,7 +148,7 @@ def exact_counts(data):
         )
         + f"; {NAMES[KEYS[0]]}: {sums[KEYS[0]]['tunnels']:,.0f} in the given",
         all(sums[name]["tunnels"] == 0 for name in KEYS[1:]),
-        why="Separating is what they are for the tetrahedron with its vertices rounded to lattice points (§4.6). The given one lies up to "
+        why="They are separating for the tetrahedron with its vertices rounded to lattice points (§4.6). The given one lies up to "
         "half a cell's diagonal away, and there lattice edges cross it between two empty voxels. The water cannot tell: the set is closed, "
         "merely elsewhere. Brute force does not round.",
     )
@@ -261,7 +262,7 @@ def bunny_claims(data):
         yield Claim(
             fig,
             f"The bunny has {thesis:,} voxels ({case}).",
-            "one of the algorithms within 3 %; placement, mesh and algorithm are not stated, so the counts are neighbours, not targets",
+            "one of the algorithms within 3 %; placement, mesh and algorithm are not stated, so the counts are comparisons, not targets",
             "; ".join(f"{NAMES[name]} {voxels[fig][name]:,} ({100 * off[name]:+.1f} %)" for name in ALGORITHMS),
             min(map(abs, off.values())) <= 0.03,
             why=why if fig == "5.8" else "",

@@ -1,11 +1,11 @@
-"""What thesis_reproduce measured, as numbers by lattice, algorithm and resolution."""
+"""The results of thesis_reproduce, as numbers by lattice, algorithm and resolution."""
 
 import collections
 import csv
 import math
 import pathlib
 
-CASES = {  # lattice, k -> title; in the thesis's order
+CASES = {  # (lattice, k) -> title; in the thesis's order
     ("cartesian", "2"): "Cartesian, k = 2",
     ("cartesian", "1"): "Cartesian, k = 1",
     ("cartesian", "0"): "Cartesian, k = 0",
@@ -43,11 +43,11 @@ class Data:
         return mean(self.values(case, algorithm, resolution, column))
 
     def all(self, algorithm, column):
-        """All values of an algorithm, in every lattice, resolution and angle."""
+        """Returns all values of an algorithm, over all lattices, resolutions and angles."""
         return [x for case in CASES for d in self.resolutions for x in self.values(case, algorithm, d, column)]
 
     def time(self, case, algorithm, resolution, column="array_seconds"):
-        """Mean seconds; the exact algorithm has only those of the whole call."""
+        """Returns mean seconds; the exact algorithm has only those of the whole call."""
         column = "seconds" if algorithm == "exact" else column
         return mean([float(row[column]) for row in self.timing[case, algorithm, resolution]])
 
@@ -57,19 +57,19 @@ class Data:
         return voxels / self.time(case, algorithm, resolution)
 
     def lead(self, case, resolution, column):
-        """By how much optimized incremental is faster, as a share of incremental's time."""
+        """Returns the lead of optimized incremental, as a share of incremental's time."""
         fast, slow = (self.time(case, name, resolution, column) for name in ("optimized-incremental", "incremental"))
         return 1 - fast / slow
 
     def errors(self, case, algorithm):
-        """|Delta(V) - ideal| * D of every run, D the cube root of the number of points."""
+        """Returns |Delta(V) - ideal| * D of every run; D is the cube root of the number of points."""
         for d in self.resolutions:
             for row in self.accuracy[case, algorithm, d]:
                 yield abs(float(row["displaced_volume"]) - IDEAL) * float(row["points"]) ** (1 / 3)
 
     def limit(self, case, algorithm):
-        """Delta(V) at infinite resolution: v of mean Delta(V) = v + a x + b x^2, x = points^(-1/3), that is 1 / D. Least
-        squares with weights D^2 over D >= 20."""
+        """Returns Delta(V) at infinite resolution: v of mean Delta(V) = v + a x + b x^2, with x = points^(-1/3), that
+        is 1 / D. Least squares with weights D^2 over D >= 20."""
         rows, values = [], []
         for d in (d for d in self.resolutions if d >= 20):
             x = self.mean(case, algorithm, d, "points") ** (-1 / 3)
@@ -78,7 +78,7 @@ class Data:
         return least_squares(rows, values)[0]
 
     def slope(self, case, algorithm):
-        """The power of the resolution that time grows with: least squares of the logarithms, upper half."""
+        """Returns the power of the resolution with which time grows: least squares of the logarithms, upper half."""
         half = [d for d in self.resolutions if 2 * d >= self.top]
         rows = [(1, math.log(d)) for d in half]
         return least_squares(rows, [math.log(self.time(case, algorithm, d)) for d in half])[1]
@@ -95,7 +95,7 @@ def mean(values):
 
 
 def least_squares(rows, values):
-    """The x that minimizes |rows x - values|, by the normal equations."""
+    """Returns the x that minimizes |rows x - values|, by the normal equations."""
     n = len(rows[0])
     m = [[sum(r[i] * r[j] for r in rows) for j in range(n)] + [sum(r[i] * v for r, v in zip(rows, values))] for i in range(n)]
     for i in range(n):

@@ -8,7 +8,7 @@
 
 namespace latvox::thesis {
 
-// Eq. 4.3's basis is taken as it is: a unit of the world is half an edge of a BCC cell.
+// Eq. 4.3's basis is used as it is: a unit of the world is half an edge of a BCC cell.
 std::vector<LatticeCase> LatticeCases() {
   const Lattice cartesian = Lattice::FromBasis({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}).value();
   const Lattice bcc = Lattice::FromBasis({{{2, 0, 0}, {0, 2, 0}, {1, 1, 1}}}).value();

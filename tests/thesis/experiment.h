@@ -1,4 +1,4 @@
-// The thesis's experiment (its section 5.2): a tetrahedron at many angles, in lattices of equally many points.
+// The thesis's experiment (section 5.2): a tetrahedron at many angles, in lattices of equally many points.
 #ifndef LATVOX_TESTS_THESIS_EXPERIMENT_H_
 #define LATVOX_TESTS_THESIS_EXPERIMENT_H_
 
@@ -11,7 +11,7 @@
 
 namespace latvox::thesis {
 
-// A lattice with the neighbourhood that is asked for. On BCC all k are the same.
+// A lattice and the k of its neighborhood. On BCC all k are the same.
 struct LatticeCase {
   std::string name;  // "cartesian" or "bcc", as in the tables that are written
   int k;
@@ -28,16 +28,16 @@ struct Experiment {
   double side;  // world units
 };
 
-// A volume of D^3 points, on BCC of D' x D' x 2D', D' = D / cbrt(2) rounded (eq. 5.2). The points lie as far from the
-// cube's low sides as from the high ones.
+// Returns a volume of D^3 points; on BCC D' x D' x 2D', with D' = D / cbrt(2) rounded (eq. 5.2). The points are as far
+// from the cube's low sides as from its high sides.
 Experiment MakeExperiment(const LatticeCase& lattice_case, int32_t resolution);
 
-// 0, 5 .. 355 degrees, each with a jitter of 0 to 4 degrees added: always the same.
+// Returns 0, 5 .. 355 degrees, each plus a fixed jitter of 0 to 4 degrees.
 std::vector<double> Angles();
 inline constexpr unsigned kAngleSeed = 2006;
 
-// The corner of a cube (figure 5.1) turned about the X axis, amid the cube of the given side. Its longest edge is as
-// long as the side (figure 5.5), so it fits at every angle.
+// Returns the corner of a cube (figure 5.1) turned about the X axis, centered in the cube of the given side. Its
+// longest edge is as long as the side (figure 5.5), so it fits at every angle.
 TriangleMesh RotatedTetrahedron(double degrees, double side);
 
 }  // namespace latvox::thesis

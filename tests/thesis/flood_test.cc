@@ -1,4 +1,4 @@
-// The flood by rows of bits equals the thesis's: breadth first, point by point (its section 5.1).
+// The flood by rows of bits equals the thesis's flood: breadth first, point by point (section 5.1).
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -50,7 +50,7 @@ std::set<Vec3i> WaterBreadthFirst(const Volume& volume, const std::set<Vec3i>& p
   return water;
 }
 
-// Surfaces dense enough for caves, about the density at which the water stops going through.
+// Surfaces that are dense enough for caves, near the density at which water stops passing through.
 TEST(Flood, EqualsBreadthFirstSearchInMazes) {
   constexpr unsigned kSeed = 4;
   std::printf("seed %u\n", kSeed);
@@ -60,7 +60,7 @@ TEST(Flood, EqualsBreadthFirstSearchInMazes) {
        {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
     const Lattice lattice = Lattice::Named(name);
     const Numbering numbering = name == NamedLattice::kBcc ? Numbering::kBcc : Numbering::kLattice;
-    // Rows of one word, of a whole number of words, and of words in part.
+    // Rows of one word, of several whole words, and of words in part.
     for (const Vec3i& size : {Vec3i{5, 6, 7}, Vec3i{5, 4, 60}, Vec3i{4, 5, 90}, Vec3i{3, 3, 124}}) {
       const Volume volume{numbering, size};
       const std::set<Vec3i> points = PaddedPoints(volume);

@@ -17,7 +17,7 @@
 namespace latvox::thesis {
 namespace {
 
-// Collects voxels with the planes they belong to, one plane a triangle.
+// Collects voxels with the planes that they belong to, one plane a triangle.
 class Listing {
  public:
   Listing(const SnappedMesh& mesh, const std::vector<Frame>& frames) : mesh_(mesh), frames_(frames) {}
@@ -40,7 +40,7 @@ class Listing {
   }
   void Add(const Vec3i& local) { voxels_.push_back({local + mesh_.base_ijk, direction_, plane_}); }
 
-  // Each voxel once for each plane.
+  // Each voxel, once for each of its planes.
   std::vector<PlaneVoxel> Take() {
     const auto key = [](const PlaneVoxel& v) { return std::tie(v.ijk, v.plane); };
     std::sort(voxels_.begin(), voxels_.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });

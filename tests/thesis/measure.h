@@ -1,4 +1,4 @@
-// What the thesis's validation (its section 5.1) and the exact counts say of one tetrahedron.
+// The thesis's validation (section 5.1) and the exact counts, for one tetrahedron.
 #ifndef LATVOX_TESTS_THESIS_MEASURE_H_
 #define LATVOX_TESTS_THESIS_MEASURE_H_
 
@@ -14,22 +14,22 @@ struct Measurement {
   double displaced = 0;  // Delta(V), eq. 5.1
   Minimality minimality;
   Verdict given;    // against the tetrahedron as given
-  Verdict rounded;  // against it with its vertices at lattice points, which is what the incremental algorithms see
+  Verdict rounded;  // against the tetrahedron with vertices at lattice points, which the incremental algorithms see
 };
 
-// The voxels of a mesh by the named algorithm, as the library delivers them.
+// Returns the voxels of a mesh by the named algorithm, as the library delivers them.
 VoxelSet VoxelsBy(Algorithm algorithm, const TriangleMesh& mesh, const Grid& grid, int k);
 
-// The mesh with its vertices at the nearest lattice points.
+// Returns the mesh with its vertices at the nearest lattice points.
 SnappedMesh Rounded(SnappedMesh mesh, const Lattice& lattice);
 
-// R needs to know which triangle's plane a voxel belongs to:
-//   exact          it is the nearer end of a lattice edge that the triangle crosses, or within R of the triangle's
+// Measures one tetrahedron. R needs to know which triangle's plane a voxel belongs to:
+//   exact          it is the nearer end of a link that the triangle crosses, or within R of the triangle's
 //   edges
-//                  (Theorem 8 looks along one direction, but there a voxel may be needed for another)
+//                  (Theorem 8 looks along one direction, but near edges a voxel may be needed for another)
 //   brute force    it lies in one of the triangle's three regions
 //   incremental    the triangle's scan gives it, or the seam of one of its edges
-// Aborts if the voxels so listed are not those of VoxelsBy.
+// Aborts if these voxels are not those of VoxelsBy.
 Measurement Measure(const Experiment& experiment, double degrees, Algorithm algorithm);
 
 }  // namespace latvox::thesis

@@ -13,7 +13,7 @@ namespace {
 Grid GridFor(const TriangleMesh& mesh, const ModelCase& model_case) {
   const Bounds bounds = BoundsOf(mesh);
   const bool bcc = model_case.lattice_case.numbering == Numbering::kBcc;
-  // In half cells on BCC: LatticeCases' basis has cells of edge 2.
+  // Half cells on BCC, because LatticeCases' basis has cells of edge 2.
   const int32_t layers = bcc ? 2 * model_case.size : model_case.size;
   const double step = bounds.LongestSide() / (layers - 1);
   Mat3d basis = model_case.lattice_case.lattice.basis();

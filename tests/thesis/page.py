@@ -15,7 +15,7 @@ from claims import BUNNY, NAMES, all_claims, percent
 from data import ALGORITHMS, CASES, IDEAL, Data, mean
 from plot import Chart, Series, figure
 
-STYLE = {  # color, dash, marker; told apart without color, too
+STYLE = {  # color, dash, marker; distinguishable without color, too
     "brute-force": ("#D55E00", "", "square"),
     "incremental": ("#0072B2", "", "circle"),
     "optimized-incremental": ("#009E73", "6 4", "diamond"),
@@ -80,7 +80,7 @@ def lead_charts(data):
 
 
 def readme_figure(data):
-    """One row: what the thesis measures, what it cannot see, what it costs."""
+    """Returns one row of charts, for BCC: displaced volume, redundant voxels and time."""
     case = ("bcc", "0")
     lines = [series(a, [(d, data.mean(case, a, d, "displaced_volume")) for d in data.resolutions]) for a in ALGORITHMS]
     charts = [Chart("Displaced volume ΔV (BCC)", RESOLUTION, "share of the box", lines, (IDEAL, "ideal ΔV"))]
@@ -133,9 +133,9 @@ class Page:
         self.add(
             "<h1>The thesis's chapter 5, again</h1>",
             "<p>Haris Widjaya, <i>Accurate incremental voxelization in common sampling lattices</i>, Simon Fraser University, 2006: "
-            "its experiments with its own three algorithms as this program has them, and with the exact one that this program is about. "
+            "its experiments with the thesis's three algorithms, as this program implements them, and with this program's exact one. "
             "Made by <code>tests/thesis/run</code>; every verdict is computed from the tables beside this page.</p>",
-            f"<p class='faint'>{angles} angles, D from {d.resolutions[0]} to {d.top} in {len(d.resolutions)} steps, 4 lattices and neighbourhoods, 4 algorithms: "
+            f"<p class='faint'>{angles} angles, D from {d.resolutions[0]} to {d.top} in {len(d.resolutions)} steps, 4 lattices and neighborhoods, 4 algorithms: "
             f"{int(angles) * len(d.resolutions) * 16:,} tetrahedra. Times: one thread, {timed} of the angles. {text(processor())}. "
             f"Measured in {sum(float(d.settings[k]) for k in ('accuracy_seconds', 'timing_seconds', 'models_seconds')):.0f} s on {d.settings['threads']} threads. "
             "Tables: " + ", ".join(f"<a href='{n}.csv'>{n}.csv</a>" for n in ("accuracy", "timing", "models", "tables", "settings")) + ".</p>",
@@ -159,7 +159,7 @@ class Page:
         self.add(
             "<h2>Figures 5.10 to 5.15: displaced volume and minimality ratio</h2>",
             "<p>ΔV (eq. 5.1) is the share of the volume that water poured in at a corner does not reach; R is the share of surface voxels "
-            "that theorem 8 calls redundant, those near edges left out as in figure 5.3. The black line is the tetrahedron's volume.</p>",
+            "that theorem 8 calls redundant, except those near edges (figure 5.3). The black line is the tetrahedron's volume.</p>",
         )
         for (first, second), algorithm in zip((("5.10", "5.11"), ("5.12", "5.13"), ("5.14", "5.15"), (None, None)), ALGORITHMS):
             title = f"Figures {first} and {second}: {NAMES[algorithm]}" if first else "The same for the exact algorithm"
@@ -173,8 +173,8 @@ class Page:
         d = self.data
         self.add(
             "<h2>What the thesis's tests cannot see</h2>",
-            "<p>Every lattice edge that the mesh crosses is found and held against the voxels. A crossed edge without an end in the set is a tunnel; "
-            "a voxel whose crossed edges all have their other end in the set is redundant: it can leave.</p>",
+            "<p>This check compares every lattice edge that the mesh crosses with the voxels. A crossed edge without an end in the set is a tunnel. "
+            "A voxel is redundant if all of its crossed edges have their other end in the set: it can leave.</p>",
             figure(share_charts(d, "redundant", "redundant, share of voxels")),
             f"<table><tr><th>D = {d.top}, mean over the angles<th>algorithm<th>voxels<th>redundant<th>tunnels in the given tetrahedron<th>in the rounded one",
         )
@@ -255,17 +255,17 @@ class Page:
     def differences(self):
         self.add(
             "<h2>What differs from the thesis</h2><ul>",
-            "<li>Placement. The thesis does not say where the tetrahedron lies; here it is amid its box, and lattice points lie as far from the low sides "
+            "<li>Placement. The thesis does not say where the tetrahedron lies; here it is centered in its box, and lattice points are as far from the low sides "
             "as from the high ones.",
-            "<li>Jitter. 0 to 4 degrees are added to each multiple of 5, as in the thesis; the numbers are ours, always the same.",
+            "<li>Jitter. Each multiple of 5 degrees gets 0 to 4 degrees more, as in the thesis. The numbers are ours, and fixed.",
             "<li>Vertices. All algorithms start from vertices on a grid of 1/256 voxel, which is this program's only rounding; the incremental ones then round "
             "them to lattice points, as §4.6 says.",
-            "<li>Seams. §4.5 gives a criterion for two half planes; for meshes it is read as: near an edge, the voxels in the slabs of all its triangles.",
+            "<li>Seams. §4.5 gives a criterion for two half planes; for meshes we read it as: near an edge, the voxels in the slabs of all its triangles.",
             "<li>Signs. Eqs 4.8 to 4.11 lack a sign; without it the incremental offset runs the wrong way.",
-            "<li>Exclusions of R (figure 5.3). A voxel is at a seam if two triangles give it. For the exact algorithm a triangle also gives what is within R "
+            "<li>Exclusions of R (figure 5.3). A voxel is at a seam if two triangles give it. For the exact algorithm a triangle also gives the voxels within R "
             "of its edges, the regions L<sub>e</sub> and L<sub>v</sub> of §4.1.",
             "<li>Water. Poured by rows of bits instead of point by point; the result is the same.",
-            "<li>Time. Another machine, twenty years later; ratios compare, seconds do not. The least of several runs, so that other programs disturb it little.",
+            "<li>Time. Another machine, twenty years later; ratios compare, seconds do not. Times are the least of several runs, so that other programs disturb them little.",
             "<li>Names. Figures 5.11, 5.13 and 5.15 call the BCC surfaces 0-separating, 5.17 and 5.21 2-separating: on BCC these are the same.",
             "</ul>",
         )

@@ -27,16 +27,16 @@ class Chart:
     series: list
     level: tuple = None  # (y, name) of a horizontal line
     log: bool = False  # y axis
-    y_range: tuple = None  # else from the data
-    x_names: dict = None  # x -> what the axis says there; else numbers
+    y_range: tuple = None  # default: from the data
+    x_names: dict = None  # x -> label on the axis; default: numbers
 
     def svg(self, x0, y0, width, height):
-        """The chart with its corner at (x0, y0)."""
+        """Returns the chart with its corner at (x0, y0)."""
         return _Drawing(self, x0, y0, width, height).text()
 
 
 def figure(charts, columns=2, width=470, height=290):
-    """Charts in rows, below one legend, as a whole SVG document."""
+    """Returns charts in rows, below one legend, as a whole SVG document."""
     charts = list(charts)
     entries = {series.name: series for chart in charts for series in chart.series}
     levels = {chart.level[1]: chart.level for chart in charts if chart.level}

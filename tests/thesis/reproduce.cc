@@ -1,6 +1,6 @@
 // Measures everything that the page of tests/thesis/run shows.
 //   thesis_reproduce [--quick] DIRECTORY [NAME=MESH ...]
-// Writes into DIRECTORY: accuracy.csv, timing.csv, models.csv, tables.csv, settings.csv. Each says its columns itself.
+// Writes into DIRECTORY: accuracy.csv, timing.csv, models.csv, tables.csv, settings.csv. Each has a header line.
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -81,7 +81,7 @@ struct Run {
   Measurement measured = {};
 };
 
-// All runs at once, the largest first, so that no thread is left with one at the end.
+// Runs the largest cases first, so that no thread ends with a large one alone.
 double MeasureAccuracy(const Plan& plan) {
   const Stopwatch watch;
   const std::vector<LatticeCase> cases = LatticeCases();
@@ -99,7 +99,7 @@ double MeasureAccuracy(const Plan& plan) {
   oneapi::tbb::parallel_for(0, oneapi::tbb::this_task_arena::max_concurrency(), [&](int) {
     for (size_t n = next++; n < runs.size(); n = next++) {
       Run& run = runs[n];
-      // Waiting inside of one run must not begin another.
+      // A run that waits inside must not begin another.
       oneapi::tbb::this_task_arena::isolate([&] {
         run.measured = Measure(MakeExperiment(*run.lattice_case, run.resolution), run.degrees, run.algorithm);
       });
@@ -188,7 +188,7 @@ void CheckTables(const Plan& plan) {
 
 void MeasureAll(const Plan& plan) {
   CheckTables(plan);
-  const double timing = MeasureTiming(plan);  // first, while nothing has warmed the machine up
+  const double timing = MeasureTiming(plan);  // first, before the machine warms up
   const double accuracy = MeasureAccuracy(plan), models = MeasureModels(plan);
   Table table(plan, "settings.csv", "key,value");
   table.Add("quick,%d", plan.quick);

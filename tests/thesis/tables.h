@@ -9,7 +9,7 @@
 
 namespace latvox::thesis {
 
-// A row as printed, and what is true of it. Matrices by columns.
+// A row as printed, and the checked facts about it. Matrices are by columns.
 struct TableRow {
   std::string table;  // "4.1"
   Vec3i direction;    // principal, world units
@@ -26,7 +26,7 @@ struct TableRow {
 
 std::vector<TableRow> CheckedTables();
 
-// By rows: "1 0 0 / 0 1 0 / 0 0 1".
+// Returns the matrix by rows: "1 0 0 / 0 1 0 / 0 0 1".
 std::string TextOf(const Mat3d& matrix);
 
 }  // namespace latvox::thesis

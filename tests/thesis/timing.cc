@@ -25,7 +25,7 @@ double ProcessorSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// The least of several runs, and at least two: as many as take 30 ms.
+// Returns the least of several runs: as many as take 30 ms, at least two.
 template <class Run>
 double LeastSeconds(const Run& run) {
   constexpr double kEnough = 0.03;

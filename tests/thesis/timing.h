@@ -10,14 +10,14 @@ namespace latvox::thesis {
 struct Timing {
   uint64_t voxels = 0;
   double seconds = 0;  // of the library's call: snap, voxelize, deliver a sparse set
-  // Of the thesis's algorithms into an array of bits, as the thesis runs them; 0 for the exact one.
+  // The thesis's algorithms into an array of bits, as in the thesis; 0 for the exact algorithm.
   uint64_t array_voxels = 0;
   double array_seconds = 0;
-  double scan_seconds = 0;  // of that, the incremental ones' triangles without their seams
+  double scan_seconds = 0;  // of array_seconds: the incremental algorithms' triangles without their seams
 };
 
-// Processor time, like the thesis's, so that other processes disturb it little; the least of several runs. Uses the
-// calling thread alone.
+// Measures processor time, like the thesis, so that other processes disturb it little. Takes the least of several runs.
+// Uses the calling thread alone.
 Timing Time(const Experiment& experiment, double degrees, Algorithm algorithm);
 
 }  // namespace latvox::thesis

@@ -1,4 +1,4 @@
-// What holds of every set of manifests, and the files that deploy/README.md makes Secrets of.
+// Checks that every set of manifests must pass, and the files from which deploy/docs/kubernetes.md makes Secrets.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';

@@ -1,4 +1,4 @@
-// The manifests of deploy/kubernetes, as they are written and as kustomize renders them.
+// The manifests of deploy/kubernetes, as written and as kustomize renders them.
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import path from 'node:path';
@@ -15,7 +15,8 @@ const parse = (text) => yaml.parseAllDocuments(text, { strict: true }).map((docu
 export const lone = (file) => parse(readFileSync(path.join(ROOT, file), 'utf8'));
 export const kustomization = (folder) => parse(readFileSync(path.join(ROOT, folder, 'kustomization.yaml'), 'utf8'))[0];
 
-// The objects of a folder and of those it builds on: without what a kustomization changes in them, but with what it makes.
+// Returns the objects of a folder and of the folders that it builds on: without a kustomization's changes to them, but
+// with the objects that it generates.
 export function written(folder) {
   const { resources, configMapGenerator = [] } = kustomization(folder);
   const objects = resources.flatMap((name) => {
@@ -39,10 +40,10 @@ function output(...command) {
   }
 }
 
-// Why there is no kubectl; false if there is.
+// Returns why kubectl is missing; false if it is there.
 export const kubectlMissing = () => output('kubectl', 'version', '--client') === '' && 'kubectl is not installed';
 
-// A command that renders a folder, or why there is none: kustomize 5, as `replacements` want it.
+// Returns a command that renders a folder, or why there is none. `replacements` need kustomize 5.
 export function findKustomize() {
   const versions = [
     [['kubectl', 'kustomize'], output('kubectl', 'version', '--client')],

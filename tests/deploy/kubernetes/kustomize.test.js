@@ -1,4 +1,5 @@
-// What kustomize makes of deploy/kubernetes, and kubectl of deploy/README.md. Exits with 77, ctest's "skipped", without them.
+// Checks the output of kustomize for deploy/kubernetes, and the Secrets of deploy/docs/kubernetes.md. Exits with 77,
+// ctest's "skipped", without kustomize or kubectl.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
@@ -27,9 +28,9 @@ test('batch: workers count as many workers as there are', () => {
   assert.equal(value, String(spec.completions));
 });
 
-test('the Secrets are as deploy/README.md makes them', () => withFiles((run) => {
-  const readme = readFileSync(new URL('../../../deploy/README.md', import.meta.url), 'utf8');
-  const made = readme.match(/^kubectl .*create secret .*$/gm)
+test('the Secrets are as deploy/docs/kubernetes.md makes them', () => withFiles((run) => {
+  const page = readFileSync(new URL('../../../deploy/docs/kubernetes.md', import.meta.url), 'utf8');
+  const made = page.match(/^kubectl .*create secret .*$/gm)
     .map((line) => JSON.parse(run('bash', '-c', `${line} --dry-run=client --output=json`)));
   assert.deepEqual(Object.fromEntries(made.map(({ metadata, data }) => [metadata.name, Object.keys(data).sort()])), SECRETS);
 }));

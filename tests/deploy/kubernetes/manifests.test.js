@@ -1,5 +1,5 @@
-// The manifests of deploy/kubernetes: of the API's types, consistent, and with a configuration that latvoxd takes.
-// As they are written; kustomize.test.js takes them as they are rendered. Needs LATVOX_BIN.
+// The manifests of deploy/kubernetes have the API's types, are consistent, and configure latvoxd correctly. These tests
+// read them as written; kustomize.test.js reads them as rendered. Needs LATVOX_BIN.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -48,7 +48,7 @@ test('the loader may do as little as the workers, whose volumes it fills', () =>
   assert.deepEqual(needlessRights([wrapped]), []);
 });
 
-// The settings that latvoxd finds in the configuration file: name -> text.
+// Returns the settings that latvoxd finds in the configuration file: name -> text.
 const settings = (text) => withFiles((run, directory) => {
   const files = { 'tls/tls.crt': 'certificate.pem', 'tls/tls.key': 'key.pem', 'tokens/tokens': 'tokens' };
   for (const [inside, file] of Object.entries(files)) text = text.replaceAll(`/run/secrets/latvox/${inside}`, file);
@@ -66,11 +66,11 @@ test('service: latvoxd takes its configuration, which has the ports and the time
   const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, `0.0.0.0:${containerPort}`]));
   assert.deepEqual(ports, { grpc: found.listen, health: found['health-listen'], metrics: found['metrics-listen'] });
   assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
-  const lastResort = 15;  // seconds that latvoxd may take beyond --grace
+  const lastResort = 15;  // seconds that latvoxd may take after --grace
   assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
 });
 
-// What must not be there is found if it is there.
+// The tests find mistakes that are put into the manifests.
 function changed(overlay, kind, change) {
   const objects = load(overlay);
   change(find(objects, kind), objects);

@@ -1,4 +1,4 @@
-// What types cannot say of a set of objects: that names lead somewhere, and that pods have no rights they do not need.
+// Checks of a set of objects that types cannot express: names resolve, and pods have no unneeded rights.
 
 const named = (objects, kind) => objects.filter((object) => object.kind === kind);
 const podTemplates = (objects) => objects.filter(({ kind }) => kind === 'Deployment' || kind === 'Job')
@@ -6,7 +6,8 @@ const podTemplates = (objects) => objects.filter(({ kind }) => kind === 'Deploym
 const matches = (selector, labels = {}) => Object.entries(selector ?? {}).every(([key, value]) => labels[key] === value);
 const below = (folder, file) => file.startsWith(`${folder}/`);
 
-// Lines for people, none if all is well. `secrets` maps the names of Secrets to their keys: they are not in the tree.
+// Returns lines for people, none if all is well. `secrets` maps the names of Secrets, which are not in the tree, to
+// their keys.
 export function brokenReferences(objects, secrets) {
   const pods = podTemplates(objects);
   return [
@@ -33,7 +34,7 @@ function brokenVolumes({ name, pod }, objects, secrets) {
   ];
 }
 
-// What a container finds below each mount point; null: anything.
+// The files that a container finds below each mount point; null: any file.
 function filesOf({ pod }, container, objects, secrets) {
   return container.volumeMounts.map((mount) => {
     const { configMap, secret } = pod.volumes.find((volume) => volume.name === mount.name) ?? {};
@@ -42,7 +43,7 @@ function filesOf({ pod }, container, objects, secrets) {
   });
 }
 
-// Every absolute path of the command, and of the configuration that it names, is a file of a volume.
+// Every absolute path in the command, and in the configuration that it names, is a file of a volume.
 function brokenPaths(template, objects, secrets) {
   return template.pod.containers.flatMap((container) => {
     const files = filesOf(template, container, objects, secrets);
@@ -94,7 +95,7 @@ function brokenPorts(objects, pods) {
   return wanted.filter(([, port, ports]) => !ports.includes(port)).map(([kind, port]) => `${kind}: there is no port ${port}`);
 }
 
-// The pod security standard "restricted", and a root file system that cannot be written.
+// The pod security standard "restricted", and a read-only root file system.
 export function needlessRights(objects) {
   return podTemplates(objects).flatMap(({ name, pod }) => [
     pod.securityContext.runAsNonRoot === true || `${name} may run as root`,

@@ -1,5 +1,5 @@
-// Holds objects against the types of the Kubernetes API and of the Prometheus operator, by the TypeScript compiler:
-// fields that are unknown, missing or of another type.
+// Checks objects against the types of the Kubernetes API and of the Prometheus operator, by the TypeScript compiler:
+// unknown fields, missing fields, and fields of another type.
 import { fileURLToPath } from 'node:url';
 import ts from 'typescript';
 
@@ -9,7 +9,7 @@ const OPTIONS = {
   target: ts.ScriptTarget.ES2022, module: ts.ModuleKind.NodeNext, moduleResolution: ts.ModuleResolutionKind.NodeNext,
 };
 
-// The module of a kind, as the packages lay them out.
+// Returns the module of a kind, by the layout of the packages.
 const moduleOf = ({ apiVersion, kind }) =>
   `${apiVersion.startsWith('monitoring.coreos.com/') ? '@kubernetes-models/prometheus-operator' : 'kubernetes-models'}/${apiVersion}/${kind}`;
 
@@ -17,7 +17,7 @@ const declaration = (object, n) =>
   `import type { I${object.kind} as Kind${n} } from ${JSON.stringify(moduleOf(object))};\n` +
   `export const object${n}: Kind${n} = ${JSON.stringify(object, null, 1)};\n`;
 
-// One line for people for each mistake.
+// Returns one line for people for each mistake.
 export function typeErrors(objects) {
   const source = objects.map(declaration).join('');
   const host = ts.createCompilerHost(OPTIONS);

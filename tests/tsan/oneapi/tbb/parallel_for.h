@@ -1,7 +1,7 @@
-// oneTBB's parallel algorithms on plain threads, for the thread sanitizer alone: preset tsan puts this folder before
-// /usr/include. Debian's libtbb is not instrumented, so that ThreadSanitizer would not see how it orders tasks, and
-// would report every parallel loop. Only what core uses is here; what is given to an algorithm runs on other
-// threads, in no order that the algorithm does not promise.
+// oneTBB's parallel algorithms on plain threads, for ThreadSanitizer only: the preset tsan puts this folder before
+// /usr/include. Debian's libtbb is not instrumented. ThreadSanitizer would not see how it orders tasks, and would
+// report every parallel loop. Only the parts that core uses are here. The functions given to an algorithm run on other
+// threads, in no order except the one that the algorithm promises.
 #ifndef LATVOX_TESTS_TSAN_ONEAPI_TBB_PARALLEL_FOR_H_
 #define LATVOX_TESTS_TSAN_ONEAPI_TBB_PARALLEL_FOR_H_
 
@@ -26,7 +26,8 @@ void RunOnThreads(const Work& work) {
   for (std::thread& thread : threads) thread.join();
 }
 
-// Runs body(thread, part) for parts of the range. The counter is relaxed: parts are not ordered among themselves.
+// Runs body(thread, part) for parts of the range. The counter is relaxed, because parts are not ordered among
+// themselves.
 template <class T, class Body>
 void ForEachPart(const blocked_range<T>& range, const Body& body) {
   if (range.empty()) return;

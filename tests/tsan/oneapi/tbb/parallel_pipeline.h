@@ -1,4 +1,4 @@
-// See parallel_for.h. A pipeline of three filters: first and last serial and in order, the second parallel.
+// See parallel_for.h. A pipeline of three filters: the first and last are serial and in order, the second is parallel.
 #ifndef LATVOX_TESTS_TSAN_ONEAPI_TBB_PARALLEL_PIPELINE_H_
 #define LATVOX_TESTS_TSAN_ONEAPI_TBB_PARALLEL_PIPELINE_H_
 
@@ -47,7 +47,7 @@ Filters<Filters<First, Second>, Filter<B, C, F>> operator&(Filters<First, Second
   return {std::move(first), std::move(second)};
 }
 
-// At most kSanitizedThreads items are on their way, as many as core asks for or fewer.
+// At most kSanitizedThreads items are in the pipeline. Core asks for as many or more.
 template <class Source, class Work, class Sink>
 void parallel_pipeline(size_t, const Filters<Filters<Source, Work>, Sink>& filters) {
   std::mutex source, sink;

@@ -18,7 +18,7 @@ Value parallel_reduce(const blocked_range<T>& range, const Value& identity, cons
   return all;
 }
 
-// In this order already.
+// The parts are already in this order.
 template <class Range, class Value, class Body, class Join>
 Value parallel_deterministic_reduce(const Range& range, Value identity, const Body& body, const Join& join) {
   return parallel_reduce(range, std::move(identity), body, join);

@@ -1,4 +1,4 @@
-#include "server/config/misspelt_variables.h"
+#include "server/config/misspelled_variables.h"
 
 #include <unistd.h>
 
@@ -16,9 +16,9 @@ namespace {
 
 constexpr absl::string_view kPrefix = "LATVOX_";
 
-// Letters that have to be left out, put in or replaced [Levenshtein 1966].
+// The number of letters to leave out, put in or replace [Levenshtein 1966].
 size_t Distance(absl::string_view a, absl::string_view b) {
-  std::vector<size_t> row(b.size() + 1);  // from the letters of a so far to each beginning of b
+  std::vector<size_t> row(b.size() + 1);  // from the first letters of a to each beginning of b
   std::iota(row.begin(), row.end(), 0);
   for (size_t i = 0; i < a.size(); ++i) {
     size_t diagonal = std::exchange(row[0], i + 1);
@@ -30,7 +30,7 @@ size_t Distance(absl::string_view a, absl::string_view b) {
   return row[b.size()];
 }
 
-// The longer one begins with the shorter, or ends with it as words.
+// True if the longer text begins with the shorter one, or ends with it as words.
 bool IsPartOf(absl::string_view a, absl::string_view b) {
   if (a.size() > b.size()) std::swap(a, b);
   return absl::StartsWith(b, a) || absl::EndsWith(b, absl::StrCat("_", a));
@@ -50,9 +50,9 @@ std::vector<std::string> VariablesOf(const std::vector<OptionState>& options) {
 
 }  // namespace
 
-std::vector<MisspeltVariable> MisspeltVariables(const std::vector<OptionState>& options) {
+std::vector<MisspelledVariable> MisspelledVariables(const std::vector<OptionState>& options) {
   const std::vector<std::string> names = VariablesOf(options);
-  std::vector<MisspeltVariable> misspelt;
+  std::vector<MisspelledVariable> misspelled;
   for (char** variable = environ; *variable != nullptr; ++variable) {
     absl::string_view name = *variable;
     name = name.substr(0, name.find('='));
@@ -67,10 +67,10 @@ std::vector<MisspeltVariable> MisspeltVariables(const std::vector<OptionState>& 
       nearest = &option;
       least = distance;
     }
-    if (nearest != nullptr && least > 0) misspelt.push_back({std::string(name), *nearest});
+    if (nearest != nullptr && least > 0) misspelled.push_back({std::string(name), *nearest});
   }
-  std::sort(misspelt.begin(), misspelt.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
-  return misspelt;
+  std::sort(misspelled.begin(), misspelled.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return misspelled;
 }
 
 }  // namespace latvox

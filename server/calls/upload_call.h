@@ -1,0 +1,117 @@
+// The part of a call that receives a mesh: a specification, then the mesh in pieces.
+#ifndef LATVOX_SERVER_CALLS_UPLOAD_CALL_H_
+#define LATVOX_SERVER_CALLS_UPLOAD_CALL_H_
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/base/errors.h"
+#include "server/calls/call_state.h"
+#include "server/work/mesh_upload.h"
+
+namespace latvox {
+
+//   Reactor   gRPC's, with StartRead
+//   Request   its message, with `spec` and `mesh_piece`
+template <class Reactor, class Request>
+class UploadCall : public CallReactor<Reactor> {
+ public:
+  void OnReadDone(bool ok) final {
+    if (!ok) return FinishReading();
+    const uint64_t before = bytes_in_;
+    const absl::StatusOr<bool> more = ReceiveRequest();
+    if (!more.ok() || !*more) return End(more.status());
+    const std::lock_guard lock(mu_);
+    if (HasEnded()) return;
+    if (bytes_in_ > before || request_.has_spec()) heard_of_client_ = CallState::Clock::now();
+    Read();  // under mu_: no Finish comes in between
+  }
+
+ protected:
+  using CallReactor<Reactor>::CallReactor;
+  using CallState::context_, CallState::environment_, CallState::End, CallState::heard_of_client_, CallState::mu_;
+
+  // Sets upload_. Returns whether more is to be read; otherwise the call ends, as a success.
+  virtual absl::StatusOr<bool> ReceiveSpec(const decltype(std::declval<Request>().spec())& spec) = 0;
+  // Reserves memory for so many bytes of the upload in all.
+  virtual absl::Status ReserveUpload(uint64_t bytes) = 0;
+  // Returns an error unless enough bytes have come. Precondition: the specification has come.
+  virtual absl::Status CheckUpload() const { return upload_->CheckComplete(); }
+  // Called under mu_. Returns whether a status is decided.
+  virtual bool HasEnded() const = 0;
+
+  void Start() final { Read(); }
+  bool IsReading() const final { return reading_; }
+
+  void Describe(RequestRecord& record) const override {
+    if (sent_too_little_ && context_.IsCancelled()) record.status = BrokenRead(environment_.limits);
+    record.bytes_in = bytes_in_;
+    record.upload_ms = upload_ms_;
+  }
+
+  // The time when the call was ready for its first turn.
+  CallState::Clock::time_point ready() const { return ready_; }
+
+  // Used by the reading callback, then by the task.
+  Request request_;
+  std::optional<MeshUpload> upload_;
+
+ private:
+  void Read() {
+    MarkUnread(request_);
+    this->StartRead(&request_);
+  }
+
+  absl::StatusOr<bool> ReceiveRequest() {
+    if (absl::Status status = CheckSize(request_, environment_.limits); !status.ok()) return status;
+    DropUnknownFields(request_);
+    switch (request_.part_case()) {
+      case Request::kSpec:
+        if (upload_) return BadStream("spec: a second one came; it is the first message, and exactly one");
+        return ReceiveSpec(request_.spec());
+      case Request::kMeshPiece: {
+        if (!upload_) return BadStream("mesh_piece came before spec");
+        absl::Status status = upload_->Append(std::move(*request_.mutable_mesh_piece()));
+        bytes_in_ = upload_->size();
+        if (status.ok()) status = ReserveUpload(bytes_in_);
+        return status.ok() ? absl::StatusOr<bool>(true) : status;
+      }
+      case Request::PART_NOT_SET:
+        break;
+    }
+    return BadStream("a message has neither spec nor mesh_piece");
+  }
+
+  // The client has half-closed, or the call is broken.
+  void FinishReading() {
+    if (context_.IsCancelled()) return End(CancellationOf(context_));
+    if (!IsUnread(request_)) return End(UnreadableMessage(request_));
+    const absl::Status status = upload_ ? CheckUpload() : BadStream("the stream ended before spec");
+    if (!status.ok()) {
+      sent_too_little_ = true;
+      return End(status);
+    }
+    {
+      const std::lock_guard lock(mu_);
+      reading_ = false;
+      upload_ms_ = upload_->milliseconds();
+      ready_ = CallState::Clock::now();
+    }
+    environment_.registry.AwaitTurn(this);
+  }
+
+  uint64_t bytes_in_ = 0;
+  bool sent_too_little_ = false;
+
+  // Guarded by mu_.
+  bool reading_ = true;
+  std::optional<double> upload_ms_;
+  CallState::Clock::time_point ready_;
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_SERVER_CALLS_UPLOAD_CALL_H_
