@@ -13,7 +13,7 @@ namespace latvox {
 namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-// Squares that differ by more, relatively, are of other distances for sure.
+// Squares with a larger relative difference certainly belong to different distances.
 constexpr double kDoubt = 4 * kSquareError;
 
 Triangle CornersOf(const SnappedMesh& mesh, uint32_t number) {
@@ -24,7 +24,7 @@ Triangle CornersOf(const SnappedMesh& mesh, uint32_t number) {
 // Bits first to last - 1 of a row.
 uint64_t BitsBetween(int32_t first, int32_t last) { return ~uint64_t{0} >> (kTileSide - (last - first)) << first; }
 
-// Whether a triangle may come within sqrt(square) of x, which is relative to its centre: see BandScan::Rows.
+// Returns whether a triangle may come within sqrt(square) of x, which is relative to its center: see BandScan::Rows.
 bool MayComeWithin(const TriangleDistance& triangle, const Vec3d& x, double square) {
   const double height = Dot(x, triangle.unit_normal()), q = square - height * height;
   if (q < 0) return false;
@@ -45,7 +45,7 @@ void AttributeScan::Find(const AttributeContext& context, std::span<const uint32
   CutOut(context, tile);
 }
 
-// Voxels have numbers along the rows.
+// Numbers voxels along the rows.
 void AttributeScan::Number(const TileBricks& tile, const Vec3i& base_ijk, double most) {
   tile_min_ = tile.tile_ijk * kTileSide - base_ijk;
   rows_.fill(0);
@@ -69,7 +69,7 @@ void AttributeScan::Number(const TileBricks& tile, const Vec3i& base_ijk, double
   settled_.clear();
 }
 
-// `at`: of a voxel, within the tile.
+// `at`: a voxel, within the tile.
 size_t AttributeScan::NumberOf(const Vec3i& at) const {
   const auto row = static_cast<size_t>(at[0] << kTileBits | at[1]);
   return first_[row] + static_cast<size_t>(std::popcount(rows_[row] & ((uint64_t{1} << at[2]) - 1)));
@@ -81,7 +81,7 @@ void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
   const IndexBox box = VoxelsNear(corners, margin, {tile_min_, tile_min_ + Vec3i{kTileSide, kTileSide, kTileSide}});
   const Metric& metric = context.carried.plan.metric;
   std::optional<TriangleDistance> triangle;  // once there is a voxel
-  double slack = 0;                          // what squares may be wrong by, for rounding, and far more
+  double slack = 0;                          // a bound on the rounding error of squares, and far more
   ForEachRowNear(corners, margin, box, [&](int32_t i, int32_t j, int32_t first, int32_t end) {
     const Vec3i from = Vec3i{i, j, first} - tile_min_;
     uint64_t bits = rows_[static_cast<size_t>(from[0] << kTileBits | from[1])];
@@ -96,7 +96,7 @@ void AttributeScan::Add(const AttributeContext& context, uint32_t number) {
       const Vec3i at{from[0], from[1], std::countr_zero(bits)};
       const size_t voxel = NumberOf(at);
       const Vec3i point = (tile_min_ + at) * kLatticeUnit;
-      const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->centre();
+      const Vec3d x = Apply(metric.root, ToDouble(point - triangle->corner())) - triangle->center();
       if (!MayComeWithin(*triangle, x, least_[voxel] + slack)) continue;
       Compare(*triangle, number, point, voxel);
     }
@@ -112,7 +112,7 @@ void AttributeScan::Compare(const TriangleDistance& triangle, uint32_t number, c
   last_[voxel] = static_cast<uint32_t>(offers_.size() - 1);
 }
 
-// Many triangles in one place would fill the memory with offers: those at hand make way for the nearest of them.
+// Many triangles in one place would fill the memory with offers. The nearest of the current offers replaces them.
 void AttributeScan::Settle(const AttributeContext& context) {
   settled_.resize(least_.size(), {kNone, {}});
   size_t voxel = 0;
@@ -128,7 +128,7 @@ void AttributeScan::Settle(const AttributeContext& context) {
   offers_.clear();
 }
 
-// Calls f(candidate) for all that may be the nearest to a voxel.
+// Calls f(candidate) for all triangles that may be the nearest to a voxel.
 template <class F>
 void AttributeScan::ForEachCandidate(const AttributeContext& context, const Vec3i& point, size_t voxel, F&& f) const {
   if (!settled_.empty() && settled_[voxel].triangle != kNone) f(settled_[voxel]);
@@ -138,8 +138,8 @@ void AttributeScan::ForEachCandidate(const AttributeContext& context, const Vec3
   }
 }
 
-// Which of several triangles is nearest matters only if they do not agree. They mostly do: these are neighbours, with a
-// corner or an edge in common.
+// It matters only for triangles with different values which of them is nearest. Mostly they have the same values,
+// because they are neighbors with a common corner or edge.
 AttributeScan::Corner AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) const {
   std::optional<Corner> first;
   bool agree = true;
@@ -168,7 +168,8 @@ AttributeScan::Corner AttributeScan::NearestCorner(const AttributeContext& conte
   return nearest;
 }
 
-// Exactly, with the nearest corner of all that are as near. Copies of a triangle are, which need not be compared.
+// Compares exactly, and combines the nearest corners of all triangles at the same distance. Copies of a triangle are at
+// the same distance without a comparison.
 AttributeScan::Candidate AttributeScan::Nearest(const AttributeContext& context, const Vec3i& point,
                                                 size_t voxel) const {
   const auto compare = [&](const Candidate& a, const Candidate& b) {

@@ -16,17 +16,17 @@
 
 namespace latvox {
 
-// What all tiles of a job have in common.
+// The facts that all tiles of a job share.
 struct AttributeContext {
   const SnappedMesh& mesh;
   const CarriedAttributes carried;
   StopSignal stop;
 };
 
-// A thread's own, from tile to tile: up to 8 MiB, and 60 bytes for each voxel of a tile.
+// Each thread has its own, and reuses it from tile to tile: up to 8 MiB, and 60 bytes for each voxel of a tile.
 class AttributeScan {
  public:
-  // Finds tile.attributes, as core/attributes/attributes.h has them; some are missing once the job is cancelled.
+  // Finds tile.attributes as core/attributes/attributes.h defines them; some are missing once the job is cancelled.
   //   tile        voxels of a surface or a supercover, for which the plan was made
   //   triangles   all that come within the plan's reach of the tile; more do no harm. Any order
   void Find(const AttributeContext& context, std::span<const uint32_t> triangles, TileBricks& tile);
@@ -35,14 +35,14 @@ class AttributeScan {
   static constexpr size_t kRows = size_t{kTileSide} * kTileSide;
   static constexpr size_t kMostOffers = size_t{1} << 18;  // and those of one triangle
 
-  // A triangle that may be the nearest to a voxel. Offers of one voxel are a list, the last one first.
+  // A triangle that may be the nearest to a voxel. Offers of one voxel form a list, the last one first.
   struct Offer {
     double square;  // of the distance, units, as TriangleDistance::SquareTo
     uint32_t triangle;
     uint32_t before;  // in offers_, or kNone
   };
 
-  // Of those of a triangle's corners that are nearest to a point, the least values.
+  // The smallest values among the corners of a triangle that are nearest to a point.
   struct Corner {
     __int128 square;  // of the distance, as of Inner
     std::array<uint32_t, kMaxAttributes> values;
@@ -68,10 +68,11 @@ class AttributeScan {
   Vec3i tile_min_{};                     // local
   std::array<uint64_t, kRows> rows_{};   // the tile's voxels: bit k of rows_[i << 6 | j]
   std::array<uint32_t, kRows> first_{};  // the number of a row's first voxel
-  std::vector<double> least_;            // by the voxels' numbers: the least square so far
-  std::vector<uint32_t> last_;           // likewise: the last offer, or kNone
+  std::vector<double> least_;            // by the voxels' numbers: the smallest square so far
+  std::vector<uint32_t> last_;           // by the voxels' numbers: the last offer, or kNone
   std::vector<Offer> offers_;
-  std::vector<Candidate> settled_;  // likewise, if any are: the nearest of earlier offers, which are gone, or kNone
+  std::vector<Candidate>
+      settled_;  // by the voxels' numbers, if there are any: the nearest of earlier, dropped offers, or kNone
 };
 
 }  // namespace latvox

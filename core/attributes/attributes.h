@@ -1,9 +1,10 @@
-// What voxels carry of the mesh, besides being there.
+// The numbers of the mesh that voxels carry.
 //
-// Each vertex has some numbers. A voxel's are those of the nearest corner of the nearest triangle: among all triangles
-// at the least distance from its lattice point, of all their corners those at the least distance from it, and of these
-// the least value of each number by itself. Distances are compared exactly, in integers (core/band/metric.h), so that
-// the voxels' numbers depend on the mesh as a set of triangles alone: not on their order, on tiles or on regions.
+// Each vertex has some numbers. A voxel gets those of the nearest corner of the nearest triangle. Ties go to the
+// smallest value: among all triangles at the smallest distance from the lattice point, and among all their corners at
+// the smallest distance from it, the smallest value of each number by itself. Distances are compared exactly, in
+// integers (core/band/metric.h). So a voxel's numbers depend on the mesh as a set of triangles alone: not on their
+// order, on tiles or on regions.
 #ifndef LATVOX_CORE_ATTRIBUTES_ATTRIBUTES_H_
 #define LATVOX_CORE_ATTRIBUTES_ATTRIBUTES_H_
 

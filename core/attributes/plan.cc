@@ -24,7 +24,7 @@ double FarthestVoxel(const Lattice& lattice, const std::vector<Frame>& frames, b
 
 absl::StatusOr<AttributePlan> MakeAttributePlan(const Lattice& lattice, const std::vector<Frame>& frames,
                                                 bool supercover) {
-  constexpr double kSlack = 1 + 0x1p-16;  // for rounding, that of the metric and of a supercover's cell included
+  constexpr double kSlack = 1 + 0x1p-16;  // for rounding, including that of the metric and of a supercover's cell
   const double farthest = FarthestVoxel(lattice, frames, supercover) * kSlack;
   const absl::StatusOr<Vec3i> margin = MarginOf(farthest, lattice);
   if (!margin.ok()) return margin.status();

@@ -76,7 +76,7 @@ void BandScan::Add(const BandContext& context, const Triangle& corners, const In
 void BandScan::ScanRow(const BandContext& context, const TriangleDistance& triangle, const Rows& rows, const Vec3i& ijk,
                        int32_t end) {
   const Vec3i d = ijk * kLatticeUnit - triangle.corner();
-  const Vec3d x = Apply(context.plan.metric.root, ToDouble(d)) - triangle.centre();
+  const Vec3d x = Apply(context.plan.metric.root, ToDouble(d)) - triangle.center();
   const double square = Dot(x, x), slope = 2 * Dot(x, rows.step), height = Dot(x, triangle.unit_normal());
   int32_t first = 0, last = end - ijk[2] - 1;
   if (std::abs(rows.step_height) * last > rows.width) {  // only where the plane is near enough

@@ -19,7 +19,7 @@ namespace latvox {
 struct BandContext {
   const SnappedMesh& mesh;
   BandPlan plan;
-  IndexBox region;  // local voxels outside are not delivered
+  IndexBox region;                          // local voxels outside are not delivered
   const std::optional<CornerLines> inside;  // for a signed band
   StopSignal stop;
 };
@@ -45,9 +45,9 @@ class BandScan {
   Brick CutOut(const Vec3i& corner, const BandContext& context, bool is_signed, std::vector<float>& values) const;
   size_t NumberOf(const Vec3i& ijk) const;
 
-  Vec3i tile_min_{};  // local
+  Vec3i tile_min_{};           // local
   double low_ = 0, high_ = 0;  // squares up to low_ are certainly within the limit, those from high_ on certainly not
-  std::vector<double> best_;  // the smallest square so far for each voxel, in units; high_: none is within the limit
+  std::vector<double> best_;   // the smallest square so far for each voxel, in units; high_: none is within the limit
   TileMask inside_;
 };
 

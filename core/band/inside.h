@@ -4,7 +4,6 @@
 // Two neighbors along a lattice line differ in this iff the mesh crosses the link between them an odd number of times,
 // by the crossing rule (core/digitize/crossing.h). The rule breaks ties by one shift of the whole surface. So one point
 // of a tile and the triangles around the tile decide on all of its points.
-// of a tile and the triangles around the tile tell all of it.
 #ifndef LATVOX_CORE_BAND_INSIDE_H_
 #define LATVOX_CORE_BAND_INSIDE_H_
 

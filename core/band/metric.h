@@ -29,11 +29,11 @@ static_assert(kInnerBits < 127, "inner products must fit a signed integer of 128
 
 struct Metric {
   // The products of basis vectors; symmetric, positive definite. For the named lattices and for bases of small
-  // integers, they are multiples of at least a 1024th of the largest product. Then g is in a unit of which all are
-  // multiples, so equally long vectors are equally long here. Other products are rounded to multiples of 2^-kMetricBits
-  // of a voxel size squared.
+  // integers, they are multiples of at least a 1024th of the largest product. Then all entries are integers in the unit
+  // of g, and equally long vectors are equally long here. Other products are rounded to multiples of 2^-kMetricBits of
+  // a voxel size squared.
   Mat<int64_t, 3> g;
-  double one;  // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and at most that
+  double one;     // a voxel size squared, in the unit of g: above half of 2^kMetricBits, and at most that
   bool is_exact;  // otherwise, entries of g are wrong by up to a half
 
   // An upper triangular matrix with root^T root = g / one: a lattice vector v is root * v in some Cartesian
@@ -45,10 +45,9 @@ struct Metric {
 // Errors: INVALID_ARGUMENT if an entry of g needs more bits, or if det g is less than 2^-10 of the product of its
 // diagonal. Such a basis is too skewed for distances; a reduced basis is not.
 //
-// With that, root and cofactor have relative errors below 2^-36, and so do squares of lengths that doubles compute by
-// them from exact integers: 2^-53, times some 2^4 operations, times the condition of g with a diagonal scaled to 1,
-// which is at most 3 / (2^-10 * 4 / 9) < 2^13.
-// which is at most 3 / (2^-10 * 4 / 9) < 2^13.
+// With that, root and cofactor have relative errors below 2^-36. So do squares of lengths that doubles compute by them
+// from exact integers. The bound is 2^-53, times some 2^4 operations, times the condition of g with a diagonal scaled
+// to 1. That condition is at most 3 / (2^-10 * 4 / 9) < 2^13.
 absl::StatusOr<Metric> MakeMetric(const Lattice& lattice);
 
 // Returns u^T g v, exactly. Precondition: coordinates within kPointBits.

@@ -13,7 +13,7 @@ namespace latvox {
 struct BandPlan {
   Metric metric;
   double width;    // world units
-  double unit;  // world length of a unit of the metric
+  double unit;     // world length of a unit of the metric
   __int128 limit;  // the square of the width, as of Inner: larger by up to 2^-45 of it, and by the rounding of g
   // The distance along each lattice axis within which the band's lattice points lie from the surface: in units, and in
   // voxels, rounded up.

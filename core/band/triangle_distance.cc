@@ -49,9 +49,9 @@ TriangleDistance::TriangleDistance(const Metric& metric, const Triangle& triangl
   normal_world_ = Apply(metric.cofactor, ToDouble(normal_));
   normal_square_ = Square(normal_world_);
   unit_normal_ = normal_square_ > 0 ? normal_world_ * (1 / std::sqrt(normal_square_)) : Vec3d{};
-  centre_ = (edges_world_[0] - edges_world_[2]) * (1.0 / 3);
+  center_ = (edges_world_[0] - edges_world_[2]) * (1.0 / 3);
   radius_ =
-      std::sqrt(std::max({Square(centre_), Square(edges_world_[0] - centre_), Square(edges_world_[2] + centre_)}));
+      std::sqrt(std::max({Square(center_), Square(edges_world_[0] - center_), Square(edges_world_[2] + center_)}));
 }
 
 double TriangleDistance::SquareTo(const Vec3i& point) const {

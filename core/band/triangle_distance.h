@@ -30,7 +30,7 @@ class TriangleDistance {
   const Vec3i& corner() const { return corners_[0]; }
   // The center of a circle in the triangle's plane that contains the triangle, in the metric's Cartesian coordinates
   // relative to corner(); units.
-  const Vec3d& centre() const { return centre_; }
+  const Vec3d& center() const { return center_; }
   double radius() const { return radius_; }
   // The plane's normal of length 1; 0 for a triangle without area.
   const Vec3d& unit_normal() const { return unit_normal_; }
@@ -48,13 +48,13 @@ class TriangleDistance {
 
   const Metric& metric_;
   Triangle corners_;
-  std::array<Vec3i, 3> edges_;  // from each corner to the next
+  std::array<Vec3i, 3> edges_;        // from each corner to the next
   std::array<Vec3d, 3> edges_world_;  // root * edge
   std::array<double, 3> edge_squares_;
   Vec<int64_t, 3> normal_;  // edges_[0] x (corners_[2] - corners_[0])
-  Vec3d normal_world_;  // cofactor * normal
+  Vec3d normal_world_;      // cofactor * normal
   double normal_square_;
-  Vec3d centre_, unit_normal_;
+  Vec3d center_, unit_normal_;
   double radius_;
 };
 

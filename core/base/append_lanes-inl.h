@@ -18,8 +18,8 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_AVX2
-// Entry m holds the positions of the set bits of m, in nibbles. Highway 1.0.3 has the same table, but as a local
-// variable, which gcc 12 copies to the stack for each use.
+// Entry m holds the positions of the set bits of m, in nibbles. Highway 1.0.3 has the same table as a local variable,
+// which gcc 12 copies to the stack for each use.
 constexpr std::array<uint32_t, 256> MakeCompressTable() {
   std::array<uint32_t, 256> table{};
   for (uint32_t m = 0; m < 256; ++m) {
@@ -33,7 +33,7 @@ constexpr std::array<uint32_t, 256> MakeCompressTable() {
 inline constexpr std::array<uint32_t, 256> kCompressTable = MakeCompressTable();
 #endif
 
-// The lanes that a mask selects, to be written one after another, of as many vectors as one likes.
+// The lanes that a mask selects, to be written one after another, from any number of vectors.
 template <class D>
 class SelectedLanes {
  public:
@@ -48,7 +48,7 @@ class SelectedLanes {
       const auto lanes = hn::BitCast(hn::RebindToFloat<D>(), hn::VecFromMask(d, mask));
       const auto set = static_cast<uint32_t>(_mm256_movemask_ps(lanes.raw));
       alignas(32) static constexpr uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
-      // A lookup takes the low three bits alone.
+      // A lookup uses only the low three bits.
       positions_ = hn::Shr(hn::Set(du, kCompressTable[set]), hn::Load(du, kShifts));
     }
 #endif
@@ -56,7 +56,7 @@ class SelectedLanes {
 
   size_t count() const { return count_; }
 
-  // Writes whole lanes, of which count() mean something. Numbers must be within 0 .. 2^32 - 1.
+  // Writes whole lanes; the first count() are valid. Numbers must be within 0 .. 2^32 - 1.
   HWY_INLINE void Store(V v, uint32_t* to) const {
     namespace hn = hwy::HWY_NAMESPACE;
     const D d;
@@ -88,7 +88,7 @@ class SelectedLanes {
 #endif
 };
 
-// The same for one vector; returns how many.
+// Does the same for one vector; returns the number of lanes.
 template <class D>
 HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESPACE::Mask<D> mask, uint32_t* to) {
   const SelectedLanes<D> selected(d, mask);
@@ -97,7 +97,7 @@ HWY_INLINE size_t AppendLanes(D d, hwy::HWY_NAMESPACE::Vec<D> v, hwy::HWY_NAMESP
 }
 
 #if HWY_TARGET != HWY_SCALAR  // which has no vectors of eight
-// Bit n: lane n, of 16 bits, is set.
+// Bit n: lane n, with 16 bits, is set.
 template <class D>
 HWY_INLINE uint64_t BitsOfShorts(D d, hwy::HWY_NAMESPACE::Mask<D> mask) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -125,7 +125,7 @@ class SelectedShorts {
 
   size_t count() const { return count_; }
 
-  // Writes whole lanes, of which count() mean something.
+  // Writes whole lanes; the first count() are valid.
   HWY_INLINE void Store(V v, uint16_t* to) const {
     namespace hn = hwy::HWY_NAMESPACE;
     const hn::RebindToUnsigned<D> du;
@@ -137,7 +137,7 @@ class SelectedShorts {
   size_t count_;
 };
 #else
-// Entry m holds the bytes of those of eight lanes of 16 bits whose bits are set in m.
+// Entry m holds the bytes of the lanes with set bits in m, out of eight lanes of 16 bits.
 constexpr std::array<std::array<uint8_t, 16>, 256> MakeShortsTable() {
   std::array<std::array<uint8_t, 16>, 256> table{};
   for (uint32_t m = 0; m < 256; ++m) {
@@ -161,11 +161,11 @@ class SelectedShorts {
 
   size_t count() const { return static_cast<size_t>(std::popcount(bits_)); }
 
-  // Writes whole lanes, of which count() mean something.
+  // Writes whole lanes; the first count() are valid.
   HWY_INLINE void Store(V v, uint16_t* to) const { StoreEights<0, D>(v, to); }
 
  private:
-  // Lanes from 8 * kFirst on; returns where the next ones go.
+  // Writes the lanes from 8 * kFirst on; returns the place for the next ones.
   template <size_t kFirst, class DV>
   HWY_INLINE uint16_t* StoreEights(hwy::HWY_NAMESPACE::Vec<DV> v, uint16_t* to) const {
     namespace hn = hwy::HWY_NAMESPACE;

@@ -1,4 +1,4 @@
-// The memory that arrays hold, used or not.
+// The memory that arrays hold, whether used or not.
 #ifndef LATVOX_CORE_BASE_BYTES_OF_H_
 #define LATVOX_CORE_BASE_BYTES_OF_H_
 

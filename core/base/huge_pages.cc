@@ -18,7 +18,7 @@ struct Array {
   size_t size = 0;
 };
 
-// What was freed last, of so many arrays at most.
+// The arrays that were freed last, up to a number and a size.
 class KeptPages {
  public:
   void Limit(size_t bytes) {
@@ -27,7 +27,7 @@ class KeptPages {
     limit_ = bytes;
     while (bytes_ > limit_) DropOldest(dropped);
   }
-  // The newest of that size, which caches may still hold; null if there is none.
+  // Returns the newest array of that size, which caches may still hold; null if there is none.
   void* Reserve(size_t size) {
     const std::lock_guard lock(mutex_);
     for (size_t n = count_; n-- > 0;) {
@@ -45,7 +45,8 @@ class KeptPages {
   }
 
  private:
-  // Given back to the system at its end, after the lock's: that takes long enough for others to wait.
+  // Unmaps arrays when it is destroyed, after the lock is released, because unmapping takes long enough for others to
+  // wait.
   class Dropped {
    public:
     ~Dropped() {
@@ -68,12 +69,12 @@ class KeptPages {
   void DropOldest(Dropped& dropped) { dropped.Add(Remove(0)); }
 
   std::mutex mutex_;
-  std::array<Array, kKeptArrays> arrays_;  // the first count_, the oldest first
+  std::array<Array, kKeptArrays> arrays_;  // the first count_ are valid, the oldest first
   size_t count_ = 0, bytes_ = 0, limit_ = kKeptByDefault;
 };
 
 KeptPages& Kept() {
-  static auto* const kept = new KeptPages;  // which arrays of other static objects may outlive
+  static auto* const kept = new KeptPages;  // never destroyed, because arrays of other static objects may outlive it
   return *kept;
 }
 
@@ -82,7 +83,7 @@ KeptPages& Kept() {
 void* AllocatePages(size_t bytes) {
   const size_t size = WholePages(bytes);
   if (void* const kept = Kept().Reserve(size)) return kept;
-  // There is one aligned place in as much and a page more.
+  // As much and a page more contains one aligned place.
   void* const all = mmap(nullptr, size + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (all == MAP_FAILED) throw std::bad_alloc();
   const size_t before = -reinterpret_cast<uintptr_t>(all) & (kHugePage - 1);

@@ -27,15 +27,15 @@ inline void KeepJobMemory(size_t bytes) {
 }
 
 // For the main functions of programs whose heap is used by jobs alone; core itself leaves the host's heap as it is. The
-// C library's heap keeps so many bytes that were freed, more where several threads free it; by itself it returns them
-// to the system, and a job must fetch and clear them again, page by page.
+// C library's heap keeps so many freed bytes, and more where several threads free memory. By default it returns them to
+// the system, and a job must fetch and clear them again, page by page.
 inline void KeepHeap(int bytes) {
   mallopt(M_MMAP_THRESHOLD, bytes / 2);
   mallopt(M_TRIM_THRESHOLD, bytes);
 }
 
-// What the heap of a program with jobs should keep: no more than the C library would keep by itself after a job with
-// arrays of 16 MiB. An idle program has it beside the budgets of jobs at work.
+// The recommended size of the heap for a program with jobs: no more than the C library would keep by default after a
+// job with arrays of 16 MiB. An idle program has it in addition to the budgets of jobs at work.
 inline constexpr int kHeapOfJobs = 32 << 20;
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// An array that does not change any more, and what keeps its memory.
+// An array that does not change any more, with the owner of its memory.
 #ifndef LATVOX_CORE_BASE_SHARED_ARRAY_H_
 #define LATVOX_CORE_BASE_SHARED_ARRAY_H_
 
@@ -9,8 +9,8 @@
 
 namespace latvox {
 
-// Of what such a vector holds. Copies are of the same elements. What was moved from may only be assigned to, or
-// destroyed.
+// A view of such a vector's content. Copies share the same elements. An object that was moved from may only be assigned
+// to, or destroyed.
 template <class Vector>
 class SharedArray {
  public:
@@ -22,7 +22,7 @@ class SharedArray {
     memory_ = kept;
     elements_ = *kept;
   }
-  // What lies in memory that `memory` keeps, and that such a vector might have allocated.
+  // A view of elements in memory that `memory` keeps, as such a vector might have allocated them.
   SharedArray(std::shared_ptr<const void> memory, std::span<const T> elements)
       : memory_(std::move(memory)), elements_(elements) {}
 

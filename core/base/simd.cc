@@ -13,7 +13,7 @@ namespace {
 std::atomic<bool> scalar_only = false;
 std::atomic<int64_t> allowed = ~int64_t{0};
 
-// Asking the processor is slow: on virtual machines, a call of their host.
+// It is slow to ask the processor: on virtual machines, the host answers.
 int64_t Detected() {
   static const int64_t targets = hwy::SupportedTargets();
   return targets;
@@ -43,7 +43,7 @@ absl::Status ForceSimd(Simd simd) {
   }
   scalar_only = simd == Simd::kScalar;
   allowed = simd == Simd::kAvx2 ? ~kAvx512Targets : ~int64_t{0};
-  // Not hwy::DisableTargets: hwy::SupportedTargets, whoever calls it, chooses all targets again.
+  // Not hwy::DisableTargets, because any call of hwy::SupportedTargets chooses all targets again.
   hwy::GetChosenTarget().Update(Detected() & allowed);
   return absl::OkStatus();
 }

@@ -1,4 +1,4 @@
-// Sorting that can be cut short.
+// Sorting that can be cancelled.
 #ifndef LATVOX_CORE_BASE_SORT_H_
 #define LATVOX_CORE_BASE_SORT_H_
 
@@ -12,10 +12,10 @@
 
 namespace latvox {
 
-// A piece of an array, of which any step takes some milliseconds at most.
+// A piece of an array; any step over it takes at most some milliseconds.
 inline constexpr size_t kSortedPiece = size_t{1} << 16;
 
-// Merges two sorted ranges, one after the other, as std::inplace_merge does, which cannot be cut short. Once cancelled,
+// Merges two sorted ranges, one after the other, like std::inplace_merge, which cannot be cancelled. Once cancelled,
 // leaves all their elements in any order.
 //   left   memory
 template <class T, class Less>
@@ -35,10 +35,10 @@ void MergeAdjacent(std::span<T> first, std::span<T> second, std::vector<T>& left
     const size_t steps = std::min({kSortedPiece, static_cast<size_t>(a_end - a), static_cast<size_t>(b_end - b)});
     for (size_t n = 0; n < steps; ++n) *out++ = less(*b, *a) ? *b++ : *a++;
   }
-  std::copy(a, a_end, out);  // for which there is room up to b
+  std::copy(a, a_end, out);  // there is room for them up to b
 }
 
-// Sorts, by std::sort unless there are many. Returns soon once cancelled, with the elements in any order.
+// Sorts, by std::sort unless there are many elements. Returns soon once cancelled, with the elements in any order.
 template <class T, class Less = std::less<T>>
 void Sort(std::vector<T>& elements, StopSignal stop, const Less& less = {}) {
   const auto part = [&](size_t begin, size_t end) {
@@ -56,7 +56,7 @@ void Sort(std::vector<T>& elements, StopSignal stop, const Less& less = {}) {
   }
 }
 
-// The same, without duplicates.
+// Does the same, and removes duplicates.
 template <class T>
 void SortUnique(std::vector<T>& elements, StopSignal stop) {
   Sort(elements, stop);

@@ -1,4 +1,4 @@
-// The field, the value and the limit that an error is about, beside its message: programs read them.
+// The field, the value and the limit of an error, besides its message, for programs to read.
 #ifndef LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
 #define LATVOX_CORE_BASE_STATUS_PAYLOAD_H_
 
@@ -21,7 +21,7 @@ inline absl::Status WithValue(absl::Status status, const std::string& value, con
   return status;
 }
 
-// For a field that the message does not begin with, followed by a colon.
+// For a message that does not begin with the field and a colon.
 inline absl::Status WithField(absl::Status status, const std::string& field, const std::string& value,
                               const std::string& limit = "") {
   status.SetPayload(kRefusedField, absl::Cord(field));

@@ -1,4 +1,4 @@
-// Ends work early: the owner of a StopSource asks, the work looks at its StopSignal.
+// Stops work early: the owner of a StopSource requests it, and the work polls its StopSignal.
 #ifndef LATVOX_CORE_BASE_STOP_SIGNAL_H_
 #define LATVOX_CORE_BASE_STOP_SIGNAL_H_
 
@@ -6,9 +6,9 @@
 
 namespace latvox {
 
-// Tells work whether to stop. A function that takes one returns soon after it is stopped, with a result that means
-// nothing. A signal that was made without a source never stops. It is a pointer: copies are free, and Stopped() is one
-// load. It must not outlive its source: std::stop_token would share the ownership, at two atomic additions a copy.
+// Tells work whether to stop. A function with a signal returns soon after the signal is stopped, with a meaningless
+// result. A signal without a source never stops. It is a pointer: copies are free, and Stopped() is one load. It must
+// not outlive its source. (std::stop_token would share the ownership, with two atomic additions for each copy.)
 class StopSignal {
  public:
   StopSignal() = default;

@@ -1,4 +1,4 @@
-// A small table of numbers in registers, where a lookup costs a fraction of what a gather does.
+// A small table of numbers in registers. A lookup costs a fraction of a gather.
 #if defined(LATVOX_CORE_BASE_TABLE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_BASE_TABLE_LANES_INL_H_
 #undef LATVOX_CORE_BASE_TABLE_LANES_INL_H_
@@ -16,7 +16,7 @@ namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
 
-//   kSize   numbers, a power of two, at least those of a vector
+//   kSize   numbers, a power of two, at least as many as a vector has
 template <size_t kSize>
 class LaneTable {
  public:
@@ -27,7 +27,7 @@ class LaneTable {
     for (size_t m = 0; m < kVectors; ++m) table_[m] = hwy::HWY_NAMESPACE::LoadU(Numbers(), numbers + m * kLanes);
   }
 
-  // The numbers at `places`, of which the bits above kSize mean nothing.
+  // Returns the numbers at `places`; the bits of places above kSize do not matter.
   HWY_INLINE V At(V places) const {
     namespace hn = hwy::HWY_NAMESPACE;
     const Numbers d;

@@ -1,4 +1,4 @@
-// Large arrays that threads fill: a vector would first write zeros to all of it, from one thread.
+// Large arrays that threads fill. A std::vector would first write zeros to all of it, from one thread.
 #ifndef LATVOX_CORE_BASE_UNINITIALIZED_H_
 #define LATVOX_CORE_BASE_UNINITIALIZED_H_
 
@@ -13,7 +13,7 @@
 
 namespace latvox {
 
-// std::allocator, but for elements made without a value, which stay indeterminate; and large arrays are made of whole
+// Like std::allocator, except that elements without a value stay indeterminate, and that large arrays consist of whole
 // large pages, where the system has them.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
@@ -36,7 +36,7 @@ struct UninitializedAllocator : std::allocator<T> {
     std::construct_at(at, std::forward<Args>(args)...);
   }
 
-  // The memory that an array of so many takes.
+  // Returns the memory of an array with so many elements.
   static size_t BytesOf(size_t count) { return IsLarge(count) ? WholePages(count * sizeof(T)) : count * sizeof(T); }
 
  private:
@@ -47,7 +47,7 @@ struct UninitializedAllocator : std::allocator<T> {
 template <class T>
 using UninitializedVector = std::vector<T, UninitializedAllocator<T>>;
 
-// The same with memory for one element more, behind the last, which kernels may read and not use.
+// The same, with memory for one more element behind the last, which kernels may read but not use.
 template <class T>
 struct PaddedAllocator : UninitializedAllocator<T> {
   template <class U>

@@ -202,11 +202,11 @@ void Thinner::AddBorder(const TileContext& context, BlockVoxels& voxels, std::sp
     if (context.stop.Stopped()) return;
     for (const ScanFrame& scan : context.frames) {
       const auto step = static_cast<uint32_t>(where.layout.StepOf(scan.frame.q));
-      for (const uint32_t neighbour : {voxel + step, voxel - step}) {
-        if (!voxels.bits().Test(neighbour) || undecided_.Test(neighbour)) continue;
-        if (complete.Contains(where.layout.VoxelAt(neighbour))) continue;
-        undecided_.Set(neighbour);
-        list_.push_back(neighbour);
+      for (const uint32_t neighbor : {voxel + step, voxel - step}) {
+        if (!voxels.bits().Test(neighbor) || undecided_.Test(neighbor)) continue;
+        if (complete.Contains(where.layout.VoxelAt(neighbor))) continue;
+        undecided_.Set(neighbor);
+        list_.push_back(neighbor);
       }
     }
   }

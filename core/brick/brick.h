@@ -34,9 +34,9 @@ struct TileBricks {
   Vec3i tile_ijk;
   std::vector<Brick> bricks;  // lexicographic order of brick_ijk; never empty
   uint64_t voxels = 0;
-  double progress = 0;                    // estimated share of the whole work done with this tile, 0 to 1
-  std::vector<float> values = {};         // of a band: the distance of each voxel, brick by brick, in the masks' order
-  std::vector<uint32_t> attributes = {};  // if asked for: those of each voxel, in the same order
+  double progress = 0;                    // estimated share of the whole work that is done with this tile, 0 to 1
+  std::vector<float> values = {};         // for a band: the distance of each voxel, brick by brick, in the masks' order
+  std::vector<uint32_t> attributes = {};  // if requested: those of each voxel, in the same order
 };
 
 // A half-open box of lattice points: min <= ijk < max on every axis.
@@ -55,7 +55,7 @@ inline bool IsEmpty(const IndexBox& box) {
   return box.min[0] >= box.max[0] || box.min[1] >= box.max[1] || box.min[2] >= box.max[2];
 }
 
-// The points of both; there may be none.
+// Returns the points of both boxes; there may be none.
 inline IndexBox Intersection(IndexBox a, const IndexBox& b) {
   for (size_t m = 0; m < 3; ++m) {
     a.min[m] = std::max(a.min[m], b.min[m]);

@@ -10,9 +10,9 @@
 
 namespace latvox {
 
-// The tile's place in the order, from 0: the bits of its relative coordinates in turn. A cube of 2^L tiles a side whose
-// corner is a multiple of that has the 8^L numbers from its corner's on.
-// Precondition: 0 <= each coordinate < 2^21.
+// Returns the tile's place in the order, from 0: the bits of its relative coordinates in turn. A cube of 2^L tiles a
+// side, with a corner that is a multiple of that, has the 8^L numbers from its corner's on. Precondition: 0 <= each
+// coordinate < 2^21.
 constexpr uint64_t TileNumber(const Vec3i& relative) {
   const auto spread = [](int32_t coordinate) {
     auto x = static_cast<uint64_t>(coordinate);
@@ -30,7 +30,7 @@ struct TileSpan {
   uint64_t begin = 0, end = std::numeric_limits<uint64_t>::max();
 
   bool Contains(uint64_t number) const { return begin <= number && number < end; }
-  // Whether any of `count` numbers from `first` on is in.
+  // Returns whether any of `count` numbers from `first` on is in the span.
   bool Meets(uint64_t first, uint64_t count) const { return first < end && begin < first + count; }
   bool operator==(const TileSpan&) const = default;
 };

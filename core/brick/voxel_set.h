@@ -13,7 +13,7 @@
 
 namespace latvox {
 
-// Answers membership. Memory: about 90 bytes for each brick that holds a voxel.
+// Answers membership. Memory: about 90 bytes for each brick with a voxel.
 class VoxelSet {
  public:
   void Add(const Brick& brick);
@@ -23,11 +23,11 @@ class VoxelSet {
   bool Contains(const Vec3i& ijk) const { return Find(ijk).has_value(); }
   uint64_t size() const { return size_; }
 
-  // A number below 64 * words() that is the voxel's alone, or nullopt if it is not in the set.
+  // Returns a number below 64 * words() that belongs to this voxel alone, or nullopt if it is not in the set.
   std::optional<uint64_t> Find(const Vec3i& ijk) const;
   size_t words() const { return masks_.size() * std::tuple_size_v<BrickMask>; }
 
-  // All bricks, in lexicographic order of brick_ijk, whatever order they were added in.
+  // Returns all bricks, in lexicographic order of brick_ijk, whatever the order of their addition.
   std::vector<Brick> Bricks(StopSignal stop = {}) const;
 
  private:

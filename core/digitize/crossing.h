@@ -1,16 +1,16 @@
 // The crossing rule: where one triangle crosses the lattice lines along one direction.
 //
-// A lattice edge is a segment z -> z+q between k-neighbours. The voxels of a surface are the nearer ends of all edges
-// that it crosses: then every crossed edge has an end in the set, which is what k-separating means, for any surface;
-// and on a plane the set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1-7.
+// A lattice link is a segment z -> z+q between k-neighbors. The voxels of a surface are the nearer ends of all links
+// that it crosses. So every crossed link has an end in the set: that is k-separation, for any surface. On a plane, the
+// set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1-7.
 //
 // Frames (core/lattice/frame.h): a lattice line along q is the point (a, b) of the projection along q, voxels on it are
 // counted by c. This is the thesis's project, scan-convert and lift (section 4.3), once a direction and exact.
 //
 // Ties. The result is that of the surface shifted by the infinitesimal (e, e^2, e^3) in lattice coordinates, the same
 // for every direction (simulation of simplicity). Two triangles with a common edge never both claim, nor both miss, a
-// lattice line through it. Depths halfway between two voxels take the end at signed distance +t, for the plane's normal
-// with positive first nonzero entry: that end is where the same shift moves the surface.
+// lattice line through it. A depth halfway between two voxels takes the end at signed distance +t, for the plane's
+// normal with positive first nonzero entry. The same shift moves the surface to that end.
 #ifndef LATVOX_CORE_DIGITIZE_CROSSING_H_
 #define LATVOX_CORE_DIGITIZE_CROSSING_H_
 
@@ -58,9 +58,9 @@ struct Span {
 };
 
 // One edge of the projected triangle, counter-clockwise from (x, y). The line (a, b) is on its inner side iff
-//   dx * (Y - y) - dy * (X - x) + tie > 0,   X = a * kLatticeUnit, Y = b * kLatticeUnit,
-// where tie is 1 if the shift turns an edge function that is 0 positive, else 0. The shift moves (x, y) by (R0.s,
-// R1.s), s = (e, e^2, e^3), hence the edge function by sum_m s_m * (dy*R0[m] - dx*R1[m]).
+//   dx * (Y - y) - dy * (X - x) + tie > 0,   X = a * kLatticeUnit, Y = b * kLatticeUnit.
+// The tie is 1 if the shift makes an edge function of 0 positive, else 0. The shift moves (x, y) by (R0.s, R1.s),
+// s = (e, e^2, e^3), so it changes the edge function by sum_m s_m * (dy*R0[m] - dx*R1[m]).
 struct ProjectedEdge {
   int64_t x, y, dx, dy, tie;
 
@@ -71,7 +71,7 @@ struct ProjectedEdge {
     tie = FirstNonzeroIsPositive(shift) ? 1 : 0;
   }
 
-  // Cuts off the part of row b that is not inside.
+  // Removes the part of row b that is not inside.
   void Clip(int64_t b, Span& span) const {
     // Inside iff step * a <= room.
     const int64_t step = dy * kLatticeUnit;
@@ -86,7 +86,7 @@ struct ProjectedEdge {
   }
 };
 
-// Least and largest value of row . ijk over the voxels of the box.
+// Returns the least and the largest value of row . ijk over the voxels of the box.
 inline Span RangeOver(const IndexBox& box, const Vec3i& row) {
   Span span{0, 0};
   for (size_t m = 0; m < 3; ++m) {
@@ -99,9 +99,8 @@ inline Span RangeOver(const IndexBox& box, const Vec3i& row) {
 
 }  // namespace crossing_internal
 
-// Calls emit(nearer, farther) with the two ends of every lattice edge along frame.q that the triangle crosses and whose
-// nearer end lies in `box` (local voxels). A triangle parallel to q crosses none. Returns early once
-// cancelled.
+// Calls emit(nearer, farther) with the two ends of every lattice link along frame.q that the triangle crosses and that
+// has its nearer end in `box` (local voxels). A triangle parallel to q crosses none. Returns early once cancelled.
 template <class Emit>
 void ForEachCrossing(const Triangle& triangle, const Frame& frame, const IndexBox& box, Emit&& emit,
                      StopSignal stop = {}) {

@@ -5,10 +5,10 @@ namespace {
 
 using Point = Vec<int64_t, 2>;
 
-// The corners of the convex hull of some points and their negatives, one of each two that are opposite: none of the
-// other points alone attains a maximum of |g . p|. By the lower monotone chain [Andrew 1979]; the upper one is its
+// Returns the corners of the convex hull of some points and their negatives, one of each opposite pair. None of the
+// other points alone attains a maximum of |g . p|. It uses the lower monotone chain [Andrew 1979]; the upper one is its
 // negative.
-//   points   one at least; none is 0, no two are equal or opposite
+//   points   at least one; none is 0, and no two are equal or opposite
 std::vector<Point> CornersOfHull(std::vector<Point> points) {
   const auto det = [](const Point& a, const Point& b) { return a[0] * b[1] - a[1] * b[0]; };
   for (size_t n = 0, count = points.size(); n < count; ++n) points.push_back(-points[n]);

@@ -1,13 +1,14 @@
 // All voxels that one triangle may contribute, from one scan along its principal direction.
 //
-// Let C be the principal direction, the q with the largest |n.q|, and t = |n.C|/2. Every nearer end z of a crossed edge
-// along any q has -t < d(z) <= t, since the edge's plane distance is at most |n.q| <= 2t; and exactly one voxel of each
-// lattice line along C has (Theorems 1-7). So z is the voxel of its line along C that is nearest to the plane. Its line
-// need not meet the triangle, but passes it closely: z + s q lies on the triangle, |s| <= 1/2, so in the projection
-// along C the edge function e_m of the line is at least -max_q |L_m(q)|/2, L_m the linear part of e_m.
+// Let C be the principal direction, the q with the largest |n.q|, and t = |n.C|/2. Every nearer end z of a crossed link
+// along any q has -t < d(z) <= t, because the distance between the plane and the link's ends is at most |n.q| <= 2t.
+// Exactly one voxel of each lattice line along C has that property (Theorems 1-7). So z is the voxel of its line along
+// C that is nearest to the plane. Its line need not meet the triangle, but passes it closely: z + s q lies on the
+// triangle, |s| <= 1/2. So in the projection along C, the edge function e_m of the line is at least -max_q |L_m(q)|/2,
+// with L_m the linear part of e_m.
 //
 // Lines that meet the triangle give voxels at once (they are crossed along C). The others, the rim, give candidates,
-// whose star (core/digitize/star.h) decides. On a smooth surface a neighbouring triangle has set them already.
+// whose star (core/digitize/star.h) decides. On a smooth surface a neighboring triangle has set them already.
 #ifndef LATVOX_CORE_DIGITIZE_PRINCIPAL_SCAN_H_
 #define LATVOX_CORE_DIGITIZE_PRINCIPAL_SCAN_H_
 
@@ -21,19 +22,19 @@
 
 namespace latvox {
 
-inline constexpr size_t kMaxDirections = 16;       // lanes want a power of two
-inline constexpr size_t kMaxHull = kMaxPairs - 1;  // all others
+inline constexpr size_t kMaxDirections = 16;       // a power of two, for lanes
+inline constexpr size_t kMaxHull = kMaxPairs - 1;  // all other pairs
 static_assert(kMaxPairs <= kMaxDirections);
 
-// A frame with what its rim depends on: all neighbours q in the projection along frame.q.
+// A frame with the data for its rim: all neighbors q in the projection along frame.q.
 struct ScanFrame {
   Frame frame;
   std::vector<Vec<int64_t, 2>> hull;  // corners of their convex hull, one of each pair +-; at most kMaxHull
   int64_t reach_a, reach_b;           // its extent along both axes
 };
 
-// One for each frame, those with small q first. Where planes are parallel to a lattice plane, |n.q| is the largest for
-// several directions, of which the first is taken: along the smallest, the rim is narrowest.
+// Returns one for each frame, those with small q first. Where planes are parallel to a lattice plane, |n.q| is the
+// largest for several directions. The first of them is the smallest, and has the narrowest rim.
 std::vector<ScanFrame> MakeScanFrames(const std::vector<Frame>& frames);
 
 // The first with the largest |normal . q|. Precondition: frames is not empty.
@@ -45,7 +46,7 @@ using crossing_internal::RangeOver;
 using crossing_internal::Span;
 using Vec3l = Vec<int64_t, 3>;
 
-// floor(n / d), d > 0, from a reciprocal of d. The estimate is off by at most one: |n| < 2^57 and |n / d| < 2^50.
+// floor(n / d), d > 0, from a reciprocal of d. The estimate is wrong by at most one: |n| < 2^57 and |n / d| < 2^50.
 inline int64_t FloorDiv(int64_t n, int64_t d, double reciprocal) {
   auto q = static_cast<int64_t>(static_cast<double>(n) * reciprocal);
   int64_t r = n - q * d;
@@ -70,7 +71,7 @@ class RimmedEdge {
     if (step_ != 0) reciprocal_ = 1.0 / static_cast<double>(std::abs(step_));
   }
 
-  // Cuts off what is not inside the triangle from `inner`, and what is beyond the rim from `outer`.
+  // Removes the part outside of the triangle from `inner`, and the part beyond the rim from `outer`.
   void Clip(int64_t b, Span& inner, Span& outer) const {
     const int64_t room = edge_.dx * (b * kLatticeUnit - edge_.y) + edge_.dy * edge_.x;
     Cut(room + edge_.tie - 1, inner);
@@ -94,8 +95,8 @@ class RimmedEdge {
   double reciprocal_ = 0;
 };
 
-// floor(n / d) and the remainder, for n of any size: only the low 64 bits of n are given, and an estimate of the
-// quotient that is off by less than one.
+// floor(n / d) and the remainder, for n of any size. Only the low 64 bits of n are given, and an estimate of the
+// quotient that is wrong by less than one.
 inline crossing_internal::Division Correct(uint64_t n, double estimate, int64_t d) {
   auto q = static_cast<int64_t>(estimate);
   auto r = static_cast<int64_t>(n - static_cast<uint64_t>(q) * static_cast<uint64_t>(d));
@@ -112,9 +113,9 @@ inline crossing_internal::Division Correct(uint64_t n, double estimate, int64_t 
 
 }  // namespace scan_internal
 
-// Calls inner(nearer, farther) for the edge along C that the triangle crosses on each lattice line, and rim(z) for the
-// candidate on each line of the rim; both only with nearer and z in `box` (local voxels).
-// Precondition: triangle.normal is not 0, and scan is the frame of the principal direction.
+// Calls inner(nearer, farther) for the link along C that the triangle crosses on each lattice line. Calls rim(z) for
+// the candidate on each line of the rim. Both only with nearer and z in `box` (local voxels). Precondition:
+// triangle.normal is not 0, and scan is the frame of the principal direction.
 template <class Inner, class Rim>
 void ScanAlongPrincipal(const OrientedTriangle& triangle, const ScanFrame& scan, const IndexBox& box, Inner&& inner,
                         Rim&& rim) {

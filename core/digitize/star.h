@@ -1,4 +1,4 @@
-// One voxel and one triangle: which lattice edges at the voxel the triangle crosses.
+// The lattice links at one voxel that one triangle crosses.
 #ifndef LATVOX_CORE_DIGITIZE_STAR_H_
 #define LATVOX_CORE_DIGITIZE_STAR_H_
 
@@ -28,14 +28,14 @@ struct OrientedTriangle {
   }
 };
 
-// The star of a voxel: the edges z -> z +- q for all k-neighbours q, tested against one triangle. It says of each edge
-// what ForEachCrossing says, without a projection: the line through z along q passes on the inner side of the
-// triangle's edge A -> B iff u . ((B-A) x (z-A)) > 0, where u is q or -q, whichever goes up the normal; and the cross
-// products are the same for all q.
+// The star of a voxel: the links z -> z +- q for all k-neighbors q, tested against one triangle. It gives the same
+// result for each link as ForEachCrossing, without a projection. The line through z along q passes on the inner side of
+// the triangle's edge A -> B iff u . ((B-A) x (z-A)) > 0, where u is the one of q and -q that goes up the normal. The
+// cross products are the same for all q.
 //
-// Ties. Shifting the triangle by s = (e, e^2, e^3) adds s . ((B-A) x u) to that product. With d = n . (z - A) and
-// D = n . u, the triangle's plane meets the line at z - (d/D) u, and the shift moves it up. Hence z is the nearer end
-// iff -D/2 < d <= D/2, the edge to z+u is crossed iff -D < d <= 0, and that to z-u iff 0 < d <= D.
+// Ties. A shift of the triangle by s = (e, e^2, e^3) adds s . ((B-A) x u) to that product. With d = n . (z - A) and D =
+// n . u, the triangle's plane meets the line at z - (d/D) u, and the shift moves it up. So z is the nearer end iff -D/2
+// < d <= D/2; the link to z+u is crossed iff -D < d <= 0, and that to z-u iff 0 < d <= D.
 class Star {
  public:
   Star(const OrientedTriangle& triangle, const Vec3i& z) : normal_(triangle.normal) {
@@ -50,7 +50,7 @@ class Star {
     for (size_t m = 0; m < 3; ++m) distance_ += Wide{normal_[m]} * offset[m];
   }
 
-  // Whether z is the nearer end of a crossed edge along q; `farther` is then the step to its other end.
+  // Returns whether z is the nearer end of a crossed link along q; `farther` is then the step to its other end.
   bool IsNearerEnd(const Vec3i& q, Vec3i& farther) const {
     const int64_t along = Dot(normal_, q);
     const Wide size = Wide{along < 0 ? -along : along} * (kLatticeUnit / 2);
@@ -64,7 +64,7 @@ class Star {
  private:
   using Wide = __int128;
 
-  // Whether the whole line through z along u meets the triangle.
+  // Returns whether the whole line through z along u meets the triangle.
   bool Meets(const Vec3i& u) const {
     for (size_t n = 0; n < 3; ++n) {
       const int64_t side = Dot(moment_[n], u);

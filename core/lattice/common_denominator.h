@@ -1,4 +1,4 @@
-// Fractions that doubles stand for.
+// The fractions that doubles approximate.
 #ifndef LATVOX_CORE_LATTICE_COMMON_DENOMINATOR_H_
 #define LATVOX_CORE_LATTICE_COMMON_DENOMINATOR_H_
 
@@ -10,7 +10,7 @@
 
 namespace latvox {
 
-// The least D up to 1024 for which all ratios are multiples of 1/D, within a tolerance.
+// Returns the smallest D up to 1024 for which all ratios are multiples of 1/D, within a tolerance.
 inline std::optional<int64_t> CommonDenominator(std::span<const double> ratios, double tolerance) {
   constexpr int64_t kMost = 1024;
   for (int64_t d = 1; d <= kMost; ++d) {

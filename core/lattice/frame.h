@@ -13,15 +13,15 @@
 
 namespace latvox {
 
-// Bounds on frames in space, which the widths in core/digitize rest on.
+// Bounds on frames in space; the bit widths in core/digitize depend on them.
 inline constexpr int kMaxFrameRow = 4;   // sum of absolute entries of a row of R
 inline constexpr int kMaxDirection = 8;  // sum of absolute entries of q
 
-// The bound on both of them in the plane, which the widths in core/plane rest on.
+// The bound on both of them in the plane; the bit widths in core/plane depend on it.
 inline constexpr int kPlaneStepBits = 4;
 inline constexpr int kMaxPlaneStep = 1 << kPlaneStepBits;
 
-// The most pairs +-q of neighbours in space. Three of a lattice's parity classes hold one pair at most, three hold two,
+// The most pairs +-q of neighbors in space. Three of a lattice's parity classes hold at most one pair, three hold two,
 // and one holds four.
 inline constexpr size_t kMaxPairs = 13;
 
@@ -41,8 +41,8 @@ struct BasicFrame {
 using Frame = BasicFrame<3>;
 using PlaneFrame = BasicFrame<2>;
 
-// The frame of q with the smallest rows, or nullopt if none is within the bounds. q must be primitive (no common
-// factor).
+// Returns the frame of q with the smallest rows, or nullopt if none is within the bounds. q must be primitive (no
+// common factor).
 std::optional<Frame> MakeFrame(const Vec3i& q);
 std::optional<PlaneFrame> MakeFrame(const Vec2i& q);
 
@@ -58,7 +58,7 @@ const BasicFrame<D>& PrincipalFrame(const std::vector<BasicFrame<D>>& frames,
   });
 }
 
-// Whether the first nonzero entry is positive. It picks one of each pair +-v.
+// Returns whether the first nonzero entry is positive. It picks one of each pair +-v.
 template <class T>
 constexpr bool FirstNonzeroIsPositive(const Vec<T, 3>& v) {
   return v[0] != 0 ? v[0] > 0 : v[1] != 0 ? v[1] > 0 : v[2] > 0;

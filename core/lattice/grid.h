@@ -1,4 +1,4 @@
-// A lattice put somewhere in the world.
+// A lattice at a place in the world.
 #ifndef LATVOX_CORE_LATTICE_GRID_H_
 #define LATVOX_CORE_LATTICE_GRID_H_
 
@@ -7,7 +7,7 @@
 
 namespace latvox {
 
-// Where lattice points lie in the world: world = origin + V * ijk.
+// The positions of lattice points in the world: world = origin + V * ijk.
 template <size_t D>
 struct BasicGrid {
   BasicLattice<D> lattice;

@@ -14,7 +14,7 @@ namespace latvox {
 namespace {
 
 using Wide = __int128;
-// Of p_r as multiples of 2^-kZoneBits, the least that the square of the shortest vector may be: the error is half a
+// With p_r as multiples of 2^-kZoneBits, the smallest allowed square of the shortest vector: the error is half a
 // multiple in each.
 constexpr int64_t kMinSquare = 4096;
 
@@ -40,7 +40,7 @@ Selling SellingOf(const Mat3d& basis, const Mat<int32_t, 3>& reduced) {
   return selling;
 }
 
-// Whether the cells of all neighbours still meet the origin's if p_r counts: see core/lattice/neighbors.cc.
+// Returns whether the cells of all neighbors still meet the origin's if p_r counts: see core/lattice/neighbors.cc.
 bool Counts(const Vec3i& e, const std::vector<Neighbor<3>>& neighbors) {
   return std::all_of(neighbors.begin(), neighbors.end(), [&](const auto& n) { return std::abs(Dot(e, n.w)) <= 1; });
 }
@@ -113,12 +113,12 @@ void IntegerCell::SetZones(std::vector<CellZone> zones) {
   for (const CellZone& zone : zones_) directions_.push_back(Apply(adjugate, zone.e));
 }
 
-// The adjugate of G is the sum of p_r p_s (e_r x e_s)(e_r x e_s)^T over pairs; the cross products are neighbours (sum
-// of absolute entries <= kMaxDirection) or 0, and their products with e_u are 0 or +-1: entries of directions_ have 2 *
+// The adjugate of G is the sum of p_r p_s (e_r x e_s)(e_r x e_s)^T over pairs. The cross products are neighbors (sum of
+// absolute entries <= kMaxDirection) or 0, and their products with e_u are 0 or +-1. So entries of directions_ have 2 *
 // 30 + 4 + 3 bits, and 121 with a covector. The determinant, a sum over 16 spanning trees (Kirchhoff), has 94. M /
-// determinant being twice the vertex on the covector's side, covector . M has more than 128, but doubles estimate the
-// quotient well enough for the rest to be found modulo 2^128: the vertex's entries are below 2^6, so the estimate is
-// off by less than 2^20, and the rest is below 2^116 in size.
+// determinant is twice the vertex on the covector's side. covector . M has more than 128 bits, but doubles estimate the
+// quotient well enough to find the rest modulo 2^128: the vertex's entries are below 2^6, so the estimate is wrong by
+// less than 2^20, and the rest is below 2^116 in size.
 __int128 IntegerCell::Support(const Vec<int64_t, 3>& covector, int32_t scale) const {
   using Modular = unsigned __int128;
   Vec<Wide, 3> vertex{};

@@ -6,7 +6,7 @@
 // and the e_r are unimodular: any three of them have determinant 0 or +-1. Then the cell is a zonotope, and simple in
 // the coordinates y = G x [Erdahl, Zonotopes, dicings, and Voronoi's conjecture on parallelohedra, 1999]:
 //   G * cell = { sum_r s_r p_r e_r : |s_r| <= 1/2 }
-// so that all there is to know of it is linear in the six numbers p_r, and these may be scaled at will.
+// So the six numbers p_r determine the cell linearly, and they may be scaled at will.
 #ifndef LATVOX_CORE_LATTICE_INTEGER_CELL_H_
 #define LATVOX_CORE_LATTICE_INTEGER_CELL_H_
 
@@ -19,7 +19,7 @@
 
 namespace latvox {
 
-// Bounds on cells, which the widths in core/supercover/supercover.h rest on.
+// Bounds on cells; the bit widths in core/supercover/supercover.h depend on them.
 inline constexpr int kZoneBits = 30;      // a zone's length is at most 2^kZoneBits
 inline constexpr int kMaxZoneEntry = 8;   // sum of absolute entries of e_r
 inline constexpr size_t kMaxZones = 6;    // p_r > 0
@@ -31,24 +31,24 @@ struct CellZone {
   int64_t length;
 };
 
-// The one rounding: the six p_r become the smallest integers, 1024 at most, that have their ratios within
-// kSymmetryTolerance of the largest, or, where there are none, multiples of 2^-30 of the largest. So the named
-// lattices, and those with a basis of small integers, are exactly themselves. Any other is replaced by one that differs
-// from it by no more than that: its cells still fill space without gaps or overlaps. What Lattice takes for equally
-// long is: its neighbours' cells meet the cell.
+// The only rounding. The six p_r become the smallest integers, at most 1024, that have their ratios within
+// kSymmetryTolerance of the largest. Where there are no such integers, they become multiples of 2^-30 of the largest.
+// So the named lattices, and those with a basis of small integers, are exact. Another lattice is replaced by one that
+// differs from it by no more than that: its cells still fill space without gaps or overlaps. Lengths that Lattice
+// counts as equal are equal here, so its neighbors' cells meet the cell.
 class IntegerCell {
  public:
   // Errors: INVALID_ARGUMENT if the lattice is so flat or long that this rounding would matter (its shortest vector is
-  // below about 1/512 of its longest superbase vector), or too skew for kMaxZoneEntry.
+  // below about 1/512 of its longest superbase vector), or too skewed for kMaxZoneEntry.
   static absl::StatusOr<IntegerCell> Of(const Lattice& lattice);
 
   const std::vector<CellZone>& zones() const { return zones_; }
   const Mat<int64_t, 3>& form() const { return form_; }         // G, symmetric
-  const std::vector<Vec3i>& facets() const { return facets_; }  // one of each pair +-w of neighbours across a facet
+  const std::vector<Vec3i>& facets() const { return facets_; }  // one of each pair +-w of neighbors across a facet
   int length_bits() const { return length_bits_; }              // every length is at most 2^length_bits
 
-  // The largest value of `covector` . x over the cell, times `scale`, rounded down. Precondition: the covector's
-  // entries are below 2^52, scale is at most 2^8.
+  // Returns the largest value of `covector` . x over the cell, times `scale`, rounded down. Precondition: the
+  // covector's entries are below 2^52, and scale is at most 2^8.
   __int128 Support(const Vec<int64_t, 3>& covector, int32_t scale) const;
 
  private:

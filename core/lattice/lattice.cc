@@ -25,8 +25,8 @@ std::string ToString(const Mat<double, D>& m) {
   return text;
 }
 
-// The factors by which the rows of `basis` are multiples of those of `named`, within the tolerance. Nullopt if they are
-// no multiples, or if a factor is not above 0.
+// Returns the factors by which the rows of `basis` are multiples of the rows of `named`, within the tolerance. Nullopt
+// if they are not multiples, or if a factor is not above 0.
 std::optional<Vec3d> StretchOf(const Mat3d& basis, const Mat3d& named) {
   Vec3d stretch;
   for (size_t r = 0; r < 3; ++r) {
@@ -52,8 +52,8 @@ std::string_view NameOfBasis(const Mat3d& basis) {
 
 std::string_view NameOfBasis(const Mat2d&) { return "basis"; }
 
-// The edge of a cube, or of a square, with the volume of a cell. A cube root is rounded once: that of doubles is often
-// off by a unit in the last place, and then 0.5 would not be the size of 0.5.
+// The edge of a cube, or of a square, with a cell's volume. The cube root is rounded once: that of doubles is often
+// wrong by a unit in the last place, and then 0.5 would not be the size of 0.5.
 double EdgeOf(const Mat3d& basis) {
   return static_cast<double>(std::cbrt(static_cast<long double>(std::abs(Determinant(basis)))));
 }
@@ -65,8 +65,8 @@ template <size_t D>
 absl::Status TooSkewError(const Mat<double, D>& basis, const Mat<int32_t, D>& transform) {
   Mat<double, D> reduced;
   for (size_t c = 0; c < D; ++c) reduced[c] = Apply(basis, transform[c]);
-  // Any other fault of the lattice comes first: the basis that the message offers must be accepted. In a flat lattice,
-  // the superbase that ReduceBasis finds need not have the shortest vector.
+  // Other faults of the lattice come first, because the basis in the message must be accepted. In a flat lattice, the
+  // superbase of ReduceBasis need not contain the shortest vector.
   if (reduced == basis) {
     return absl::InvalidArgumentError("basis: so flat or long that it is too skew for exact 64-bit arithmetic");
   }
@@ -75,12 +75,12 @@ absl::Status TooSkewError(const Mat<double, D>& basis, const Mat<int32_t, D>& tr
       "basis: too skew for exact 64-bit arithmetic; this basis of the same lattice is not: %s", ToString<D>(reduced)));
 }
 
-// Lengths count as equal within a tolerance: in a lattice that is flat or long enough, too many lengths do. The lists
-// of directions in space have room for kMaxPairs; in the plane, more neighbours than there are do no harm.
+// Lengths count as equal within a tolerance. In a lattice that is flat or long enough, too many lengths do. The lists
+// of directions in space have room for kMaxPairs; in the plane, extra neighbors do no harm.
 absl::Status CheckPairs(const std::vector<Frame>& frames) {
   if (frames.size() <= kMaxPairs) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrFormat("basis: so flat or long that lengths cannot be told apart: %d directions to neighbours, a "
+      absl::StrFormat("basis: so flat or long that lengths cannot be told apart: %d directions to neighbors, a "
                       "lattice has %d at most",
                       frames.size(), kMaxPairs));
 }

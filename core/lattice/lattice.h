@@ -1,4 +1,4 @@
-// Lattices in two and three dimensions: bases, neighbours, scan directions.
+// Lattices in two and three dimensions: bases, neighbors, scan directions.
 //
 // A lattice is { V*ijk : ijk in Z^D }; the columns of the sampling matrix V are its basis vectors (thesis section 2.1).
 // Points in space are called voxels, and those in the plane pixels (section 3.1, figure 3.2).
@@ -23,21 +23,21 @@ class BasicLattice {
   // The named lattice, scaled so that a cell's volume is 1.
   static BasicLattice Named(LatticeName<D> lattice);
 
-  // The lattice with columns V, world units. Errors: INVALID_ARGUMENT if an entry is not finite, if V is singular, or
-  // if V is too skew: a frame would exceed the bounds in frame.h. The message then gives a basis of the same lattice
-  // that is not too skew.
+  // Returns the lattice with columns V, world units. Errors: INVALID_ARGUMENT if an entry is not finite, if V is
+  // singular, or if V is too skewed: a frame would exceed the bounds in frame.h. Then the message gives an equivalent
+  // basis that is not too skewed.
   static absl::StatusOr<BasicLattice> FromBasis(const Mat<double, D>& basis);
 
-  // The same lattice scaled uniformly to this voxel_size or pixel_size. Precondition: the size is finite and > 0.
+  // Returns the same lattice, scaled uniformly to this voxel_size or pixel_size. Precondition: the size is finite and >
+  // 0.
   absl::StatusOr<BasicLattice> Scaled(double size) const;
 
   const Mat<double, D>& basis() const { return basis_; }      // V, world units
   const Mat<double, D>& inverse() const { return inverse_; }  // V^-1, by columns
 
-  // The name of a named lattice, or "basis". In space a basis has a name too, whoever gave it: that of the named
-  // lattice whose basis it is up to scale, or "stretched-" and that name if its scales along the axes differ. Bases
-  // are compared as they stand, within kSymmetryTolerance: another basis of the same lattice, or a turned one, is
-  // "basis".
+  // The name of a named lattice, or "basis". In space, a given basis also has a name if it is the basis of a named
+  // lattice up to scale, or that name with "stretched-" if the scales along the axes differ. Bases are compared as they
+  // are, within kSymmetryTolerance: another basis of the same lattice, or a rotated one, is "basis".
   std::string_view name() const { return name_; }
 
   // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2.
@@ -45,10 +45,10 @@ class BasicLattice {
   // |det V|^(1/2): edge of a square with a cell's area.
   double pixel_size() const requires(D == 2) { return Size(); }
 
-  // Every lattice vector whose Voronoi cell meets the origin's, with the dimension of the shared face.
+  // Every lattice vector with a Voronoi cell that meets the origin's, with the dimension of the shared face.
   const std::vector<Neighbor<D>>& neighbors() const { return neighbors_; }
 
-  // The frames of one of each pair +-q of k-neighbours, in lexicographic order of q; q's first nonzero entry is
+  // The frames of the k-neighbors, one for each pair +-q, in lexicographic order of q. The first nonzero entry of q is
   // positive. k in 0 .. D-1.
   const std::vector<BasicFrame<D>>& frames(int k) const { return frames_[static_cast<size_t>(k)]; }
 

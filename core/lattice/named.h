@@ -10,7 +10,7 @@
 
 namespace latvox {
 
-// In the order of the protocol's enumerations, which have one value more, for "unspecified", at the front.
+// In the order of the protocol's enumerations, which have one more value at the front, "unspecified".
 enum class NamedLattice { kCartesian, kBcc, kFcc, kHexagonal };
 enum class NamedPlaneLattice { kSquare, kHexagonal };
 
@@ -21,7 +21,7 @@ template <size_t D>
 struct NamedBasis {
   LatticeName<D> lattice;
   std::string_view name;
-  std::string_view stretched_name;  // with other scales along the axes of the world; "" in the plane
+  std::string_view stretched_name;  // with different scales along the axes of the world; "" in the plane
   Mat<double, D> basis;             // columns, up to scale
   std::array<int, D> neighbors;     // |N_k| for k = 0 .. D-1
 };

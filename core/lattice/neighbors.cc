@@ -9,29 +9,29 @@
 #include "absl/strings/str_format.h"
 #include "core/lattice/small_vectors.h"
 
-// Why FindNeighbors is right. The face shared by the cells of 0 and w is centrally symmetric about w/2, so there is one
+// Why FindNeighbors is right. The face shared by the cells of 0 and w is centrally symmetric about w/2. So there is one
 // iff w/2 lies in the cell of 0, iff w is shortest among w + 2L. The lattice points nearest to w/2 are w/2 + u/2 with u
-// in M, the set of shortest vectors of the coset; the face is where their bisectors meet, so its dimension is
+// in M, the set of shortest vectors of the coset. The face is the intersection of their bisectors, so its dimension is
 // D - rank(M).
 //
-// In doubles two lengths are equal within a tolerance, and here that errs to the safe side twice. A w that may be in M
-// is a neighbour. But whoever is in M besides takes faces away: another u of the coset bounds the face of w by the
-// bisector of p = (w - u)/2, or of (w + u)/2, at a distance of (|u|^2 - |w|^2) / (8 |p|) from w/2. u counts for w where
-// that is next to nothing beside the lattice's shortest vector: in a long lattice, |u|^2 and |w|^2 may differ by little
-// of themselves and by much of that.
+// In doubles, two lengths are equal within a tolerance, and here that errs to the safe side twice. First, a w that may
+// be in M is a neighbor. Second, each further member of M takes faces away. Another u of the coset bounds the face of w
+// by the bisector of p = (w - u)/2, or of (w + u)/2, at a distance of (|u|^2 - |w|^2) / (8 |p|) from w/2. So u counts
+// for w only where that distance is negligible beside the lattice's shortest vector. In a long lattice, |u|^2 and |w|^2
+// may differ by little of themselves and by much of that vector.
 //
 // Why a search over coefficients -3..3 in a reduced basis finds all of M. Let b_0 .. b_D be an obtuse superbase (sum 0,
-// p_ij = -b_i.b_j >= 0). Selling's formula gives |sum m_i b_i|^2 = sum_{i<j} p_ij (m_i - m_j)^2. Within a coset the
-// parities of m_i - m_j are fixed, and m in {0,1} attains the least value of every term at once; so a shortest vector
-// has |m_i - m_j| <= 1 wherever p_ij > 0. The p_ij > 0 connect all D + 1 indices (else the lattice would be singular),
-// hence |m_i - m_0| <= D.
+// p_ij = -b_i.b_j >= 0). Selling's formula gives |sum m_i b_i|^2 = sum_{i<j} p_ij (m_i - m_j)^2. Within a coset, the
+// parities of m_i - m_j are fixed, and m in {0,1} attains the smallest value of every term at once. So a shortest
+// vector has |m_i - m_j| <= 1 wherever p_ij > 0. The p_ij > 0 connect all D + 1 indices (else the lattice would be
+// singular), so |m_i - m_0| <= D.
 
 namespace latvox {
 namespace {
 
 constexpr int kMaxSteps = 200;
 constexpr int32_t kMaxTransform = 1 << 20;
-// A reduced vector shorter than this part of the longest given one means that the basis is singular in doubles.
+// A reduced vector shorter than this fraction of the longest given one means that the basis is singular in doubles.
 constexpr double kSingular = 1e-10;
 constexpr double kDependent = 1e-14;  // share of the volume of the box with sides as long, to within rounding
 
@@ -46,7 +46,7 @@ absl::Status SingularError() {
       absl::StrFormat("basis: the %d vectors are linearly dependent (rank below %d)", D, D));
 }
 
-// Of irrational multiples of one vector, too, no combination vanishes.
+// Irrational multiples of one vector are dependent, too, although no integer combination of them vanishes.
 template <size_t D>
 absl::Status TransformError() {
   return absl::InvalidArgumentError(
@@ -99,7 +99,7 @@ std::pair<size_t, size_t> MostAcutePair(const std::array<Vec<double, D>, D + 1>&
   return pair;
 }
 
-// Of vectors with small entries, not all 0.
+// The rank of vectors with small entries, not all 0.
 size_t Rank(const std::vector<Vec2i>& vectors) {
   for (const auto& v : vectors) {
     if (Determinant(Mat<int32_t, 2>{vectors[0], v}) != 0) return 2;
@@ -147,7 +147,7 @@ absl::StatusOr<Mat<int32_t, D>> ReduceBasis(const Mat<double, D>& basis) {
     }
     const auto [i, j] = MostAcutePair<D>(b);
     if (i == j) {
-      // Of dependent vectors, the superbase may fall apart into v, -v and others.
+      // For dependent vectors, the superbase may fall apart into v, -v and others.
       Mat<double, D> vectors;
       std::copy_n(b.begin(), D, vectors.begin());
       double box = 1;

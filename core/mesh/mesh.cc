@@ -21,7 +21,7 @@ double Bounds::LongestSide() const {
 
 namespace {
 
-// These loops have no branches, and only an OR leads from step to step, so that compilers can make vectors of them.
+// These loops have no branches, and only an OR carries over from step to step, so that compilers can vectorize them.
 static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(std::array<uint32_t, 3>) == 3 * sizeof(uint32_t));
 bool AreFinite(std::span<const Vec3f> vertices) {
   const std::span numbers(vertices.front().data(), 3 * vertices.size());
@@ -62,7 +62,7 @@ absl::Status Complain(const TriangleMesh& mesh) {
 absl::Status CheckMesh(const TriangleMesh& mesh, StopSignal stop) {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("mesh: it has no triangles");
   using Part = oneapi::tbb::blocked_range<size_t>;
-  constexpr size_t kGrain = 16384;  // vertices or triangles a task
+  constexpr size_t kGrain = 16384;  // vertices or triangles for each task
   std::atomic<bool> valid = true;
   oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
     if (!stop.Stopped() && !AreFinite({&mesh.vertices[part.begin()], part.size()})) valid = false;

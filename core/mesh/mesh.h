@@ -27,8 +27,8 @@ struct Bounds {
   double LongestSide() const;
 };
 
-// INVALID_ARGUMENT, naming the element, for a mesh without triangles, an index out of range or a vertex that is not
-// finite.
+// Returns INVALID_ARGUMENT, naming the element, for a mesh without triangles, an index out of range or a vertex that is
+// not finite.
 absl::Status CheckMesh(const TriangleMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox

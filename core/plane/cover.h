@@ -1,7 +1,7 @@
 // Curves as sets of crossed links, pixel sets as covers of them.
 //
-// A set of pixels is k-tunnel-free (thesis section 2.2) iff every crossed link has an end in it, that is iff it is a
-// vertex cover; it is k-minimal iff no pixel can leave, that is iff the cover is minimal.
+// A set of pixels is k-tunnel-free (thesis section 2.2) iff every crossed link has an end in it, that is, iff it is a
+// vertex cover. It is k-minimal iff no pixel can leave, that is, iff the cover is minimal.
 #ifndef LATVOX_CORE_PLANE_COVER_H_
 #define LATVOX_CORE_PLANE_COVER_H_
 
@@ -31,8 +31,8 @@ PlaneCrossings FindCrossings(const std::vector<Segment>& segments, const std::ve
                              StopSignal stop = {});
 
 // For each of the four parity classes (i&1)<<1 | (j&1) in ascending order, removes every pixel of the class whose
-// crossed links all have their other end in the set. No two pixels of a class are neighbours, so the order within a
-// class does not matter; a pixel that its pass keeps stays essential, since the set only shrinks. What is left covers
+// crossed links all have their other end in the set. No two pixels of a class are neighbors, so the order within a
+// class does not matter. A pixel that its pass keeps stays essential, because the set only shrinks. The result covers
 // every link that was covered, and has no redundant pixel.
 //   links, pixels   sorted, without duplicates
 void Thin(const std::vector<PlaneLink>& links, std::vector<Vec2i>& pixels, StopSignal stop = {});
@@ -42,7 +42,7 @@ struct PlaneVerdict {
   uint64_t redundant = 0;  // pixels that could leave, one at a time, without a tunnel; those on no crossed link count
 };
 
-// Any set of pixels against the crossed links; both sorted, without duplicates.
+// Checks any set of pixels against the crossed links; both sorted, without duplicates.
 PlaneVerdict Judge(const std::vector<PlaneLink>& links, const std::vector<Vec2i>& pixels, StopSignal stop = {});
 
 }  // namespace latvox

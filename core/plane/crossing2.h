@@ -1,20 +1,19 @@
 // The crossing rule in the plane: where one segment crosses the lattice lines along one direction.
 //
-// A link is a segment z -> z+q between k-neighbours; core/digitize/crossing.h calls it a lattice edge. The pixels of a
-// curve are the nearer ends of all links that it crosses. Then every crossed link has an end in the set, which is what
-// k-separating means, for any curve. On a line the set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1
-// (any lattice), 2 and 3 (square).
+// A link is a segment z -> z+q between k-neighbors. The pixels of a curve are the nearer ends of all links that it
+// crosses. So every crossed link has an end in the set: that is k-separation, for any curve. On a line the set is
+// exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1 (any lattice), 2 and 3 (square).
 //
-// This is the rule of core/digitize/crossing.h with one dimension less, and not an instance of it: there a triangle
-// covers a span of lines in each row, here a segment meets each line of one range once, and 64 bits hold every depth.
+// This is the rule of core/digitize/crossing.h with one dimension less, but not an instance of it. There a triangle
+// covers a span of lines in each row. Here a segment meets each line of one range once, and 64 bits hold every depth.
 // The exact divisions are shared.
 //
 // Ties. The result is that of the curve shifted by the infinitesimal (e, e^2) in lattice coordinates, the same for
-// every direction (simulation of simplicity). Of two segments with a common end exactly one claims a lattice line
-// through it that the curve crosses there, so a closed curve crosses every lattice line an even number of times. Depths
-// halfway between two pixels take the end at signed distance +t, for the normal with positive first nonzero entry: that
-// end is where the same shift moves the curve. Theorem 3 is closed at both ends in the thesis, which is separating but,
-// with ties, not minimal; here it is half open as Theorems 1 and 2 are.
+// every direction (simulation of simplicity). Exactly one of two segments with a common end claims a lattice line
+// through it that the curve crosses there. So a closed curve crosses every lattice line an even number of times. A
+// depth halfway between two pixels takes the end at signed distance +t, for the normal with positive first nonzero
+// entry. The same shift moves the curve to that end. Theorem 3 is closed at both ends in the thesis, which is
+// separating but, with ties, not minimal; here it is half open like Theorems 1 and 2.
 #ifndef LATVOX_CORE_PLANE_CROSSING2_H_
 #define LATVOX_CORE_PLANE_CROSSING2_H_
 

@@ -36,14 +36,15 @@ enum class LineAlgorithm {
 
 struct PixelizeOptions {
   int separability = 0;  // k: 0 or 1
-  bool minimal = true;   // thin to k-minimality; pixels that cover no crossed link, as of a single point, leave too
+  bool minimal =
+      true;  // thin to k-minimality; pixels that cover no crossed link, such as that of a single point, leave too
   LineAlgorithm algorithm = LineAlgorithm::kCrossing;
 };
 
 // Pixels that one brute-force call may test.
 inline constexpr uint64_t kMaxBruteForcePixels = uint64_t{1} << 30;
 
-// The last three are exact, and about the curve that the algorithm digitizes: the polylines as snapped to
+// The last three are exact, and refer to the curve that the algorithm digitizes: the polylines as snapped to
 // 1/kLatticeUnit of a pixel, or with their points moved to pixels.
 struct PixelizeResult {
   std::vector<Vec2i> pixels;   // ij, sorted, without duplicates
@@ -52,11 +53,10 @@ struct PixelizeResult {
   uint64_t redundant = 0;      // pixels that could leave, one at a time, without a tunnel; none if minimal
 };
 
-// Digitizes polylines: k-separating, and k-minimal on request. A function of its arguments alone: not of the order,
-// direction or repetition of polylines.
-// Errors: INVALID_ARGUMENT naming field, value and limit: polylines (see CheckPolylines), extent, position,
-// separability, algorithm (its cost). Also CANCELLED, soon, once that is set.
-// Memory: in proportion to the crossed links, and to the pixels before thinning.
+// Digitizes polylines: k-separating, and k-minimal on request. The result is a function of the arguments alone: not of
+// the order, direction or repetition of polylines. Errors: INVALID_ARGUMENT naming field, value and limit: polylines
+// (see CheckPolylines), extent, position, separability, algorithm (its cost). CANCELLED, soon, once stopped. Memory: in
+// proportion to the crossed links, and to the pixels before thinning.
 absl::StatusOr<PixelizeResult> Pixelize(const std::vector<Polyline>& polylines, const PlaneGrid& grid,
                                         const PixelizeOptions& options, StopSignal stop = {});
 

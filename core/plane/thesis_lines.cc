@@ -20,7 +20,7 @@ Vec2l Wide(const Vec2i& v) { return {v[0], v[1]}; }
 
 Vec2i ToPixel(const Vec2i& v_lat) { return {v_lat[0] / kLatticeUnit, v_lat[1] / kLatticeUnit}; }
 
-// The world vector of a difference in lattice coordinates, `unit` of which are a pixel.
+// The world vector of a difference in lattice coordinates; `unit` of them are a pixel.
 Vec2d ToWorld(const PlaneLattice& lattice, const Vec2l& d, double unit) {
   return Apply(lattice.basis(), Vec2d{static_cast<double>(d[0]) / unit, static_cast<double>(d[1]) / unit});
 }
@@ -31,7 +31,7 @@ Vec2l NormalOf(const Segment& segment) {
   return FirstNonzeroIsPositive(normal) ? normal : -normal;
 }
 
-// If p is not in the cell of z, then a neighbour of z is nearer: the cell is bounded by their bisectors.
+// If p is not in the cell of z, then a neighbor of z is nearer: the cell is bounded by their bisectors.
 Vec2i NearestPixel(const PlaneLattice& lattice, const Vec2i& p_lat) {
   Vec2i z;
   for (size_t m = 0; m < 2; ++m) z[m] = static_cast<int32_t>(FloorDiv(p_lat[m] + kLatticeUnit / 2, kLatticeUnit));
@@ -54,7 +54,7 @@ Vec2i NearestPixel(const PlaneLattice& lattice, const Vec2i& p_lat) {
   return z;
 }
 
-// Largest interface distance of a k-neighbour, world units.
+// Largest interface distance of a k-neighbor, world units.
 double LargestInterfaceDistance(const PlaneLattice& lattice, int k) {
   double r2 = 0;
   for (const PlaneFrame& frame : lattice.frames(k)) {
@@ -111,7 +111,7 @@ struct Octant {
   Vec2l m;
 };
 
-// Of all cones between two neighbours that hold d, the one with the fewest steps has no neighbour inside.
+// Among all cones between two neighbors that contain d, the one with the fewest steps has no neighbor inside.
 Octant OctantOf(const Vec2l& d, const std::vector<PlaneFrame>& frames) {
   std::vector<Vec2i> steps;
   for (const PlaneFrame& frame : frames) {

@@ -1,4 +1,4 @@
-// The thesis's own algorithms for lines, on any lattice: the reference that the crossing rule is compared with.
+// The thesis's own algorithms for lines, on any lattice, for comparison with the crossing rule.
 //
 // All work segment by segment, on local pixels, and return sets: sorted, without duplicates, not thinned.
 #ifndef LATVOX_CORE_PLANE_THESIS_LINES_H_
@@ -13,16 +13,16 @@
 
 namespace latvox {
 
-// The segments with both ends moved to their nearest pixels, as section 4.6 does with vertices. Half-way points go to
+// Returns the segments with both ends moved to their nearest pixels, like vertices in section 4.6. Halfway points go to
 // one of the nearest.
 std::vector<Segment> RoundToPixels(const std::vector<Segment>& segments, const PlaneLattice& lattice);
 
-// Brute force (sections 3.1, 4.1, 4.2): in the bounding box and a margin, every pixel whose centre lies between the
-// segment's two ends with -t < n.z + D <= t, and every pixel within R of an end, R the largest interface distance |q|/2
-// of a k-neighbour.
+// Brute force (sections 3.1, 4.1, 4.2): tests every pixel in the bounding box and a margin. It keeps pixels with -t <
+// n.z + D <= t whose center lies between the segment's two ends, and pixels within R of an end. R is the largest
+// interface distance |q|/2 of a k-neighbor.
 //   (1) contains the nearer end of every crossed link: it is k-separating   (2) in general not k-minimal at ends
-// The slab is decided by integers. Discs are closed, and reach further by the lattice's symmetry tolerance; that a
-// pixel's foot lies between the ends is decided in doubles, where an error cannot matter: within t <= R of an end it is
+// Integers decide on the slab. Discs are closed, and reach further by the lattice's symmetry tolerance. Doubles decide
+// whether a pixel's foot lies between the ends. An error there does not matter: within t <= R of an end, the pixel is
 // in the disc.
 std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
                                    StopSignal stop = {});
@@ -30,21 +30,21 @@ std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const P
 // The number of pixels that BruteForceLines will test.
 uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
 
-// The incremental form (sections 4.3, 4.4): on every lattice line along the principal direction C, from one end's to
-// the other's, the one pixel with -t < n.z + D <= t, found by adding delta k. A segment of length zero is its pixel.
-//   (1) exactly one pixel a lattice line along C
-//   (2) k-separating, seams between segments included, without the rule of section 4.5. For |r[0].q| <= 1 a link
-//       along q that crosses the segment has both ends on lattice lines from one end's to the other's, so its nearer
-//       end is in the set. |r[0].q| is larger only if q and C are the two diagonals of a rectangle: then it is 2, the
-//       link's middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer.
+// The incremental form (sections 4.3, 4.4). On every lattice line along the principal direction C, from one end's to
+// the other's, it finds the one pixel with -t < n.z + D <= t by adding delta k. A segment of length zero is its pixel.
+//   (1) exactly one pixel on each lattice line along C
+//   (2) k-separating, also at seams between segments, without the rule of section 4.5. For |r[0].q| <= 1, a link along
+//       q that crosses the segment has both ends on lattice lines from one end's to the other's. So its nearer end is
+//       in the set. |r[0].q| is larger only if q and C are the two diagonals of a rectangle. Then it is 2, the link's
+//       middle is on a lattice line between its ends', and the end on the segment's side of it is the nearer one.
 // Precondition: both ends of every segment are pixels (RoundToPixels).
 std::vector<Vec2i> IncrementalLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
                                     StopSignal stop = {});
 
-// The line of Ibanez, Hamitouche and Roux (section 4.6, reference 26): from one end to the other by steps between
-// (1-k)-neighbours, each time the one of two that stays nearer to the segment; Bresenham's octant is the cone between
-// the two steps. In the plane a curve of (1-k)-steps is what k-steps cannot pass, and the set is IncrementalLines'.
-// Precondition: as IncrementalLines.
+// The line of Ibanez, Hamitouche and Roux (section 4.6, reference 26). It goes from one end to the other by steps
+// between (1-k)-neighbors, and each time takes the one of two steps that stays nearer to the segment. Bresenham's
+// octant is the cone between the two steps. In the plane, k-steps cannot pass a curve of (1-k)-steps, and the set
+// equals that of IncrementalLines. Precondition: as IncrementalLines.
 std::vector<Vec2i> IbanezLines(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k,
                                StopSignal stop = {});
 

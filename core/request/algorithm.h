@@ -9,7 +9,7 @@
 
 namespace latvox {
 
-// The crossing rule (core/digitize), or one of the thesis's own algorithms (core/thesis), to compare with.
+// The crossing rule (core/digitize), or one of the thesis's own algorithms (core/thesis) for comparison.
 enum class Algorithm { kExact, kBruteForce, kIncremental, kOptimizedIncremental };
 
 inline constexpr std::array<std::pair<Algorithm, std::string_view>, 4> kAlgorithms{
@@ -25,10 +25,10 @@ constexpr std::string_view NameOf(Algorithm algorithm) {
   return "";
 }
 
-// Which voxels the exact algorithm finds: a set that separates, or all whose closed Voronoi cell meets the surface
-// (core/supercover/supercover.h), which holds every separating set of the former before and after thinning, and
-// separates for every k: where the surface meets a lattice edge z -> z+q, it meets the cell of z or that of z+q, since
-// these meet in the middle of the edge and are convex.
+// The voxels that the exact algorithm finds: a separating set, or all voxels whose closed Voronoi cell meets the
+// surface (core/supercover/supercover.h). The second set contains every separating set of the first kind, thinned or
+// not, and separates for every k. Where the surface meets a lattice link z -> z+q, it meets the cell of z or that of
+// z+q, because these meet in the middle of the link and are convex.
 enum class Cover { kSeparating, kSupercover };
 
 constexpr std::string_view NameOf(Cover cover) { return cover == Cover::kSupercover ? "supercover" : "separating"; }

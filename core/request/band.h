@@ -1,4 +1,4 @@
-// What a narrow band is: the lattice points near a surface, each with its distance.
+// A narrow band: the lattice points near a surface, each with its distance.
 #ifndef LATVOX_CORE_REQUEST_BAND_H_
 #define LATVOX_CORE_REQUEST_BAND_H_
 
@@ -10,13 +10,13 @@ namespace latvox {
 
 // The lattice points whose distance to the snapped surface is at most a width (a closed ball).
 struct Band {
-  double width = 0;        // finite, 1/8192 of a voxel size at least
+  double width = 0;        // finite, at least 1/8192 of a voxel size
   bool in_voxels = false;  // width counts voxel sizes; otherwise world units
   bool is_signed = false;  // distances are negative inside, that is where lines to the outside cross an odd number of
                            // times; the mesh must be closed
 };
 
-// A band reaches over so many voxels at most, along each lattice axis.
+// The largest reach of a band along each lattice axis, in voxels.
 inline constexpr int32_t kMaxBandReach = 256;
 
 // In world units.

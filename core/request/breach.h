@@ -1,4 +1,4 @@
-// What a rule finds wrong with a request.
+// A rule that a request breaks.
 #ifndef LATVOX_CORE_REQUEST_BREACH_H_
 #define LATVOX_CORE_REQUEST_BREACH_H_
 
@@ -16,7 +16,7 @@ struct Breach {
   std::string message;  // names field, value and limit
   std::string value = "";
   std::string limit = "";
-  std::string other = "";  // the field that excludes this one, if that is what is wrong
+  std::string other = "";  // the field that excludes this one, if that is the breach
 };
 
 // INVALID_ARGUMENT with field, value, limit and other as payloads (core/base/status_payload.h).

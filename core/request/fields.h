@@ -1,4 +1,4 @@
-// What voxels can carry besides being there, and which of it a request asks for.
+// The fields that voxels can carry, and the list of a request's fields.
 //
 // Each vertex of a mesh has one number for each field. A voxel carries the numbers of the nearest corner of the nearest
 // triangle: see core/attributes/attribute_scan.h.
@@ -35,11 +35,12 @@ constexpr const char* NameOf(Field field) { return FactsOf(field).name; }
 static_assert(std::ranges::all_of(kFields, [](const FieldFacts& row) { return &FactsOf(row.field) == &row; }),
               "each row stands at its field's number");
 
-// Some fields, in the order in which a voxel carries their numbers. Plain bytes, since a decoder process receives it.
+// A list of fields, in the order in which a voxel carries their numbers. It is plain bytes, because a decoder process
+// receives it.
 class FieldList {
  public:
   constexpr FieldList() = default;
-  // Precondition: no field stands twice.
+  // Precondition: no field occurs twice.
   constexpr FieldList(std::initializer_list<Field> fields) {
     for (const Field field : fields) Add(field);
   }

@@ -1,4 +1,4 @@
-// Which grid a request asks for, before the mesh is known.
+// The grid that a request asks for, before the mesh is known.
 #ifndef LATVOX_CORE_REQUEST_GRID_REQUEST_H_
 #define LATVOX_CORE_REQUEST_GRID_REQUEST_H_
 
@@ -15,8 +15,8 @@
 
 namespace latvox {
 
-// How finely to sample: not at all (the lattice as it is), by a voxel size, or by a number of voxels along the longest
-// side of the mesh.
+// The sampling density: none (the lattice as it is), a voxel size, or a number of voxels along the longest side of the
+// mesh.
 struct Sampling {
   std::optional<double> voxel_size = std::nullopt;  // world units, finite, > 0
   std::optional<uint32_t> resolution =
@@ -25,14 +25,14 @@ struct Sampling {
 
 inline constexpr uint32_t kMaxResolution = 65536;
 
-// The grid as its caller puts it.
+// A grid as the caller describes it.
 struct GridOptions {
   std::variant<NamedLattice, Mat3d> lattice;  // by name, or by its basis vectors as columns, world units
   Sampling sampling;                          // a named lattice needs one
   std::optional<Vec3d> origin;                // world position of lattice point 0; default: the mesh's low corner
 };
 
-// A grid that needs only a mesh.
+// A grid that lacks only a mesh.
 struct GridRequest {
   Lattice lattice;
   Sampling sampling = {};
@@ -42,8 +42,8 @@ struct GridRequest {
 // Errors: INVALID_ARGUMENT as MakeRequest, for sampling, origin and lattice.basis.
 absl::StatusOr<GridRequest> MakeGridRequest(const GridOptions& options);
 
-// The grid for a mesh with these bounds. Errors: INVALID_ARGUMENT naming field, value and limit: a sampling that leads
-// to no lattice with such a mesh, and what MakeGridRequest tells of sampling and origin.
+// Returns the grid for a mesh with these bounds. Errors: INVALID_ARGUMENT naming field, value and limit, if the
+// sampling gives no lattice with such a mesh, and the errors of MakeGridRequest about sampling and origin.
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Sampling& sampling, const std::optional<Vec3d>& origin,
                                  const Bounds& bounds);
 

@@ -1,4 +1,5 @@
-// A request as its caller puts it: each option by itself, whether or not they go together. core/request/rules.h judges.
+// A request as its caller describes it: each option by itself, whether or not they go together. core/request/rules.h
+// judges.
 #ifndef LATVOX_CORE_REQUEST_OPTIONS_H_
 #define LATVOX_CORE_REQUEST_OPTIONS_H_
 
@@ -15,7 +16,7 @@
 
 namespace latvox {
 
-// The index-th of `count` parts of a job that cost about the same: tiles that follow each other in the canonical order.
+// The index-th of `count` parts of a job with about the same cost: consecutive tiles in the canonical order.
 struct Shard {
   uint32_t index = 0, count = 1;  // index < count <= kMaxShards
 };
@@ -24,12 +25,12 @@ inline constexpr uint32_t kMaxShards = 1 << 20;
 
 struct VoxelizeOptions {
   int64_t separability = 0;                          // k: 0, 1 or 2
-  std::optional<bool> minimal = std::nullopt;        // thin to k-minimality; by default wherever that is possible
-  std::optional<IndexBox> region = std::nullopt;     // only these voxels, as they are in the whole
+  std::optional<bool> minimal = std::nullopt;        // thin to k-minimality; default: wherever that is possible
+  std::optional<IndexBox> region = std::nullopt;     // only these voxels, as in the whole
   std::optional<Bounds> bounds = std::nullopt;       // only voxels whose centers lie in this box: see WorldBox
   Algorithm algorithm = Algorithm::kExact;           // how to find the surface's voxels
   std::optional<Shard> shard = std::nullopt;         // only this part of the tiles
-  std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: this tile and all before it are left out
+  std::optional<Vec3i> resume_after = std::nullopt;  // tile_ijk: leave out this tile and all before it
   std::optional<Solid> solid = std::nullopt;         // the points inside the mesh, too
   Cover cover = Cover::kSeparating;                  // which voxels belong to the surface
   std::optional<Band> band = std::nullopt;           // points near the mesh instead of a surface's voxels

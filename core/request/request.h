@@ -38,7 +38,7 @@ struct BandSet {
 // A new set is one more struct here.
 using PointSet = std::variant<SurfaceSet, SolidSet, BandSet>;
 
-// What a request leaves out of the whole. The rest is exactly as in the whole.
+// The parts of the whole that a request keeps. They are exactly as in the whole.
 struct Part {
   std::optional<IndexBox> region = std::nullopt;     // keep only these voxels
   std::optional<Bounds> bounds = std::nullopt;       // keep only voxels whose centers lie in this box

@@ -72,7 +72,7 @@ using O = VoxelizeOptions;
 
 std::string None(const O&) { return ""; }
 
-// A value that is the default of its option is not given.
+// An option with its default value counts as not given.
 constexpr std::array kOptions{
     Option{"separability", "separability", "`separability` above 0", [](const O& o) { return o.separability != 0; },
            [](const O& o) { return absl::StrCat(o.separability); }},

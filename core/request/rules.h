@@ -1,5 +1,5 @@
 // The rules of a request, each stated once. The server applies them for everybody: the SDK and the tool pass its answer
-// on, and do not judge by themselves.
+// on, and do not judge.
 #ifndef LATVOX_CORE_REQUEST_RULES_H_
 #define LATVOX_CORE_REQUEST_RULES_H_
 
@@ -26,23 +26,22 @@ struct Option {
   std::string_view field;                                // path in the request
   std::string_view words;                                // in documents: "`cover` supercover"
   bool (*is_given)(const VoxelizeOptions& options);      // with a value other than the default
-  std::string (*value)(const VoxelizeOptions& options);  // empty if the field says it all
+  std::string (*value)(const VoxelizeOptions& options);  // empty if the field says everything
 };
 
-// Two options that do not go together. The message is
-// "<field and value of option>: not together with <field and value of other><why>", and blames `option`.
-// proto/README.md has the same table for readers.
+// Two options that exclude each other. The message is "<field and value of option>: not together with <field and value
+// of other><why>", and blames `option`. proto/README.md has the same table for readers.
 struct Exclusion {
   std::string_view option, other;
   std::string_view why = "";
 };
 
-// All rules. They hold in this order: first values, then exclusions.
+// All rules, in the order of their application: first values, then exclusions.
 std::span<const ValueRule> ValueRules();
 std::span<const Option> Options();
 std::span<const Exclusion> Exclusions();
 
-// INVALID_ARGUMENT for the first rule that the options break.
+// Returns INVALID_ARGUMENT for the first rule that the options break.
 absl::Status CheckRules(const VoxelizeOptions& options);
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// What a solid is: the lattice points inside of a mesh.
+// A solid: the lattice points inside of a mesh.
 #ifndef LATVOX_CORE_REQUEST_SOLID_H_
 #define LATVOX_CORE_REQUEST_SOLID_H_
 
@@ -7,11 +7,11 @@
 
 namespace latvox {
 
-// Which lattice points are inside, by the signed crossings of a path that leads there from far away. Each counts +1
-// where the path goes against the triangle's normal, else -1.
+// The rule for the inside, by the signed crossings of a path that comes from far away. A crossing counts +1 where the
+// path goes against the triangle's normal, else -1.
 enum class InteriorRule {
   kParity,   // an odd sum: every second shell is hollow; the triangles' orientation does not matter
-  kWinding,  // a sum other than 0, the winding number: bodies that overlap are one
+  kWinding,  // a sum other than 0, the winding number: overlapping bodies are one
 };
 
 constexpr std::string_view NameOf(InteriorRule rule) { return rule == InteriorRule::kParity ? "parity" : "winding"; }
@@ -22,7 +22,7 @@ constexpr bool IsInside(InteriorRule rule, int32_t sum) {
 
 struct Solid {
   InteriorRule rule = InteriorRule::kParity;
-  bool surface = true;      // whether the surface's voxels belong to it, too
+  bool surface = true;      // whether the surface's voxels belong to the solid
   bool force_open = false;  // fill a mesh that is not closed, where its lines along k are balanced
 };
 

@@ -1,4 +1,4 @@
-// Where the candidates of vectors of lines go.
+// Appends the candidates of vectors of lines to lists.
 #if defined(LATVOX_CORE_SCAN_APPENDER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SCAN_APPENDER_INL_H_
 #undef LATVOX_CORE_SCAN_APPENDER_INL_H_
@@ -25,10 +25,10 @@ struct Target {
   int32_t number;
 };
 
-// Where the next candidates go, in registers.
+// Holds the ends of the candidates' lists, in registers.
 class Appender {
  public:
-  // Room for `most` candidates.
+  // Reserves room for `most` candidates.
   HWY_INLINE Appender(Candidates& out, size_t most) : out_(out) {
     out.Reserve(most);
     nearer_ = out.nearer.end();
@@ -44,11 +44,11 @@ class Appender {
   Appender(const Appender&) = delete;
   Appender& operator=(const Appender&) = delete;
 
-  // Leaves the candidates as they were.
+  // Leaves the lists as they were.
   void Drop() { nearer_ = nullptr; }
 
-  // Lanes hold a voxel with a place above it, and the step to the farther end of the link there along the principal
-  // direction.
+  // Lanes hold a voxel with the triangle's place above it, and the step to the farther end of its link along the
+  // principal direction.
   template <class D>
   HWY_INLINE void Append(D d, hn::Vec<D> voxel, hn::Vec<D> to_farther, hn::Mask<D> crossed, hn::Mask<D> rim) {
     const SelectedLanes<D> selected(d, crossed);
@@ -64,7 +64,7 @@ class Appender {
   uint32_t *nearer_, *farther_, *rim_;
 };
 
-// v + by where the mask says so: masks of bits make one instruction of a choice, and masks of whole lanes two.
+// Returns v + by where the mask says so. Masks of bits make one instruction of a choice, and masks of whole lanes two.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V AddIf(D, hn::Mask<D> mask, V v, V by) {
 #if HWY_TARGET <= HWY_AVX3

@@ -1,5 +1,5 @@
-// Triangles are set up one a lane. Those of few lines then mostly go through their lines together, sorted so that these
-// are about as many; the others one by one, in blocks of as many lines as there are lanes.
+// Triangles are set up one for each lane. Most triangles with few lines then go through their lines together, sorted so
+// that their numbers of lines are similar. The others go one by one, in blocks of as many lines as there are lanes.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/scan/candidates.cc"
 #include "core/scan/candidates.h"
@@ -23,7 +23,7 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_CANDIDATES_CC_ONCE
 namespace {
 
-// One triangle and line at a time: what the lanes below are tested against.
+// One triangle and line at a time: the reference for the lanes below.
 size_t FindScalar(const SnappedMesh& mesh, std::span<const uint32_t> triangles, const std::vector<ScanFrame>& frames,
                   const IndexBox& box, const BitsLayout& layout, StopSignal stop, size_t enough, Candidates& out) {
   size_t n = 0;
@@ -84,7 +84,7 @@ HWY_NOINLINE void ScanLarge(const Triangle& v, size_t place, const std::vector<S
   ScanSingle(lines, in_box.astride(), &in_box, place, scan.frame, target, out);
 }
 
-// What all triangles of a box have in common.
+// The facts that all triangles of a box share.
 struct Scan {
   const SnappedMesh& mesh;
   PaddedVertices vertices;
@@ -95,16 +95,16 @@ struct Scan {
   Target target;
 };
 
-// Candidates that are looked for at a time, about, and triangles at least.
+// The approximate number of candidates, and the least number of triangles, for one round.
 constexpr size_t kAtOnce = size_t{1} << 16, kFewest = 16;
 static_assert(kFewest % kTriangleLanes == 0);
 
 // Up to kTriangleLanes triangles.
 struct SomeTriangles {
   std::array<Ints3, 3> v;  // corners, by axis, in lattice units from the low corner of the box
-  Ints3 lowest, highest;   // as ScanBatch wants them
-  hn::Mask<Lanes> near;    // may have candidates in the box
-  hn::Mask<Lanes> small;   // as LineBoxes wants them
+  Ints3 lowest, highest;   // in the form for ScanBatch
+  hn::Mask<Lanes> near;    // triangles that may have candidates in the box
+  hn::Mask<Lanes> small;   // triangles that fit LineBoxes
 
   HWY_INLINE SomeTriangles(const Scan& scan, std::span<const uint32_t> triangles)
       : v(LoadCorners(scan.mesh, scan.vertices, LaneNumbers(triangles), scan.origin)) {
@@ -122,8 +122,8 @@ struct SomeTriangles {
     }
   }
 
-  // About how many lines there are along both sides of their box, in less time than LineBoxes takes: the extents along
-  // the axes other than the one that the normal is closest to.
+  // An estimate of the number of lines along both sides of their box, in less time than LineBoxes takes: the extents
+  // along the two axes that are farther from the normal.
   struct BoxSides {
     Ints longer, shorter;
   };
@@ -143,15 +143,15 @@ struct SomeTriangles {
   HWY_INLINE LineBoxes Boxes(const Scan& scan) const { return {scan.table, v, hn::And(near, small)}; }
 };
 
-// Puts triangles of about as many lines side by side: lanes wait for the longest rows and columns of theirs.
+// Sorts triangles by their number of lines, because lanes wait for the longest rows and columns of their vector.
 class LinesOrder {
  public:
-  static constexpr size_t kMost = 256;  // triangles: a first-level cache holds their corners until they are scanned
+  static constexpr size_t kMost = 256;  // triangles; a first-level cache holds their corners until they are scanned
 
-  // Whether it is expected to have saved more time than it took, the last time.
+  // Whether the last sort is expected to have saved more time than it took.
   bool pays() const { return pays_; }
 
-  // Returns the first `count` triangles, up to kMost, in that order; valid until the next call.
+  // Returns the first `count` triangles, up to kMost, in sorted order; valid until the next call.
   HWY_INLINE std::span<const uint32_t> Sort(const Scan& scan, std::span<const uint32_t> triangles, size_t count) {
     const Lanes d;
     const hn::Rebind<uint16_t, Lanes> d16;
@@ -184,10 +184,10 @@ class LinesOrder {
   }
 
  private:
-  // 0 for those that are not expected to be scanned together; of the others the longer side tells first, and half the
-  // shorter one.
+  // The key is 0 for triangles that are not expected to be scanned together. For others, the longer side counts first,
+  // then half the shorter side.
   static constexpr size_t kShorter = kFewLines / 2 + 1, kKeys = 1 + (kFewLines + 1) * kShorter;
-  static constexpr int32_t kStepsToSort = 9;  // of a vector of triangles, which take as long as to sort it
+  static constexpr int32_t kStepsToSort = 9;  // the cost of sorting a vector of triangles, in steps
   bool pays_ = true;
   uint16_t keys_[kMost + kTriangleLanes];
   uint32_t order_[kMost];
@@ -251,12 +251,12 @@ size_t FindInLanes(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
   const Scan scan{mesh,  PaddedVertices(mesh), frames, FrameTable(frames, {{}, target.size}), NarrowExtent(frames), low,
                   target};
   LinesOrder order;
-  constexpr size_t kTryAgain = 8;  // windows: whether sorting pays is seen by doing it
-  constexpr size_t kForBoxes = 8;  // candidates of a triangle, for which boxes may pay
+  constexpr size_t kTryAgain = 8;  // windows; only a trial shows whether sorting pays
+  constexpr size_t kForBoxes = 8;  // candidates for each triangle; from this number on, boxes may pay
   bool boxes_too = *std::max_element(target.size.begin(), target.size.end()) <= TriangleBoxes::kMostSide;
   size_t done = 0;
   for (size_t window = 0; done < triangles.size() && out.size() < enough && !stop.Stopped(); ++window) {
-    // Each has up to some 50,000 candidates, or hardly any.
+    // Each triangle has up to some 50,000 candidates, or hardly any.
     const size_t step = std::clamp(kAtOnce * out.triangles.size() / (out.size() + 1), kFewest, LinesOrder::kMost) /
                         kTriangleLanes * kTriangleLanes;
     const auto left = triangles.subspan(done);

@@ -1,6 +1,6 @@
 // The voxels that a set of triangles may contribute.
 //
-// The order to read these rooms in, from the rule to its fastest forms. Each form says the same as those before.
+// Read these rooms in this order, from the rule to its fastest forms. Each form gives the same result as those before.
 //   core/digitize/crossing.h        the crossing rule: one triangle, one direction
 //   core/digitize/principal_scan.h  one triangle, all directions: candidates on the lines along its principal direction
 //   core/digitize/star.h            which of these candidates it contributes; plain C++ stops here
@@ -8,7 +8,7 @@
 //   line_scan_lanes-inl.h           many triangles' scans in lanes
 //   row_spans-inl.h                 the lines of long rows that are within rims and edges
 //   scan_batch-inl.h                the lines of many small triangles together
-//   scan_single-inl.h               the lines of one triangle, in blocks; candidates.cc puts all together
+//   scan_single-inl.h               the lines of one triangle, in blocks; candidates.cc combines all of these
 //   stars.h                         many stars in lanes
 //   triangle_boxes.h                which triangles may have a voxel
 //   core/tiny                       triangles smaller than voxels
@@ -29,22 +29,22 @@
 
 namespace latvox {
 
-// Voxels are numbers of one BitsLayout, below 2^kNumberBits; above these bits is the triangle's place in its run.
+// Voxels are numbers of one BitsLayout, below 2^kNumberBits. The bits above hold the triangle's place in its run.
 struct Candidates {
-  // Of up to kMaxRun triangles: up to these positions of the lists, from those of the run before.
+  // Up to kMaxRun triangles. Their entries end at these positions of the lists, and begin where the run before ends.
   struct Run {
-    uint32_t first;  // of `triangles`
+    uint32_t first;  // index in `triangles`
     uint32_t crossed_end, rim_end;
   };
   static constexpr size_t kMaxRun = size_t{1} << (32 - kNumberBits);
 
-  // Edges along principal directions that a triangle crosses: nearer[n], which is the surface's, to farther[n].
+  // Links along principal directions that a triangle crosses, from nearer[n], a voxel of the surface, to farther[n].
   NumberList nearer, farther;
-  // Voxels on lattice lines that pass a triangle closely: whether it contributes them is open.
+  // Voxels on lattice lines that pass a triangle closely. It is open whether the triangle contributes them.
   NumberList rim;
   std::vector<Run> runs;
-  std::vector<uint32_t> triangles;  // their numbers, in the order of the runs
-  // Of all triangles, in that order, if they are large enough for that to pay; else of fewer.
+  std::vector<uint32_t> triangles;  // the triangles' numbers, in the order of the runs
+  // Boxes of all triangles, in that order, if the triangles are large enough for that to pay; else of fewer.
   TriangleBoxes boxes;
 
   void Reserve(size_t more) {
@@ -54,7 +54,7 @@ struct Candidates {
   size_t Bytes() const {
     return nearer.Bytes() + farther.Bytes() + rim.Bytes() + BytesOf(runs) + BytesOf(triangles) + boxes.Bytes();
   }
-  // The triangle at a place of the run.
+  // Returns the triangle at a place of the run.
   uint32_t TriangleAt(const Run& run, size_t place) const { return triangles[run.first + place]; }
   void EndRun(std::span<const uint32_t> of) {
     runs.push_back({static_cast<uint32_t>(triangles.size()), static_cast<uint32_t>(nearer.size()),
@@ -69,11 +69,11 @@ struct Candidates {
   }
 };
 
-// Appends the candidates in `box`, which lies in `layout`, of the triangles: every voxel in the box that one of them
+// Appends the candidates in `box`, which lies in `layout`, of the triangles. Every voxel in the box that one of them
 // contributes is there with that triangle, and few others are. The order is open.
-//   enough   once there are so many candidates in all, the triangles at hand, up to 256, are the last
-// Returns how many of the triangles were taken, from the first on, one at least. Once the job is cancelled, returns
-// early, and what it returns means nothing.
+//   enough   once there are so many candidates in all, the current triangles, up to 256, are the last
+// Returns the number of triangles done, from the first on, at least one. Once the job is cancelled, returns early with
+// a meaningless result.
 size_t FindCandidates(const SnappedMesh& mesh, std::span<const uint32_t> triangles,
                       const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout,
                       StopSignal stop, size_t enough, Candidates& candidates);

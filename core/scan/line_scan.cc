@@ -11,8 +11,8 @@ namespace {
 using crossing_internal::Span;
 using Corners = std::array<const Vec<int64_t, 3>*, 3>;
 
-// Bounds of the forms p[0] and p[1], given at the corners v, over the part of the triangle that is between the two
-// planes of `near` on each axis; rounded outwards, and empty if there is no such part on one of them.
+// Bounds of the forms p[0] and p[1], given at the corners v, over the part of the triangle between the two planes of
+// `near` on each axis. They are rounded outwards, and empty if there is no such part on some axis.
 std::array<Span, 2> BoundsWithin(const NearBox& near, const Corners& v,
                                  const std::array<std::array<int64_t, 3>, 2>& p) {
   std::array<Span, 2> bounds;
@@ -23,7 +23,7 @@ std::array<Span, 2> BoundsWithin(const NearBox& near, const Corners& v,
   for (size_t m = 0; m < 3; ++m) {
     constexpr double kFar = int64_t{1} << 60;
     std::array<double, 2> least{kFar, kFar}, most{-kFar, -kFar};
-    // The point t of the way from corner n to the next.
+    // The point at the fraction t of the way from corner n to the next.
     const auto add = [&](size_t n, double t) {
       for (size_t c = 0; c < 2; ++c) {
         const auto from = static_cast<double>(p[c][n]), to = static_cast<double>(p[c][(n + 1) % 3]);
@@ -61,7 +61,7 @@ constexpr int64_t kExactAlong = 1 << 30;
 
 NearBox::NearBox(const std::vector<ScanFrame>& frames, const IndexBox& box) {
   for (size_t m = 0; m < 3; ++m) {
-    int32_t reach = 0;  // of edges, of which the nearer half counts
+    int32_t reach = 0;  // of links; the nearer half counts
     for (const ScanFrame& scan : frames) reach = std::max(reach, std::abs(scan.frame.q[m]));
     min[m] = box.min[m] * kLatticeUnit - reach * (kLatticeUnit / 2);
     max[m] = (box.max[m] - 1) * kLatticeUnit + reach * (kLatticeUnit / 2);
@@ -143,7 +143,7 @@ LinesInBox::LinesInBox(const LineScan<int64_t>& lines, const Frame& frame, const
     Add(static_cast<double>(lines.edge[n] + lines.rim[n]), static_cast<double>(lines.edge_a[n]),
         static_cast<double>(lines.edge_b[n]));
   }
-  // Coordinates are linear over the lines, but for the depth's rounding down.
+  // Coordinates are linear over the lines, except for the depth's rounding down.
   const auto per_line = [&](int64_t level) { return static_cast<double>(level) / static_cast<double>(lines.along); };
   const double slope_a = per_line(lines.level_a), slope_b = per_line(lines.level_b);
   for (size_t m = 0; m < 3; ++m) {
@@ -181,7 +181,7 @@ Span LinesInBox::Row(int32_t b, int32_t high) const {
       return {0, -1};
     }
   }
-  constexpr double kSlack = 1.0 / 64;  // of lines, for the doubles
+  constexpr double kSlack = 1.0 / 64;  // in lines, for the doubles
   // To truncate is to round down: both are at least 0.
   return {static_cast<int64_t>(std::min(first, last_ + 1) + 1 - kSlack),
           static_cast<int64_t>(std::max(last, -1.0) + 1 + kSlack) - 1};
@@ -216,7 +216,7 @@ bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out
     out.level_b = static_cast<int32_t>(level_b);
     out.remainder = static_cast<int32_t>(std::min<int64_t>(scaled(lines.remainder), kAlong - 1));
     out.half = kAlong / 2;
-    // Less than one for the first line and for each step, a quarter for half, and some for what doubles round.
+    // Less than one for the first line and for each step, a quarter for half, and some for the rounding of doubles.
     out.doubt = lines.width + lines.height;
     return true;
   }

@@ -10,13 +10,14 @@
 //     <=> M mod along >= half,   half = along/2 if along is even, else (along + 1)/2, or 1 less if s >= U/2:
 // eight bits less, so that triangles up to some 60 voxels fit lanes of 32 bits.
 //
-// Larger triangles fit, too, as far as the lines of one box are concerned (Narrow). An edge that all of these are on
-// the inner side of is replaced by a constant; E' of another comes as close to 0 as its rim somewhere among them, so it
-// is at most that and what the steps add, which nearly always fits. Of M only the remainder counts, so M and `along`
-// may be scaled to along = 2^kScaledBits, and rounded: then remainders are wrong by less than one for each step from
-// the first line, and depths and ends are right wherever the remainder is not that close to a multiple of along/2. Few
-// lines are, but on planes that few integers describe, such as those of a box's sides. There M, its steps and `along`
-// are divided by what they have in common, exactly. What then still does not fit takes lanes of 64 bits.
+// Larger triangles fit, too, as far as the lines of one box are concerned (Narrow). If all of these lines are on the
+// inner side of an edge, a constant replaces it. E' of another edge comes as close to 0 as its rim somewhere among the
+// lines, so it is at most the rim and the sum of the steps, which nearly always fits. Only the remainder of M counts,
+// so M and `along` may be scaled to along = 2^kScaledBits, and rounded. Then remainders are wrong by less than one for
+// each step from the first line. Depths and ends are right wherever the remainder is not that close to a multiple of
+// along/2. Few lines are that close, except on planes that few integers describe, such as those of a box's sides. There
+// M, its steps and `along` are divided by their common divisor, exactly. Triangles that still do not fit take lanes of
+// 64 bits.
 #ifndef LATVOX_CORE_SCAN_LINE_SCAN_H_
 #define LATVOX_CORE_SCAN_LINE_SCAN_H_
 
@@ -27,10 +28,9 @@
 
 namespace latvox {
 
-// T is the type of lanes: int32_t for triangles with an extent up to NarrowExtent(frames), and what Narrow makes of
-// others; or int64_t.
-// The lines are a .. a + width - 1 and b .. b + height - 1; `edge`, `depth` and `remainder` are those of (a, b), and
-// what ends in _a or _b is the step to the next a or b.
+// T is the type of lanes. int32_t is for triangles with an extent up to NarrowExtent(frames), and for results of
+// Narrow; int64_t is for others. The lines are a .. a + width - 1 and b .. b + height - 1. `edge`, `depth` and
+// `remainder` belong to (a, b). Members that end in _a or _b are the steps to the next a or b.
 template <class T>
 struct LineScan {
   int64_t a, b;
@@ -41,19 +41,19 @@ struct LineScan {
   T remainder, half;
   T doubt;  // remainders are wrong by less than this; 0: they are exact
   int32_t depth;
-  // For whoever goes through the lines in blocks: log2 of a block's height, and what one block to the right and one
-  // down add to the depth of a line.
+  // For scans by blocks of lines: log2 of a block's height, and the change of a line's depth from one block to the next
+  // on the right, and below.
   int32_t shape, right_depth, down_depth;
   T right_remainder, down_remainder;
 };
 
-// The largest extent of a triangle, per axis in lattice units, that LineScan<int32_t> can hold as it is: with at most
-// 14 bits, projected differences have 16, E' 26 and normals 28; and what is a product of a normal and a column of U,
-// which `along` is, has at most 30.
+// The largest extent of a triangle, per axis in lattice units, that LineScan<int32_t> can hold without Narrow. With at
+// most 14 bits, projected differences have 16 bits, E' 26 and normals 28. A product of a normal and a column of U, such
+// as `along`, has at most 30.
 int32_t NarrowExtent(const std::vector<ScanFrame>& frames);
 
-// Where points of a triangle lie, per axis in lattice units, that are on edges whose nearer ends are in a box of
-// voxels. Of a triangle that reaches beyond only the part within has candidates there.
+// A box, per axis in lattice units, that contains the points of triangles on links with nearer ends in a box of voxels.
+// A triangle that reaches beyond it has candidates only within it.
 struct NearBox {
   Vec3i min, max;
   NearBox(const std::vector<ScanFrame>& frames, const IndexBox& box);
@@ -64,7 +64,7 @@ struct NearBox {
 bool MakeLineScan(const OrientedTriangle& triangle, const ScanFrame& scan, const IndexBox& box, const NearBox& near,
                   LineScan<int64_t>& out);
 
-// Which of the lines may have candidates in a box of the given size.
+// The lines that may have candidates in a box of the given size.
 class LinesInBox {
  public:
   LinesInBox(const LineScan<int64_t>& lines, const Frame& frame, const Vec3i& size);
@@ -72,8 +72,8 @@ class LinesInBox {
   // Bit m: some lines may have their voxel outside of 0 .. size - 1 on axis m.
   uint32_t astride() const { return astride_; }
 
-  // Of rows b .. b + high - 1, counted from the first, the lines from the first to the last that may have a candidate;
-  // also from the first. No line if that is behind the last.
+  // For rows b .. b + high - 1, counted from the first: the first and the last line that may have a candidate, also
+  // counted from the first. There is no such line if the last comes before the first.
   crossing_internal::Span Row(int32_t b, int32_t high) const;
 
  private:
@@ -92,12 +92,12 @@ class LinesInBox {
 // So that steps may be up to four times `along`.
 inline constexpr int kScaledBits = 29;
 
-// The same lines in 32 bits; false: they do not fit.
+// Returns the same lines in 32 bits; false: they do not fit.
 //   rounded   true: with rounded remainders, and only where `along` is too large for exact ones
-//             false: with exact ones, divided by what they have in common
+//             false: with exact ones, divided by their common divisor
 bool Narrow(const LineScan<int64_t>& lines, bool rounded, LineScan<int32_t>& out);
 
-// What lanes look up: entry n of a row belongs to frame n.
+// Tables for lanes: entry n of a row belongs to frame n.
 struct FrameTable {
   struct alignas(64) Row {
     int32_t of[kMaxDirections];
@@ -107,7 +107,7 @@ struct FrameTable {
   std::array<Row, 3> q{};
   std::array<std::array<Row, 3>, 3> r{};
   std::array<std::array<Row, 3>, 2> u{};
-  std::array<Row, 2> rim{};            // lattice units by which candidates' lines may lie beside the triangle: for a, b
+  std::array<Row, 2> rim{};  // lattice units by which a candidate's line may lie beside the triangle: for a, b
   std::array<Row, 2> first{}, last{};  // lines that meet the box: a, b
   std::array<std::array<Row, 2>, kMaxHull> hull{};
   NearBox near;

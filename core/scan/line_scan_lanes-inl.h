@@ -1,4 +1,4 @@
-// MakeLineScan (core/scan/line_scan.h) for many triangles, one a lane. It says the same in 32 bits, line by line.
+// MakeLineScan (core/scan/line_scan.h) for many triangles, one for each lane. It gives the same results in 32 bits.
 #if defined(LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_
 #undef LATVOX_CORE_SCAN_LINE_SCAN_LANES_INL_H_
@@ -26,8 +26,8 @@ struct alignas(64) LaneInts {
   HWY_INLINE Ints Load() const { return hn::Load(Lanes(), of); }
 };
 
-// LineScan<int32_t> of each lane, and the number of its frame; shapes, steps of blocks and `astride` only once
-// PrepareBlocks has set them. If no lane is valid, nothing but that is set.
+// LineScan<int32_t> of each lane, and the number of its frame. PrepareBlocks sets the shapes, the steps of blocks and
+// `astride`. If no lane is valid, only `valid` is set.
 struct LineScanLanes {
   LaneInts a, b, width, height, edge[3], edge_a[3], edge_b[3], rim[3], along, level_a, level_b, remainder, half, depth,
       shape, right_depth, right_remainder, down_depth, down_remainder, frame;
@@ -62,7 +62,7 @@ struct LineScanLanes {
   }
 };
 
-// Blocks of lines are vectors: as wide as they are long, or half as wide and two high, or a quarter and four.
+// Blocks of lines are vectors: one row as long as a vector, two rows half as long, or four rows a quarter as long.
 inline constexpr int32_t kShapes = 3;
 template <class T>
 constexpr int32_t BlockWidth(int32_t shape) {
@@ -77,11 +77,11 @@ HWY_INLINE void AddProduct(Ints a, Ints b, Ints& whole, Ints& rest) {
   rest = hn::Add(rest, hn::Mul(hn::And(a, low_bits), part));
 }
 
-// Floor division of small sums: n = quotient * d + remainder, from an estimate that is off by at most one.
+// Floor division of small sums: n = quotient * d + remainder, from an estimate that is wrong by at most one.
 template <class D, class V, class F>
 HWY_INLINE void Divide(D d, V n, F estimate, V divisor, V& quotient, V& remainder) {
   const V one = hn::Set(d, 1);
-  V q = hn::ConvertTo(d, hn::Floor(estimate));  // rounding towards zero could be off by one more
+  V q = hn::ConvertTo(d, hn::Floor(estimate));  // rounding towards zero could add another error of one
   V r = hn::Sub(n, hn::Mul(q, divisor));
   const auto below = hn::Lt(r, hn::Zero(d));
   r = hn::IfThenElse(below, hn::Add(r, divisor), r);
@@ -91,7 +91,7 @@ HWY_INLINE void Divide(D d, V n, F estimate, V divisor, V& quotient, V& remainde
   quotient = hn::IfThenElse(above, hn::Add(q, one), q);
 }
 
-// Reads the entries of a row of FrameTable for the frames that the lanes have.
+// Reads the entries of a FrameTable's row for the frames of the lanes.
 class FramePick {
  public:
   explicit FramePick(Ints frame) : frame_(frame) {}
@@ -116,16 +116,15 @@ class FramePick {
   Ints frame_;
 };
 
-// As BoundsWithin (core/scan/line_scan.cc) does: cuts off of the bounds of the forms p[0] and p[1] what belongs to
-// no part of the triangle between the two planes of `near` on some axis.
-// Precondition: there is such a part on each axis.
+// Like BoundsWithin (core/scan/line_scan.cc): narrows the bounds of the forms p[0] and p[1] to the part of the triangle
+// between the two planes of `near` on each axis. Precondition: there is such a part on each axis.
 HWY_INLINE void CutBounds(const NearBox& near, const std::array<Ints3, 3>& v, const std::array<Ints3, 2>& p,
                           std::array<Ints, 2>& first, std::array<Ints, 2>& last) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
   using Floats = hn::Vec<decltype(df)>;
   const auto to_float = [&](Ints i) HWY_ATTR { return hn::ConvertTo(df, i); };
-  std::array<std::array<Floats, 3>, 2> at, over;  // the forms at corner n, and what they change by to the next
+  std::array<std::array<Floats, 3>, 2> at, over;  // the forms at corner n, and their change to the next corner
   for (size_t c = 0; c < 2; ++c) {
     for (size_t n = 0; n < 3; ++n) at[c][n] = to_float(p[c][n]);
     for (size_t n = 0; n < 3; ++n) over[c][n] = hn::Sub(at[c][(n + 1) % 3], at[c][n]);
@@ -133,7 +132,7 @@ HWY_INLINE void CutBounds(const NearBox& near, const std::array<Ints3, 3>& v, co
   for (size_t m = 0; m < 3; ++m) {
     const auto far = hn::Set(df, static_cast<float>(1 << 30));
     std::array<Floats, 2> least{far, far}, most{hn::Neg(far), hn::Neg(far)};
-    // The point t of the way from corner n to the next.
+    // The point at the fraction t of the way from corner n to the next.
     const auto add = [&](auto where, size_t n, Floats t) HWY_ATTR {
       for (size_t c = 0; c < 2; ++c) {
         const Floats value = hn::MulAdd(t, over[c][n], at[c][n]);
@@ -157,21 +156,21 @@ HWY_INLINE void CutBounds(const NearBox& near, const std::array<Ints3, 3>& v, co
   }
 }
 
-// To cut off bounds takes about as long as it spares where so many lines are of triangles that reach beyond the box.
+// Narrowing bounds costs about as much as it saves at this number of lines of triangles that reach beyond the box.
 inline constexpr int32_t kLinesToCut = 2048;
 
-// The lines of each lane's triangle, along its principal direction: a box of them.
+// The lines of each lane's triangle along its principal direction: a box of lines.
 struct LineBoxes {
   std::array<Ints3, 3> v;    // corners, counter-clockwise in the projection
   Ints3 normal;              // along the direction
   Ints along, frame;         // normal . q, number
   Ints3 x, y;                // of the projection
   Ints a, b, width, height;  // as in LineScan
-  uint64_t valid;            // lanes that have lines
+  uint64_t valid;            // lanes with lines
 
-  // corners: by axis, in lattice units from the low corner of the box that candidates must lie in; `wanted` says which
-  // lanes hold a triangle.
-  // Precondition: extents are at most NarrowExtent, and the triangles near the box.
+  // corners   by axis, in lattice units from the low corner of the box that candidates must lie in
+  // wanted    the lanes with a triangle
+  // Precondition: extents are at most NarrowExtent, and the triangles are near the box.
   HWY_INLINE LineBoxes(const FrameTable& frames, const std::array<Ints3, 3>& corners, hn::Mask<Lanes> wanted)
       : v(corners) {
     const Lanes d;
@@ -198,7 +197,7 @@ struct LineBoxes {
     y = {DotOf(r1, v[0]), DotOf(r1, v[1]), DotOf(r1, v[2])};
     std::array<Ints, 2> low{Least(x[0], x[1], x[2]), Least(y[0], y[1], y[2])};
     std::array<Ints, 2> high{Most(x[0], x[1], x[2]), Most(y[0], y[1], y[2])};
-    // Of those that reach beyond the box, only the lines of the part within.
+    // For triangles that reach beyond the box, only the lines of the part within.
     const auto lines = [&](hn::Mask<Lanes> of) HWY_ATTR {
       const Ints many = hn::Mul(hn::ShiftRight<kSubvoxelBits>(hn::Sub(high[0], low[0])),
                                 hn::ShiftRight<kSubvoxelBits>(hn::Sub(high[1], low[1])));
@@ -228,7 +227,7 @@ struct LineBoxes {
   }
 
  private:
-  // Makes corners counter-clockwise in the projection, which needs a normal along q, where it is the other way round.
+  // Where corners are clockwise in the projection, reverses them. Then the normal points along q.
   HWY_INLINE void TurnWhere(hn::Mask<Lanes> backward) {
     for (size_t m = 0; m < 3; ++m) {
       normal[m] = hn::IfThenElse(backward, hn::Neg(normal[m]), normal[m]);
@@ -239,7 +238,7 @@ struct LineBoxes {
   }
 };
 
-// What PrepareBlocks sets is left open.
+// Leaves the members of PrepareBlocks open.
 HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, LineScanLanes& out) {
   const Lanes d;
   const hn::RebindToFloat<Lanes> df;
@@ -300,7 +299,7 @@ HWY_INLINE void MakeLineScans(const FrameTable& frames, const LineBoxes& boxes, 
   out.half = hn::ShiftRight<1>(hn::Add(along, hn::IfThenElseZero(low_part, one)));
 }
 
-// For ScanLines (core/scan/scan_single-inl.h): the shapes of blocks, and which triangles have lines with voxels
+// For ScanSingle (core/scan/scan_single-inl.h): the shapes of blocks, and the triangles with lines whose voxels lie
 // beyond the box's bounds.
 HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineScanLanes& s) {
   const Lanes d;
@@ -311,7 +310,7 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
   const Ints width = load(s.width), height = load(s.height), along = load(s.along);
   const Ints level_a = load(s.level_a), level_b = load(s.level_b);
 
-  // Whatever shape needs fewest blocks.
+  // The shape that needs the fewest blocks.
   Ints shape = zero, wide = zero, high = zero, fewest = Fill(INT32_MAX);
   for (int32_t n = 0; n < kShapes; ++n) {
     const int32_t block_width = BlockWidth<int32_t>(n);
@@ -335,8 +334,8 @@ HWY_INLINE void PrepareBlocks(const FrameTable& frames, const Vec3i& size, LineS
   s.down_depth = depth_step;
   s.down_remainder = remainder;
 
-  // As in LinesInBox: coordinates of the voxels are linear over the lines, but for the depth's rounding down. One more
-  // for rounding here.
+  // As in LinesInBox: coordinates of the voxels are linear over the lines, except for the depth's rounding down. One
+  // more for rounding here.
   const FramePick pick(load(s.frame));
   const Ints3 q = pick(frames.q), u0 = pick(frames.u[0]), u1 = pick(frames.u[1]);
   const Ints a = load(s.a), b = load(s.b), depth = load(s.depth);

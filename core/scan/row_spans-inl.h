@@ -1,4 +1,4 @@
-// Which lines of a row of lattice lines are within a triangle's edges, or its rims, for many triangles, one a lane.
+// The lines of a row within a triangle's edges, or its rims, for many triangles, one for each lane.
 #if defined(LATVOX_CORE_SCAN_ROW_SPANS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SCAN_ROW_SPANS_INL_H_
 #undef LATVOX_CORE_SCAN_ROW_SPANS_INL_H_
@@ -19,15 +19,15 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of a row of n lines, those within all rims (core/scan/line_scan.h), and those within all edges.
+// The lines of a row of n lines within all rims (core/scan/line_scan.h), and those within all edges.
 //
-// Let e be an edge function of the row's first line, s what it changes by from line to line, and r the rim, or 0: all
-// integers. Lines a with e + r + s*a >= 0 are those with e + r + 1/2 + s*a > 0: for s > 0 those behind the place
+// Let e be an edge function of the row's first line, s its change from line to line, and r the rim, or 0: all integers.
+// The lines a with e + r + s*a >= 0 are those with e + r + 1/2 + s*a > 0: for s > 0 those behind the place
 // p = -(e + r + 1/2) / s, for s < 0 those before it. No line is closer to p than 1/(2|s|), so p + 1/2, rounded, is the
-// first line behind p. Computed as e * (-1/s) + ((r + 1/2) * (-1/s) + 1/2), in floats whose operations round to
-// nearest, it is wrong by less than 2^-24 * (3n + 5r/|s| + 9) for a p among the lines, where e fits a float. That is
-// less than 1/(2|s|) for n, |s| and r as below. What is computed never decreases as e grows, or never increases; so a p
-// that is not among the lines comes out before or behind all of them.
+// first line behind p. It is computed as e * (-1/s) + ((r + 1/2) * (-1/s) + 1/2), in floats whose operations round to
+// nearest. For a p among the lines, where e fits a float, it is wrong by less than 2^-24 * (3n + 5r/|s| + 9). That is
+// less than 1/(2|s|) for n, |s| and r as below. The computed value never decreases as e grows, or never increases. So a
+// p that is not among the lines comes out before or behind all of them.
 class RowSpans {
  public:
   static constexpr int32_t kMostLines = 64;
@@ -40,8 +40,8 @@ class RowSpans {
     exact_ = hn::FirstN(d, kTriangleLanes);
     const Floats half = hn::Set(df, 0.5F);
     for (size_t n = 0; n < 3; ++n) {
-      // Where an edge function is constant, all lines are on one side: with this, p is 512 lines before them if
-      // e + r >= 0, and as far behind if not.
+      // Where an edge function is constant, all lines are on one side. Then p is 512 lines before them if e + r >= 0,
+      // and as far behind them otherwise.
       const auto constant = hn::RebindMask(df, hn::Eq(step[n], hn::Zero(d)));
       per_step_[n] = hn::IfThenElse(constant, hn::Set(df, -1024.0F), hn::Div(hn::Set(df, -1.0F), ToFloats(step[n])));
       rises_[n] = hn::RebindMask(df, hn::Gt(step[n], Fill(-1)));
@@ -51,14 +51,14 @@ class RowSpans {
     }
   }
 
-  // The lanes whose spans are exact: |s| and r are small enough.
+  // The lanes with exact spans: |s| and r are small enough.
   HWY_INLINE hn::Mask<Lanes> exact() const { return exact_; }
 
-  // Lines from begin to end, end not included; all are 0 to n, but ends may lie before beginnings.
+  // Lines from begin to end, without end. All are 0 to n, but an end may lie before its beginning.
   struct Spans {
     Ints begin, end, inner_begin, inner_end;
   };
-  // Of the row whose first line has these edge functions.
+  // Returns the spans of the row whose first line has these edge functions.
   HWY_INLINE Spans Of(const Ints (&edge)[3]) const {
     const Floating df;
     Floats begin = hn::Zero(df), inner_begin = begin, end = lines_, inner_end = lines_;
@@ -81,8 +81,8 @@ class RowSpans {
   using Floats = hn::Vec<Floating>;
   static HWY_INLINE Floats ToFloats(Ints v) { return hn::ConvertTo(Floating(), v); }
 
-  // In fewer instructions than a conversion, which sees to what does not fit: added to 1.5 * 2^23, the integer is in
-  // the low bits.
+  // Takes fewer instructions than a conversion, which also handles values that do not fit. Added to 1.5 * 2^23, the
+  // integer is in the low bits.
   HWY_INLINE Ints Rounded(Floats at) const {
     const Floating df;
     const Floats base = hn::Set(df, 0x1.8p23F);

@@ -1,4 +1,4 @@
-// Triangles with few lattice lines each, one a lane: line after line of all, or of each those within its rims.
+// Scans triangles with few lattice lines each, one for each lane: line after line of all, or only lines within rims.
 #if defined(LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_
 #undef LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_
@@ -24,17 +24,17 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Triangles of more lines, along a or b, are scanned one by one (core/scan/scan_single-inl.h).
+// Triangles with more lines, along a or b, are scanned one by one (core/scan/scan_single-inl.h).
 inline constexpr int32_t kFewLines = PackedCounter::kMostLines;
 static_assert(kFewLines <= RowSpans::kMostLines);
 
-// Of rows of so many lines, it pays to know those within all rims. (This and PaysTogether: on AVX2.)
+// Rows of at least so many lines are worth a search for the lines within all rims. (Measured on AVX2, as PaysTogether.)
 inline constexpr int32_t kLongRow = 12;
 
-// Whether triangles of so many lines are scanned faster together than one by one.
+// Returns whether triangles of this many lines are scanned faster together than one by one.
 HWY_INLINE bool PaysTogether(Ints width, Ints height, hn::Mask<Lanes> triangles) {
   const Lanes d;
-  constexpr int32_t kStepsToBegin = 23;  // what it takes to begin with one, in lines of all lanes
+  constexpr int32_t kStepsToBegin = 23;  // the cost of the beginning of one triangle, in lines of all lanes
   const auto most = [&](Ints v) HWY_ATTR { return MostOfLanes(hn::IfThenElseZero(triangles, v)); };
   const int32_t together = most(hn::Max(width, height)) * most(hn::Min(width, height));
   const int32_t lines = hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(triangles, hn::Mul(width, height))));
@@ -46,8 +46,8 @@ HWY_INLINE bool PaysTogether(Ints width, Ints height, hn::Mask<Lanes> triangles)
 
 // Set-up.
 
-// Each lane's box of lines. Rows go along the axis of more lines, whichever that is of a lane's: then the lanes' rows
-// are about as long.
+// Each lane's box of lines. Rows go along a lane's longer axis of lines, so that the lanes' rows are about equally
+// long.
 struct BatchBoxes {
   hn::Mask<Lanes> turned;  // rows go along b
   Ints width, height;      // lines of a row, and rows
@@ -63,7 +63,7 @@ struct BatchBoxes {
   }
 };
 
-// What changes from one line to the next. Where the sum of remainders reaches `along`, the voxel moves by q, too.
+// The changes from one line to the next. Where the sum of remainders reaches `along`, the voxel moves by q, too.
 struct LineStep {
   Ints edge[3], remainder;
   Ints3 ijk;  // of the voxel
@@ -86,7 +86,7 @@ HWY_INLINE LineStep Choose(hn::Mask<Lanes> mask, const LineStep& yes, const Line
   return {{edge(0), edge(1), edge(2)}, hn::IfThenElse(mask, yes.remainder, no.remainder), {ijk(0), ijk(1), ijk(2)}};
 }
 
-// The lines of all lanes: where they begin, and what changes along a row (right) and from row to row (down).
+// The lines of all lanes: their first line, and the changes along a row (right) and from row to row (down).
 struct BatchLines {
   const LineScanLanes& scans;
   const Target& target;
@@ -94,7 +94,7 @@ struct BatchLines {
   BatchBoxes boxes;
   Ints along;
   Ints3 q, first;             // direction, and the first line's voxel
-  Ints3 above_lowest, limit;  // the first voxel, and the highest wanted, from the lowest wanted
+  Ints3 above_lowest, limit;  // the first voxel, and the highest wanted one, counted from the lowest wanted one
   LineStep right, down;
   Ints rim[3];
 
@@ -122,8 +122,8 @@ struct BatchLines {
     for (size_t n = 0; n < 3; ++n) rim[n] = s.rim[n].Load();
   }
 
-  // Whether PackedCounter can hold a coordinate on all lines. From the first line's voxel none changes by more than a
-  // step's, and once more q, for each line.
+  // Returns whether PackedCounter can hold a coordinate on all lines. From line to line, no coordinate changes by more
+  // than the step, and once more q.
   HWY_INLINE hn::Mask<Lanes> FitsCounter(size_t m) const {
     const auto largest = [&](Ints by) HWY_ATTR { return hn::Max(hn::Abs(by), hn::Abs(hn::Add(by, q[m]))); };
     const Ints farthest = hn::Add(hn::Abs(above_lowest[m]), hn::Add(hn::Mul(largest(right.ijk[m]), Fill(boxes.longest)),
@@ -131,7 +131,7 @@ struct BatchLines {
     return hn::Lt(hn::Max(farthest, limit[m]), Fill(PackedCounter::kMostCoordinate + 1));
   }
 
-  // The difference in numbers that a difference of coordinates makes.
+  // Returns the change of a voxel's number for a change of its coordinates.
   HWY_INLINE Ints NumberOf(const Ints3& ijk) const {
     return hn::Add(
         hn::Add(hn::Mul(ijk[0], Fill(target.layout.stride[0])), hn::Mul(ijk[1], Fill(target.layout.stride[1]))),
@@ -141,13 +141,13 @@ struct BatchLines {
 
 // Rows.
 
-// What is known of one line in each lane.
+// The state of one line in each lane.
 struct BatchLine {
   Ints edge[3], remainder;
   Ints number, counter;  // of the voxel, with the lane above it; PackedCounter
 };
 
-// Goes from line to line, and tells what is a candidate there.
+// Goes from line to line, and finds the candidates there.
 class BatchWalk {
  public:
   HWY_INLINE explicit BatchWalk(const BatchLines& lines)
@@ -168,7 +168,7 @@ class BatchWalk {
   HWY_INLINE void Right(BatchLine& line) const { Advance(line, right_); }
   HWY_INLINE void Down(BatchLine& line) const { Advance(line, down_); }
 
-  // Has a sign of PackedCounter set where the voxel is not wanted, or the row has ended.
+  // A sign of PackedCounter is set where the voxel is not wanted, or the row has ended.
   HWY_INLINE Ints Outside(const BatchLine& line) const { return counter_.Signs(line.counter); }
 
   // Appends the lines' voxels.
@@ -199,12 +199,12 @@ class BatchWalk {
   }
 
   Ints below_along_, minus_along_, below_half_;
-  Ints number_q_, counter_q_;  // what q adds
+  Ints number_q_, counter_q_;  // the changes by q
   PackedCounter counter_;
   BatchLine right_, down_;
 };
 
-// The first line of all, without lines to come.
+// The first line of all, with no line to follow.
 HWY_INLINE BatchLine FirstOf(const BatchLines& lines) {
   BatchLine line;
   for (size_t n = 0; n < 3; ++n) line.edge[n] = lines.scans.edge[n].Load();
@@ -215,14 +215,15 @@ HWY_INLINE BatchLine FirstOf(const BatchLines& lines) {
   return line;
 }
 
-// Where a row begins, if lines beyond the rims are left out.
+// The beginning of a row without the lines beyond the rims.
 struct BatchRow {
   LaneInts remainder, number, counter;
-  LaneInts before_inner, behind_inner;  // the counter is below the first and above the second within all edges
+  LaneInts before_inner, behind_inner;  // within all edges, the counter is below the first and above the second
   int32_t lines;
 };
 
-// Finds the lanes' rows, within their rims.
+// Finds the lanes' rows within their rims. A line outside of all rims is never a candidate (core/scan/line_scan.h), so
+// skipping it leaves the result as it is.
 class BatchRows {
  public:
   HWY_INLINE BatchRows(const BatchLines& lines, const BatchWalk& walk, const RowSpans& spans)
@@ -235,7 +236,7 @@ class BatchRows {
     last_first_ = LastRowFirst(lines);
   }
 
-  // The b-th row that each lane begins with.
+  // Finds the b-th row in each lane's order.
   HWY_INLINE void Find(int32_t b, BatchRow& row) const {
     const Lanes d;
     const Ints zero = hn::Zero(d);
@@ -272,9 +273,9 @@ class BatchRows {
   using Floats = hn::Vec<hn::RebindToFloat<Lanes>>;
   static HWY_INLINE Floats ToFloat(Ints v) { return hn::ConvertTo(hn::RebindToFloat<Lanes>(), v); }
 
-  // Rows are longest beside the corner that is in the middle along a column. Lanes where that is in the second half
-  // begin with their last row: then all are long at about the same time. Corners' places, from the first one's, along
-  // `down` if turned, against it if not; the middle one is sum - ends:
+  // Rows are longest beside the corner that lies in the middle along a column. Lanes with that corner in the second
+  // half begin with their last row, so that the rows of all lanes are long at about the same time. The corners' places
+  // count from the first one, along `down` if turned, else against it. The middle one is sum - ends:
   static HWY_INLINE hn::Mask<Lanes> LastRowFirst(const BatchLines& lines) {
     const Ints zero = hn::Zero(Lanes());
     const Ints second = lines.right.edge[0], third = hn::Neg(lines.right.edge[2]);
@@ -299,7 +300,7 @@ HWY_INLINE size_t MostCandidates(const BatchLines& lines) {
   return static_cast<size_t>(lines.boxes.longest) * static_cast<size_t>(lines.boxes.rows) * kTriangleLanes;
 }
 
-// Goes through all lines, and asks each on which side of edges and rims it is.
+// Goes through all lines, and checks for each the sides of edges and rims.
 HWY_INLINE void ScanAllLines(const BatchLines& lines, Candidates& out) {
   const Ints zero = hn::Zero(Lanes()), negative = Fill(INT32_MIN);
   const Ints signs = Fill(static_cast<int32_t>(PackedCounter::kSigns));
@@ -322,13 +323,13 @@ HWY_INLINE void ScanAllLines(const BatchLines& lines, Candidates& out) {
   }
 }
 
-// Goes through the lines within all rims, which `spans` knows.
+// Goes through the lines within all rims, found by `spans`.
 HWY_INLINE void ScanSpans(const BatchLines& lines, const RowSpans& spans, Candidates& out) {
   const Ints zero = hn::Zero(Lanes()), signs = Fill(static_cast<int32_t>(PackedCounter::kSigns));
   const BatchWalk walk(lines);
   Appender appender(out, MostCandidates(lines));
-  // Where rows begin: first of all rows, since nothing predicts where one ends, and a branch taken wrongly costs more
-  // the longer it waits for that.
+  // The beginnings of all rows are found first. Nothing predicts the end of a row, and a mispredicted branch costs more
+  // the longer it waits for its condition.
   BatchRow rows[kFewLines];
   const BatchRows find(lines, walk, spans);
   for (int32_t b = 0; b < lines.boxes.rows; ++b) find.Find(b, rows[b]);
@@ -343,11 +344,11 @@ HWY_INLINE void ScanSpans(const BatchLines& lines, const RowSpans& spans, Candid
   }
 }
 
-//   kBySpans        whether to go through lines within all rims alone (RowSpans), or through all, asking each
+//   kBySpans        whether to go only through lines within all rims (RowSpans), or through all, with a check of each
 //   which           the lanes that take part
 //   lowest, highest voxels beyond these coordinates have no half-link that meets the triangle, or are not wanted
-// Returns the lanes that are done: those that may have lines with voxels far away, or spans that are not exact, are
-// left out.
+// Returns the lanes that are done. It leaves out lanes that may have lines with voxels far away, and lanes with spans
+// that are not exact.
 template <bool kBySpans>
 HWY_NOINLINE uint64_t ScanBatch(const LineScanLanes& scans, uint64_t which, const Ints3& lowest, const Ints3& highest,
                                 const FrameTable& table, const Target& target, Candidates& out) {

@@ -1,4 +1,4 @@
-// A triangle's lattice lines in the lanes, block after block, and where the candidates go that are found there.
+// Scans the lattice lines of one triangle in lanes, block after block.
 #if defined(LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_
 #undef LATVOX_CORE_SCAN_SCAN_SINGLE_INL_H_
@@ -40,7 +40,7 @@ constexpr BlockLines<T> MakeBlockLines() {
 template <class T>
 inline constexpr BlockLines<T> kBlockLines = MakeBlockLines<T>();
 
-// As PrepareBlocks does for lanes: whatever shape needs fewest blocks, and the steps of these.
+// Like PrepareBlocks for lanes: sets the shape that needs the fewest blocks, and the steps of blocks.
 template <class T>
 void ChooseShape(LineScan<T>& s) {
   int32_t fewest = INT32_MAX;
@@ -96,7 +96,7 @@ class SingleLines {
 
   int32_t wide() const { return wide_; }
   int32_t high() const { return high_; }
-  // Room for candidates on all lines.
+  // The most candidates on all lines.
   size_t MostCandidates() const {
     return static_cast<size_t>(scan_.width + wide_) * static_cast<size_t>(scan_.height + high_);
   }
@@ -193,7 +193,7 @@ class SingleLines {
     }
     return out;
   }
-  // The same in all lanes.
+  // Has the same values in all lanes.
   HWY_INLINE Block Same(const std::array<T, 3>& edges, T remainder, const Vec3i& ijk, int32_t from) const {
     const int64_t number = from + Dot(Vec<int64_t, 3>{ijk[0], ijk[1], ijk[2]}, target_.layout.stride);
     return {{All(edges[0]), All(edges[1]), All(edges[2])},
@@ -226,8 +226,8 @@ class SingleLines {
 
 // Goes through the triangle's lines, block after block and row after row of blocks.
 //   clip    bit m: candidates may lie outside of the target on axis m
-//   in_box  of large triangles, whose rows may have blocks without candidates before and behind; null: of others, whose
-//           remainders are exact, too
+//   in_box  for large triangles, whose rows may begin and end with blocks without candidates; null: for others, which
+//           also have exact remainders
 // Returns false, and adds nothing, where the remainder of a candidate is in doubt.
 template <class T, class InBox>
 HWY_INLINE bool ScanSingle(const LineScan<T>& s, uint32_t clip, InBox in_box, size_t place, const Frame& frame,

@@ -1,5 +1,5 @@
-// Voxel-triangle pairs in the lanes; direction after direction. The products are those of core/digitize/star.h: in
-// floats, whose errors are bounded, and exactly where these leave a sign open (a floating-point filter).
+// Pairs of voxel and triangle in lanes, direction after direction. The products are those of core/digitize/star.h:
+// first in floats with bounded errors, then exactly where the floats leave a sign open (a floating-point filter).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/scan/stars.cc"
 #include "core/scan/stars.h"
@@ -22,9 +22,10 @@ namespace latvox {
 #define LATVOX_CORE_DIGITIZE_STARS_CC_ONCE
 namespace {
 
-// How far a triangle's corners may be from the voxel, per axis in lattice units: floats hold their coordinates then,
-// and doubles all products but that of normal and offset (see Distance). With offsets of b bits, sides have b + 1 bits,
-// normals 2 * b + 2 (twice an area within a square of sides), moments 2 * b + 1, and these with q 3 more.
+// The largest distance of a triangle's corners from the voxel, per axis in lattice units. Within it, floats hold the
+// coordinates, and doubles all products except that of normal and offset (see Distance). With offsets of b bits, sides
+// have b + 1 bits, normals 2 * b + 2 (twice an area within a square of sides), moments 2 * b + 1, and their products
+// with q 3 more.
 constexpr int kOffsetBits = 24;
 static_assert(kMaxDirection <= 8 && 2 * kOffsetBits + 2 + 3 <= 53);
 
@@ -76,19 +77,19 @@ using Float = hn::ScalableTag<float>;
 using Floats = hn::Vec<Float>;
 using Floats3 = std::array<Floats, 3>;
 
-// Of pairs in the lanes, the edges that are sure. Returns of which lanes the rounding of floats leaves some open; bit n
-// for lane n.
+// Finds the certain links of pairs in lanes. Returns the lanes in which the rounding of floats leaves some links open;
+// bit n for lane n.
 //   corners    of the triangles, from the voxels, by axis in lattice units
-//   farthest   of each lane the largest |coordinate|; beyond 2^kOffsetBits, what is said of a lane means nothing
+//   farthest   each lane's largest |coordinate|; beyond 2^kOffsetBits, a lane's result is meaningless
 //   reach      the largest |entry| of directions
 //
 // Bounds of errors, with w for `farthest` and u = 2^-24 for a rounding: a moment's entry a * d - b * c is at most 2w^2,
-// and off by 4uw^2; the normal is their sum, at most 6w^2, and off by 22uw^2. A product of the normal with a direction
-// is then off by (3 * 22 + 18 + 30)urw^2, one of a moment by (3 * 4 + 6 + 10)urw^2, and one of the normal with the
-// first corner by (3 * 22 + 18 + 30)uw^3, of which the second and the third terms are the roundings of three products
-// and of their sum. What terms of u^2 add, and the roundings of these bounds, is less than the gap to 128 and 32. A
-// rounded difference that is compared with a float needs nothing more, as rounding is monotone; and contraction to
-// fused products leaves roundings out.
+// and wrong by at most 4uw^2. The normal is their sum, at most 6w^2, and wrong by 22uw^2. So a product of the normal
+// with a direction is wrong by (3 * 22 + 18 + 30)urw^2, one of a moment by (3 * 4 + 6 + 10)urw^2, and one of the normal
+// with the first corner by (3 * 22 + 18 + 30)uw^3. The second and third terms there are the roundings of three products
+// and of their sum. Terms with u^2, and the roundings of these bounds, are less than the gap to 128 and 32. A rounded
+// difference that is compared with a float needs no more, because rounding is monotone. Contraction to fused products
+// leaves roundings out.
 HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Ints3, 3>& corners,
                               Ints farthest, StarLinks* out) {
   const Float d;
@@ -121,7 +122,7 @@ HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reac
   for (size_t n = 0; n < frames.size(); ++n) {
     const Vec3i& q = frames[n].frame.q;
     const Floats along = by_normal.Dot(q);
-    // By how much the plane is nearer than half a step.
+    // The amount by which the plane is nearer than half a step.
     const Floats nearer_by = hn::Sub(scaled(kHalfStep, hn::Abs(along)), away);
     const auto may_be_near = hn::Not(hn::Lt(nearer_by, minus_plane_error));
     if (hn::AllFalse(d, may_be_near)) continue;
@@ -137,7 +138,7 @@ HWY_INLINE uint64_t SureStars(const std::vector<ScanFrame>& frames, int32_t reac
     nearer = hn::Or(nearer, hn::IfThenElseZero(hn::RebindMask(ints, meets), bit));
     forward = hn::Or(forward, hn::IfThenElseZero(hn::RebindMask(ints, leads_forward), bit));
   }
-  // On which side of the plane the voxel is tells the direction to the farther end.
+  // The side of the plane on which the voxel lies gives the direction to the farther end.
   const auto sided = hn::RebindMask(ints, hn::Gt(away, distance_error));
   int32_t bits[2][kTriangleLanes];
   hn::StoreU(nearer, ints, bits[0]);
@@ -153,9 +154,9 @@ using Doubles = hn::Vec<Double>;
 using Doubles3 = std::array<Doubles, 3>;
 constexpr size_t kDoubles = HWY_LANES(double);
 
-// ceil(n . w / 128), where the unit of n . q is 256: then -along < result <= along says that the voxel is the nearer
-// end. Terms may take more than 64 bits; their sum does not where the voxel is as close to the plane as candidates are.
-// Where it is not, doubles say so: infinity.
+// Returns ceil(n . w / 128), where the unit of n . q is 256. Then -along < result <= along means that the voxel is the
+// nearer end. Terms may take more than 64 bits, but their sum does not where the voxel is as close to the plane as
+// candidates are. Elsewhere the doubles show it, and the result is infinity.
 HWY_INLINE Doubles Distance(const Doubles3& n, const Doubles3& w) {
   const Double d;
   alignas(64) double normal[3][kDoubles], offset[3][kDoubles], distance[kDoubles];
@@ -178,7 +179,7 @@ HWY_INLINE Doubles Distance(const Doubles3& n, const Doubles3& w) {
   return hn::Load(d, distance);
 }
 
-// The edges of pairs in the lanes, exactly; v: the corners, as in SureStars.
+// Finds the links of pairs in lanes, exactly; v: the corners, as in SureStars.
 HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, const std::array<Doubles3, 3>& v,
                            StarLinks* out) {
   const Double d;
@@ -190,7 +191,7 @@ HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, 
   };
 
   V3 normal = CrossOf(Minus(v[1], v[0]), Minus(v[2], v[0]));
-  // Turned so that the normal's first nonzero entry is positive: that reverses all products.
+  // Turned so that the normal's first nonzero entry is positive, which reverses all products.
   const auto reversed = hn::Lt(FirstNonzero(normal), zero);
   const auto turn = [&](V3& a) {
     for (V& x : a) x = hn::IfThenElse(reversed, hn::Neg(x), x);
@@ -205,7 +206,7 @@ HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, 
   const V distance = Distance(normal, {hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])});
   const auto below = hn::Not(hn::Gt(distance, zero));
 
-  // Whether the shift moves the line through the voxel along u, which is q, or -q unless `up`, to the inner side of the
+  // Whether the shift moves the line through the voxel along u, which is q if `up`, else -q, to the inner side of the
   // triangle's edge n: s . (edge x u) > 0.
   const auto tie_is_inside = [&](size_t n, const Vec3i& q, hn::Mask<decltype(d)> up) HWY_ATTR {
     V3 edge = Minus(v[(n + 1) % 3], v[n]);
@@ -247,14 +248,14 @@ HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, 
   for (size_t n = 0; n < kDoubles; ++n) out[n] = {static_cast<uint32_t>(bits[0][n]), static_cast<uint32_t>(bits[1][n])};
 }
 
-// Pairs that are done together.
+// The number of pairs that are done together.
 constexpr size_t kAtOnce = 64;
 struct Pairs {
   alignas(64) int32_t corners[3][3][kAtOnce];  // from the voxels, by axis
   StarLinks edges[kAtOnce];
 };
 
-// Finds the edges of those whose bits are set.
+// Finds the links of the pairs whose bits are set.
 void FindExactly(const std::vector<ScanFrame>& frames, int32_t reach, uint64_t which, Pairs& pairs) {
   const hn::Rebind<int32_t, Double> ints;
   while (which != 0) {
@@ -283,7 +284,7 @@ void FindInLanes(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, 
   }
   for (; !pairs.empty(); pairs = pairs.subspan(std::min(kAtOnce, pairs.size()))) {
     const size_t count = std::min(kAtOnce, pairs.size());
-    // All voxels first: what was just written number by number cannot be read as a vector at once.
+    // All voxels come first, because numbers written one by one cannot be read as a vector at once.
     int32_t voxels[3][kAtOnce];
     for (size_t n = 0; n < count; ++n) {
       hwy::Prefetch(&mesh.triangles[pairs[n].triangle]);

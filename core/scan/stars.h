@@ -1,4 +1,5 @@
-// Many voxel-triangle pairs: which lattice edges at the voxel the triangle crosses, with the voxel as the nearer end.
+// For many pairs of voxel and triangle: the lattice links at the voxel that the triangle crosses, with the voxel as the
+// nearer end.
 #ifndef LATVOX_CORE_SCAN_STARS_H_
 #define LATVOX_CORE_SCAN_STARS_H_
 
@@ -17,14 +18,15 @@ struct VoxelTriangle {
   uint32_t triangle;  // of the mesh
 };
 
-// Bit n stands for the edge along frames[n].
+// Bit n stands for the link along frames[n].
 static_assert(kMaxDirections < 32);
 struct StarLinks {
   uint32_t nearer;   // crossed, and the voxel is their nearer end
-  uint32_t forward;  // of these, the farther end is voxel + q, not voxel - q
+  uint32_t forward;  // links among these whose farther end is voxel + q, not voxel - q
 };
 
-// What Star::IsNearerEnd (core/digitize/star.h) says of each pair, for all directions. `out` has room for all pairs.
+// Returns the result of Star::IsNearerEnd (core/digitize/star.h) for each pair, and all directions. `out` has room for
+// all pairs.
 void FindStarLinks(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const BitsLayout& layout,
                    std::span<const VoxelTriangle> pairs, StarLinks* out);
 

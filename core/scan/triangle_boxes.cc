@@ -1,4 +1,4 @@
-// Triangles in the lanes, voxel after voxel.
+// Triangles in lanes, voxel after voxel.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/scan/triangle_boxes.cc"
 #include "core/scan/triangle_boxes.h"
@@ -45,7 +45,7 @@ bool FindPairs(const std::array<const uint8_t*, 6>& bounds, const BitsLayout& la
     for (size_t first = 0; first < triangles.size(); first += kLanes) {
       const size_t left = triangles.size() - first;
       uint64_t inside = BoxesAround(d, bounds, first, at) & (left < 64 ? (uint64_t{1} << left) - 1 : ~uint64_t{0});
-      // Mostly it is one, or none, which nothing predicts.
+      // Mostly there is one, or none, which nothing predicts.
       const auto add = [&] {
         const auto lane = static_cast<size_t>(std::countr_zero(inside));
         pairs[count] = {voxel, triangles[std::min(first + lane, triangles.size() - 1)]};

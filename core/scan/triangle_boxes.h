@@ -1,4 +1,4 @@
-// Boxes around the voxels that each of many triangles may contribute, to look the triangles of few voxels up by.
+// Boxes around the voxels that each of many triangles may contribute. They find the triangles of a few voxels.
 #ifndef LATVOX_CORE_SCAN_TRIANGLE_BOXES_H_
 #define LATVOX_CORE_SCAN_TRIANGLE_BOXES_H_
 
@@ -16,11 +16,11 @@
 
 namespace latvox {
 
-// In a byte a bound, so that a vector compares many triangles with a voxel.
+// A bound takes one byte, so that a vector compares many triangles with a voxel.
 class TriangleBoxes {
  public:
-  static constexpr int32_t kMostSide = 256;  // voxels, of the box that all of them lie in
-  static constexpr size_t kSlack = 64;       // a vector's worth, at most
+  static constexpr int32_t kMostSide = 256;  // voxels; of the box that contains all of them
+  static constexpr size_t kSlack = 64;       // at most a vector
 
   size_t size() const { return size_; }
   size_t Bytes() const { return bounds_.size() * BytesOf(bounds_[0]); }
@@ -28,15 +28,15 @@ class TriangleBoxes {
   void Reserve(size_t more) {
     for (auto& bounds : bounds_) bounds.resize(std::max(bounds.size(), size_ + more + kSlack));
   }
-  // Kernels write whole vectors there, and then say how many count: the lowest of an axis, from the low corner of the
-  // box that all lie in, and the highest.
+  // Kernels write whole vectors there, and then set the count: the lowest and the highest voxels of an axis, from the
+  // low corner of the box that contains all.
   uint8_t* Lowest(size_t axis) { return bounds_[axis].data() + size_; }
   uint8_t* Highest(size_t axis) { return bounds_[3 + axis].data() + size_; }
   void Grow(size_t by) { size_ += by; }
 
-  // Replaces `pairs` by each of the voxels with all triangles whose boxes it lies in, and returns true, if these are no
-  // more than `most`; else returns false soon, and they mean nothing.
-  //   low         corner of the box that all lie in
+  // Replaces `pairs` by each of the voxels with all triangles whose boxes contain it, and returns true, if there are no
+  // more than `most` pairs. Otherwise returns false soon, with meaningless pairs.
+  //   low         corner of the box that contains all boxes
   //   triangles   their numbers
   //   voxels      within that box
   bool FindPairs(const BitsLayout& layout, const Vec3i& low, std::span<const uint32_t> triangles,

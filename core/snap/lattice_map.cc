@@ -1,4 +1,4 @@
-// All kernels evaluate one fixed expression, since digests depend on its rounding: the target has no contraction.
+// All kernels evaluate the same expression, because digests depend on its rounding: the target has no contraction.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/snap/lattice_map.cc"
 #include "core/snap/lattice_map.h"
@@ -11,7 +11,7 @@
 
 #include "core/snap/snap.h"
 
-// What does not depend on the instruction set, once.
+// The code that does not depend on the instruction set, once.
 #ifndef LATVOX_CORE_SNAP_LATTICE_MAP_ONCE_
 #define LATVOX_CORE_SNAP_LATTICE_MAP_ONCE_
 
@@ -43,7 +43,8 @@ LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, size_t c
 void PlainRoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
                         size_t count, Vec3i* out) {
   for (size_t n = 0; n < count; ++n) {
-    Vec3f p;  // copied by bytes, as what replaces it: the compiler may take different types for different memory
+    Vec3f
+        p;  // copied by bytes, and so is the result: the compiler may assume that different types use different memory
     std::memcpy(&p, vertices + n, sizeof(p));
     const Vec3d v = ToLattice(map, p);
     Vec3i rounded;

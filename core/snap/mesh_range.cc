@@ -19,15 +19,15 @@ namespace {
 
 using Part = oneapi::tbb::blocked_range<size_t>;
 
-constexpr size_t kGrain = 4096;  // vertices or triangles a task
+constexpr size_t kGrain = 4096;  // vertices or triangles for each task
 
 // 1 for each vertex that a triangle uses, else 0.
 std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, StopSignal stop) {
   std::vector<uint8_t> used(mesh.vertices.size());
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
     if (stop.Stopped()) return;
-    // Bytes may alias anything, pointers to them included; hence the copies. And they are not read first: whether a
-    // mark is set already is hard to predict.
+    // Bytes may alias anything, pointers to them included, so these are copies. The marks are not read first, because
+    // it is hard to predict whether one is set already.
     uint8_t* const marks = used.data();
     const std::span triangles(&mesh.triangles[part.begin()], part.size());
     for (const std::array<uint32_t, 3> triangle : triangles) {
@@ -37,10 +37,10 @@ std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, StopSignal stop) {
   return used;
 }
 
-// The ranges of each kBlock vertices.
+// The ranges of kBlock vertices each.
 class BlockRanges {
  public:
-  // Of the vertices that `used` marks; of all if it is empty. Keeps references to the mesh and the map.
+  // The vertices that `used` marks; all if it is empty. Keeps references to the mesh and the map.
   BlockRanges(const TriangleMesh& mesh, const LatticeMap& map, const std::vector<uint8_t>& used, StopSignal stop)
       : mesh_(mesh), map_(map), ranges_((mesh.vertices.size() + kBlock - 1) / kBlock) {
     oneapi::tbb::parallel_for(Part(0, ranges_.size(), kGrain / kBlock), [&](const Part& part) {
@@ -51,7 +51,7 @@ class BlockRanges {
 
   const LatticeRange& all() const { return all_; }
 
-  // A vertex that attains all().*side on an axis, if all vertices count. Nullopt: none does, since numbers overflow.
+  // A vertex that attains all().*side on an axis, if all vertices count. Nullopt: none does, because numbers overflow.
   std::optional<uint32_t> VertexAt(Vec3d LatticeRange::*side, size_t axis) const {
     const auto attains = [&](const LatticeRange& range) { return (range.*side)[axis] == (all_.*side)[axis]; };
     const auto block = std::find_if(ranges_.begin(), ranges_.end() - 1, attains);
@@ -89,9 +89,9 @@ class BlockRanges {
   LatticeRange all_;
 };
 
-// Whether triangles are seen to use all of these vertices, by looking at as many triangles as the mesh has. Each vertex
-// is looked for where, in a sample, the nearest numbers are, and then farther and farther from there: most meshes
-// number vertices as their triangles come, at least in parts.
+// Returns whether triangles certainly use all of these vertices, after a look at no more triangles than the mesh has.
+// The search for a vertex begins at the nearest numbers of a sample, and goes farther and farther from there. Most
+// meshes number vertices in the order of their triangles, at least in parts.
 bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, StopSignal stop) {
   constexpr size_t kMostSamples = 4096, kLeastGap = 256, kStep = 2048;
   const std::span triangles(mesh.triangles);
@@ -116,7 +116,7 @@ bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, S
   };
   size_t searched = 0;  // triangles
   const auto is_found_from = [&](size_t center, uint32_t vertex) {
-    size_t below = center, above = center;  // what lies between has been searched
+    size_t below = center, above = center;  // the part between them has been searched
     while ((below > 0 || above < triangles.size()) && searched <= triangles.size() && !stop.Stopped()) {
       const size_t lower = below - std::min(below, kStep), upper = std::min(above + kStep, triangles.size());
       if (is_used(lower, below, vertex) || is_used(above, upper, vertex)) return true;
@@ -134,8 +134,8 @@ bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, S
 
 }  // namespace
 
-// To mark used vertices takes a pass over all triangles, and is hardly ever needed: where used ones attain every
-// extreme, the others change nothing.
+// It takes a pass over all triangles to mark used vertices, and is hardly ever necessary: where used vertices attain
+// every extreme, the others change nothing.
 LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, StopSignal stop) {
   const BlockRanges ranges(mesh, map, {}, stop);
   if (stop.Stopped()) return {};
@@ -152,7 +152,7 @@ LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, StopSignal
 Bounds BoundsOf(const TriangleMesh& mesh, StopSignal stop) {
   const LatticeMap world{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}};
   const LatticeRange range = RangeOf(mesh, world, stop);
-  return {range.min + Vec3d{}, range.max + Vec3d{}};  // no -0, which lanes may order otherwise than a scalar does
+  return {range.min + Vec3d{}, range.max + Vec3d{}};  // no -0, which lanes may order differently from a scalar
 }
 
 }  // namespace latvox

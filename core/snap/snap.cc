@@ -17,10 +17,10 @@ namespace {
 using oneapi::tbb::blocked_range;
 using Part = blocked_range<size_t>;
 
-constexpr size_t kGrain = 4096;  // vertices a task
+constexpr size_t kGrain = 4096;  // vertices for each task
 constexpr RangeWords kWords{"voxel_size", "the mesh", "the mesh extends", "voxels"};
 
-// How vertices are rounded, and what follows from their range.
+// The rounding of vertices, as their range requires.
 struct Rounding {
   LatticeMap map;
   LatticeRange range;
@@ -36,7 +36,8 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
   if (auto status = CheckRange(range.min, range.max, lattice.voxel_size(), kWords); !status.ok()) return status;
   Rounding rounding{map, range, {}, {}};
   for (size_t m = 0; m < 3; ++m) {
-    // One unit below, since rounding may move the lowest vertex that far; a tile's multiple, for bricks and parity.
+    // One unit below, because rounding may move the lowest vertex that far; a multiple of a tile, for bricks and
+    // parity.
     const auto low = static_cast<int32_t>(std::floor(range.min[m] - 1.0 / kLatticeUnit));
     rounding.base_ijk[m] = low & ~(kTileSide - 1);
     // The nearer end of a crossed link lies within reach/2 of the surface.
@@ -49,7 +50,7 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
 }
 
 // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
-//   out   may be where the vertices are
+//   out   may be the vertices' own memory
 void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out, StopSignal stop) {
   oneapi::tbb::parallel_for(Part(0, vertices.size(), kGrain), [&](const Part& part) {
     if (stop.Stopped()) return;
@@ -60,7 +61,7 @@ void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out
 
 }  // namespace
 
-// Vertices are rounded where they are: to get other memory for them takes longer than to round them.
+// Rounds vertices in place, because it takes longer to allocate other memory than to round them.
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  StopSignal stop) {
   static_assert(sizeof(Vec3i) == sizeof(Vec3f));

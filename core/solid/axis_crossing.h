@@ -1,12 +1,13 @@
-// The crossing rule (core/digitize/crossing.h) along the axes of the lattice coordinates, with signs, and without the
-// rounding to nearer ends: between which two points of a line a triangle crosses it, and in which sense.
+// The crossing rule (core/digitize/crossing.h) along the axes of the lattice coordinates, with signs. It does not round
+// to nearer ends, but finds the two points of a line between which a triangle crosses it, and the sense of the
+// crossing.
 //
-// It is not ForEachCrossing along three unit vectors, for three reasons. Its lines may be those of a coarser lattice,
-// such as the one of the tiles' corners. It tells the sense of each crossing. And rows that are unit vectors leave few
-// of the terms of a frame. What the two rules share is exact division.
+// It is not ForEachCrossing along three unit vectors, for three reasons. Its lines may belong to a coarser lattice,
+// such as that of the tiles' corners. It gives the sense of each crossing. And for rows that are unit vectors, most
+// terms of a frame vanish. The two rules share only exact division.
 //
-// The shift by (e, e^2, e^3) is the same as there. No lattice point lies on the shifted surface, so that every point is
-// inside or outside; and all axes agree on it, whatever the lattice: only lattice coordinates matter.
+// The shift by (e, e^2, e^3) is the same as there. No lattice point lies on the shifted surface, so every point is
+// inside or outside. All axes agree on it, whatever the lattice, because only lattice coordinates matter.
 #ifndef LATVOX_CORE_SOLID_AXIS_CROSSING_H_
 #define LATVOX_CORE_SOLID_AXIS_CROSSING_H_
 
@@ -62,10 +63,10 @@ struct AxisEdge {
 
 }  // namespace axis_internal
 
-// Calls f(a, b, above, turn) for each line along the axis that the triangle crosses, of those of the lattice of all
-// multiples of 2^kUnitBits lattice units:
+// Calls f(a, b, above, turn) for each line along the axis that the triangle crosses. The lines belong to the lattice of
+// all multiples of 2^kUnitBits lattice units:
 //   above   the lowest point of the line above the crossing
-//   turn    what going up through the triangle adds to the winding number: +1 against its normal, else -1
+//   turn    the change of the winding number on the way up through the triangle: +1 against its normal, else -1
 template <int kUnitBits, class F>
 void ForEachAxisCrossing(const Triangle& triangle, size_t axis, const AxisLines& lines, F&& f) {
   using namespace axis_internal;
@@ -82,7 +83,7 @@ void ForEachAxisCrossing(const Triangle& triangle, size_t axis, const AxisLines&
   const Span b = range(m1, lines.b);
   if (b.first > b.last) return;
 
-  // As in ForEachCrossing, for the frame whose rows are the axes, which is why many of its terms are gone.
+  // As in ForEachCrossing, for the frame whose rows are the axes, so many of its terms vanish.
   std::array<Vec3l, 3> v;
   for (size_t n = 0; n < 3; ++n) v[n] = {triangle[n][m0], triangle[n][m1], triangle[n][axis]};
   Vec3l normal = Cross(v[1] - v[0], v[2] - v[0]);
@@ -99,8 +100,9 @@ void ForEachAxisCrossing(const Triangle& triangle, size_t axis, const AxisLines&
   const int64_t tie = FirstNonzeroIsPositive(normal_ijk) ? 0 : 1, along = normal[2];
   const AxisEdge<kUnitBits> edges[3] = {{v[0], v[1], m0, m1}, {v[1], v[2], m0, m1}, {v[2], v[0], m0, m1}};
 
-  // The depth is floor(numerator / (along * unit)), and numerators of all lines are equal modulo the unit: as in
-  // core/scan/line_scan.h, dividing them by it first changes nothing, and leaves numbers that fit 64 bits.
+  // The depth is floor(numerator / (along * unit)). The numerators of all lines are equal modulo the unit. So, as in
+  // core/scan/line_scan.h, a division of the numerators by the unit first changes nothing, and leaves numbers of 64
+  // bits.
   const int64_t step = FloorDiv(-normal[0], along), step_remainder = -normal[0] - step * along;
   for (int64_t row = b.first; row <= b.last; ++row) {
     Span span = a;

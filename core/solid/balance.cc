@@ -97,7 +97,7 @@ class LineCount {
 }  // namespace
 
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop) {
-  constexpr size_t kGrain = 4096;  // triangles a task
+  constexpr size_t kGrain = 4096;  // triangles for each task
   const EdgeSum sum = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), EdgeSum{},
       [&](const Part& part, EdgeSum so_far) {

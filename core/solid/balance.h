@@ -1,4 +1,4 @@
-// Whether a mesh has an inside at all.
+// Finds whether a mesh has an inside.
 #ifndef LATVOX_CORE_SOLID_BALANCE_H_
 #define LATVOX_CORE_SOLID_BALANCE_H_
 
@@ -10,14 +10,14 @@
 
 namespace latvox {
 
-// Whether every edge, by position, is as often an edge of triangles in one sense as in the other: then winding numbers
-// do not depend on the path. As SurfaceFacts::closed, by hashes: never denied to a mesh of which it is true, and of
-// another one said with a probability of 2^-64 at most, as far as hashes of positions pass for random.
+// Returns whether every edge, by position, occurs equally often in both senses. Then winding numbers do not depend on
+// the path. It uses hashes, like SurfaceFacts::closed: the answer is always yes for such a mesh. For another mesh it is
+// yes with a probability of at most 2^-64, as far as hashes of positions are random.
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop = {});
 
-// How many lattice lines along k end unbalanced: their signed crossings have an odd sum, or one other than 0. Of a mesh
-// that is closed (kParity) or oriented (kWinding) there is none; of another one there may be none, if no line passes
-// through its holes. Memory: O(triangles).
+// Returns the number of lattice lines along k that end unbalanced: the sum of their signed crossings is odd (kParity),
+// or not 0 (kWinding). A closed (kParity) or oriented (kWinding) mesh has none. Another mesh may have none as well, if
+// no line passes through its holes. Memory: O(triangles).
 uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop = {});
 
 }  // namespace latvox

@@ -32,13 +32,13 @@ class ClosedInterior : public Interior {
         stop_(stop),
         first_tile_(Shifted(region.min, kTileBits)),
         corners_(FindLineCrossings<kCornerBits>(mesh, region, stop)) {
-    // Sums over whole lines are even, or 0 (of kWinding): none concerns the lines after it.
+    // Sums over whole lines are even, or 0 (for kWinding), so no line affects the lines after it.
     sums_.reserve(corners_.size());
     int32_t sum = 0;
     for (const uint64_t corner : corners_) sums_.push_back(sum += LineCrossing::Turn(corner));
   }
 
-  // It is the same for all of the cube: asked of a tile that meets the region.
+  // It is the same for the whole cube, so a tile that meets the region decides.
   bool MayHold(const Vec3i& tile_ijk, int) const override {
     Vec3i tile;
     for (size_t m = 0; m < 3; ++m) tile[m] = std::max(tile_ijk[m], first_tile_[m]);
@@ -69,8 +69,8 @@ class ClosedInterior : public Interior {
     return after == corners_.begin() ? 0 : sums_[static_cast<size_t>(after - corners_.begin()) - 1];
   }
 
-  // Adds what the triangle crosses of the first line along i, of the first plane's lines along j, and of all along k;
-  // starts hold, until they are finished, what each point adds to the sums along j.
+  // Adds the triangle's crossings of the first line along i, of the first plane's lines along j, and of all lines along
+  // k. Until they are finished, starts hold the change at each point of the sums along j.
   void Add(const Triangle& triangle, const Vec3i& low, std::array<int32_t, kTileSide>& along_i,
            InteriorRows& rows) const {
     const auto lines = [&](size_t a, bool all_a, size_t b, bool all_b) {
@@ -96,7 +96,7 @@ class ClosedInterior : public Interior {
         });
   }
 
-  // For kParity rows hold where the parity changes, for kWinding where the sum may.
+  // For kParity, rows mark the changes of parity; for kWinding, possible changes of the sum.
   void AddToRow(size_t row, int32_t k, int32_t turn, InteriorRows& rows) const {
     const uint64_t bit = uint64_t{1} << k;
     if (rule_ == InteriorRule::kParity) {
@@ -182,7 +182,7 @@ class OpenInterior : public Interior {
   }
 
  private:
-  // Of the lines (i, j), j_begin <= j < j_end.
+  // The crossings of the lines (i, j), j_begin <= j < j_end.
   std::span<const uint64_t> Crossings(int32_t i, int32_t j_begin, int32_t j_end) const {
     const auto least = [&](int32_t j) {
       return std::lower_bound(crossings_.begin(), crossings_.end(), LineCrossing::Least(i, j, -kTileSide));
@@ -190,7 +190,7 @@ class OpenInterior : public Interior {
     return {least(j_begin), least(j_end)};
   }
 
-  // The row of a line, k from `low` on, by all crossings of the line.
+  // The row of a line, k from `low` on, from all crossings of the line.
   uint64_t RowOf(std::span<const uint64_t> line, int32_t low) const {
     uint64_t inside = 0;
     int32_t sum = 0;

@@ -1,11 +1,11 @@
-// Which lattice points of a tile are inside of a mesh.
+// The lattice points of a tile inside of a mesh.
 //
-// Closed meshes: the sum of signed crossings does not depend on the path. One lattice point of each tile is told from
-// the lines along k through the tiles' corners, which are one in 64^2; from there, within the tile and by its own
-// triangles, the path goes along i, then along j, then along k. So tiles without triangles cost nothing, and memory is
-// that of the corner lines through the region.
+// Closed meshes: the sum of signed crossings does not depend on the path. The lines along k through the tiles' corners,
+// one in 64^2, decide on one lattice point of each tile. From there, within the tile and by its own triangles, the path
+// goes along i, then along j, then along k. So tiles without triangles cost nothing, and the memory is that of the
+// corner lines through the region.
 //
-// Meshes that are not closed: the path is the line along k, from below, on lines that are balanced; the others hold no
+// Meshes that are not closed: the path is the line along k, from below, on lines that are balanced. Other lines have no
 // interior points. All crossings of all lines along k through the region are kept.
 #ifndef LATVOX_CORE_SOLID_INTERIOR_H_
 #define LATVOX_CORE_SOLID_INTERIOR_H_
@@ -23,7 +23,7 @@
 
 namespace latvox {
 
-// The points of one tile: bit k of row (i << 6 | j). Also what finding them takes, from tile to tile.
+// The points of one tile: bit k of row (i << 6 | j). Also the memory for their search, from tile to tile.
 class InteriorRows {
  public:
   InteriorRows() : rows_(kRows), starts_(kRows) {}
@@ -38,34 +38,33 @@ class InteriorRows {
 
   std::vector<uint64_t> rows_;
   std::vector<int32_t> starts_;  // sums at k = 0
-  std::vector<int32_t> turns_;   // kWinding: what each point adds to its row's sum; otherwise all 0
+  std::vector<int32_t> turns_;   // kWinding: the change of its row's sum at each point; otherwise all 0
 };
 
 class Interior {
  public:
   virtual ~Interior() = default;
 
-  // Whether a cube of 2^level tiles a side that no triangle meets may have points of the region inside; tile_ijk: its
-  // lowest, local.
+  // Returns whether a cube of 2^level tiles a side that no triangle meets may have points of the region inside;
+  // tile_ijk is its lowest tile, local.
   virtual bool MayHold(const Vec3i& tile_ijk, int level) const = 0;
 
-  // Finds the points of a tile (local) that meets the region; of others outside of it, nothing is said.
+  // Finds the points of a tile (local) that meets the region. Rows for points outside of the region are meaningless.
   //   triangles   all that meet the box around its lattice points; more do no harm
   virtual void Find(const Vec3i& tile_ijk, std::span<const uint32_t> triangles, InteriorRows& rows) const = 0;
 };
 
-// Both keep a reference to the mesh, and the signal. What they make, and what is found, means nothing once they are
-// cancelled.
-//   region   local voxels: others are not asked for
+// Both keep a reference to the mesh, and the signal. Once cancelled, results are meaningless.
+//   region   local voxels: others are not needed
 //
 // Precondition: the mesh is closed (kParity) or oriented (kWinding).
 std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                              StopSignal stop = {});
-// Of any mesh. Memory: kBytesPerLineCrossing for each crossing of a line along k.
+// For any mesh. Memory: kBytesPerLineCrossing for each crossing of a line along k.
 std::unique_ptr<Interior> MakeOpenInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                            StopSignal stop = {});
 
-// Twice, as arrays grow, and once more, while they are gathered.
+// Twice, because arrays grow, and once more, while they are gathered.
 inline constexpr uint64_t kBytesPerLineCrossing = 24;
 
 }  // namespace latvox

@@ -17,8 +17,8 @@
 
 namespace latvox {
 
-// One crossing as a number: the line's i and j, the lowest point above the crossing, and its sense; crossings of a line
-// ascend with these numbers. Coordinates are local, in steps of the lines' lattice; they may be a little below 0.
+// One crossing as a number: the line's i and j, the lowest point above the crossing, and its sense. The crossings of a
+// line ascend with these numbers. Coordinates are local, in steps of the lines' lattice; they may be a little below 0.
 class LineCrossing {
   static constexpr int kBits = 21, kSlabShift = 2 * kBits + 1 + 6;
   static constexpr int32_t kOffset = 1 << (kBits - 2), kFarthest = kMaxExtent + 2 * kTileSide;
@@ -26,7 +26,7 @@ class LineCrossing {
   static constexpr size_t kFirstSlab = static_cast<size_t>(kOffset - kFarthest) >> 6;
 
  public:
-  // No crossing above which `above` is lower is less.
+  // No crossing with a lower `above` is less.
   static uint64_t Least(int32_t i, int32_t j, int32_t above) {
     return Field(i) << (2 * kBits + 1) | Field(j) << (kBits + 1) | Field(above) << 1;
   }
@@ -48,9 +48,9 @@ class LineCrossing {
   }
 };
 
-// Joins the parts, ascending. By slabs, so that it ends soon once cancelled; then the result means nothing.
+// Joins the parts, ascending. It works by slabs, so it ends soon once cancelled, with a meaningless result.
 inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_t>>&& parts, StopSignal stop) {
-  // Where each slab's next crossing goes; in the end, where it ends.
+  // The place of each slab's next crossing; at the end, the slab's end.
   std::vector<size_t> next(LineCrossing::kSlabs + 1);
   for (const auto& part : parts) {
     for (const uint64_t crossing : part) ++next[LineCrossing::Slab(crossing) + 1];
@@ -70,15 +70,15 @@ inline std::vector<uint64_t> SortedLineCrossings(std::vector<std::vector<uint64_
   return all;
 }
 
-// Those with the lines whose coordinates are multiples of 2^kUnitBits lattice units, of which there is one below or at
-// each voxel (local) of the region on i and j; ascending. Ends soon once cancelled; then the result means nothing.
+// Returns the crossings with lines whose coordinates are multiples of 2^kUnitBits lattice units, ascending. Such a line
+// is below or at each voxel (local) of the region on i and j. Ends soon once cancelled, with a meaningless result.
 template <int kUnitBits>
 std::vector<uint64_t> FindLineCrossings(const SnappedMesh& mesh, const IndexBox& region, StopSignal stop) {
-  constexpr size_t kChunk = 1 << 14;  // triangles a task
+  constexpr size_t kChunk = 1 << 14;  // triangles for each task
   constexpr int kVoxelBits = kUnitBits - kSubvoxelBits;
   const AxisLines lines{{region.min[0] >> kVoxelBits, (region.max[0] - 1) >> kVoxelBits},
                         {region.min[1] >> kVoxelBits, (region.max[1] - 1) >> kVoxelBits}};
-  constexpr int32_t kRows = 64;  // of lines, between looks whether it is cancelled
+  constexpr int32_t kRows = 64;  // of lines, between polls of the stop signal
   const size_t count = mesh.triangles.size();
   std::vector<std::vector<uint64_t>> parts((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, parts.size()), [&](const auto& numbers) {

@@ -1,4 +1,5 @@
-// Which part of a triangle lies close to a row of voxels: of a long one that crosses its bounding box, little does.
+// The part of a triangle that lies close to a row of voxels. A long triangle has only a little of its bounding box near
+// it.
 #ifndef LATVOX_CORE_SUPERCOVER_CUT_TRIANGLE_H_
 #define LATVOX_CORE_SUPERCOVER_CUT_TRIANGLE_H_
 
@@ -15,9 +16,9 @@
 
 namespace latvox {
 
-// A triangle, or what is left of it between planes across two lattice axes: a convex polygon, in doubles. Planes are
-// moved apart by a unit of 1/kLatticeUnit voxel, and Along adds one, which rounding does not exceed: it may be too
-// large, never too small.
+// A triangle, or the part of it between planes across two lattice axes: a convex polygon, in doubles. Planes are moved
+// apart by a unit of 1/kLatticeUnit voxel, and Along adds one. Rounding stays below that, so the part may be too large,
+// but never too small.
 class CutTriangle {
  public:
   struct Range {
@@ -28,12 +29,12 @@ class CutTriangle {
     for (const Vec3i& v : triangle) Add(ToDouble(v));
   }
 
-  // The part between two planes, which may be nothing. At most twice, one after the other.
+  // Returns the part between two planes, which may be empty. Call it at most twice in a row.
   CutTriangle Between(size_t axis, double low, double high) const {
     return Beyond(axis, 1, low - 1).Beyond(axis, -1, -high - 1);
   }
 
-  // Where its points lie on an axis; min > max: nowhere.
+  // Returns the range of its points on an axis; min > max: there are none.
   Range Along(size_t axis) const {
     Range range;
     for (size_t n = 0; n < size_; ++n) {
@@ -48,7 +49,7 @@ class CutTriangle {
 
   void Add(const Vec3d& corner) { corners_[size_++] = corner; }
 
-  // The part with sign * x >= least, x the coordinate on the axis [Sutherland and Hodgman 1974].
+  // The part with sign * x >= least, with x the coordinate on the axis [Sutherland and Hodgman 1974].
   CutTriangle Beyond(size_t axis, double sign, double least) const {
     CutTriangle part;
     for (size_t n = 0; n < size_; ++n) {
@@ -60,13 +61,13 @@ class CutTriangle {
     return part;
   }
 
-  // Of planes across two axes each adds one corner; half as many as there are, were rounding to have corners that lie
-  // in a plane alternate about it: 3, 4, 6, 9, 13.
+  // Each plane across one of two axes adds one corner. If rounding makes corners in a plane alternate about it, a plane
+  // adds half as many corners as there are: 3, 4, 6, 9, 13.
   std::array<Vec3d, 13> corners_{};
   size_t size_ = 0;
 };
 
-// The voxels of a box that come within the margin (lattice units) of a triangle's bounding box, on every axis.
+// Returns the voxels of a box that come within the margin (lattice units) of a triangle's bounding box, on every axis.
 inline IndexBox VoxelsNear(const Triangle& triangle, const Vec3i& margin, const IndexBox& within) {
   IndexBox box;
   for (size_t m = 0; m < 3; ++m) {
@@ -77,8 +78,8 @@ inline IndexBox VoxelsNear(const Triangle& triangle, const Vec3i& margin, const 
   return Intersection(box, within);
 }
 
-// Calls f(i, j, first, end) for rows of such a box: k = first .. end - 1 are all of the row that come within the margin
-// of the triangle itself, and few others; where the triangle is short beside the margin, all of the box.
+// Calls f(i, j, first, end) for rows of such a box. k = first .. end - 1 contains all of the row that comes within the
+// margin of the triangle itself, and little else. For a triangle that is short beside the margin, it is the whole row.
 template <class F>
 void ForEachRowNear(const Triangle& triangle, const Vec3i& margin, const IndexBox& box, F&& f) {
   if (IsEmpty(box)) return;
@@ -98,7 +99,7 @@ void ForEachRowNear(const Triangle& triangle, const Vec3i& margin, const IndexBo
     const double middle = static_cast<double>(at) * kLatticeUnit;
     return part.Between(axis, middle - margin[axis], middle + margin[axis]);
   };
-  // To cut takes as long as to look at some rows, or at some voxels of a row.
+  // A cut costs as much as a look at some rows, or at some voxels of a row.
   const auto exceeds = [&](size_t axis, int32_t margins) {
     return (box.max[axis] - box.min[axis]) * kLatticeUnit > margins * margin[axis];
   };

@@ -12,13 +12,13 @@ namespace {
 using Wide = __int128;
 using Vec3l = Vec<int64_t, 3>;
 
-// See the header. A corner may lie a voxel beyond 2^kEdgeBits, which the last bit covers; of a long triangle, what the
-// cell adds to a room is less than what the corners do.
+// See the header. A corner may lie a voxel beyond 2^kEdgeBits, which the last bit covers. For a long triangle, the cell
+// adds less to a room than the corners do.
 static_assert(2 * kZoneBits + 2 * kEdgeBits + 15 <= 127, "rooms must fit __int128");
-// What fits int64: the largest b + D, and the largest D, of which the plane takes thrice.
+// The limits of int64: the largest b + D, and the largest D, which the plane needs three times.
 constexpr int kNarrowBits = (62 - 17) / 2, kNarrowCornerBits = (62 - 4) / 3;
 
-// Two of each facet and of the plane, and two of each edge and zone where the triangle has no area.
+// Two for each facet and for the plane, and two for each edge and zone where the triangle has no area.
 constexpr size_t kMaxHalfSpaces = kMaxFacets + 2 + 2 * 3 * kMaxZones;
 
 template <class Int>
@@ -39,12 +39,12 @@ struct HalfSpace {
   double inverse;  // 1 / |normal[2]|, or 0
 };
 
-// Of a row of voxels, k = first .. last.
+// A row of voxels, k = first .. last.
 struct Interval {
   int32_t first, last;
 };
 
-// Keeps of the row (i, j) what is within; false if none is left.
+// Reduces the interval of the row (i, j) to the points within; false if none is left.
 template <class Int>
 bool Cut(const HalfSpace<Int>& half_space, int32_t i, int32_t j, Interval& k) {
   const Vec<Int, 3>& normal = half_space.normal;
@@ -54,7 +54,7 @@ bool Cut(const HalfSpace<Int>& half_space, int32_t i, int32_t j, Interval& k) {
     if (room < 0) k.last = k.first - 1;
     return room >= 0;
   }
-  // k <= room / step, or -k <= room / -step. A quotient near the row's voxels is off by far less than 1.
+  // k <= room / step, or -k <= room / -step. A quotient near the row's voxels is wrong by far less than 1.
   const double estimate = static_cast<double>(room) * half_space.inverse;
   const int32_t most = step > 0 ? k.last : -k.first, least = step > 0 ? k.first : -k.last;
   if (estimate >= most + 1) return true;
@@ -74,10 +74,10 @@ bool Cut(const HalfSpace<Int>& half_space, int32_t i, int32_t j, Interval& k) {
   return k.first <= k.last;
 }
 
-// Half-spaces on one side of the rows, in doubles: (room - normal . (i, j)) / |normal[2]| for each of them.
+// Half-spaces on one side of the rows, in doubles: (room - normal . (i, j)) / |normal[2]| for each.
 class Slopes {
  public:
-  // Terms are below kMaxTerm in size, the rounding of all of them together below kDoubt.
+  // Terms are below kMaxTerm in size, and the rounding of all of them together is below kDoubt.
   bool Add(double room, double i, double j) {
     if (std::abs(room) + (std::abs(i) + std::abs(j)) * kMaxRow > kMaxTerm) return false;
     room_[size_] = room;
@@ -112,8 +112,8 @@ constexpr double kDoubt = 0x1p-20;
 
 }  // namespace
 
-// The sum of a triangle and the cell, relative to the voxel `base`. A triangle that is small beside a cell is in few
-// cells of which it does not have a corner: then the cell's own facets say all, and the rest need not be known.
+// The sum of a triangle and the cell, relative to the voxel `base`. A triangle that is small beside a cell meets few
+// cells that contain none of its corners. For the others, the cell's own facets decide, and the rest is not needed.
 template <class Int>
 class Supercover::Polytope {
  public:
@@ -151,11 +151,12 @@ class Supercover::Polytope {
   }
 
  private:
-  // Of rows (i, j), those that cells of the triangle's part between i - half an extent and i + half an extent reach.
+  // Among the rows (i, j), those that cells of the triangle's part between i - half an extent and i + half an extent
+  // reach.
   Interval RowsOf(int32_t i, Interval j) const {
     constexpr int32_t kFewRows = 8;
     if (j.last - j.first < kFewRows) return j;
-    const Vec3i half = cover_.half_extent_lat_ + Vec3i{1, 1, 1};  // which are rounded down
+    const Vec3i half = cover_.half_extent_lat_ + Vec3i{1, 1, 1};  // because these are rounded down
     const double middle = static_cast<double>(i) * kLatticeUnit;
     const auto [low, high] = cut_.Between(0, middle - half[0], middle + half[0]).Along(1);
     if (low > high) return {0, -1};
@@ -163,7 +164,7 @@ class Supercover::Polytope {
             std::min(j.last, static_cast<int32_t>(std::floor((high + half[1]) / kLatticeUnit)))};
   }
 
-  // What is left of a row. Where doubles cannot tell, the integers are asked.
+  // Returns the remaining interval of a row. Where doubles cannot decide, integers do.
   Interval CutRow(int32_t i, int32_t j, Interval k) const {
     const double most = upper_.Least(i, j), least = -lower_.Least(i, j);
     const auto is_doubtful = [](double x) { return std::abs(x - std::nearbyint(x)) < kDoubt; };
@@ -179,7 +180,7 @@ class Supercover::Polytope {
     return k;
   }
 
-  // Whether one of the triangle's corners is in the voxel's cell.
+  // Returns whether one of the triangle's corners is in the voxel's cell.
   bool HoldsCorner(const Vec3i& voxel) const {
     std::array<bool, 3> holds{true, true, true};
     for (size_t f = 0; f < cover_.facets_.size(); ++f) {
@@ -196,7 +197,7 @@ class Supercover::Polytope {
     const auto step = static_cast<double>(normal[2]);
     const double inverse = step == 0 ? 0 : 1 / std::abs(step);
     const HalfSpace<Int> half_space{normal, room_lat >> kSubvoxelBits, inverse};
-    // Half a unit more decides ties, since all else is whole.
+    // Half a unit more decides ties, because all other terms are whole.
     const double room = (static_cast<double>(half_space.room) + 0.5) * inverse;
     Slopes& slopes = step > 0 ? upper_ : lower_;
     if (step == 0 ||
@@ -229,8 +230,8 @@ class Supercover::Polytope {
     for (size_t n = 0; n < 3; ++n) AddEdge(n);
   }
 
-  // The facets along the edge from corner n on lie on the side of the edge where the triangle does not; one that is
-  // parallel to the plane is there already.
+  // The facets along the edge from corner n lie on the side of the edge without the triangle. One that is parallel to
+  // the plane is already there.
   void AddEdge(size_t n) {
     const auto& g = cover_.cell_.form();
     const Mat<Int, 3> form{As<Int>(g[0]), As<Int>(g[1]), As<Int>(g[2])};
@@ -261,7 +262,7 @@ class Supercover::Polytope {
   std::array<HalfSpace<Int>, kMaxHalfSpaces> half_spaces_;
   size_t size_ = 0;
   Slopes upper_, lower_;                      // bounds of k, and of -k
-  std::array<size_t, kMaxHalfSpaces> steep_;  // half-spaces that are in neither
+  std::array<size_t, kMaxHalfSpaces> steep_;  // half-spaces in neither of these
   size_t steep_count_ = 0;
 };
 

@@ -1,12 +1,12 @@
 // The supercover of one triangle: all lattice points whose closed Voronoi cell meets it.
 //
 // The cell of c meets the triangle T iff c lies in the Minkowski sum of T and the cell of 0, which is centrally
-// symmetric. The sum is a convex polytope, and each of its facets is the sum of two faces: a facet of the cell and a
-// corner of T; a zone (edge direction) of the cell and an edge of T; or T itself and a face of the cell. So
+// symmetric. The sum is a convex polytope. Each of its facets is the sum of two faces: a facet of the cell and a corner
+// of T; or a zone (edge direction) of the cell and an edge of T; or T itself and a face of the cell. So
 //   c is in iff normal . c <= room for each of these normals,
-// which are the separating axes of T and the cell; and along a row of lattice points the answer is one interval.
-// Touching counts: cells and triangles are closed. No shift breaks ties here (core/digitize/crossing.h), for there are
-// none to break; so the result depends on the set of points of the surface alone.
+// which are the separating axes of T and the cell. Along a row of lattice points, the answer is one interval. Touching
+// counts: cells and triangles are closed. No shift breaks ties here (core/digitize/crossing.h), because there are none.
+// So the result depends on the set of points of the surface alone.
 //
 // In integers (core/lattice/integer_cell.h: lengths p <= 2^b, covectors e with absolute sum <= 2^3; corners v in
 // lattice units from a voxel near T, below 2^D), for c in voxels, U = kLatticeUnit:
@@ -33,12 +33,13 @@ class Supercover {
  public:
   explicit Supercover(const IntegerCell& cell);
 
-  // Per axis, how far a voxel may lie from what its cell meets, in voxels, and twice that; rounded up.
+  // The distance per axis, in voxels, within which a voxel lies from the parts that its cell meets; and twice that.
+  // Both are rounded up.
   Vec3i Margin() const;
   Vec3i Reach() const;
 
   // Calls run(first, count) for each row of voxels of the triangle's supercover within `box` (local voxels): first and
-  // the count - 1 voxels after it along k. Each row once, in lexicographic order.
+  // the count - 1 voxels after it along k. It visits each row once, in lexicographic order.
   using Run = absl::FunctionRef<void(const Vec3i& first, int32_t count)>;
   void ForEachRun(const Triangle& triangle, const IndexBox& box, Run run) const;
 

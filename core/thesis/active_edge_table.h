@@ -10,10 +10,11 @@
 
 namespace latvox {
 
-// The scan lines j of a triangle whose vertices are integer points (i, j), in ascending order, with the integer points
-// i in first() .. last() that lie inside it or on its border; a row may have none (first() > last()).
+// The scan lines j of a triangle with integer points (i, j) as vertices, in ascending order, each with the integer
+// points i in first() .. last() that lie inside the triangle or on its border. A row may have none (first() > last()).
 //
-// Vertices being integer, an edge advances from row to row by a quotient and a remainder, and nothing is rounded.
+// Because vertices are integer points, an edge advances from row to row by a quotient and a remainder, and nothing is
+// rounded.
 class ActiveEdgeTable {
  public:
   using Point = Vec<int64_t, 2>;
@@ -35,7 +36,7 @@ class ActiveEdgeTable {
   };
   void Measure();
 
-  std::vector<Edge> edges_;  // those not yet passed
+  std::vector<Edge> edges_;  // those that are not yet passed
   int64_t j_ = 0, first_ = 0, last_ = 0;
 };
 

@@ -16,9 +16,8 @@ Vec3d Covector(const Mat3d& basis, const Vec3d& normal) {
 }
 
 // L_p. The normal is the cross product of two edges in lattice coordinates, which is V^T times the world normal up to a
-// factor: its entries, and distances in its units, are exact in doubles for triangles up to hundreds of voxels, so that
-// there even ties are decided right; the thesis's section 5.4 reports the redundant voxels of a version where they are
-// not.
+// factor. So its entries, and distances in its units, are exact in doubles for triangles up to hundreds of voxels, and
+// even ties are decided right. The thesis's section 5.4 reports the redundant voxels of a version where they are not.
 class Slab {
  public:
   Slab(const std::array<Vec3d, 3>& v, const Neighborhood& neighborhood) : v_(v) {
@@ -39,7 +38,7 @@ class Slab {
 
   // normal . (point - v0): the signed distance times the normal's length.
   double Distance(const Vec3d& point) const { return Dot(normal_, point - v_[0]); }
-  // Whether a point at this distance is farther than R from the plane, hence from every region (t <= R).
+  // Returns whether a point at this distance is farther than R from the plane, and so from every region (t <= R).
   bool IsFar(double distance) const { return std::abs(distance) > far_; }
 
   bool Contains(const Vec3d& point, double distance) const {

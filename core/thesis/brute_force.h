@@ -1,4 +1,4 @@
-// The thesis's brute force algorithm (section 4.2): every lattice point of a box around a triangle is held against the
+// The thesis's brute force algorithm (section 4.2): tests every lattice point of a box around a triangle against the
 // regions L_p, L_e and L_v (section 4.1, figure 4.2).
 #ifndef LATVOX_CORE_THESIS_BRUTE_FORCE_H_
 #define LATVOX_CORE_THESIS_BRUTE_FORCE_H_
@@ -10,14 +10,15 @@
 namespace latvox {
 
 // Emits every voxel z (local) in one of
-//   L_p  -t < d(z) <= t, d the signed distance to the triangle's plane (normal with positive first nonzero entry in
-//        lattice coordinates), t = max |n.q| / 2 over N_k (Theorems 4-7); and between the planes through the edges
+//   L_p  -t < d(z) <= t, with d the signed distance to the triangle's plane (normal with positive first nonzero entry
+//   in
+//        lattice coordinates) and t = max |n.q| / 2 over N_k (Theorems 4-7); and between the planes through the edges
 //        that stand on the triangle's plane, closed
 //   L_e  within R of an edge      L_v  within R of a vertex (both closed, see Tube)
 // A triangle without area has no L_p.
 //
-// It walks the triangle's bounding box in lattice coordinates with a margin of two voxels, more if R needs it on a skew
-// basis: O(D^3) for a triangle D voxels long (figure 4.5). Ends early once stopped.
+// It walks the triangle's bounding box in lattice coordinates with a margin of two voxels, or more if R needs it on a
+// skewed basis: O(D^3) for a triangle D voxels long (figure 4.5). Ends early once stopped.
 void BruteForceTriangle(const Triangle& triangle, const Neighborhood& neighborhood, StopSignal stop, EmitVoxel emit);
 
 }  // namespace latvox

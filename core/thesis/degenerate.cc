@@ -14,8 +14,8 @@ double ErrorOf(const Vec3d& point, const Vec3d& line) {
 
 }  // namespace
 
-// Three k-neighbours that span the lattice exist for every direction: the Delaunay cells around a lattice point have
-// facet neighbours as edges, and their tetrahedra have the least possible volume (in three dimensions always).
+// Every direction has three k-neighbors that span the lattice: the Delaunay cells around a lattice point have facet
+// neighbors as edges, and their tetrahedra have the smallest possible volume (always in three dimensions).
 LineTracer::LineTracer(const Neighborhood& neighborhood) : basis_(neighborhood.lattice.basis()) {
   for (const Frame& frame : neighborhood.frames) {
     neighbors_.push_back(frame.q);
@@ -29,7 +29,7 @@ LineTracer::LineTracer(const Neighborhood& neighborhood) : basis_(neighborhood.l
   for (const Vec3i& q1 : neighbors_) {
     for (const Vec3i& q2 : neighbors_) {
       for (const Vec3i& q3 : neighbors_) {
-        // Each set of three occurs once with a positive orientation and its least member first.
+        // Each set of three occurs once with a positive orientation and its smallest member first.
         if (!(q1 < q2 && q1 < q3) || Determinant(Mat<int32_t, 3>{q1, q2, q3}) != 1) continue;
         steps_.push_back(
             {{q1, q2, q3}, {Cross(q2, q3), Cross(q3, q1), Cross(q1, q2)}, {length2(q1), length2(q2), length2(q3)}});

@@ -1,4 +1,4 @@
-// Triangles that rounding makes a line or a point (thesis section 4.6, figure 4.10).
+// Triangles that rounding turns into a line or a point (thesis section 4.6, figure 4.10).
 #ifndef LATVOX_CORE_THESIS_DEGENERATE_H_
 #define LATVOX_CORE_THESIS_DEGENERATE_H_
 
@@ -16,10 +16,11 @@ class LineTracer {
  public:
   explicit LineTracer(const Neighborhood& neighborhood);
 
-  // Emits a line that is connected by the neighbourhood's steps: it starts at one end and ends at the other, and each
-  // voxel is a k-neighbour of the one before. b - a is written as c1*q1 + c2*q2 + c3*q3, c >= 0, with k-neighbours q
-  // that span the lattice, in the way that takes the fewest and, of several, shortest steps; the walk takes each q its
-  // c times, at each step the one whose end lies nearest to the line. The same line from b to a.
+  // Emits a line that is connected by the neighborhood's steps: it goes from one end to the other, and each voxel is a
+  // k-neighbor of the one before. b - a is written as c1*q1 + c2*q2 + c3*q3, c >= 0, with k-neighbors q that span the
+  // lattice. Among these sums, it takes the one with the fewest steps, and then the one with the shortest steps. The
+  // walk takes each q its c times, at each step the one whose end lies nearest to the line. The line from b to a is the
+  // same.
   void Trace(const Vec3i& a, const Vec3i& b, EmitVoxel emit) const;
 
  private:
@@ -34,8 +35,7 @@ class LineTracer {
   std::vector<Steps> steps_;
 };
 
-// Emits the voxels of a triangle without area: its one point, or the line between the two outermost of its two or
-// three.
+// Emits the voxels of a triangle without area: its one point, or the line between the two outermost of its points.
 void DegenerateTriangle(const VoxelTriangle& triangle, const LineTracer& tracer, EmitVoxel emit);
 
 }  // namespace latvox

@@ -14,7 +14,8 @@ namespace latvox {
 // A triangle whose vertices are voxels: the thesis rounds them first (section 4.6).
 using VoxelTriangle = std::array<Vec3i, 3>;
 
-// The lattice point nearest to `point` in the world (Cartesian or not); of several, the lexicographically last.
+// Returns the lattice point nearest to `point` in the world, also on lattices that are not Cartesian. Ties go to the
+// lexicographically last one.
 //   point   lattice coordinates
 Vec3i NearestLatticePoint(const Lattice& lattice, const Vec3d& point);
 
@@ -22,15 +23,15 @@ Vec3i NearestLatticePoint(const Lattice& lattice, const Vec3d& point);
 // if the triangle has no area.
 Vec<int64_t, 3> NormalOf(const VoxelTriangle& triangle);
 
-// Emits, for each lattice line along the principal direction that meets the triangle or its border, the line's voxel
-// nearest to the plane (eqs 4.4-4.7): that is Theorem 4's voxel, with -t < d <= t. Halves go to the end with d = +t.
+// Emits one voxel for each lattice line along the principal direction that meets the triangle or its border: the voxel
+// nearest to the plane (eqs 4.4-4.7), which is Theorem 4's voxel with -t < d <= t. Halves go to the end with d = +t.
 //   frames   of N_k
-// Ends early once stopped. Precondition: the triangle has area.
+// Ends early once stopped. Precondition: the triangle has an area.
 void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames, StopSignal stop,
                          EmitVoxel emit);
 
-// The same with the offset k kept up by additions (figure 4.8): one addition a voxel instead of eq. 4.7. Rounding
-// accumulates, so halves may go to either end.
+// Does the same, with the offset k updated by additions (figure 4.8): one addition for each voxel instead of eq. 4.7.
+// Rounding errors accumulate, so halves may go to either end.
 //
 // Eqs 4.8-4.11 lack a sign: by eq. 4.6 k falls where P'.N rises, so the increments are
 //   dk_i = -N[1]/N[3],  dk_j = -N[2]/N[3].

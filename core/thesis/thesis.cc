@@ -20,7 +20,7 @@ namespace {
 
 using oneapi::tbb::blocked_range;
 
-// Collects what `task(n, emit)` emits for n in 0 .. count-1, in parallel.
+// Collects the voxels that `task(n, emit)` emits for n in 0 .. count-1, in parallel.
 template <class Task>
 VoxelSet Collect(size_t count, const Vec3i& base_ijk, StopSignal stop, const Task& task) {
   oneapi::tbb::enumerable_thread_specific<VoxelSet> parts;
@@ -105,7 +105,7 @@ VoxelSet Seams(const RoundedMesh& mesh, const Vec3i& base_ijk, const Neighborhoo
 
 VoxelSet Incremental(const SnappedMesh& snapped, const Neighborhood& neighborhood, bool optimized, StopSignal stop) {
   const RoundedMesh mesh(snapped, neighborhood.lattice, stop);
-  // Lines separate nothing: seams do. So they take all of the lattice's steps, which gives the fewest voxels.
+  // Lines separate nothing, but seams do. So lines use all of the lattice's steps, which gives the fewest voxels.
   const LineTracer tracer(Neighborhood(neighborhood.lattice, 0));
   VoxelSet voxels = Collect(mesh.triangles(), snapped.base_ijk, stop, [&](size_t n, EmitVoxel emit) {
     const VoxelTriangle triangle = mesh.At(n);

@@ -14,21 +14,20 @@
 
 namespace latvox {
 
-// Voxels as the algorithm gives them: neither thinned nor clipped. Coordinates ijk, not local.
+// Returns the voxels of an algorithm, neither thinned nor clipped. Coordinates ijk, not local.
 //   kBruteForce   section 4.2, on the snapped mesh
 //   kIncremental, kOptimizedIncremental
-//                 sections 4.3 and 4.4 on the mesh with its vertices rounded to lattice points (section 4.6), with the
-//                 seams of section 4.5, and points and 0-connected lines for triangles that rounding leaves without
-//                 area. Rounding moves the surface by up to the covering radius of the lattice, so the set is
-//                 separating for the rounded surface, not for the mesh.
+//                 sections 4.3 and 4.4 on the mesh with its vertices rounded to lattice points (section 4.6). Seams are
+//                 those of section 4.5. Triangles that rounding leaves without area become points and 0-connected
+//                 lines. Rounding moves the surface by up to the covering radius of the lattice, so the set separates
+//                 the rounded surface, not the mesh.
 //   k             0, 1 or 2
 // Parallel over triangles in the oneTBB arena of the calling thread; the set does not depend on it. Memory: the set,
-// and 12 bytes for each edge of a triangle. Errors: CANCELLED once stopped. Precondition: algorithm is not
-// kExact.
+// and 12 bytes for each edge of a triangle. Errors: CANCELLED once stopped. Precondition: algorithm is not kExact.
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const SnappedMesh& mesh, const Lattice& lattice, int k, Algorithm algorithm,
                                           StopSignal stop);
 
-// The same from world coordinates. Further errors: as Snap. Precondition: CheckMesh(mesh).
+// Does the same from world coordinates. Further errors: as Snap. Precondition: CheckMesh(mesh).
 absl::StatusOr<VoxelSet> VoxelizeByThesis(const TriangleMesh& mesh, const Grid& grid, int k, Algorithm algorithm,
                                           StopSignal stop);
 

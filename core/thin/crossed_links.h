@@ -1,4 +1,4 @@
-// Crossed links, by voxels.
+// A set of crossed links, by voxels.
 #ifndef LATVOX_CORE_THIN_CROSSED_LINKS_H_
 #define LATVOX_CORE_THIN_CROSSED_LINKS_H_
 
@@ -15,12 +15,12 @@
 
 namespace latvox {
 
-// A set of links, each at both of its ends: a word of bits for each voxel. However often a link is added, and however
-// many meet, it takes 4 bytes for each of 32 voxels in a row of which one has any.
+// Stores each link at both of its ends: a word of bits for each voxel. However often a link is added, and however many
+// meet, it takes 4 bytes for each voxel of a row of 32 that has any.
 class CrossedLinks {
  public:
-  // Of a voxel: bit 2n stands for the link to voxel - q, 2n + 1 for that to voxel + q, q the n-th direction. The other
-  // bits are marks, for Thin.
+  // The bits of a voxel: bit 2n stands for the link to voxel - q, 2n + 1 for the link to voxel + q, with q the n-th
+  // direction. The other bits are marks, for Thin.
   static constexpr uint32_t kLinks = (uint32_t{1} << 30) - 1, kListed = uint32_t{1} << 30, kUnsure = uint32_t{1} << 31;
   static_assert(2 * kMaxPairs <= 30);
 
@@ -46,7 +46,7 @@ class CrossedLinks {
     At(voxel) |= uint32_t{1} << bit;
     At(voxel + static_cast<uint32_t>(steps_[bit].number)) |= uint32_t{1} << (bit ^ 1);
   }
-  // Adds the link between two neighbours.
+  // Adds the link between two neighbors.
   void Add(uint32_t voxel, uint32_t other) {
     size_t bit = 0;
     while (voxel + static_cast<uint32_t>(steps_[bit].number) != other) ++bit;
@@ -55,11 +55,11 @@ class CrossedLinks {
 
   size_t Bytes() const { return BytesOf(rows_) + BytesOf(words_) + BytesOf(touched_); }
 
-  // Has the memory bring what At is about to read first.
+  // Prefetches the entry that At reads first.
   void Prefetch(uint32_t voxel) const { __builtin_prefetch(&rows_[voxel / kRow]); }
-  // Of a voxel.
+  // Returns a voxel's bits.
   uint32_t Get(uint32_t voxel) const { return words_[rows_[voxel / kRow] * kRow + voxel % kRow]; }
-  // Where that may be changed.
+  // Returns a voxel's bits, to be changed.
   uint32_t& At(uint32_t voxel) {
     uint32_t& row = rows_[voxel / kRow];
     if (row == 0) {
@@ -70,7 +70,7 @@ class CrossedLinks {
     return words_[row * kRow + voxel % kRow];
   }
 
-  // Calls f(other, flip) for the links among these bits of a voxel: the parity class of the other end is that of the
+  // Calls f(other, flip) for the links among these bits of a voxel. The parity class of the other end is that of the
   // voxel ^ flip.
   template <class F>
   void ForEach(uint32_t voxel, uint32_t bits, F&& f) const {
@@ -82,17 +82,17 @@ class CrossedLinks {
 
  private:
   static constexpr uint32_t kRow = 32;
-  // Words: more than most blocks need. What is not used of it costs nothing, to grow would.
+  // In words: more than most blocks need. Unused memory costs nothing, but growing does.
   static constexpr size_t kUsual = size_t{1} << 18;
   struct Step {
-    int32_t number;  // by which that of the other end differs
+    int32_t number;  // the difference of the other end's number
     uint32_t flip;
   };
 
   std::array<Step, 2 * kMaxPairs> steps_{};
   size_t count_ = 0;
-  std::vector<uint32_t> rows_;     // of kRow numbers: where their words are, or 0
-  std::vector<uint32_t> words_;    // first kRow that are 0, for all the others
+  std::vector<uint32_t> rows_;     // of kRow numbers: the place of their words, or 0
+  std::vector<uint32_t> words_;    // the first kRow are 0, for all other rows
   std::vector<uint32_t> touched_;  // rows
 };
 

@@ -6,13 +6,13 @@
 
 namespace latvox {
 
-// An unsure voxel may have left by the time of a later pass; in earlier ones it is still there. What may be doubtful
-// and is not listed is unsure.
+// An unsure voxel may have left by the time of a later pass; in earlier passes it is still there. A voxel that may be
+// doubtful and is not listed is unsure.
 bool Thin(const BitsLayout& layout, std::span<const uint32_t> doubtful, const TileBits& doubted, CrossedLinks& links,
           const IndexBox& known, const IndexBox& wanted, TileBits& set, StopSignal stop) {
   constexpr uint32_t kListed = CrossedLinks::kListed, kUnsure = CrossedLinks::kUnsure;
   std::array<std::vector<uint32_t>, kParityClasses> passes;
-  constexpr size_t kAhead = 16;  // about what memory brings at a time
+  constexpr size_t kAhead = 16;  // about the number of accesses that memory serves at a time
   for (size_t n = 0; n < doubtful.size(); ++n) {
     if (stop.Stopped()) return true;
     const uint32_t voxel = doubtful[n];

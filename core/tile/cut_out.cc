@@ -49,7 +49,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What any of eight planes has, byte by byte.
+// The bitwise or of eight planes, byte by byte.
 //   bytes   of a plane: at least a vector's
 void OrPlanes(const uint8_t* plane, size_t step_x, size_t bytes, uint8_t* any) {
   const hn::ScalableTag<uint8_t> d;
@@ -63,7 +63,7 @@ void OrPlanes(const uint8_t* plane, size_t step_x, size_t bytes, uint8_t* any) {
   }
 }
 
-// What any of eight rows has.
+// The bitwise or of eight rows.
 uint64_t OrRows(const uint8_t* row, size_t step_y) {
   uint64_t any = 0;
   for (size_t y = 0; y < kBrickSide; ++y) {
@@ -115,11 +115,11 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
   const auto* bytes = reinterpret_cast<const uint8_t*>(bits.words().data());
   TileBricks out;
   for (size_t m = 0; m < 3; ++m) out.tile_ijk[m] = (tile_min[m] + base_ijk[m]) >> kTileBits;
-  // On the stack first: then the list is allocated once, and no larger than it must be.
+  // On the stack first, so that the list is allocated once, and no larger than necessary.
   std::array<Brick, kBricks * kBricks * kBricks> found;
   size_t size = 0;
   Column column;
-  Vec3i first, end;  // bricks that meet the region, of the tile's
+  Vec3i first, end;  // bricks of the tile that meet the region
   for (size_t m = 0; m < 3; ++m) {
     first[m] = std::max((region.min[m] - tile_min[m]) >> kBrickBits, 0);
     end[m] = std::min(((region.max[m] - tile_min[m] - 1) >> kBrickBits) + 1, kBricks);
@@ -129,7 +129,7 @@ TileBricks CutTile(bool plain, const BitsLayout& layout, const TileBits& bits, c
   std::vector<uint8_t> any(static_cast<size_t>((end[1] - first[1]) * kBrickSide) * step_y);
   for (int32_t bi = first[0]; bi < end[0]; ++bi) {
     const uint8_t* rows = bytes + layout.NumberOf(tile_min + Vec3i{bi, first[1], 0} * kBrickSide) / 8;
-    // Columns without voxels are many; to find them takes less together, plane by plane.
+    // Many columns have no voxels; it is cheaper to find them together, plane by plane.
     if (!plain) OrPlanes(rows, step_x, any.size() - (step_y - kBricks), any.data());
     for (int32_t bj = first[1]; bj < end[1]; ++bj, rows += kBrickSide * step_y) {
       const Vec3i corner = tile_min + Vec3i{bi, bj, 0} * kBrickSide;

@@ -1,4 +1,4 @@
-// From dense bits to bricks.
+// Converts dense bits to bricks.
 #ifndef LATVOX_CORE_TILE_CUT_OUT_H_
 #define LATVOX_CORE_TILE_CUT_OUT_H_
 

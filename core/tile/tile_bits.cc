@@ -1,4 +1,4 @@
-// Looking up many voxels at once.
+// Looks many voxels up at once.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tile/tile_bits.cc"
 #include "core/tile/tile_bits.h"
@@ -54,15 +54,15 @@ HWY_INLINE hn::Vec<Numbers> WordsAt(const uint32_t* words, hn::Vec<Numbers> inde
 #endif
 }
 
-// Which of the next kLanes numbers are in the set.
+// Returns which of the next kLanes numbers are in the set.
 HWY_INLINE hn::Mask<Numbers> Members(const uint32_t* words, const uint32_t* numbers) {
   const Numbers d;
   const auto number = hn::And(hn::LoadU(d, numbers), hn::Set(d, kNumberMask));
   return TestBits(WordsAt(words, hn::ShiftRight<5>(number)), number);
 }
 
-// Neighbours in a list often share a word of bits, for which one change would wait for the other; hence they do not
-// follow each other.
+// Neighbors in a list often share a word of bits, so one change would wait for the other. So the loop does not handle
+// neighbors in sequence.
 void SetAll(uint32_t* words, std::span<const uint32_t> numbers) {
   constexpr size_t kWays = 4, kBatch = 64;
   const Numbers d;
@@ -85,7 +85,7 @@ void SetAll(uint32_t* words, std::span<const uint32_t> numbers) {
   }
 }
 
-// A branch for vectors without any that is wanted would be hard to predict.
+// A branch for vectors without a wanted number would be hard to predict.
 void Find(const uint32_t* words, std::span<const uint32_t> numbers, bool in_set, NumberList& positions) {
   const Numbers d;
   const auto unwanted = hn::FirstN(d, in_set ? 0 : kLanes);
@@ -141,13 +141,13 @@ NumberRange Range(std::span<const uint32_t> numbers) {
   return range;
 }
 
-// A table of a bit for each hash: in registers, but on AVX2, which has too few, in the first-level cache.
+// A table of a bit for each hash: in registers, or, on AVX2 with too few registers, in the first-level cache.
 constexpr bool kTableInRegisters = HWY_TARGET != HWY_AVX2;
 constexpr size_t kTableWords = kTableInRegisters ? 4 * kLanes : 1024;
-// Where a number's bit is in the table: what lies above the number has no part in these bits of the product.
+// The place of a number's bit in the table: bits above the number do not affect these bits of the product.
 constexpr uint32_t kHashFactor = 0x9E3779B1;
 constexpr int kBitShift = kNumberBits - 5, kWordShift = kBitShift - std::countr_zero(kTableWords);
-// With more members, too many other numbers have their hashes; in the cache, a table spares less than in registers.
+// With more members, too many other numbers share their hashes; a table in the cache saves less than one in registers.
 constexpr size_t kFewMembers = kTableWords * 32 / (kTableInRegisters ? 2 : 16);
 
 struct TableInCache {
@@ -158,7 +158,7 @@ struct TableInCache {
 };
 using HashTable = std::conditional_t<kTableInRegisters, LaneTable<kTableWords>, TableInCache>;
 
-// All numbers are looked up in the table; those found there, in the set.
+// All numbers are looked up in the table; those found there are looked up in the set.
 void FindFew(const uint32_t* words, std::span<const uint32_t> numbers, std::span<const uint32_t> members,
              NumberList& positions) {
   if (members.size() > kFewMembers) return Find(words, numbers, true, positions);

@@ -14,7 +14,7 @@
 namespace latvox {
 
 // Numbers the voxels of a box around a cube of one or more tiles, called the tile here. A step of the lattice is a
-// constant difference of numbers, so that whoever walks along lattice lines needs no coordinates.
+// constant difference of numbers, so a walk along lattice lines needs no coordinates.
 //   number = (i - origin[0]) * stride[0] + (j - origin[1]) * stride[1] + (k - origin[2])
 // Rows run along k. The tile begins at a whole byte of its rows, and at even coordinates of the box.
 struct BitsLayout {
@@ -22,8 +22,8 @@ struct BitsLayout {
   Vec3i side;
   Vec3i stride;
 
-  // Of stride[0] and stride[1]. Divisions by them are exact for numbers below 2^24 and strides below 2^16: see
-  // Quotient.
+  // Reciprocals of stride[0] and stride[1]. Divisions by them are exact for numbers below 2^24 and strides below 2^16:
+  // see Quotient.
   std::array<uint64_t, 2> reciprocal;
 
   // At least `margin` voxels on every side of the tile at `tile_min` (local), `tile_side` voxels a side.
@@ -43,26 +43,26 @@ struct BitsLayout {
     return origin + Vec3i{static_cast<int32_t>(i), static_cast<int32_t>(row) - static_cast<int32_t>(i) * side[1],
                           static_cast<int32_t>(number) - static_cast<int32_t>(row) * side[2]};
   }
-  // The parity class of a voxel, 0..7. Two k-neighbours never share it, since a neighbour step is never 0 modulo 2.
+  // The parity class of a voxel, 0..7. Two k-neighbors never share it, because a neighbor step is never 0 modulo 2.
   uint32_t ParityClass(uint32_t number) const {
     const Vec3i ijk = VoxelAt(number);
     return static_cast<uint32_t>((ijk[0] & 1) << 2 | (ijk[1] & 1) << 1 | (ijk[2] & 1));
   }
   // floor(n / d), where reciprocal = 2^44/d + e, 0 < e <= 1: the error n * e / 2^44 is less than 1/d if n * d < 2^44.
   static uint32_t Quotient(uint32_t n, uint64_t reciprocal) { return static_cast<uint32_t>(n * reciprocal >> 44); }
-  // Of 32 bits; more than needed, so that any voxel's bit and the 63 after it can be read.
+  // The number of 32-bit words. There are a few more, so that any voxel's bit and the 63 after it can be read.
   size_t Words() const { return static_cast<size_t>(stride[0]) * static_cast<size_t>(side[0]) / 32 + 3; }
 };
 inline constexpr int kParityClasses = 8;
 
-// Kernels pass numbers on with a lane above them.
+// Kernels pass numbers with a lane above them.
 inline constexpr int kNumberBits = 28;
 inline constexpr uint32_t kNumberMask = (1U << kNumberBits) - 1;
 
-// Numbers in a row. Kernels append whole lanes at end(), and then say how many of them count.
+// A list of numbers. Kernels append whole lanes at end(), and then set how many of them count.
 class NumberList {
  public:
-  static constexpr size_t kSlack = 64;  // more than a lane's worth
+  static constexpr size_t kSlack = 64;  // more than a vector's lanes
 
   void Reserve(size_t more) {
     if (size_ + more + kSlack > capacity_) Enlarge(more);
@@ -72,7 +72,7 @@ class NumberList {
   uint32_t* end() { return data_.get() + size_; }
   void Grow(size_t by) { size_ += by; }
   void Clear() { size_ = 0; }
-  // Leaves those at some positions, ascending.
+  // Keeps the numbers at some positions, ascending.
   void Keep(std::span<const uint32_t> positions) {
     for (size_t n = 0; n < positions.size(); ++n) data_[n] = data_[positions[n]];
     size_ = positions.size();
@@ -109,7 +109,7 @@ class TileBits {
  public:
   explicit TileBits(size_t words) : words_(words) {}
 
-  // Has the memory bring what Test and Set are about to read.
+  // Prefetches the word that Test(number) and Set(number) access.
   void Prefetch(uint32_t number) const { __builtin_prefetch(&words_[number >> 5]); }
   bool Test(uint32_t number) const { return words_[number >> 5] >> (number & 31) & 1; }
   void Set(uint32_t number) { words_[number >> 5] |= 1U << (number & 31); }
@@ -117,15 +117,16 @@ class TileBits {
   void SetRun(uint32_t first, uint32_t count);     // count > 0
   void Clear(uint32_t number) { words_[number >> 5] &= ~(1U << (number & 31)); }
 
-  // The positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.
+  // Finds the positions n, ascending, at which the low kNumberBits of numbers[n] are in the set, or are not.
   void Find(std::span<const uint32_t> numbers, bool in_set, NumberList& positions) const;
 
-  // Appends others[n] to `out` where numbers[n] is not in the set; where it is, both to `in_numbers` and `in_others`.
+  // Appends others[n] to `out` where numbers[n] is not in the set. Where it is, appends both to `in_numbers` and
+  // `in_others`.
   void Separate(std::span<const uint32_t> numbers, std::span<const uint32_t> others, NumberList& in_numbers,
                 NumberList& in_others, NumberList& out) const;
 
-  // The same as Find(numbers, true, positions), faster where the set has few members. `members` are all of them;
-  // others and duplicates do no harm.
+  // Does the same as Find(numbers, true, positions), but faster where the set has few members. `members` has all of
+  // them; others and duplicates do no harm.
   void FindFew(std::span<const uint32_t> numbers, std::span<const uint32_t> members, NumberList& positions) const;
 
   void ClearRange(const NumberRange& range) {
@@ -133,7 +134,7 @@ class TileBits {
   }
 
   size_t Bytes() const { return BytesOf(words_); }
-  // What is added is 0.
+  // Added words are 0.
   void Resize(size_t words) { words_.resize(words); }
 
   std::vector<uint32_t>& words() { return words_; }

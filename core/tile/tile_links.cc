@@ -1,4 +1,4 @@
-// The links of one list of triangles mostly lie in few tiles: they are moved to these tile by tile, in vectors.
+// The links of one list of triangles mostly lie in few tiles. They are moved there tile by tile, in vectors.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tile/tile_links.cc"
 #include "core/tile/tile_links.h"
@@ -19,13 +19,13 @@ namespace {
 
 constexpr uint32_t kInTile = kTileSide - 1;
 
-// How far the bits of an end's axis are from the lowest.
+// The distance of the bits of an end's axis from the lowest bit.
 constexpr int ShiftOf(size_t axis) { return kPackedEndShift + kTileBits * (2 - static_cast<int>(axis)); }
 
-// So many tiles of a list have their links moved together; those of further tiles, one by one.
+// The links of so many tiles of a list are moved together; those of further tiles, one by one.
 constexpr size_t kFewTiles = 12;
 
-// Where a tile lies in a layout, and in a box in it.
+// The place of a tile in a layout, and in a box in it.
 struct Placed {
   Vec3i from_box;        // the tile's low corner, from the box's
   bool all_inside;       // of the box
@@ -56,7 +56,7 @@ HWY_INLINE V End(V link, size_t axis) {
   return hn::And(hn::ShiftRightSame(link, ShiftOf(axis)), hn::Set(d, kInTile));
 }
 
-// Moves the links of the first one's tile to its list, and the others to the front; returns how many others there are.
+// Moves the links of the first link's tile to its list, and the others to the front; returns the number of others.
 size_t MoveOneTile(uint32_t* tiles, uint32_t* links, size_t size, LinkList& list, LinkBlocks& memory) {
   const Numbers d;
   const auto wanted = hn::Set(d, tiles[0]);
@@ -88,7 +88,7 @@ void Move(uint32_t* tiles, uint32_t* links, size_t size, LinkList TileLinks::Par
   }
 }
 
-// Appends to `border` what lies within the margin of other tiles.
+// Appends the links within the margin of other tiles to `border`.
 void CopyBorder(const PackedLinks& links, const Vec3i& margin, PackedLinks& border) {
   const Numbers d;
   const size_t size = links.size();
@@ -97,7 +97,7 @@ void CopyBorder(const PackedLinks& links, const Vec3i& margin, PackedLinks& bord
     const auto tile = hn::LoadU(d, links.tiles.view().data() + n), link = hn::LoadU(d, links.links.view().data() + n);
     const auto given = hn::FirstN(d, size - n);
     auto inner = given;
-    for (size_t m = 0; m < 3; ++m) {  // margin <= end < kTileSide - margin; what is below wraps around
+    for (size_t m = 0; m < 3; ++m) {  // margin <= end < kTileSide - margin; lower values wrap around
       const auto low = hn::Set(d, static_cast<uint32_t>(margin[m]));
       const auto width = hn::Set(d, static_cast<uint32_t>(kTileSide - 2 * margin[m]));
       inner = hn::And(inner, hn::Lt(hn::Sub(End(link, m), low), width));
@@ -166,7 +166,7 @@ HWY_EXPORT(Unpack);
 
 }  // namespace
 
-// What is left of a piece where the next block does not fit is lost.
+// The rest of a piece is lost where the next block does not fit.
 uint32_t* LinkBlocks::Next(size_t size) {
   constexpr size_t kFirst = 64 * kLargest;
   static_assert(kHugePage / sizeof(uint32_t) >= kLargest);
@@ -184,7 +184,7 @@ uint32_t* LinkBlocks::Next(size_t size) {
 }
 
 void LinkList::Extend(LinkBlocks& memory) {
-  constexpr size_t kSmallest = 2 * kSlack;  // what Reserve makes room for, and kSlack behind
+  constexpr size_t kSmallest = 2 * kSlack;  // room for Reserve, and kSlack behind
   const size_t size = std::clamp(2 * static_cast<size_t>(limit_ - begin_), kSmallest, LinkBlocks::kLargest);
   if (end_ != begin_) full_.emplace_back(begin_, end_);
   full_size_ += static_cast<size_t>(end_ - begin_);
@@ -192,7 +192,7 @@ void LinkList::Extend(LinkBlocks& memory) {
   limit_ = begin_ + size;
 }
 
-// Few tiles are asked for again and again: those around one place.
+// The same few tiles are needed again and again: those around one place.
 TileLinks::Part::Lists& TileLinks::Part::ListsOf(uint32_t tile) {
   Recent& recent = recent_[(tile >> 2 * kPackedTileBits & 3) << 4 | (tile >> kPackedTileBits & 3) << 2 | (tile & 3)];
   if (recent.lists == nullptr || recent.tile != tile) {

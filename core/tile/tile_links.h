@@ -20,7 +20,7 @@
 
 namespace latvox {
 
-// Crossed links: from nearer[n], which is the surface's, to farther[n]. Voxels are numbers of one BitsLayout.
+// Crossed links from nearer[n], a voxel of the surface, to farther[n]. Voxels are numbers of one BitsLayout.
 struct Crossings {
   NumberList nearer, farther;
 
@@ -40,7 +40,7 @@ static_assert(3 * kTileBits + kPackedEndShift <= 32);
 // A tile relative to the first: i << 20 | j << 10 | k.
 inline constexpr int kPackedTileBits = 10;
 
-// Links, with the packed tiles that their nearer ends lie in.
+// Links, with the packed tiles that contain their nearer ends.
 struct PackedLinks {
   NumberList tiles, links;
 
@@ -59,17 +59,17 @@ struct PackedLinks {
   }
 };
 
-// Memory for many lists that grow at the same time. A list that is enlarged by itself copies what it holds, and the
-// system hands out, and clears, its memory page by page.
+// Memory for many lists that grow at the same time. A list that grows by itself copies its content, and the system
+// provides and clears its memory page by page.
 class LinkBlocks {
  public:
   static constexpr size_t kLargest = 1024;  // links
 
-  // A block of so many links, indeterminate, which is there as long as this.
+  // Returns a block of so many links, indeterminate, which lives as long as this object.
   uint32_t* Next(size_t size);
 
  private:
-  struct alignas(kHugePage) Piece {  // of one size, so that the heap uses again what was freed
+  struct alignas(kHugePage) Piece {  // all of one size, so that the heap reuses freed ones
     std::array<uint32_t, kHugePage / sizeof(uint32_t)> links;
   };
 
@@ -78,7 +78,7 @@ class LinkBlocks {
   uint32_t *next_ = nullptr, *end_ = nullptr;
 };
 
-// Packed links, in blocks, each twice as large as the one before, up to LinkBlocks::kLargest: most lists may have few
+// Packed links, in blocks, each twice as large as the one before, up to LinkBlocks::kLargest. Most lists may have few
 // links, or many.
 class LinkList {
  public:
@@ -93,7 +93,7 @@ class LinkList {
 
   size_t size() const { return full_size_ + static_cast<size_t>(end_ - begin_); }
 
-  // Calls f(span) for all of them, block by block; behind each kSlack more can be read.
+  // Calls f(span) for all of them, block by block; behind each block, kSlack more links can be read.
   template <class F>
   void ForEachBlock(F&& f) const {
     for (size_t n = 0; n < full_.size(); ++n) {
@@ -105,28 +105,28 @@ class LinkList {
 
  private:
   void Extend(LinkBlocks& memory);
-  // Memory is asked for the beginning of a block: processors that look ahead by themselves see the rest coming.
+  // Prefetches the beginning of a block; processors with a prefetcher of their own predict the rest.
   static void PrefetchHead(const uint32_t* block) {
     constexpr size_t kLine = 16, kLines = 8;
     for (size_t line = 0; line < kLines; ++line) hwy::Prefetch(block + line * kLine);
   }
 
-  std::vector<std::span<const uint32_t>> full_;  // all blocks but the last
+  std::vector<std::span<const uint32_t>> full_;  // all blocks except the last
   size_t full_size_ = 0;
   uint32_t *begin_ = nullptr, *end_ = nullptr, *limit_ = nullptr;  // of the last
 };
 
-// Filled by several threads, then read by several.
+// Several threads fill it, then several read it.
 class TileLinks {
  public:
-  // What one thread has found.
+  // The links that one thread has found.
   class Part {
    public:
-    // Moves links to their tiles; none are left.
+    // Moves all links to their tiles.
     //   margin   voxels, per axis: at most kTileSide / 2
     void Move(PackedLinks& links, const Vec3i& margin);
 
-    // The links of a tile, and again those whose nearer ends lie within the margin of the tiles around.
+    // The links of a tile, and copies of those with nearer ends within the margin of the tiles around.
     struct Lists {
       LinkList all, border;
     };
@@ -145,29 +145,29 @@ class TileLinks {
     std::array<Recent, 64> recent_;  // by the lowest bits of a tile's coordinates
   };
 
-  // first_tile  the lowest there is, local
+  // first_tile  the lowest tile, local
   // margin      for Part::Move
   TileLinks(const Vec3i& first_tile, const Vec3i& margin) : first_tile_(first_tile), margin_(margin) {}
 
   const Vec3i& first_tile() const { return first_tile_; }
   const Vec3i& margin() const { return margin_; }
 
-  // A part for a thread to go on with. Threads: any.
+  // Returns a part for a thread to fill. Threads: any.
   std::unique_ptr<Part> ReservePart();
-  void ReleasePart(std::unique_ptr<Part> part);  // throws nothing
+  void ReleasePart(std::unique_ptr<Part> part);  // does not throw
 
-  // Once all parts are given back. What follows is for afterwards.
+  // Call it once all parts are released. The members below are for the time after it.
   void Finish();
 
   bool empty() const { return tiles_.empty(); }
 
-  // How many links have their nearer ends in the cube of 2^level tiles a side, a subcube of one that begins at the
-  // first tile.
+  // Returns the number of links with nearer ends in the cube of 2^level tiles a side, a subcube of one that begins at
+  // the first tile.
   size_t CountIn(const Vec3i& tile_ijk, int level) const;
 
   // Calls f(crossings) with the links whose nearer ends lie in `box`, a box around the tiles of `block`: some kBatch at
-  // a time, always in the same order. To unpack them anew each time takes less than to keep them.
-  //   steps  by packed direction, of numbers of the layout
+  // a time, always in the same order. It is cheaper to unpack them anew each time than to keep them.
+  //   steps  by packed direction, in numbers of the layout
   void ForEachBatch(const IndexBox& block, const IndexBox& box, const BitsLayout& layout,
                     const std::array<int32_t, kPackedDirections>& steps,
                     absl::FunctionRef<void(const Crossings&)> f) const;
@@ -179,14 +179,14 @@ class TileLinks {
     const Part::Lists* lists;
     size_t before;  // links in the tiles before this
   };
-  static constexpr size_t kBatch = 2048;  // links: less than a core's first-level cache holds
+  static constexpr size_t kBatch = 2048;  // links: less than fits a core's first-level cache
 
   std::vector<Tile>::const_iterator From(uint64_t number) const;
 
   const Vec3i first_tile_, margin_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Part>> parts_;
-  size_t made_ = 0;          // parts, for which parts_ has room
+  size_t made_ = 0;          // parts; parts_ has room for them
   std::vector<Tile> tiles_;  // ascending
   size_t size_ = 0;
 };

@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t kChunk = 1 << 14;  // triangles
 
-// What is found in one chunk of the mesh.
+// The results for one chunk of the mesh.
 struct Chunk {
   std::vector<uint32_t> kept;
   SurfaceSums sums;
@@ -29,7 +29,7 @@ struct Chunk {
 class ChunkPass {
  public:
   //   origin  of lists of corners
-  //   tiny    null: none is to be taken for tiny
+  //   tiny    null: no triangle counts as tiny
   //   marks   of is_tiny, or null
   ChunkPass(const SnappedMesh& mesh, const LineForms& forms, bool few_touch, const Vec3i& origin, TinyCrossings* tiny,
             uint8_t* marks)
@@ -38,7 +38,7 @@ class ChunkPass {
   Chunk Do(size_t begin, size_t end) {
     Chunk chunk;
     kept_.clear();
-    if (marks_ != nullptr) std::fill(marks_ + begin, marks_ + end, 1);  // those that no line can meet, too
+    if (marks_ != nullptr) std::fill(marks_ + begin, marks_ + end, 1);  // also for triangles that no line can meet
     for (size_t first = begin; first < end; first += CornerList::kMost) {
       chunk.sums.AddAndList(mesh_, first, std::min(CornerList::kMost, end - first), origin_, *list_);
       if (few_touch_) KeepTouching(forms_, *list_);
@@ -48,7 +48,7 @@ class ChunkPass {
         kept_.insert(kept_.end(), list_->triangles, list_->triangles + list_->size);
       }
     }
-    chunk.kept = kept_;  // no larger than it must be
+    chunk.kept = kept_;  // no larger than necessary
     return chunk;
   }
 
@@ -71,7 +71,7 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
   const size_t count = mesh.triangles.size();
   const Vec3i origin = TinyCrossings::Origin(edges);
   bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
-  // The box, of voxels that a half-edge leads from to the mesh, may begin one voxel above it.
+  // The box consists of voxels with a half-link to the mesh, so it may begin one voxel above it.
   for (size_t m = 0; m < 3; ++m) find_tiny &= mesh.box.max[m] - origin[m] < CornerList::kVoxels;
   uint8_t* marks = nullptr;
   if (find_tiny && is_tiny != nullptr) {

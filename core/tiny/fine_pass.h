@@ -1,4 +1,4 @@
-// One pass over a fine mesh, which does all that can be done triangle by triangle before there are tiles.
+// One pass over a fine mesh. It does all work that is possible triangle by triangle, before there are tiles.
 #ifndef LATVOX_CORE_TINY_FINE_PASS_H_
 #define LATVOX_CORE_TINY_FINE_PASS_H_
 
@@ -16,16 +16,16 @@
 namespace latvox {
 
 struct FineTriangles {
-  std::vector<uint32_t> kept;  // those left to be digitized one by one, ascending
+  std::vector<uint32_t> kept;  // triangles that are left to be digitized one by one, ascending
   SurfaceFacts facts;
 };
 
-// Goes through the mesh with all threads of the arena. By `fineness`, left to be digitized are all triangles but those
-// that no lattice line can meet (core/tiny/touching.h), all but tiny ones, whose edges go to `edges`
-// (core/tiny/tiny.h), or all.
-//   box       local voxels: of edges with a nearer end outside, nothing is wanted
+// Goes through the mesh with all threads of the arena. `fineness` decides which triangles are left to be digitized: all
+// except those that no lattice line can meet (core/tiny/touching.h); all except tiny ones, with links that go to
+// `edges` (core/tiny/tiny.h); or all.
+//   box       local voxels; links with a nearer end outside are not wanted
 //   is_tiny   if not null and most are tiny, sized and set for all triangles: 0 for those to be digitized one by one;
-//             then tiny ones that lines may meet are kept, too, as Sift says
+//             then tiny ones that lines may meet are kept, too, as by Sift
 // Once the job is cancelled, parts are missing.
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
                           const IndexBox& box, StopSignal stop, TileLinks& edges,

@@ -11,8 +11,8 @@
 namespace latvox {
 namespace {
 
-// Whether triangles are many for the tiles that they lie in, each of which takes memory: of all tiles that there may
-// be, or, where a mesh lies in few of these, by how often the sample comes to one tile.
+// Returns whether there are many triangles for each of their tiles, because tiles take memory. It counts all tiles that
+// there may be, or, where a mesh lies in few of these, the number of samples in one tile.
 bool AreDense(const SnappedMesh& mesh, std::vector<Vec3i> tiles_of_sample) {
   constexpr size_t kTrianglesATile = 8, kManyPairs = 16;
   size_t tiles = 1;
@@ -30,13 +30,13 @@ bool AreDense(const SnappedMesh& mesh, std::vector<Vec3i> tiles_of_sample) {
 
 Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames) {
   constexpr size_t kSample = 256, kManyTriangles = 16384;
-  // Tiny triangles take their time for each line between their corners, the others mostly once.
+  // A tiny triangle costs time for each line between its corners, another triangle mostly once.
   constexpr size_t kFewLines = 11;
   const size_t count = mesh.triangles.size();
   if (count < kManyTriangles) return {};
   const LineForms all(frames);
   size_t touching = 0, tiny = 0, lines_of_tiny = 0;
-  // Read first of all, so that memory is waited for once.
+  // Read first, so that memory is waited for once.
   std::array<std::array<uint32_t, 3>, kSample> sample;
   for (size_t n = 0; n < kSample; ++n) sample[n] = mesh.triangles[n * count / kSample];
   std::array<std::array<Vec3i, 3>, kSample> corners;

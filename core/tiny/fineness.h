@@ -1,4 +1,4 @@
-// How fine a mesh is, which decides how its voxels are best found.
+// Decides how fine a mesh is, and so which way to find its voxels.
 #ifndef LATVOX_CORE_TINY_FINENESS_H_
 #define LATVOX_CORE_TINY_FINENESS_H_
 
@@ -9,13 +9,13 @@
 
 namespace latvox {
 
-// Both are hints: whatever they say, the voxels are the same.
+// Both are hints. The voxels are the same in any case.
 struct Fineness {
-  bool few_touch = false;  // leaving out triangles that no lattice line can meet pays: core/tiny/touching.h
-  bool most_tiny = false;  // so does doing the tiny ones by themselves: core/tiny/tiny.h
+  bool few_touch = false;  // it pays to leave out triangles that no lattice line can meet: core/tiny/touching.h
+  bool most_tiny = false;  // it pays to treat tiny triangles separately: core/tiny/tiny.h
 };
 
-// By a sample of triangles spread over the mesh. Meshes of few triangles are not fine.
+// Judges by a sample of triangles spread over the mesh. Meshes with few triangles are not fine.
 Fineness FinenessOf(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames);
 
 }  // namespace latvox

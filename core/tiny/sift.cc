@@ -1,12 +1,13 @@
-// Triangles in the lanes, all directions one after the other. Few lines lie between corners, and most of these miss the
+// Triangles in lanes, all directions one after the other. Few lines lie between corners, and most of these miss the
 // triangle.
 //
-// Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). It can only meet a triangle whose
-// corners lie on both sides of a, and on both sides of b (core/tiny/touching.h). Let the corners be (x, y) relative
-// to such a line: it meets the triangle iff the origin lies inside, which is to say that
+// Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). It can only meet a triangle with
+// corners on both sides of a, and on both sides of b (core/tiny/touching.h). Let the corners be (x, y) relative to such
+// a line. It meets the triangle iff the origin lies inside, that is, iff
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
-// all have one sign. That need not be decided where e is close to 0: whatever is let pass, TinyCrossings decides
-// (core/tiny/tiny.h). So 16 bits do, of products rounded down: of two, the larger is then not the smaller.
+// all have one sign. That need not be decided where e is close to 0, because TinyCrossings decides on all lines that
+// pass (core/tiny/tiny.h). So 16 bits of products rounded down are enough: the larger of two products is then not the
+// smaller one.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tiny/sift.cc"
 #define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
@@ -60,17 +61,17 @@ using ShortMask = hn::Mask<ShortLanes>;
 constexpr size_t kSiftLanes = 2 * kTriangleLanes;
 static_assert(kSiftLanes <= SiftedLines::kSlack && kSiftLanes <= CornerList::kSlack);
 
-// |x|, |y| < (kMostIntegers + 1) * kLatticeUnit are given kScaleBits more, and their products lose 16: they are then in
-// units of 2^kLostBits, and their differences fit. Of a triangle that is not tiny, these mean nothing.
+// |x|, |y| < (kMostIntegers + 1) * kLatticeUnit get kScaleBits more, and their products lose 16. So products are in
+// units of 2^kLostBits, and their differences fit. For a triangle that is not tiny, they are meaningless.
 constexpr int kScaleBits = 5, kLostBits = 16 - 2 * kScaleBits;
 static_assert((kMostIntegers + 1) * kLatticeUnit << kScaleBits < 1 << 15);
 
 HWY_INLINE Shorts FillShort(int n) { return hn::Set(ShortLanes(), static_cast<int16_t>(n)); }
 
-// The corners of some triangles, as the forms have them. A lane's sign says yes or no: signs are combined in fewer
+// The forms' values at the corners of some triangles. A lane's sign says yes or no, because signs are combined in fewer
 // steps than masks.
 struct Values {
-  Shorts3 relative[kMaxForms];  // of rows 0 and 1, to the last integer that is not above all of the values; scaled
+  Shorts3 relative[kMaxForms];  // values of rows 0 and 1, from the last integer that is not above all of them; scaled
   Shorts less[kMaxForms];       // the number of integers between them, negated
   Shorts several;               // whether any such number is above 1
   ShortMask tiny;
@@ -94,7 +95,7 @@ struct Values {
   }
 };
 
-// The two products of which e[n] is the difference, each rounded down.
+// The two products whose difference is e[n], each rounded down.
 struct Edge {
   Shorts plus, minus;
 };
@@ -116,13 +117,13 @@ HWY_INLINE Shorts MayMeet(const Edges& e) {
   return hn::Not(hn::And(left, right));
 }
 
-// Sets a direction's bit where the signs say so.
+// Sets a direction's bit in lanes with these signs.
 HWY_INLINE void SetBit(Shorts bit, Shorts between_a, Shorts between_b, Shorts meets, Shorts& directions) {
   const Shorts all = hn::And(hn::And(between_a, between_b), meets);
   directions = hn::OrAnd(directions, hn::ShiftRight<15>(all), bit);
 }
 
-// Bit n says that the line (a, b) along direction n, as SiftedLines has it, may meet the triangle.
+// Bit n: the line (a, b) along direction n, as in SiftedLines, may meet the triangle.
 HWY_INLINE Shorts DirectionsOf(const LineForms& forms, const Values& values) {
   Shorts directions = hn::Zero(ShortLanes()), bit = FillShort(1);
   for (const LineForms::OfFrame& frame : forms.of_frame) {
@@ -133,7 +134,7 @@ HWY_INLINE Shorts DirectionsOf(const LineForms& forms, const Values& values) {
   return hn::IfThenElseZero(values.tiny, directions);
 }
 
-// The same of the other lines: (a - 1, b), (a, b - 1), (a - 1, b - 1). From line to line, e[n] gains
+// Does the same for the other lines: (a - 1, b), (a, b - 1), (a - 1, b - 1). From line to line, e[n] gains
 //   U * (y[n+1] - y[n])   and   U * (x[n] - x[n+1]).
 HWY_INLINE Shorts3 MoreDirectionsOf(const LineForms& forms, const Values& values) {
   const ShortLanes d;
@@ -165,7 +166,7 @@ HWY_INLINE Shorts3 MoreDirectionsOf(const LineForms& forms, const Values& values
   return directions;
 }
 
-// Appends those of the places whose sign is set in `which` to a list.
+// Appends the places with a sign set in `which` to a list.
 HWY_INLINE void AppendPlaces(Shorts places, Shorts which, uint16_t*& end) {
   const ShortLanes d;
   const SelectedShorts<ShortLanes> some(d, hn::Lt(which, hn::Zero(d)));
@@ -173,8 +174,8 @@ HWY_INLINE void AppendPlaces(Shorts places, Shorts which, uint16_t*& end) {
   end += some.count();
 }
 
-// Appends those of a vector of directions that are not 0, with their entries.
-//   which   x | y << 1, as SiftedLines has them
+// Appends the directions of a vector that are not 0, with their entries.
+//   which   x | y << 1, as in SiftedLines
 HWY_INLINE void AppendLines(Shorts directions, Shorts places, int which, SiftedLines& lines) {
   const ShortLanes d;
   const SelectedShorts<ShortLanes> some(d, hn::Ne(directions, hn::Zero(d)));
@@ -189,7 +190,7 @@ void SiftInLanes(const CornerList& triangles, const LineForms& forms, SiftedLine
   lines.size = 0;
   uint16_t again[CornerList::kMost + CornerList::kSlack];
   uint16_t* again_end = again;
-  const Shorts place_of = StoredOrder(d);  // from the first one's
+  const Shorts place_of = StoredOrder(d);  // counted from the first one
   const LaneOrder in_order(d, place_of);
   for (size_t n = 0; n < triangles.size; n += kSiftLanes) {
     const Values values(forms, LoadStored(d, triangles, n));

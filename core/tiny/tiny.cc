@@ -1,18 +1,18 @@
-// Triangles in the lanes, direction by direction.
+// Triangles in lanes, direction by direction.
 //
 // Along q a lattice line is a point (a, b) of the projection (core/lattice/frame.h). With the corners (x, y) relative
-// to it, the line meets the triangle iff the origin lies inside, which is to say that
+// to it, the line meets the triangle iff the origin lies inside, that is, iff
 //   e[n] = x[n] * y[n+1] - x[n+1] * y[n],   n = 0, 1, 2,
-// all have one sign. They are the barycentric weights of the corners n+2, too: so the triangle meets the line at depth
-// Z = sum(e[n] * z[n+2]) / D, D = sum(e). With U = kLatticeUnit it is nearest to the voxel floor((Z + U/2) / U), which
-// has few candidates.
+// all have one sign. They are also the barycentric weights of the corners n+2. So the triangle meets the line at depth
+// Z = sum(e[n] * z[n+2]) / D, D = sum(e). With U = kLatticeUnit it is nearest to the voxel floor((Z + U/2) / U), for
+// which there are few candidates.
 //
-// Ties (core/digitize/crossing.h). The shift s = (t, t^2, t^3), infinitesimal t, moves (x, y) by (f.s, g.s), f and g
-// the forms, hence e[n] by
+// Ties (core/digitize/crossing.h). The shift s = (t, t^2, t^3), with infinitesimal t, moves (x, y) by (f.s, g.s), f and
+// g being the forms. So it moves e[n] by
 //   f.s * (y[n+1] - y[n]) - g.s * (x[n+1] - x[n]) = sum_m s[m] * (f[m] * dy - g[m] * dx).
-// If that is 0 for the first m with (f[m], g[m]) != 0, (dx, dy) is parallel to these, and the next m for which (f[m],
-// g[m]) is not decides. So two of the entries do: the first is given a weight that outweighs the second. Ties are
-// seldom, and are asked for only where there is one.
+// If that is 0 for the first m with (f[m], g[m]) != 0, (dx, dy) is parallel to these, and the next m with an
+// (f[m], g[m]) that is not parallel decides. So two of the entries are enough: the first gets a weight that outweighs
+// the second. Ties are rare, and are computed only where there is one.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tiny/tiny.cc"
 #define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
@@ -42,12 +42,12 @@ static_assert(kSubvoxelBits <= 8 && kMostIntegers == 2);
 constexpr int32_t kOutweighs = 1 << 13;
 static_assert(kMaxFrameRow * 2 * (kMostIntegers + 1) * kLatticeUnit < kOutweighs);
 
-// What a direction makes of forms.
+// A direction in terms of the forms.
 struct Direction {
   std::array<size_t, 3> form;
   bool z_is_negated;       // row 2 is the negative of its form
-  bool turned;             // (first form, second form) turn the other way round than rows 0 and 1
-  int32_t tie_x, tie_y;    // by which the shift moves x and y, in proportion
+  bool turned;             // (first form, second form) have the other orientation than rows 0 and 1
+  int32_t tie_x, tie_y;    // the amounts by which the shift moves x and y, in proportion
   std::array<Vec3i, 2> u;  // columns of U for values of the forms: line (a, b) is a*u[0] + b*u[1] + c*q
   Vec3i q;
   uint32_t packed;  // backward
@@ -70,11 +70,11 @@ Direction DirectionOf(const Frame& frame, const LineForms& all, size_t n) {
 }
 static_assert(2 * kMaxPairs <= kPackedDirections);
 
-// What all triangles of a mesh have in common.
+// The facts that all triangles of a mesh share.
 struct Scene {
   LineForms all;
   std::vector<Direction> directions;
-  IndexBox wanted;  // from the first tile's voxel
+  IndexBox wanted;  // counted from the first tile's voxel
 
   Scene(const std::vector<ScanFrame>& frames, const IndexBox& box, const Vec3i& first) : all(frames) {
     for (size_t n = 0; n < frames.size(); ++n) directions.push_back(DirectionOf(frames[n].frame, all, n));
@@ -100,7 +100,7 @@ void CrossAll(const Scene&, const CornerList&, const SiftedLines&, uint16_t*, Pa
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lanes of 16 bits, eight at least: where triangles are fewer, those behind them mean nothing.
+// Lanes of 16 bits, at least eight. With fewer triangles, the lanes behind them are meaningless.
 using ShortLanes = hn::FixedTag<int16_t, std::max<size_t>(kTriangleLanes, 8)>;
 using Shorts = hn::Vec<ShortLanes>;
 using Shorts3 = std::array<Shorts, 3>;
@@ -119,7 +119,7 @@ HWY_INLINE Ints3 Widened(const Shorts3& v) { return {Widened(v[0]), Widened(v[1]
 // A form's values at the corners of a tiny triangle, relative to the integer `from`.
 struct FormValues {
   Shorts3 relative;
-  Shorts first, from;  // floors of the least and the largest, or less
+  Shorts first, from;  // floors of the smallest and the largest value, or less
 
   HWY_INLINE FormValues(const Vec3i& form, const ShortCorners<ShortLanes>& v, Shorts less)
       : relative(ValuesOf(ShortLanes(), form, v)) {
@@ -137,7 +137,7 @@ HWY_INLINE V Times(D d, int32_t c, V v) {
                    : hn::Mul(hn::Set(d, static_cast<hn::TFromD<D> >(c)), v);
 }
 
-// Up to kTriangleLanes lines along the direction, each with a tiny triangle between whose corners it lies.
+// Tests up to kTriangleLanes lines along the direction, each with a tiny triangle that has corners on both sides of it.
 //   entries   as in SiftedLines; padded
 HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const CornerList& triangles,
                       const uint16_t* entries, size_t count, PackedLinks& out) {
@@ -186,7 +186,7 @@ HWY_INLINE void Cross(const Scene& scene, const Direction& direction, const Corn
   constexpr int kMostWhole = kMostIntegers + 1;  // z <= kMostWhole * U
   Ints depth = Widened(hn::Add(from, FillShort(kMostWhole)));
   for (int n = 0; n < kMostWhole; ++n) {
-    const Ints less = hn::Sub(rest, whole);  // if negative, unsigned it is not the lesser one
+    const Ints less = hn::Sub(rest, whole);  // if negative, it is the larger one as an unsigned number
     rest = hn::BitCast(d, hn::Min(hn::BitCast(du, rest), hn::BitCast(du, less)));
     depth = hn::Add(depth, hn::BroadcastSignBit(less));
   }

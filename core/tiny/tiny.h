@@ -1,7 +1,8 @@
-// The lattice edges that tiny triangles cross, of a whole mesh.
+// Finds the lattice links that tiny triangles cross, for a whole mesh.
 //
-// Where triangles are smaller than voxels, few lines lie between their corners at all: the crossings of all directions
-// are found in one pass over the mesh, and these, not the triangles, are sorted into tiles. No candidates, no stars.
+// Where triangles are smaller than voxels, few lines lie between their corners at all. One pass over the mesh finds the
+// crossings of all directions. The crossings, not the triangles, are then sorted into tiles. There are no candidates
+// and no stars.
 #ifndef LATVOX_CORE_TINY_TINY_H_
 #define LATVOX_CORE_TINY_TINY_H_
 
@@ -15,18 +16,18 @@
 
 namespace latvox {
 
-// For one thread to go through a mesh with.
+// Used by one thread for its part of the mesh.
 class TinyCrossings {
  public:
-  //   box    local voxels: of edges with a nearer end outside, nothing is wanted
-  //   edges  has what is found once this is destroyed, which must be before edges.Finish()
+  //   box    local voxels; links with a nearer end outside are not wanted
+  //   edges  has the results once this object is destroyed, which must be before edges.Finish()
   TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges);
   ~TinyCrossings();
 
   // The origin (core/triangles/corner_list.h) that lists of triangles must have.
   static Vec3i Origin(const TileLinks& edges) { return edges.first_tile() * kTileSide; }
 
-  // Finds all edges, in all directions, that the tiny ones of the triangles cross. Others go to `kept`, as Sift says.
+  // Finds all links, in all directions, that the tiny triangles cross. Other triangles go to `kept`, as in Sift.
   void Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny);
 
  private:

@@ -1,4 +1,4 @@
-// Triangles in the lanes, form after form.
+// Triangles in lanes, form after form.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tiny/touching.cc"
 #include "core/tiny/touching.h"
@@ -58,7 +58,7 @@ void KeepInLanes(const LineForms& forms, CornerList& list) {
   const LaneOrder in_order(d, place_of);
   for (size_t first = 0; first < count; first += hn::Lanes(d)) {
     const auto v = LoadStored(d, list, first);
-    ShortMask between[kMaxForms];  // of each form, whether there is a difference between its floors at the corners
+    ShortMask between[kMaxForms];  // for each form, whether its floors at the corners differ
     for (size_t n = 0; n < forms.between; ++n) {
       const auto value = ValuesOf(d, forms.forms[n], v);
       const auto differs = hn::Or(hn::Xor(value[0], value[1]), hn::Xor(value[0], value[2]));

@@ -1,5 +1,5 @@
-// Bounding boxes of nearly all triangles say all: a kernel takes them to their octants, triangles in the lanes. The few
-// long ones are tested against single octants, with separating axes.
+// The bounding boxes of nearly all triangles decide. A kernel finds their octants, with triangles in lanes. The few
+// long triangles are tested against single octants, with separating axes.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tree/octant_grid.cc"
 #include "core/tree/octant_grid.h"
@@ -11,7 +11,7 @@
 
 #include "core/triangles/triangle_lanes-inl.h"
 
-// What does not depend on the instruction set, once.
+// The code that does not depend on the instruction set, once.
 #ifndef LATVOX_CORE_TILE_OCTANT_GRID_ONCE_
 #define LATVOX_CORE_TILE_OCTANT_GRID_ONCE_
 
@@ -35,7 +35,7 @@ OctantBox CellsMet(const OctantGrid::Bounds& bounds, const OctantGrid::Margin& m
 
 bool Contains(const OctantBox& box, size_t m, int32_t octant) { return box.min[m] <= octant && octant <= box.max[m]; }
 
-// An octant's part in a hit: the bits of its coordinate, three apart, where Morton order wants those of the axis.
+// An octant's part in a hit: the bits of its coordinate, three apart, at the places of the axis in Morton order.
 int32_t HitPart(size_t axis, int32_t octant) {
   int32_t part = 0;
   for (int bit = 0; bit < kMaxGridLevels; ++bit) part |= (octant >> bit & 1) << 3 * bit;
@@ -89,7 +89,8 @@ size_t PlainFewHits(const OctantGrid::Codes& codes, size_t n, OctantHit*& end) {
   return n;
 }
 
-// For each `two`, what puts a code's hits one beside the other: bytes of the code for each axis, marks, their number.
+// For each `two`, the shuffle that puts a code's hits side by side: bytes of the code for each axis, marks, their
+// number.
 struct Placement {
   alignas(16) uint8_t bytes[3][16];
   alignas(16) OctantHit marks[8];
@@ -159,7 +160,7 @@ void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const Pad
   for (size_t n = 0; n < triangles.size(); n += kTriangleLanes) {
     const std::array<Ints3, 3> v = LoadCorners(mesh, vertices, LaneNumbers(triangles.subspan(n)), {});
     Ints3 parts;
-    // Less than 0 if that holds on an axis; and `two`, as codes have it.
+    // Less than 0 if true on an axis; and `two`, as in codes.
     Ints is_long = hn::Zero(d), several = is_long, three = is_long, none = is_long, two = is_long;
     for (size_t m = 0; m < 3; ++m) {
       const auto near_below = Fill(bounds.near.below[m]), near_above = Fill(bounds.near.above[m]);
@@ -190,7 +191,7 @@ void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const Pad
   }
 }
 
-// Without a branch for the axes that have two octants, which is hard to predict.
+// Has no branch for the axes with two octants, because it would be hard to predict.
 size_t FewHits(const OctantGrid::Codes& codes, size_t n, OctantHit*& end) {
   const hn::FixedTag<uint8_t, 16> d8;
   const hn::FixedTag<OctantHit, 8> d;
@@ -223,8 +224,8 @@ HWY_AFTER_NAMESPACE();
 namespace latvox {
 namespace {
 
-// For rounding: a triangle too many is harmless. Coordinates are below 2^27 in size and boxes 2^14 wide or wider, hence
-// the errors of projections below 2^-30 of radii.
+// For rounding; one more triangle does no harm. Coordinates are below 2^27 in size, and boxes are at least 2^14 wide.
+// So the errors of projections are below 2^-30 of radii.
 constexpr double kSlack = 1 + 0x1p-20;
 
 // The interval of a triangle's projections to one axis.
@@ -235,7 +236,7 @@ struct Axis {
 
 }  // namespace
 
-// The separating axes between a triangle and a box, the box's own aside.
+// The separating axes between a triangle and a box, except the box's own.
 class OctantGrid::LongTriangle {
  public:
   LongTriangle(const OctantGrid& grid, const std::array<Vec3i, 3>& corners) : grid_(grid) {
@@ -257,7 +258,7 @@ class OctantGrid::LongTriangle {
     }
   }
 
-  // Halves boxes of octants that the triangle may come near to, down to single ones.
+  // Halves boxes of octants that the triangle may come near to, down to single octants.
   void Descend(const OctantBox& octants, const OctantBox& near, std::vector<OctantHit>& hits) const {
     size_t axis = 0;
     int32_t longest = 0, count = 1;
@@ -271,7 +272,7 @@ class OctantGrid::LongTriangle {
       }
     }
     if (count == 1) return Add(octants, near, hits);
-    constexpr int32_t kFew = 4;  // octants for which asking together does not pay
+    constexpr int32_t kFew = 4;  // octants; with fewer, it does not pay to test them together
     if (count > kFew && !Meets(octants, grid_.far_margin_)) return;
     OctantBox lower = octants, upper = octants;
     lower.max[axis] = octants.min[axis] + longest / 2 - 1;
@@ -281,7 +282,7 @@ class OctantGrid::LongTriangle {
   }
 
  private:
-  // Whether the triangle may come within `margin` of the box of octants, as far as these axes tell.
+  // Returns whether the triangle may come within `margin` of the box of octants, as far as these axes show.
   bool Meets(const OctantBox& octants, const Vec3i& margin) const {
     const double side = 1 << grid_.bounds_.shift;
     Vec3d center, half;
@@ -324,7 +325,8 @@ OctantGrid::OctantGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i
   const int voxel_shift = level - levels + kTileBits;
   bounds_.shift = voxel_shift + kSubvoxelBits;
   for (size_t m = 0; m < 3; ++m) {
-    // A closed box [low, high] meets the closed octants [c * side - margin, (c + 1) * side + margin], hence those with
+    // A closed box [low, high] meets the closed octants [c * side - margin, (c + 1) * side + margin]. These are the
+    // octants with
     //   (low - margin) / side - 1 <= c <= (high + margin) / side.
     const auto set = [&](Margin& margin, int32_t width) {
       margin.below[m] = low_[m] + width + 1;

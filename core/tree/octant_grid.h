@@ -1,4 +1,4 @@
-// Which octants of a grid of cubes a triangle concerns.
+// The octants of a grid of cubes that a triangle concerns.
 #ifndef LATVOX_CORE_TREE_OCTANT_GRID_H_
 #define LATVOX_CORE_TREE_OCTANT_GRID_H_
 
@@ -17,14 +17,14 @@ namespace latvox {
 inline constexpr int kMaxGridLevels = 4;
 
 // An octant that a triangle comes near to: (number << 1 | fringe). Octants are numbered in Morton order, i most
-// significant. Fringe says that the triangle comes within the far margin of the octant, not within the near one.
+// significant. Fringe means that the triangle comes within the far margin of the octant, but not within the near one.
 using OctantHit = uint16_t;
 
-// In a list of hits, one triangle's after the other's, kLastHit marks each triangle's last.
+// In a list of hits, triangle after triangle, kLastHit marks each triangle's last hit.
 inline constexpr OctantHit kLastHit = 1 << 15;
 static_assert(2 << 3 * kMaxGridLevels < kLastHit);
 
-// A cube of tiles, cut into 2^levels octants a side. Octants that do not meet a region do not count.
+// A cube of tiles, divided into 2^levels octants a side. Octants that do not meet a region do not count.
 class OctantGrid {
  public:
   //   tile_ijk, level   the cube: its lowest tile, local, and the log2 of its side in tiles
@@ -33,17 +33,17 @@ class OctantGrid {
   // Precondition: levels <= level, levels <= kMaxGridLevels.
   OctantGrid(const Vec3i& tile_ijk, int level, int levels, const Vec3i& near, const Vec3i& far, const IndexBox& region);
 
-  // Whether no octant counts.
+  // Returns whether no octant counts.
   bool IsEmpty() const;
 
-  // What a triangle's bounding box says of the octants: on most axes it comes near to one or two of them.
+  // The octants near a triangle's bounding box. On most axes there are one or two.
   struct Code {
-    // A hit is the or of a part for each axis: these are the parts of the lowest and of the highest octant.
+    // A hit is the bitwise or of a part for each axis. These are the parts of the lowest and of the highest octant.
     struct {
       uint16_t lowest, highest;
     } part[3];
     uint16_t two;      // bit 2 - m: on axis m, the highest octant is another one
-    uint16_t is_many;  // not 0: this takes ManyHits
+    uint16_t is_many;  // not 0: use ManyHits
   };
 
   // Codes of up to kBlock triangles of the mesh. `vertices` are the mesh's.
@@ -55,29 +55,29 @@ class OctantGrid {
   void Encode(const SnappedMesh& mesh, const PaddedVertices& vertices, std::span<const uint32_t> triangles,
               Codes& out) const;
 
-  // The hit of a triangle that no octant that counts is near to.
+  // The hit of a triangle without a near octant that counts.
   OctantHit NoHit() const { return static_cast<OctantHit>(bounds_.no_hit); }
 
-  // Writes the hits of the triangles from the code `first` on, before the next one that takes ManyHits, which asks
-  // separating axes, not the bounding box alone; returns which that is, or codes.size.
-  //   end  where; thereafter, what follows. Room for kMostHits a triangle is needed
+  // Writes the hits of the triangles from the code `first` on, up to the next one for ManyHits, which tests separating
+  // axes, not the bounding box alone. Returns the index of that one, or codes.size.
+  //   end  the place to write to; on return the place after the hits. Needs room for kMostHits a triangle
   static constexpr size_t kMostHits = 8;
   static size_t FewHits(const Codes& codes, size_t first, OctantHit*& end);
 
-  // The hits of the triangle with these corners.
+  // Returns the hits of the triangle with these corners.
   std::vector<OctantHit> ManyHits(const std::array<Vec3i, 3>& corners) const;
 
-  // What turns the corners of a bounding box into the lowest and highest octant whose margin it meets:
+  // Converts the corners of a bounding box to the lowest and highest octant whose margin it meets:
   //   (low - below) >> shift, (high + above) >> shift
   struct Margin {
     Vec3i below, above;
   };
-  // What Encode goes by.
+  // The parameters of Encode.
   struct Bounds {
     int shift;  // log2 of an octant's side in lattice units
     Margin near, far;
     Vec3i lowest, highest;  // octants that count
-    int32_t no_hit;         // the number after the last one's
+    int32_t no_hit;         // the number after the last octant's
   };
 
  private:

@@ -1,6 +1,6 @@
-// A counting sort: the octants that each triangle comes near to are written down and counted, chunk by chunk of the
-// triangles; sums of the counts say where in the octants' lists each chunk's triangles go; then they go there. Chunks
-// are independent, and lists come out ascending, since chunks are.
+// A counting sort. The octants near each triangle are listed and counted, chunk by chunk of the triangles. Sums of the
+// counts give each chunk's places in the octants' lists, and then the triangles go there. Chunks are independent. The
+// lists are ascending, because chunks are.
 #include "core/tree/tile_tree.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -25,11 +25,12 @@ constexpr size_t kMinParallel = 8192;
 constexpr size_t kMinChunk = 4096;
 constexpr size_t kMaxChunks = 64;
 
-// As many levels as leave this many triangles an octant, since each octant costs, but no fewer than kFewLevels.
+// As many levels as leave this many triangles in an octant, because each octant has a cost; but no fewer than
+// kFewLevels.
 constexpr size_t kTrianglesPerCell = 2;
 constexpr int kFewLevels = 2;
 
-// A triangle may have this many hits on average. Where large triangles have more, children are taken from fewer levels,
+// A triangle may have this many hits on average. Where large triangles have more, children come from fewer levels,
 // which bounds the memory.
 constexpr size_t kHitsPerTriangle = 6;
 constexpr size_t kFewHits = 4096;
@@ -37,7 +38,7 @@ constexpr size_t kFewHits = 4096;
 template <class F>
 void ForEachOf(size_t count, const F& f) {
   if (count == 1) return f(0);
-  // Without isolation, a thread that waits here might begin other work of the caller's.
+  // Without isolation, a waiting thread might begin other work of the caller's.
   oneapi::tbb::this_task_arena::isolate([&] {
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, count), [&](const auto& numbers) {
       for (size_t n = numbers.begin(); n < numbers.end(); ++n) f(n);
@@ -45,7 +46,7 @@ void ForEachOf(size_t count, const F& f) {
   });
 }
 
-// The octant of that number in Morton order.
+// Returns the octant with that number in Morton order.
 Vec3i OctantAt(size_t number) {
   Vec3i octant{};
   for (int bit = 0; bit < kMaxGridLevels; ++bit) {
@@ -64,8 +65,8 @@ int LevelsBelow(int level, size_t triangles) {
 
 }  // namespace
 
-// How often there is each hit. A count waits for the one before it, if that is of the same hit, as is likely: hence
-// neighbours in the list are counted apart.
+// Counts hits. A count must wait for the one before it if both are of the same hit, which is likely. So neighbors in
+// the list are counted apart.
 class TileTree::HitCounts {
  public:
   //   no_hit   the largest hit
@@ -131,7 +132,7 @@ std::vector<TileNode> TileTree::Children(const TileNode& node) const {
   return Split(node, node.triangles.size(), IsLeaf(node) ? 0 : leaf_level_);
 }
 
-// `triangles` is the number of the node's, or of all, if it lists none.
+// `triangles` is the number of the node's triangles, or of all if the node lists none.
 std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles, int leaf_level) const {
   for (int levels = LevelsBelow(std::max(node.level - leaf_level, 0), triangles + node.links);; --levels) {
     const size_t max_hits = levels > 1 ? std::max(kFewHits, kHitsPerTriangle * (triangles + node.fringe.size()))
@@ -140,7 +141,7 @@ std::vector<TileNode> TileTree::Split(const TileNode& node, size_t triangles, in
   }
 }
 
-// Nullopt if there are more than max_hits.
+// Returns nullopt if there are more than max_hits.
 std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNode& node, size_t triangles,
                                                        size_t max_hits) const {
   const OctantGrid grid(node.tile_ijk, node.level, levels, near_, far_, region_);
@@ -195,7 +196,7 @@ std::optional<std::vector<TileNode>> TileTree::SplitBy(int levels, const TileNod
   return children;
 }
 
-// What no tile is delivered for does not count.
+// Tiles that are not delivered do not count.
 size_t TileTree::LinksIn(const Vec3i& tile_ijk, int level) const {
   return links_ != nullptr && MeetsRegion(tile_ijk, level) ? links_->CountIn(tile_ijk, level) : 0;
 }
@@ -208,7 +209,8 @@ bool TileTree::MeetsRegion(const Vec3i& tile_ijk, int level) const {
   return true;
 }
 
-// Makes the chunk of a node's triangles begin .. end - 1, and of its fringe between them, or of such of all triangles.
+// Fills the chunk with a node's triangles begin .. end - 1, and the fringe between them. If the node lists none, all
+// triangles of the mesh are meant.
 void TileTree::SetTriangles(const TileNode& node, size_t begin, size_t end, Chunk& chunk) {
   chunk.first = static_cast<uint32_t>(begin);
   chunk.size = end - begin;
@@ -226,7 +228,7 @@ void TileTree::SetTriangles(const TileNode& node, size_t begin, size_t end, Chun
   chunk.size = chunk.merged.size();
 }
 
-// Leaves the chunk undone if the job is cancelled or the sum of all chunks' hits exceeds max_hits.
+// Leaves the chunk undone if the job is cancelled, or if the sum of all chunks' hits exceeds max_hits.
 void TileTree::FindHits(const OctantGrid& grid, size_t max_hits, std::atomic<size_t>& total, Chunk& chunk) const {
   chunk.hits.resize(chunk.size + chunk.size / 4 + kFewHits);
   size_t size = 0, reported = 0;
@@ -270,7 +272,7 @@ void TileTree::FindHits(const OctantGrid& grid, size_t max_hits, std::atomic<siz
   may_go_on();
 }
 
-// Adds up all chunks' counts of the hits first .. last - 1, and turns each into the sum before it.
+// Adds up all chunks' counts of the hits first .. last - 1, and replaces each by the sum before it.
 void TileTree::AddCounts(size_t first, size_t last, std::vector<Chunk>& chunks, std::vector<uint32_t>& sums) {
   for (Chunk& chunk : chunks) {
     for (size_t hit = first; hit < last; ++hit) {

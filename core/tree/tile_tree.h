@@ -1,4 +1,4 @@
-// Which triangles concern which tile: an octree over tiles, walked depth first, that is never held as a whole.
+// The triangles that concern each tile: an octree over tiles, walked depth first, and never held as a whole.
 #ifndef LATVOX_CORE_TREE_TILE_TREE_H_
 #define LATVOX_CORE_TREE_TILE_TREE_H_
 
@@ -16,29 +16,32 @@
 
 namespace latvox {
 
-// Log2 of the side, in tiles, of the cube that begins at the lowest tile of the box and holds them all.
+// Returns log2 of the side, in tiles, of the cube that begins at the lowest tile of the box and contains the box.
 int TileCubeLevel(const IndexBox& box);
 
 // A cube of 2^level tiles a side, with the triangles near to it.
 struct TileNode {
   Vec3i tile_ijk;  // its lowest tile, local
   int level;
-  std::vector<uint32_t> triangles;  // those that come within the tree's near margin of it, ascending
-  std::vector<uint32_t> fringe;     // the others that come within its far margin, ascending
-  double progress;                  // estimated share of the work before this node,
-  double share;                     // and of its own
-  size_t links = 0;                 // how many of the tree's links have their nearer end in it
+  std::vector<uint32_t> triangles;  // triangles that come within the tree's near margin of the node, ascending
+  std::vector<uint32_t> fringe;     // further triangles that come within its far margin, ascending
+  double progress;                  // estimated share of the work before this node
+  double share;                     // estimated share of its own work
+  size_t links = 0;                 // the tree's links with their nearer end in it
 };
 
-// Depth first and in the order of children (Morton, i most significant), tiles come in Morton order: the canonical
+// Walked depth first, in the order of children (Morton, i most significant), tiles come in Morton order: the canonical
 // order of the stream. Children lie several levels below their node, so that few passes over the triangles lead to the
-// tiles. Memory is that of one path: each node on it has its siblings' triangles beside it.
+// tiles. The memory is that of one path: each node on it has its siblings' triangles beside it.
 //
-// Threads: any; nodes with many triangles are sorted by all of the arena's.
+// No tile misses a triangle that concerns it. A child's margins lie within its parent's, and a triangle is dropped only
+// where its box, or a separating axis, shows that it misses the margins of the child. More triangles do no harm.
+//
+// Threads: any; all threads of the arena sort nodes with many triangles.
 class TileTree {
  public:
   // leaf_level  log2 of the side of the smallest nodes in tiles
-  // near, far   margins, voxels per axis, by which a tile's interest exceeds it, near <= far
+  // near, far   margins around a tile, voxels per axis, within which triangles concern it; near <= far
   // region      tiles outside (local voxels) are left out
   // stop        once stopped, calls return soon, with nothing
   TileTree(const SnappedMesh& mesh, int leaf_level, const Vec3i& near, const Vec3i& far, const IndexBox& region,
@@ -47,23 +50,23 @@ class TileTree {
 
   void SetLeafLevel(int level) { leaf_level_ = level; }
 
-  // From now on nodes with these links count as children, too, where they meet the region. Kept by reference.
+  // Also makes children of nodes with these links, from now on, where they meet the region. Kept by reference.
   void AddLinks(const TileLinks& links) { links_ = &links; }
 
-  // From now on nodes that no triangle comes near to count as children, too, where they meet the region.
+  // Also makes children of nodes without triangles nearby, from now on, where they meet the region.
   void KeepEmpty() { keep_empty_ = true; }
 
   int level() const { return TileCubeLevel(mesh_.box); }
 
-  // Whether the node is of the smallest, or one of its tiles.
+  // Returns whether the node is one of the smallest, or one of its tiles.
   bool IsLeaf(const TileNode& node) const { return node.level <= leaf_level_; }
 
-  // The children of the cube of all tiles, or that cube if it is a leaf.
+  // Returns the children of the cube of all tiles, or that cube if it is a leaf.
   //   triangles  ascending: only these count; nullopt: all of the mesh
   std::vector<TileNode> Top(std::optional<std::vector<uint32_t>> triangles = std::nullopt) const;
 
-  // The children within the near margin of which triangles come, or with links, in canonical order; those of a leaf are
-  // its tiles. Precondition: node.level > 0.
+  // Returns the children with triangles within their near margin, or with links, in canonical order. The children of a
+  // leaf are its tiles. Precondition: node.level > 0.
   std::vector<TileNode> Children(const TileNode& node) const;
 
  private:

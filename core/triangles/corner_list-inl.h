@@ -1,4 +1,4 @@
-// Reading corners out of a list into lanes, and writing them there.
+// Reads corners of a list into lanes, and writes them there.
 #if defined(LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_
 #undef LATVOX_CORE_TRIANGLES_CORNER_LIST_INL_H_
@@ -24,16 +24,16 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of a vector of D, which has lanes of 16 bits, eight or more: as many triangles.
+// As many triangles as a vector of D has lanes: 16 bits each, eight or more.
 template <class D>
 using ShortCorners = std::array<std::array<hn::Vec<D>, 3>, 3>;  // by axis
 
-// In each eight lanes, rows become columns: the first three, and those from the fifth to the seventh on.
+// Within each eight lanes, rows become columns: the first three, and those from the fifth to the seventh on.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void ColumnsOf(D d, const std::array<V, 8>& rows, std::array<V, 3>& first, std::array<V, 3>& second) {
   const hn::RepartitionToWide<D> d32;
   const hn::RepartitionToWide<decltype(d32)> d64;
-  // What four rows have in lanes 0, 1; 2, 3; 4, 5; 6, 7.
+  // The content of four rows in lanes 0, 1; 2, 3; 4, 5; 6, 7.
   const auto four = [&](size_t n) HWY_ATTR {
     const auto low_01 = hn::BitCast(d32, hn::InterleaveLower(d, rows[n], rows[n + 1]));
     const auto low_23 = hn::BitCast(d32, hn::InterleaveLower(d, rows[n + 2], rows[n + 3]));
@@ -54,7 +54,7 @@ HWY_INLINE void ColumnsOf(D d, const std::array<V, 8>& rows, std::array<V, 3>& f
   second = three(2);
 }
 
-// The corners of the triangles from place `first` on, in the order in which loading them takes least: StoredOrder.
+// The corners of the triangles from place `first` on, in StoredOrder, the order that is cheapest to load.
 template <class D>
 HWY_INLINE ShortCorners<D> LoadStored(D d, const CornerList& list, size_t first) {
   const auto rows = [&](const CornerList::Row* of) HWY_ATTR {
@@ -69,7 +69,7 @@ HWY_INLINE ShortCorners<D> LoadStored(D d, const CornerList& list, size_t first)
   return v;
 }
 
-// Lane n holds the one at first + StoredOrder()[n].
+// Lane n holds the triangle at first + StoredOrder()[n].
 template <class D>
 HWY_INLINE hn::Vec<D> StoredOrder(D d) {
   constexpr size_t kLanes = hn::MaxLanes(D());
@@ -78,7 +78,7 @@ HWY_INLINE hn::Vec<D> StoredOrder(D d) {
   return hn::LoadU(d, order);
 }
 
-// Of a mask of vectors in that order, bits in the order of places.
+// Converts a mask of vectors in that order to bits in the order of places.
 template <class D>
 class LaneOrder {
  public:
@@ -95,8 +95,8 @@ class LaneOrder {
   int16_t place_of_[hn::MaxLanes(D())];
 };
 
-// The same of those at some places: the low bits, below kMost, of as many numbers. And the voxels of their first
-// corners, as the list has them.
+// Does the same for the triangles at some places: the low bits, below kMost, of as many numbers. Also returns the
+// voxels of their first corners, as in the list.
 template <class D>
 HWY_INLINE ShortCorners<D> LoadCornersAt(D d, const CornerList& list, const uint16_t* places,
                                          std::array<hn::Vec<D>, 3>& voxel) {
@@ -114,7 +114,7 @@ HWY_INLINE ShortCorners<D> LoadCornersAt(D d, const CornerList& list, const uint
   return v;
 }
 
-// Which triangles are near: see CornerList.
+// Returns which triangles are near: see CornerList.
 template <class D>
 HWY_INLINE hn::Mask<D> AreNear(D d, const ShortCorners<D>& v) {
   auto off = hn::Zero(d);
@@ -124,8 +124,8 @@ HWY_INLINE hn::Mask<D> AreNear(D d, const ShortCorners<D>& v) {
   return hn::Eq(hn::And(off, hn::Set(d, static_cast<int16_t>(-2 * CornerList::kNear))), hn::Zero(d));
 }
 
-// Writes the corners of as many triangles as there are blocks of 128 bits, each block x, y, z and anything: those at
-// `place` and behind.
+// Writes the corners of as many triangles as there are blocks of 128 bits, at `place` and behind. Each block holds x,
+// y, z and an arbitrary number.
 //   origin   of the list, as such blocks
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void StoreCorners(D d, V a, V b, V c, V origin, CornerList& list, size_t place) {

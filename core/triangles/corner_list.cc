@@ -20,7 +20,7 @@ void CornerList::SetCorners(size_t place, const std::array<Vec3i, 3>& v, const V
 }
 
 bool CornerList::IsNear(size_t place) const {
-  for (size_t n = 1; n < 3; ++n) {  // the first corner is
+  for (size_t n = 1; n < 3; ++n) {  // the first corner is always near
     const Vec3i at = Corner(n, place);
     for (const int32_t x : at) {
       if (x < -kNear || x >= kNear) return false;

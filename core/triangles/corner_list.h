@@ -1,5 +1,5 @@
-// The corners of a list of triangles, side by side, in 16 bits a number: kernels that come back to them need not look
-// at the mesh again.
+// The corners of a list of triangles, side by side, in 16 bits a number. Kernels that read them again need not go back
+// to the mesh.
 #ifndef LATVOX_CORE_TRIANGLES_CORNER_LIST_H_
 #define LATVOX_CORE_TRIANGLES_CORNER_LIST_H_
 
@@ -13,25 +13,26 @@
 
 namespace latvox {
 
-// Corners are in lattice units from the low corner of the first one's voxel. A triangle is near if all of them are
-// within -kNear .. kNear - 1 on each axis; of others, numbers are those next to the true ones that fit. Whole vectors
-// can be read; what lies behind the list means nothing.
+// Corners are in lattice units from the low corner of the first corner's voxel. A triangle is near if all of them are
+// within -kNear .. kNear - 1 on each axis; the numbers of other triangles are clamped. Whole vectors can be read; the
+// numbers behind the list are meaningless.
 struct CornerList {
   static constexpr size_t kMost = 1024, kSlack = 64;  // small beside a core's second-level cache
   static constexpr int16_t kNear = 16 * kLatticeUnit;
-  // What stands for the origin's voxel, and how many there are from the one before it on, per axis.
+  // The number for the origin's voxel, and the number of voxels per axis from the one before it on.
   static constexpr int32_t kFirstVoxel = INT16_MIN + 1, kVoxels = 1 << 16;
 
-  using Row = std::array<int16_t, 8>;  // twice three numbers, each with one behind that means nothing
+  using Row = std::array<int16_t, 8>;  // three numbers twice, each with a meaningless one behind
 
   size_t size = 0;
   uint32_t triangles[kMost + kSlack];               // their numbers
   alignas(64) Row first_two[kMost + kSlack];        // corners
-  alignas(64) Row third_and_voxel[kMost + kSlack];  // third corner; voxel of the first one, from the origin
+  alignas(64) Row third_and_voxel[kMost + kSlack];  // third corner; voxel of the first corner, counted from the origin
 
   // Sets the corners at a place.
-  //   origin   local voxel: the first corner's is one of kVoxels from that before it on, per axis, else the voxel
-  //            means nothing
+  //   origin   local voxel. The first corner's voxel is one of kVoxels per axis, from the one before the origin on;
+  //   else
+  //            its number is meaningless
   void SetCorners(size_t place, const std::array<Vec3i, 3>& v, const Vec3i& origin);
 
   bool IsNear(size_t place) const;
@@ -40,7 +41,7 @@ struct CornerList {
     return {of[0], of[1], of[2]};
   }
 
-  // Appends the triangle at a place >= size, which was in the list before `size` was set back: so some are left out.
+  // Appends the triangle at a place >= size, which was in the list before `size` was reduced. So some are left out.
   void Keep(size_t place) {
     triangles[size] = triangles[place];
     first_two[size] = first_two[place];

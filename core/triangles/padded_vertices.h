@@ -1,4 +1,4 @@
-// Vertices that a kernel may read four numbers at a time, of which the fourth means nothing.
+// Vertices that a kernel may read four numbers at a time; the fourth is meaningless.
 #ifndef LATVOX_CORE_TRIANGLES_PADDED_VERTICES_H_
 #define LATVOX_CORE_TRIANGLES_PADDED_VERTICES_H_
 
@@ -12,7 +12,7 @@ class PaddedVertices {
  public:
   explicit PaddedVertices(const SnappedMesh& mesh) : vertices_(mesh.vertices_lat.data()) {}
 
-  // Of four numbers.
+  // Points to four numbers.
   const int32_t* operator[](uint32_t index) const { return vertices_[index].data(); }
 
  private:

@@ -1,14 +1,14 @@
-// Closedness, as a polynomial identity. Give each position p an indeterminate X_p. Over GF(2),
+// Closedness as a polynomial identity. Give each position p an indeterminate X_p. Over GF(2),
 //   sum of X_a * X_b over all edges ab of all triangles, a != b,
 // keeps the edges that occur an odd number of times: it is the zero polynomial iff the mesh is closed. It is evaluated
-// at a pseudo-random H_p, 64 bits of a hash of the position, taken as a polynomial in GF(2)[x]. A sum of degree 2 that
-// is not zero vanishes for at most 2/2^64 of all choices (Schwartz-Zippel, in GF(2^64); sums are compared before
-// reduction, which only distinguishes more). Two halves of a 128-bit hash, as if independent, make it 4/2^128.
+// at a pseudo-random H_p, 64 bits of a hash of the position, as a polynomial in GF(2)[x]. A sum of degree 2 that is not
+// zero vanishes for at most 2/2^64 of all choices (Schwartz-Zippel, in GF(2^64); sums are compared before reduction,
+// which only distinguishes more). Two halves of a 128-bit hash, as if independent, make it 4/2^128.
 //
 // In characteristic 2,
 //   ab + bc + ca = (a + b)(a + c) + a^2,
-// and a sum of squares is the square of the sum: one product a triangle does. The edges of a triangle with two equal
-// corners cancel, or do not count.
+// and a sum of squares is the square of the sum. So one product is enough for a triangle. The edges of a triangle with
+// two equal corners cancel, or do not count.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/triangles/surface_facts.cc"
 #define HWY_WANT_AVX3_DL  // for AES of whole vectors
@@ -30,7 +30,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-// What does not depend on the instruction set, once.
+// The code that does not depend on the instruction set, once.
 #ifndef LATVOX_CORE_SNAP_SURFACE_FACTS_ONCE_
 #define LATVOX_CORE_SNAP_SURFACE_FACTS_ONCE_
 
@@ -64,7 +64,7 @@ Hash HashOf(const Vec3i& position) {
 
 using Corners = std::array<Vec3i, 3>;
 
-// Counts a triangle if it has no area. Whether its edges count: no two of its corners are equal.
+// Counts a triangle without area. Returns whether its edges count: no two of its corners are equal.
 bool HasEdges(const Corners& v, SurfaceSums& sums) {
   const auto& [a, b, c] = v;
   if (HasArea(a, b, c)) return true;
@@ -72,7 +72,7 @@ bool HasEdges(const Corners& v, SurfaceSums& sums) {
   return a != b && b != c && c != a;
 }
 
-//   list   null: none is to be filled
+//   list   null: no list is filled
 void AddPlain(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
               SurfaceSums& sums) {
   for (size_t t = 0; t < count; ++t) {
@@ -110,15 +110,16 @@ void AddInLanes(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Triangles at a time, each in 128 bits of a vector: as many blocks as one instruction of AES takes.
+// The number of triangles at a time, each in 128 bits of a vector: as many blocks as one instruction of AES takes.
 constexpr size_t kBlocks = HWY_TARGET == HWY_AVX3_DL ? 4 : 1;
 
 using Positions = hn::FixedTag<int32_t, 4 * kBlocks>;
 using Hashes = hn::FixedTag<uint64_t, 2 * kBlocks>;
 using Bytes = hn::FixedTag<uint8_t, 16 * kBlocks>;
 
-// The hash: rounds of AES, each one to one, of which four leave no structure that differences of inputs could show
-// [Daemen and Rijmen, The Design of Rijndael, 9.5: 25 active S-boxes]. Cheaper here than to keep a hash per vertex.
+// The hash: rounds of AES. Each round is one to one, and after four of them, differences of inputs leave no structure
+// [Daemen and Rijmen, The Design of Rijndael, 9.5: 25 active S-boxes]. This is cheaper here than a stored hash for each
+// vertex.
 HWY_INLINE hn::Vec<Hashes> HashesOf(hn::Vec<Positions> positions) {
   alignas(16) static constexpr uint64_t kKeys[4][2] = {{0x243F6A8885A308D3, 0x13198A2E03707344},
                                                        {0xA4093822299F31D0, 0x082EFA98EC4E6C89},
@@ -131,7 +132,7 @@ HWY_INLINE hn::Vec<Hashes> HashesOf(hn::Vec<Positions> positions) {
 
 constexpr uint64_t kFirstLanes = 0x1111'1111'1111'1111;  // of 128 bits each
 
-// Which 128 bits of the vector are zero: bits of their first lanes.
+// Returns which 128 bits of the vector are zero, as bits of their first lanes.
 HWY_INLINE uint64_t ZeroBlocks(hn::Vec<Positions> v) {
   const Positions d;
   uint64_t lanes = 0;
@@ -145,7 +146,7 @@ class Sums {
  public:
   HWY_INLINE Sums() : first_(hn::Zero(Hashes())), second_(first_), corners_(first_) {}
 
-  // Adds the first `count` of kBlocks triangles, which have these corners.
+  // Adds the first `count` of kBlocks triangles with these corners.
   HWY_INLINE void Add(hn::Vec<Positions> a, hn::Vec<Positions> b, hn::Vec<Positions> c, size_t count,
                       SurfaceSums& sums) {
     const Positions d;
@@ -158,13 +159,13 @@ class Sums {
     c = hn::And(c, axes);
     auto h = HashesOf(a), x = hn::Xor(h, HashesOf(b));
     const auto y = hn::Xor(h, HashesOf(c));
-    // The axes of (b - a) x (c - a) modulo 2^32, rotated.
+    // The components of (b - a) x (c - a) modulo 2^32, rotated.
     const auto u = hn::Sub(b, a), v = hn::Sub(c, a);
     const auto normal = hn::Sub(hn::Mul(u, rotated(v)), hn::Mul(rotated(u), v));
     const uint64_t flat = ZeroBlocks(normal);
     if (flat != 0 || count < kBlocks) {
-      uint64_t counts = 0;  // triangles whose edges count
-      // If so, products are below 2^30, and the normal is exact.
+      uint64_t counts = 0;  // triangles with edges that count
+      // Then products are below 2^30, and the normal is exact.
       const auto fits = hn::Lt(hn::Max(hn::Abs(u), hn::Abs(v)), hn::Set(d, 1 << 15));
       if (count == kBlocks && hn::AllTrue(d, fits)) {
         sums.degenerate += static_cast<uint64_t>(std::popcount(flat));
@@ -208,8 +209,8 @@ class Sums {
   hn::Vec<Hashes> first_, second_, corners_;
 };
 
-// Memory is asked for what is wanted some triangles from here; and for the numbers of their vertices before, since
-// processors that look ahead by themselves stop at the end of each page.
+// Prefetches the vertices that are needed some triangles later, and, before those, the numbers of their vertices,
+// because processors with a prefetcher of their own stop it at the end of each page.
 void AddInLanes(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
                 SurfaceSums& sums) {
   constexpr size_t kVerticesAhead = 256, kNumbersAhead = 512;  // triangles
@@ -291,7 +292,7 @@ SurfaceFacts SurfaceSums::Facts() const {
 }
 
 SurfaceFacts FactsOf(const SnappedMesh& mesh, StopSignal stop) {
-  constexpr size_t kGrain = 4096;  // triangles a task
+  constexpr size_t kGrain = 4096;  // triangles for each task
   using Part = oneapi::tbb::blocked_range<size_t>;
   const SurfaceSums sums = oneapi::tbb::parallel_reduce(
       Part(0, mesh.triangles.size(), kGrain), SurfaceSums{},

@@ -1,4 +1,4 @@
-// What a snapped mesh is as a surface.
+// Facts about a snapped mesh as a surface.
 #ifndef LATVOX_CORE_TRIANGLES_SURFACE_FACTS_H_
 #define LATVOX_CORE_TRIANGLES_SURFACE_FACTS_H_
 
@@ -13,15 +13,15 @@ namespace latvox {
 
 struct SurfaceFacts {
   uint64_t degenerate_triangles = 0;  // no area after snapping
-  bool closed = false;                // every edge, by position, in an even number of triangles
+  bool closed = false;                // every edge, by position, belongs to an even number of triangles
 };
 
-// The same in the making: triangles may be added in any order, and sums of parts added up, all on the same kernels, of
-// which each kind has its own hash.
+// Partial sums of the facts. Triangles may be added in any order, and sums of parts added up, if all come from the same
+// kernel, because each kind of kernel has its own hash.
 struct SurfaceSums {
   //   count   triangles from the `first` one on
   void Add(const SnappedMesh& mesh, size_t first, size_t count);
-  // Fills the list with these, too, since their corners are at hand: CornerList::kMost at most.
+  // Also fills the list with these triangles, at most CornerList::kMost, because their corners are at hand.
   //   origin   as for CornerList::SetCorners
   void AddAndList(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList& list);
   void Add(const SurfaceSums& other);
@@ -30,13 +30,13 @@ struct SurfaceSums {
   // For the kernels: two polynomials in GF(2)[x], of degrees below 64.
   using Hash = std::array<uint64_t, 2>;
   uint64_t degenerate = 0;
-  std::array<Hash, 2> products{};  // of each half, the 128 bits of the sum of (a + b)(a + c)
+  std::array<Hash, 2> products{};  // for each half, the 128 bits of the sum of (a + b)(a + c)
   Hash corners{};                  // the sum of a
 };
 
-// `closed` welds by position, which codecs' duplicated vertices do not disturb. It is never denied to a mesh that is
-// closed; one that is not gets it with a probability of 2^-126 at most, as far as hashes of positions pass for random.
-// They are fixed: a mesh could be made to be taken for closed.
+// `closed` welds by position, so duplicated vertices of codecs do not matter. A closed mesh is always found closed.
+// Another mesh is taken for closed with a probability of at most 2^-126, as far as hashes of positions are random. The
+// hashes are fixed, so a mesh could be constructed to be taken for closed.
 SurfaceFacts FactsOf(const SnappedMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox

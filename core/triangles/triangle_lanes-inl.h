@@ -1,4 +1,4 @@
-// Triangles in the lanes: reading them, and vectors of three.
+// Triangles in lanes: loads them, and computes with vectors of three.
 #if defined(LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_
 #undef LATVOX_CORE_TRIANGLES_TRIANGLE_LANES_INL_H_
@@ -39,7 +39,7 @@ template <class V>
 HWY_INLINE V DotOf(const std::array<V, 3>& a, const std::array<V, 3>& b) {
   return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
 }
-// Bit n: lane n's.
+// Bit n of the result belongs to lane n.
 HWY_INLINE uint64_t BitsOf(hn::Mask<Lanes> mask) {
   uint64_t bits = 0;
   hn::StoreMaskBits(Lanes(), mask, reinterpret_cast<uint8_t*>(&bits));
@@ -121,8 +121,8 @@ class LaneNumbers {
 
 #if HWY_TARGET != HWY_SCALAR  // which has no vectors of four
 
-// Vectors of 128 bits side by side, at row(0), row(1), ... By way of memory they would have to be written before they
-// could be read: a load waits for several stores that it spans.
+// Vectors of 128 bits side by side, at row(0), row(1), ... A way through memory would have to write them first, and a
+// load waits for several stores that it spans.
 template <size_t kFirst = 0, class D, class Row>
 HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
   constexpr size_t kRows = hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) / 16;
@@ -134,7 +134,7 @@ HWY_INLINE hn::Vec<D> LoadRows(D d, const Row& row) {
   }
 }
 
-// In each four lanes, rows become columns, of which the last is left out.
+// Within each four lanes, rows become columns; the last column is left out.
 HWY_INLINE Ints3 ColumnsOf(const std::array<Ints, 4>& rows) {
   const Lanes d;
   const hn::Repartition<int64_t, Lanes> pairs;
@@ -152,7 +152,7 @@ template <class Row>
 HWY_INLINE std::array<Ints3, 3> LoadCorners(const Row& row) {
   std::array<Ints3, 3> v;
   for (size_t c = 0; c < 3; ++c) {
-    // Every fourth triangle's corner, from the first to the fourth on.
+    // A corner of every fourth triangle, from the first to the fourth on.
     const auto rows = [&](size_t first) HWY_ATTR {
       return LoadRows(Lanes(), [&](size_t m) HWY_ATTR { return row(c, 4 * m + first); });
     };
@@ -161,7 +161,7 @@ HWY_INLINE std::array<Ints3, 3> LoadCorners(const Row& row) {
   return v;
 }
 
-// The same, in lattice units from `origin`.
+// Does the same in lattice units from `origin`.
 HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const PaddedVertices& vertices,
                                             const LaneNumbers& triangles, const Vec3i& origin) {
   std::array<uint32_t, 3> corners[kTriangleLanes];
@@ -173,8 +173,8 @@ HWY_INLINE std::array<Ints3, 3> LoadCorners(const SnappedMesh& mesh, const Padde
 
 #endif
 
-// Asks memory for the corners of triangles that will be loaded some steps from here: neighbours in the list may be far
-// apart in the mesh, and so are their vertices.
+// Prefetches the corners of triangles that will be loaded some steps later. Neighbors in the list may be far apart in
+// the mesh, and so may their vertices.
 HWY_INLINE void PrefetchCorners(const SnappedMesh& mesh, std::span<const uint32_t> triangles) {
   constexpr size_t kVerticesAhead = 2 * kTriangleLanes, kTrianglesAhead = 4 * kTriangleLanes;
   if (triangles.size() < kTrianglesAhead + kTriangleLanes) return;

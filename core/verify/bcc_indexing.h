@@ -8,12 +8,12 @@
 
 namespace latvox {
 
-// BCC as two Cartesian lattices, each a half step apart in every axis, whose layers alternate along the last index: a
+// BCC as two Cartesian lattices, half a step apart in every axis, with layers that alternate along the last index. A
 // cube of D^3 unit cells is the array D x D x 2D. Index (x, y, z) is the point (2x + o, 2y + o, z), o = z mod 2, of the
 // lattice with basis (2,0,0) (0,2,0) (1,1,1), in units of half a unit cell's edge.
 //
-// A point's last lattice coordinate is its height z; each step of it moves (1, 1) in the plane, which is half an index
-// in x and y, and o says where the half went.
+// A point's last lattice coordinate is its height z. Each step of it moves by (1, 1) in the plane, which is half an
+// index in x and y; o keeps the half.
 constexpr Vec3i BccToLattice(const Vec3i& index) {
   const int32_t unit_cells = index[2] >> 1;
   return {index[0] - unit_cells, index[1] - unit_cells, index[2]};

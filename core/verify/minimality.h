@@ -25,16 +25,17 @@ struct Minimality {
   uint64_t by_other_surface = 0;  // excluded, case 2
   uint64_t redundant = 0;         // the rest
 
-  // R = 1 - minimal / voxels, the excluded ones left out of both; 0 if nothing is left.
+  // R = 1 - minimal / voxels, without the excluded voxels in both; 0 if none is left.
   double Ratio() const;
 };
 
-// Holds each voxel against Theorem 8. The exclusions are decided by the planes that voxels are listed under:
-//   case 1   the voxel is listed under two planes or more: it lies where they meet
-//   case 2   a neighbour along C is listed under another plane. (A neighbour that is listed under the voxel's own plane
-//            alone is no excuse: a plane has one voxel on each line along C.)
+// Checks each voxel against Theorem 8. The planes of a voxel decide on the exclusions:
+//   case 1   the voxel has two planes or more: it lies where they meet
+//   case 2   a neighbor along C has another plane. (A neighbor that has only the voxel's own plane is no excuse: a
+//   plane
+//            has one voxel on each line along C.)
 //   voxels   each once for every plane that it is in, in any order
-//   flood    of the same voxels, in a volume that holds all of them; beyond it there is water
+//   flood    of the same voxels, in a volume that contains all of them; beyond it there is water
 Minimality MeasureMinimality(std::vector<PlaneVoxel> voxels, const Flood& flood);
 
 }  // namespace latvox

@@ -18,7 +18,8 @@
 namespace latvox {
 namespace {
 
-// Links, each a number, in pieces: one array would be copied as it grows, for longer than a job may take to stop.
+// Links, each a number, in pieces, because a single array is copied as it grows, for longer than a job may take to
+// stop.
 class LinkList {
  public:
   // The link from `low` along the n-th frame. Local coordinates, not far outside of `box`.
@@ -33,7 +34,7 @@ class LinkList {
 
   void Add(LinkList&& more) { std::move(more.pieces_.begin(), more.pieces_.end(), std::back_inserter(pieces_)); }
 
-  // How many there are, each counted once. Empties the list.
+  // Returns the number of distinct links, and empties the list.
   size_t Count(StopSignal stop) {
     std::vector<uint64_t> links;
     links.reserve(pieces_.size() * kPiece);
@@ -54,7 +55,7 @@ class LinkList {
 
 absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
                                      StopSignal stop) {
-  constexpr int32_t kFar = 1 << 28;  // a box that leaves nothing out
+  constexpr int32_t kFar = 1 << 28;  // a box that contains everything
   constexpr IndexBox kEverywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
   constexpr size_t kGrain = 256;
   std::vector<std::atomic<uint64_t>> essential(voxels.words());

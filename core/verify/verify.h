@@ -1,6 +1,6 @@
 // Counts tunnels and redundant voxels of a finished voxel set.
 //
-// A link is a segment z -> z+q between k-neighbours; core/digitize/crossing.h calls it a lattice edge.
+// A link is a segment z -> z+q between k-neighbors.
 #ifndef LATVOX_CORE_VERIFY_VERIFY_H_
 #define LATVOX_CORE_VERIFY_VERIFY_H_
 
@@ -20,8 +20,8 @@ struct Verdict {
   uint64_t redundant = 0;  // voxels that could leave, one at a time, without a tunnel
 };
 
-// Scans the whole mesh in every direction, triangle by triangle, and holds each crossed link against `voxels`.
-// Errors: CANCELLED once stopped.
+// Scans the whole mesh in every direction, triangle by triangle, and checks each crossed link against `voxels`. Errors:
+// CANCELLED once stopped.
 absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
                                      StopSignal stop);
 

@@ -25,7 +25,8 @@ Vec3i ToLattice(Numbering numbering, const Vec3i& number) {
 
 Vec3i ToNumber(Numbering numbering, const Vec3i& ijk) { return numbering == Numbering::kBcc ? LatticeToBcc(ijk) : ijk; }
 
-// The rows of a padded volume as bits, while the water flows: rows take turns in drawing water from the rows around.
+// The rows of a padded volume as bits, while the water flows. Rows take turns in drawing water from the rows around
+// them.
 class Basin {
  public:
   using Bits = std::vector<uint64_t>;
@@ -37,8 +38,8 @@ class Basin {
     }
   }
 
-  // Lets the water of `water` flow to all points of `open` that it can reach. Sweeps there and back: where no bay is
-  // entered backwards, two are enough. Precondition: water is a part of open, in row 0.
+  // Lets the water of `water` flow to all points of `open` that it can reach. It sweeps there and back; two sweeps are
+  // enough unless the water must enter a bay backwards. Precondition: water is a part of open, in row 0.
   void Fill(const Bits& open, Bits& water) {
     const auto rows = static_cast<int32_t>(open.size() / row_words_);
     stale_.assign(static_cast<size_t>(rows), false);
@@ -63,7 +64,7 @@ class Basin {
   };
   using Offset = std::pair<int32_t, int32_t>;  // dx, dy of a row
 
-  // In the numbering of BCC a step depends on whether z is odd.
+  // In BCC's numbering, a step depends on whether z is odd.
   void AddStep(Numbering numbering, const Vec3i& q) {
     constexpr uint64_t kEven = 0x5555555555555555;
     std::array<Vec3i, 2> steps;

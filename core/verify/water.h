@@ -1,4 +1,4 @@
-// The thesis's water test (section 5.1): discrete water poured into a volume shows whether a surface holds it off.
+// The thesis's water test (section 5.1): discrete water poured into a volume shows whether a surface keeps it out.
 #ifndef LATVOX_CORE_VERIFY_WATER_H_
 #define LATVOX_CORE_VERIFY_WATER_H_
 
@@ -11,14 +11,14 @@
 
 namespace latvox {
 
-// How the points of a volume are numbered.
+// The numbering of a volume's points.
 enum class Numbering {
   kLattice,  // by lattice coordinates; a box in the world on a Cartesian lattice
   kBcc       // D x D x 2D, see bcc_indexing.h; a box in the world on BCC
 };
 
-// Lattice points with numbers (x, y, z) from 0 to size-1 on each axis, and a margin of two around them (figure 5.4):
-// the water must be able to go around, and every voxel must have its neighbours.
+// Lattice points with numbers (x, y, z) from 0 to size-1 on each axis, and a margin of two around them (figure 5.4).
+// The water must be able to go around, and every voxel must have its neighbors.
 struct Volume {
   Numbering numbering = Numbering::kLattice;
   Vec3i size;
@@ -28,12 +28,12 @@ inline constexpr int32_t kVolumeMargin = 2;
 
 enum class Label : uint8_t { kInside, kWater, kSurface };
 
-// A volume after the water has come to rest. Inside is what it did not reach.
+// A volume after the water has come to rest. The points that it did not reach are inside.
 class Flood {
  public:
-  // Pours water in at the low corner of the padded volume; from each point it flows to all k-neighbours that are not in
+  // Pours water in at the low corner of the padded volume. From each point it flows to all k-neighbors that are not in
   // `surface`. The thesis does so breadth first, point by point; this does it by rows of bits, with the same result.
-  //   surface   its voxels outside of the padded volume count for nothing
+  //   surface   voxels outside of the padded volume do not count
   //   frames    of N_k
   Flood(const Volume& volume, const VoxelSet& surface, const std::vector<Frame>& frames);
 
@@ -45,8 +45,8 @@ class Flood {
   uint64_t water() const { return water_; }
   uint64_t surface() const { return surface_; }
 
-  // Delta(V), eq. 5.1: the share of the volume's D points that lie inside. (The padding is water, or else nothing is
-  // inside, so D - Delta(S) - A is the same with and without it.)
+  // Delta(V), eq. 5.1: the share of the volume's D points that lie inside. (The padding is water, or nothing is inside,
+  // so D - Delta(S) - A is the same with and without it.)
   double DisplacedVolume() const;
 
  private:

@@ -1,4 +1,4 @@
-// An exact, slow statement of what a voxelization must contain: neighbours, crossings, covers, planes. It shares no
+// An exact, slow statement of what a voxelization must contain: neighbors, crossings, covers, planes. It shares no
 // code with the core and none of its methods: no projection, no unimodular completion, no edge functions. Every
 // number is an integer or a rational of unlimited size, and the tie-breaking shift is a polynomial in an
 // infinitesimal. A disagreement between the core and this file is a defect of one of them.
@@ -38,7 +38,7 @@ struct Box {
   Box Grown(const Int3& margin) const;
 };
 
-// ---- Neighbours -----------------------------------------------------------------------------------------------------
+// ---- Neighbors -----------------------------------------------------------------------------------------------------
 
 // Inner products of the basis vectors. Voronoi cells depend on the basis through it alone, and it is rational where the
 // basis is not: the hexagonal plane's is (1, 1/2; 1/2, 1).
@@ -106,7 +106,7 @@ size_t Tunnels(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 size_t Redundant(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 
 // Tells which voxels' closed Voronoi cells meet a mesh. Method: each triangle is clipped at the bisectors between a
-// voxel and its neighbours; the two meet iff anything is left.
+// voxel and its neighbors; the two meet iff anything is left.
 class CellClipper {
  public:
   explicit CellClipper(const Gram<3>& gram);

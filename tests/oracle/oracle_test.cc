@@ -17,7 +17,7 @@ template <size_t D>
 struct Lattice {
   std::string name;
   Gram<D> gram;
-  std::array<size_t, D> count;  // neighbours with a shared face of dimension >= 0, 1, (2)
+  std::array<size_t, D> count;  // neighbors with a shared face of dimension >= 0, 1, (2)
 };
 
 std::vector<Lattice<3>> Lattices3() {
@@ -73,7 +73,7 @@ void ExpectCountsAndSymmetry(const Lattice<D>& lattice) {
     for (int64_t& c : negated) c = -c;
     ASSERT_TRUE(neighbors.contains(negated));
     EXPECT_EQ(neighbors.at(negated), dimension);
-    EXPECT_TRUE(std::any_of(w.begin(), w.end(), [](int64_t c) { return c % 2 != 0; })) << "an even neighbour";
+    EXPECT_TRUE(std::any_of(w.begin(), w.end(), [](int64_t c) { return c % 2 != 0; })) << "an even neighbor";
   }
 }
 
@@ -82,7 +82,7 @@ TEST(VoronoiNeighbors, HaveTheKnownCountsAndAreClosedUnderNegation) {
   for (const auto& lattice : Lattices2()) ExpectCountsAndSymmetry(lattice);
 }
 
-// A second way to the same neighbours: w meets the origin's cell iff it is shortest in its coset of twice the lattice,
+// A second way to the same neighbors: w meets the origin's cell iff it is shortest in its coset of twice the lattice,
 // and the face's dimension is 3 less the rank of the shortest vectors there.
 TEST(VoronoiNeighbors, AreTheShortestVectorsOfTheirCosets) {
   for (const auto& lattice : Lattices3()) {

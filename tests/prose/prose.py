@@ -31,7 +31,7 @@ OWN_EXAMPLES = {"tests/prose/prose.py", "tests/prose/prose_test.py"}  # of bad E
 FOREIGN_FOLDERS = ("proto/google/", "proto/released/", "tests/fuzz/corpus/")
 
 HABITS = {
-    "'of which'": re.compile(r"\bof (?:which|whom|those (?:that|which|who|in|of|with))\b", re.I),
+    "'of which'": re.compile(r"\bof (?:which|whom|those (?:that|which|who))\b", re.I),
     "'but for'": re.compile(r"\bbut for\b", re.I),
     "'for' in place of 'because'": re.compile(
         r"[,;] for (?:it|they|there|this|that|these|those|we|nobody|nothing|no one) (?:\w+)", re.I),

@@ -259,9 +259,9 @@ TEST(Attributes, AreTheSameForAnyThreadsAndOrderAndPartsAddUp) {
   const Bounds bounds{{-20, -30, -10}, {50, 41, 22}};
   Carried in_bounds;
   std::copy_if(carried.begin(), carried.end(), std::inserter(in_bounds, in_bounds.end()), [&](const auto& voxel) {
-    const Vec3d centre = Apply(grid.lattice.basis(), ToDouble(voxel.first));
+    const Vec3d center = Apply(grid.lattice.basis(), ToDouble(voxel.first));
     bool inside = true;
-    for (size_t m = 0; m < 3; ++m) inside &= bounds.min[m] <= centre[m] && centre[m] <= bounds.max[m];
+    for (size_t m = 0; m < 3; ++m) inside &= bounds.min[m] <= center[m] && center[m] <= bounds.max[m];
     return inside;
   });
   EXPECT_EQ(CarriedBy(Voxelize(mesh, grid, {.bounds = bounds, .fields = FirstFields(2)}), 2), in_bounds);

@@ -49,7 +49,7 @@ TEST(SignedBand, IsOpenVdbsNarrowBandOnCubes) {
   const auto ours = BandOf(mesh), theirs = LevelSetOf(mesh);
   // What snapping moves, in voxels, and the rounding of floats.
   constexpr double kSlack = kSnapErrorMax * 2 + 1e-3;
-  // Away from the surface OpenVDB looks only at the triangles that a voxel's neighbours found nearest, so that a few of
+  // Away from the surface OpenVDB looks only at the triangles that a voxel's neighbors found nearest, so that a few of
   // its distances are too long, or over the width; none is too short. Next to it, it takes a few voxels to be on the
   // other side.
   ASSERT_GT(ours->activeVoxelCount(), 50000U);

@@ -62,7 +62,7 @@ TEST_F(ScanPoolTest, LeavesScansUpToALimit) {
   EXPECT_EQ(UsedBefore<Sized<1>>(4), 0);
 }
 
-// Of other lattices, neighbours, finenesses and kinds; and of jobs that are cancelled midway.
+// Of other lattices, neighbors, finenesses and kinds; and of jobs that are cancelled midway.
 TEST_F(ScanPoolTest, JobsGiveTheSameTilesWithWhatEarlierJobsHaveLeft) {
   struct Case {
     TriangleMesh mesh;

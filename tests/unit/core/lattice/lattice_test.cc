@@ -1,4 +1,4 @@
-// Lattices: neighbours against the table and against exact Voronoi cells, frames, scaling, rejection.
+// Lattices: neighbors against the table and against exact Voronoi cells, frames, scaling, rejection.
 #include "core/lattice/lattice.h"
 
 #include <gtest/gtest.h>
@@ -121,7 +121,7 @@ TEST(Neighbors, EqualExactVoronoiCellsOfRandomBases) {
   }
 }
 
-// Products of two entries of their neighbours do not fit 32 bits.
+// Products of two entries of their neighbors do not fit 32 bits.
 TEST(Neighbors, OfSkewBasesAreThoseOfTheLattice) {
   const Mat3d skew{{{1, 0, 0}, {0x1p9, 1, 0}, {0, 0x1p11, 1}}};  // of the integers
   const auto neighbors = FindNeighbors<3>(skew);
@@ -153,7 +153,7 @@ TEST(Neighbors, AreClosedUnderNegationSortedAndNeverOddlyEqualModuloTwo) {
     ASSERT_TRUE(std::is_sorted(neighbors->begin(), neighbors->end(), [](auto& a, auto& b) { return a.w < b.w; }));
     for (const Vec3i& w : all) {
       ASSERT_TRUE(all.count(-w));
-      ASSERT_TRUE((w[0] | w[1] | w[2]) & 1) << "a neighbour in the parity class of 0";
+      ASSERT_TRUE((w[0] | w[1] | w[2]) & 1) << "a neighbor in the parity class of 0";
     }
     ASSERT_EQ(Counts(*neighbors), (std::array<size_t, 3>{14, 14, 14})) << "a random cell is a truncated octahedron";
   }

@@ -132,7 +132,7 @@ TEST_P(SupercoverOnLattice, EqualsExactClippingForHugeTriangles) {
   }
 }
 
-TEST_P(SupercoverOnLattice, NeighboursCellsMeetAndFacetsAreThoseOfTheLattice) {
+TEST_P(SupercoverOnLattice, NeighborsCellsMeetAndFacetsAreThoseOfTheLattice) {
   const auto cell = IntegerCell::Of(GetParam().lattice);
   ASSERT_TRUE(cell.ok()) << cell.status();
   std::vector<Vec3i> facets;
@@ -246,7 +246,7 @@ TEST(Supercover, CountsCellsThatTouchAtFacetsEdgesAndCorners) {
   // Half a voxel above a layer, its corners those of cells: in both layers it touches 4 x 4, but for the three beyond
   // the middle of the hypotenuse.
   EXPECT_EQ(count(NamedLattice::kCartesian, {{{128, 128, 128}, {640, 128, 128}, {128, 640, 128}}}), 2U * 13U);
-  // BCC: centre of a square and of a hexagonal facet, a corner, where four truncated octahedra meet.
+  // BCC: center of a square and of a hexagonal facet, a corner, where four truncated octahedra meet.
   EXPECT_EQ(count(NamedLattice::kBcc, point(128, 0, 0)), 2U);
   EXPECT_EQ(count(NamedLattice::kBcc, point(0, 0, 128)), 2U);
   EXPECT_EQ(count(NamedLattice::kBcc, point(0, 64, 0)), 1U);

@@ -262,7 +262,7 @@ std::vector<Vec3i> Line(const LineTracer& tracer, const Vec3i& a, const Vec3i& b
   return line;
 }
 
-TEST(LineTracer, WalksFromEndToEndByNeighboursWithinTwoRadiiEitherWay) {
+TEST(LineTracer, WalksFromEndToEndByNeighborsWithinTwoRadiiEitherWay) {
   for (const ExactLattice& l : AllLattices()) {
     for (int k : DistinctK(l.lattice)) {
       const Neighborhood neighborhood(l.lattice, k);

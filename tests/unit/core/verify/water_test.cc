@@ -77,7 +77,7 @@ TEST(Flood, FillsAnEmptyVolumeAndNothingBehindAClosedBox) {
     EXPECT_EQ(empty.inside() + empty.surface(), 0U);
     EXPECT_EQ(empty.DisplacedVolume(), 0);
 
-    // All neighbours of one point close it in; any of them taken away lets the water in.
+    // All neighbors of one point close it in; any of them taken away lets the water in.
     const Vec3i index{5, 5, 6};
     const Vec3i middle = experiment.volume.numbering == Numbering::kBcc ? BccToLattice(index) : index;
     std::vector<Vec3i> shell;
