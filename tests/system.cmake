@@ -6,7 +6,7 @@
 #   node       an independent client, from the protocol file alone
 #   e2e        command line tool, files, failures
 #   faults     overload, rudeness and sudden death: figures in a table; see tests/README.md
-#   readme     the examples of README.md
+#   readme     the examples of README.md, client/docs and server/docs
 #   deploy     containers, Kubernetes, Slurm: only by `tests/run --deploy`, except tests that take a moment
 # A build with sanitizers runs at most the failures. The others are about results, and slow there.
 

@@ -81,17 +81,18 @@ class Help(Case):
         for option, group in (("--band", "Voxels"), ("--encoding", "Transfer"), ("--bounds", "Part of the whole")):
             self.assertRegex(text, rf"\n{group}:\n(?:.+\n)*? +{option}\b")
 
-    def test_the_readme_knows_the_options_and_no_others(self):
-        readme = (ROOT / "README.md").read_text()
+    def test_the_pages_know_the_options_and_no_others(self):
+        pages = [ROOT / "README.md", *ROOT.glob("client/docs/*.md"), *ROOT.glob("server/docs/*.md")]
+        text = "\n".join(page.read_text() for page in pages)
         helps = "\n".join(help_of(name) for name in commands())
         of_latvox = options(helps)
         # A single word is no choice.
         single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))
         of_latvoxd = options(run(BIN / "latvoxd", "--help"))
         self.assertGreater(len(of_latvox), 30)
-        missing = {name for name in of_latvox if not re.search(rf"{name}\b(?!-)", readme)}
+        missing = {name for name in of_latvox if not re.search(rf"{name}\b(?!-)", text)}
         self.assertLessEqual(missing - single, {"--help"})
-        tables = "\n".join(line for line in readme.splitlines() if line.startswith("| `-"))
+        tables = "\n".join(line for line in text.splitlines() if line.startswith("| `-"))
         named = set(re.findall(r"`(--[\w-]+)", tables))
         self.assertGreater(len(named), 20)
         self.assertLessEqual(named, of_latvox | of_latvoxd)

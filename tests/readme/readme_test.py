@@ -1,6 +1,8 @@
-"""Runs the examples of README.md and of the pages in client/docs as they stand, by bash -e, in order, in one directory.
-Each ```sh block of README.md runs by itself. The ```sh blocks of a page run in one shell, which must print each line of
-its ```text blocks. ```cpp blocks must compile."""
+"""Runs the examples of README.md and of the pages in client/docs and server/docs as they stand.
+
+The ```sh blocks of a page run in order, by bash -e, in one shell and one directory. That shell must print each line of the
+page's ```text blocks. The ```cpp blocks must compile.
+"""
 
 import contextlib
 import os
@@ -14,16 +16,21 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ["LATVOX_BIN"])
 README = ROOT / "README.md"
-PAGES = sorted((ROOT / "client/docs").glob("*.md"))
+PAGES = [README, *sorted(ROOT.glob("client/docs/*.md")), *sorted(ROOT.glob("server/docs/*.md"))]
 
 
 def blocks(language, page):
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), re.M | re.S)
 
 
+def without_times(text):
+    """Returns the text without the seconds that each run takes."""
+    return re.sub(r"\bin [0-9.]+ s\b", "in T s", text)
+
+
 def own_network():
-    """Returns the words to put before a command so that it has a private loopback device, because connections of other
-    tests may use the port of the examples. Returns none if that cannot be made."""
+    """Returns a prefix that gives a command its own loopback, because connections of other tests may take the ports of
+    the examples. Returns nothing where no network namespace can be made."""
     prefix = ["unshare", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
     with contextlib.suppress(FileNotFoundError):
         if subprocess.run([*prefix, "true"], stderr=subprocess.DEVNULL).returncode == 0:
@@ -33,7 +40,7 @@ def own_network():
 
 class Examples(unittest.TestCase):
     def run_in(self, directory, script):
-        """Returns the output of the script."""
+        """Returns what the script prints."""
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
         with tempfile.TemporaryFile("w+") as output:
             shell = subprocess.Popen(
@@ -54,26 +61,21 @@ class Examples(unittest.TestCase):
         self.assertEqual(shell.returncode, 0, printed)
         return printed
 
-    def test_shell_examples_run(self):
-        examples = blocks("sh", README)
-        self.assertGreater(len(examples), 1, "the examples were not found")
-        with tempfile.TemporaryDirectory(prefix="latvox-readme-") as directory:
-            for example in examples:
-                with self.subTest(example):
-                    self.run_in(directory, example)
-
     def test_pages_run_and_print_what_they_show(self):
+        self.assertGreater(len(blocks("sh", README)), 1, "the examples of README.md were not found")
         shown = 0
         for page in PAGES:
-            with self.subTest(page.name), tempfile.TemporaryDirectory(prefix="latvox-page-") as directory:
+            name = str(page.relative_to(ROOT))
+            with self.subTest(name), tempfile.TemporaryDirectory(prefix="latvox-page-") as directory:
                 printed = self.run_in(directory, "".join(blocks("sh", page)))
+                printed = without_times(printed)
                 for line in "".join(blocks("text", page)).splitlines():
-                    self.assertIn(line, printed)
+                    self.assertIn(without_times(line), printed)
                     shown += 1
         self.assertGreater(shown, 15, "the pages were not found")
 
     def test_cpp_examples_compile(self):
-        for page in [README, *PAGES]:
+        for page in PAGES:
             for example in blocks("cpp", page):
                 command = ["g++", "-std=c++20", "-Wall", "-fsyntax-only", f"-I{ROOT}/client/include", "-xc++", "-"]
                 done = subprocess.run(command, input=example, capture_output=True, text=True)
@@ -81,7 +83,7 @@ class Examples(unittest.TestCase):
 
     def test_files_that_are_named_exist(self):
         missing = []
-        for page in [README, *PAGES]:
+        for page in PAGES:
             text = page.read_text()
             named = re.findall(r"`((?:proto|server|client|core|deploy|tests)/[\w./-]*)`", text)
             linked = re.findall(r"\]\(([^)#:]+)\)", text)

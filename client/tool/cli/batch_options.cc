@@ -14,7 +14,7 @@ void AddBatchOptions(CommandParser& command, BatchWords& words) {
   BatchOptions& options = words.options;
   command.Add({{.names = "jobs-file",
                 .target = &options.jobs_file,
-                .help = "a job a line, as a JSON object, or - for standard input; see README.md, \"Many meshes\"",
+                .help = "a job a line, as a JSON object, or - for standard input; see client/docs/batch.md",
                 .value = "JOBS.jsonl",
                 .required = true},
                {.names = "-o,--out",
