@@ -8,12 +8,12 @@ import re
 
 import contents
 
-SDK = "C++ SDK"  # the part of the navigation that stands for all pages made of headers
 SHORT = 26  # characters of code in one line
+SDK = "client_8h.html"  # stands in the part of the navigation to which all pages made of headers belong
 LISTS = re.compile(r"(annotated|classes|dir_|examples|files|functions|globals|namespacemembers|namespaces)|-members\.html$")
 
 
-def resolved(items, prefix=""):
+def resolved(items):
     """Returns the items as (title, file) or (title, items)."""
     found = []
     for item in items:
@@ -36,7 +36,7 @@ def tree(items, file, known):
         if isinstance(part, str):
             out.append(f'<li><a href="{part}"{" aria-current=page" * (part == file)}>{title}</a></li>')
         else:
-            here = holds(part, file) or (not known and holds([(title, part)], "client_8h.html"))
+            here = holds(part, file) or (not known and holds(part, SDK))
             out.append(f"<li><details{' open' * here}><summary>{title}</summary>{tree(part, file, known)}</details></li>")
     return "".join([*out, "</ul>"])
 
@@ -46,29 +46,24 @@ class Sections(html.parser.HTMLParser):
 
     def __init__(self):
         super().__init__()
-        self.found, self.anchor, self.heading, self.depth = [["", "", ""]], "", None, 0
+        self.found, self.heading = [["", "", ""]], None
 
     def handle_starttag(self, tag, attributes):
         attributes = dict(attributes)
-        if tag == "a" and "anchor" in (attributes.get("class") or "").split():
-            self.anchor = attributes["id"]
+        if tag == "a" and self.heading and attributes.get("class") == "anchor":
+            self.found[-1][0] = attributes["id"]
         elif tag == "a" and self.heading == "h2" and attributes.get("href", "").startswith("#"):
             self.found[-1][0] = attributes["href"][1:]  # a member of the SDK
         elif tag in ("h1", "h2", "h3"):
             self.heading = tag
-            self.found.append([self.anchor, "", ""])
-        elif tag in ("script", "style"):
-            self.depth += 1
+            self.found.append(["", "", ""])
 
     def handle_endtag(self, tag):
         if tag == self.heading:
             self.heading = None
-        elif tag in ("script", "style"):
-            self.depth -= 1
 
     def handle_data(self, data):
-        if not self.depth:
-            self.found[-1][1 if self.heading else 2] += data
+        self.found[-1][1 if self.heading else 2] += data
 
 
 def sections(file, text):
@@ -85,9 +80,11 @@ def sections(file, text):
 
 
 def completed(text):
-    """Returns the page with a table of contents that opens, and with a mark on code that is too short for a break."""
+    """Returns the page with a table of contents that opens, and without breaks in short code."""
     text = re.sub(r'<div class="toc"><h3>[^<]*</h3>(.*?)</div>',
                   r'<details class="toc"><summary>On this page</summary>\1</details>', text, flags=re.S)  # fmt: skip
+    text = re.sub(r'(<td class="memItemLeft"[^>]*>)(?:&#160;|\s)*</td>', r"\1</td>", text)
+    text = re.sub(r'(<p>[^<]*</p>)(\s*<div class="textblock">)\1', r"\2\1", text)  # Doxygen repeats what is brief
     return re.sub(rf"<code>([^<]{{1,{SHORT}}})</code>", r'<code class="short">\1</code>', text)
 
 
