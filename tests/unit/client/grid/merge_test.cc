@@ -54,7 +54,7 @@ TEST_F(Merge, BricksOnBothSidesOfEveryBorderOfNodes) {
       const Bricks pair = {MakeBrick({border, border, border}),
                            MakeBrick({border + step[0], border + step[1], border + step[2]})};
       CheckSplit(pair, 2, [](size_t brick) { return brick; });
-      if (HasFatalFailure()) FAIL() << "border " << border << ", neighbour " << n;
+      if (HasFatalFailure()) FAIL() << "border " << border << ", neighbor " << n;
     }
   }
 }
