@@ -7,8 +7,6 @@ set(latvox_package ${CMAKE_INSTALL_LIBDIR}/cmake/latvox)
 # tool and the tests always link the archives, because they use symbols that a shared library hides.
 #   DESCRIPTION      for people, in pkg-config's file
 #   MAP              the linker's list of the symbols that the shared library may show
-#   DESCRIPTION      for people, in pkg-config's file
-#   MAP              the linker's list of what the shared library may show
 #   PUBLIC           the libraries that a user of latvox::PART links besides
 #   REQUIRES         pkg-config's names of packages that the public headers need
 #   REQUIRES_STATIC  the same, of packages that the archive needs to be linked
