@@ -85,6 +85,26 @@ TEST_F(MessageTest, LargerIsRefusedByNameAndSoCounted) {
   EXPECT_THAT(text, HasSubstr("{reason=\"LIMIT_EXCEEDED\"} 3\n"));
 }
 
+TEST_F(MessageTest, ThatExceedsTheDeclaredLengthIsCountedByVoxelizeAndNotByPutMesh) {
+  options_.metrics_listen = "127.0.0.1:0";
+  Start();
+  const std::string piece(1000, 'x');
+  v1::VoxelizeSpec spec = Spec(9);
+  spec.set_mesh_bytes(1500);
+  VoxelizeCall call(*stub_);
+  const Answer answer = call.Send(SpecMessage(spec)).Send(PieceMessage(piece)).Send(PieceMessage(piece)).Receive();
+  std::vector<v1::PutMeshRequest> messages = {PutSpec(std::string(32, 'x'), 1500)};
+  for (int n = 0; n < 2; ++n) messages.emplace_back().set_mesh_piece(piece);
+  v1::PutMeshResponse response;
+  for (const grpc::Status& status : {answer.status, PutMesh(*stub_, messages, response)}) {
+    EXPECT_EQ(status.error_message(), "mesh_bytes 1500 was declared, but at least 2000 bytes came");
+  }
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+  const std::string text = Fetch(server_->metrics_address(), "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(text, HasSubstr("latvox_received_bytes_total{method=\"Voxelize\"} 2000\n"));
+  EXPECT_THAT(text, HasSubstr("latvox_received_bytes_total{method=\"PutMesh\"} 1000\n"));
+}
+
 // Sends messages as their bytes on the wire, and no half-close; returns how the call ends.
 grpc::Status SendRaw(const std::string& address, const std::string& method, const std::vector<std::string>& messages,
                      grpc_compression_algorithm compression = GRPC_COMPRESS_NONE) {
