@@ -19,7 +19,6 @@ function(latvox_install_part PART)
     list(TRANSFORM ARG_PUBLIC REPLACE "^latvox_(.*)$" "latvox_\\1_shared")
     set(ARG_REQUIRES_STATIC "") # they are linked already
     set(ARG_LIBS_STATIC "")
-    set_target_properties(latvox_${PART} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     add_library(${target} SHARED $<TARGET_OBJECTS:latvox_${PART}>)
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_include_directories(${target} PUBLIC
