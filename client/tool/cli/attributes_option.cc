@@ -35,7 +35,7 @@ std::string CheckAttributes(const std::string& text) {
 OptionRow AttributesRow(VoxelizeWords& words) {
   return {.names = "--attributes",
           .target = &words.attributes,
-          .help = "voxels carry these of the nearest triangle: part, material, color, or a list of them",
+          .help = "Attributes that each voxel takes from its nearest triangle: part, material, color, or a list",
           .value = "NAME,...",
           .checks = {{CheckAttributes}}};
 }

@@ -19,8 +19,9 @@ Names<ColorBy> NamesOf(bool distances) {
 OptionRow ColorByRow(bool distances, std::string& word) {
   return {.names = "--color-by",
           .target = &word,
-          .help = "what gives voxels their colors, of what the file has (default: the first that it has)",
-          .words = WordsOf(NamesOf(distances))};
+          .help = "Source of the voxels' colors, which the file must have",
+          .words = WordsOf(NamesOf(distances)),
+          .standard = "the first that the file has"};
 }
 
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content) {

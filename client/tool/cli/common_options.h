@@ -109,7 +109,8 @@ template <class... Parts>
 std::filesystem::path Place(const std::string& path);
 
 // -o, --out
-OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
+//   several   whether the command writes more than one output
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several);
 
 // --size, of a picture.
 OptionRow SizeRow(const std::string& what, int& size);

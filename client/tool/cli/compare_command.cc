@@ -99,12 +99,12 @@ std::string ToText(const Report& report, const CompareWords& words) {
 }  // namespace
 
 void AddCompareOptions(CommandParser& command, CompareWords& words) {
-  command.Add({{.names = "a", .target = &words.a, .help = "a .vdb file", .value = "A.vdb", .required = true},
-               {.names = "b", .target = &words.b, .help = "another", .value = "B.vdb", .required = true},
+  command.Add({{.names = "a", .target = &words.a, .help = "First OpenVDB file", .value = "A.vdb", .required = true},
+               {.names = "b", .target = &words.b, .help = "Second OpenVDB file", .value = "B.vdb", .required = true},
                {.names = "--voxels",
                 .target = &words.voxels_only,
-                .help = "voxels and their places decide, not what they have or the metadata say"},
-               {.names = "--json", .target = &words.json, .help = "machine-readable report on standard output"}});
+                .help = "Compare only the voxels and their positions, neither attributes and distances nor metadata"},
+               {.names = "--json", .target = &words.json, .help = "Print the report as JSON"}});
 }
 
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {

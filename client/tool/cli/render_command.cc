@@ -58,23 +58,26 @@ double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
 }  // namespace
 
 void AddRenderOptions(CommandParser& command, RenderWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
-               OutputRow({".png"}, words.outputs),
-               SizeRow("pixels of each side", words.picture.side),
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow({".png"}, words.outputs, /*several=*/false),
+               SizeRow("Pixels along each side of the picture", words.picture.side),
                {.names = "--view-up",
                 .target = &words.view_up,
-                .help = "the axis that points up (default: y)",
-                .words = WordsOf(UpNames())},
+                .help = "Axis that points up",
+                .words = WordsOf(UpNames()),
+                .standard = "y"},
                {.names = "--view",
                 .target = &words.view,
-                .help = "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)",
+                .help = "Position of the viewer in degrees: angle about the up axis, and height above the horizon",
                 .value = "AZIMUTH,ELEVATION",
-                .checks = {{CheckView}}},
+                .checks = {{CheckView}},
+                .standard = "30,22"},
                {.names = "--color",
                 .target = &words.color,
-                .help = "of the surface (default: 769ed2)",
+                .help = "Color of the surface",
                 .value = "RRGGBB",
-                .checks = {{CheckColor}}},
+                .checks = {{CheckColor}},
+                .standard = "769ed2"},
                ColorByRow(/*distances=*/false, words.color_by)});
 }
 

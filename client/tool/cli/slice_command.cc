@@ -121,21 +121,20 @@ absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_
 }  // namespace
 
 void AddSliceOptions(CommandParser& command, SliceWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
-               OutputRow({".png", ".csv"}, words.outputs),
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow({".png", ".csv"}, words.outputs, /*several=*/true),
                {.names = "--axis",
                 .target = &words.axis,
-                .help = "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these",
-                .value = "AXIS",
+                .help = "Lattice coordinate that is constant in the layer; x, y, z are other names of i, j, k",
                 .words = WordsOf(kAxes),
                 .required = true},
                {.names = "--index",
                 .target = &words.index,
-                .help = "the layer's lattice coordinate on that axis",
+                .help = "Value of that coordinate in the layer",
                 .value = "N",
                 .checks = {Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max())},
                 .required = true},
-               SizeRow("pixels of the picture's longer side", words.size),
+               SizeRow("Pixels along the picture's longer side", words.size),
                ColorByRow(/*distances=*/true, words.color_by)});
 }
 

@@ -26,12 +26,13 @@ UpAxis UpOf(const GridFileInfo& info) {
 }  // namespace
 
 void AddViewOptions(CommandParser& command, ViewWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
-               OutputRow({".html"}, words.outputs),
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow({".html"}, words.outputs, /*several=*/false),
                {.names = "--view-up",
                 .target = &words.view_up,
-                .help = "the axis that points up (default: z if the mesh was turned by --up-axis, else y)",
-                .words = WordsOf(UpNames())}});
+                .help = "Axis that points up",
+                .words = WordsOf(UpNames()),
+                .standard = "z if --up-axis turned the mesh, otherwise y"}});
 }
 
 void Check(const ViewWords& words) {

@@ -118,7 +118,7 @@ void InterpretBand(const VoxelizeWords& words, VoxelizeOptions& options) {
 void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words) {
   command.Add({MeshRow(words.options.mesh)});
   AddRequestOptions(command, words);
-  OptionRow json = JsonRow("machine-readable summary on standard output", words.options.json);
+  OptionRow json = JsonRow("Print the summary as JSON", words.options.json);
   json.group = "Output";
   command.Add({std::move(json)});
   AddServerOptions(command, words.options.server);

@@ -140,7 +140,7 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
       {R"("align": 5)", "align: 5 is not a text"},
       {R"("voxel_size": -1)", "voxel_size: \"-1\" is not a finite number above 0"},
       {R"("voxel_size": 1e999)", "no JSON: "},
-      {R"("lattice": "cubic", "resolution": 8)", "lattice: cubic not in {cartesian,bcc,fcc,hexagonal}"},
+      {R"("lattice": "cubic", "resolution": 8)", R"(lattice: "cubic" is not one of cartesian, bcc, fcc, hexagonal)"},
       {R"("lattice": "bcc")", "voxel_size or resolution is required"},
       {R"("lattice": "", "resolution": 8)", "lattice: \"\" is not a text that is not empty"},
       {R"("lattice": "--json", "resolution": 8)", "lattice: --json not in"},
