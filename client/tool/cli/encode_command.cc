@@ -14,7 +14,7 @@
 namespace latvox::client {
 namespace {
 
-// A Draco stream is decoded: it may have more than positions, or is to be quantized.
+// A Draco stream is decoded, because it may have attributes besides positions, or be quantized here.
 absl::StatusOr<Mesh> ReadMesh(const MeshSource& source) {
   auto read = ReadMeshSource(source);
   if (!read.ok()) return read.status();

@@ -17,7 +17,7 @@ void AllowManyOpenFiles() {
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
   files.rlim_cur = files.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &files);  // where this fails, opening the one file too many says so
+  setrlimit(RLIMIT_NOFILE, &files);  // on failure, opening one file too many reports the error
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ void InterpretMesh(const MeshWords& words, MeshSource& mesh) {
 
 void CheckMeshPaths(const MeshSource& mesh, const std::vector<std::string>& outputs) {
   if (std::count(mesh.paths.begin(), mesh.paths.end(), kStandardInput) > 1) {
-    Refuse("mesh: - is given twice, but read once");
+    Refuse("mesh: - is given twice, but standard input can be read only once");
   }
   for (const std::string& path : mesh.paths) CheckOutputs(outputs, path, "mesh");
 }

@@ -30,7 +30,7 @@ std::string CheckColor(const std::string& text) {
   return hex ? "" : absl::StrCat("\"", text, "\" is not RRGGBB, six hexadecimal digits");
 }
 
-// The diagonal of the box of lattice points, in world units.
+// Returns the diagonal of the box of lattice points, in world units.
 double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
   constexpr int32_t kFar = std::numeric_limits<int32_t>::max();
   IndexBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
@@ -91,7 +91,7 @@ PictureOptions Interpret(const RenderWords& words) {
     options.elevation = view[1];
   }
   if (!words.color.empty() && !words.color_by.empty())
-    Refuse("--color: one color, not with --color-by ", words.color_by);
+    Refuse("--color: cannot be combined with --color-by ", words.color_by);
   if (!words.color.empty()) {
     const std::string bytes = absl::HexStringToBytes(words.color);
     for (size_t m = 0; m < 3; ++m) options.color[m] = static_cast<uint8_t>(bytes[m]);
@@ -119,7 +119,7 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   if (!png.ok()) return png.status();
   if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
   return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
-                         content->band ? " within the band; those at its surface are drawn" : "", ColoredText(by),
+                         content->band ? " in the band; the picture shows those at the surface" : "", ColoredText(by),
                          output, absl::ToDoubleSeconds(absl::Now() - start));
 }
 

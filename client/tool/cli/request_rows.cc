@@ -22,7 +22,7 @@ std::string CheckVoxelSize(const std::string& text) {
   if (!absl::StrContains(text, ',')) return CheckPositive(text);
   Vec3d sizes;
   if (ParseNumbers(text, sizes) && sizes[0] > 0 && sizes[1] > 0 && sizes[2] > 0) return "";
-  return absl::StrCat("\"", text, "\" is not one number or three, finite and above 0");
+  return absl::StrCat("\"", text, "\" is not one or three finite numbers above 0");
 }
 
 std::string CheckRegion(const std::string& text) {
@@ -52,12 +52,12 @@ std::string CheckBounds(const std::string& text) {
 std::string CheckQuantization(const std::string& text) {
   int64_t bits = 0;
   if (text == "auto" || (ParseNumber(text, bits) && bits >= 0 && bits <= kMaxQuantizationBits)) return "";
-  return absl::StrCat("\"", text, "\" is not auto or a whole number from 0 to ", kMaxQuantizationBits);
+  return absl::StrCat("\"", text, "\" is neither auto nor a whole number from 0 to ", kMaxQuantizationBits);
 }
 
 std::string CheckBand(const std::string& text) {
   if (ParseBand(text)) return "";
-  return absl::StrCat("\"", text, "\" is not a finite number above 0, or one with v for voxel sizes");
+  return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
 }
 
 Rows OutputRows(VoxelizeWords& words) {
@@ -229,7 +229,6 @@ void AddRequestOptions(CommandParser& command, VoxelizeWords& words) {
   command.Need({{"--signed", "--band"}});
 }
 
-// "W" or "Wv"; nothing if it is neither.
 std::optional<Band> ParseBand(absl::string_view text) {
   Band band;
   band.in_voxels = absl::ConsumeSuffix(&text, "v");

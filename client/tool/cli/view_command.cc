@@ -13,8 +13,8 @@
 namespace latvox::client {
 namespace {
 
-// The mesh's axis that `up_axis` of the request names has become z. Files of others, or of a mesh as it was, say
-// nothing.
+// `up_axis` in the request names the axis of the mesh that became z. It is missing from files of other programs and of
+// meshes that were not turned.
 UpAxis UpOf(const GridFileInfo& info) {
   const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
   const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
