@@ -119,7 +119,7 @@ void ExpectRoundTrip(const std::vector<TileBricks>& tiles) {
   }
 }
 
-// What the first tile of a request might be: a curved surface through 512 bricks or fewer.
+// A typical first tile of a request: a curved surface through 512 bricks or fewer.
 TileBricks CurvedTile() {
   TileBricks tile{{3, -7, 11}, {}};
   for (int n = 0; n < 512; ++n) {
@@ -288,7 +288,7 @@ std::vector<TileBricks> TilesOf(const std::vector<client::Brick>& bricks) {
   return tiles;
 }
 
-// What is read from anything is the same by every kernel, and packs to the very bytes it came from.
+// Every kernel reads the same bricks from any bytes, and packs them to the same bytes.
 TEST(Unpack, MakesSenseOfAnythingOrRefusesIt) {
   const std::string whole = Pack({CurvedTile(), TileWith({1, 1, 1}, With(0, 0, 0, With(7, 7, 7)), With(1, 1, 1))});
   std::mt19937_64 random(7);

@@ -339,7 +339,7 @@ TEST(PixelizePolylines, IsCancelledBeforeItDigitizes) {
   EXPECT_EQ(PixelizeAlone(GoodProto(), facts, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
 }
 
-// Answers with what it is made with.
+// Answers with its constructor's argument.
 class Forger final : public v1::Voxelizer::Service {
  public:
   explicit Forger(v1::PixelizeResponse response) : response_(std::move(response)) {}

@@ -50,7 +50,7 @@ class MergeTest : public FilesTest {
     return certificate;
   }
 
-  // The path of a file as `latvox voxelize` writes it, but for `edit`.
+  // The path of a file as `latvox voxelize` writes it, without `edit`.
   std::string Part(
       const std::string& name, const Bricks& bricks, const Edit& edit = [](openvdb::BoolGrid&) {}) const {
     VoxelGrid grid(MakeTransform());
@@ -69,7 +69,7 @@ class MergeTest : public FilesTest {
     return MergeParts(parts, Path("merged.vdb"), Cancellation(), [](double, uint64_t) {});
   }
 
-  // A file's bytes but for its random identity, which stands behind magic number, versions and flag.
+  // A file's bytes without its random identity, which stands behind magic number, versions and flag.
   std::string Content(const std::string& name) const { return Read(name).replace(21, 36, ""); }
 };
 

@@ -1,5 +1,5 @@
-// A server in the test's process that keeps the protocol, meshes and resumption included, but for the faults that it is
-// told to commit.
+// A server in the test's process. It keeps the protocol, meshes and resumption included, except for the faults that a
+// test asks for.
 #ifndef LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
 #define LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
 
@@ -18,7 +18,7 @@
 
 namespace latvox::client {
 
-// What one call does instead of ending well.
+// The fault of one call.
 struct Fault {
   enum class At { kNever, kStart, kUpload, kAccepted, kBatch, kSummary, kEnd };
 
@@ -36,7 +36,7 @@ grpc::Status BrokenConnection();
 grpc::Status ServerSays(grpc::StatusCode code, const std::string& message,
                         absl::Duration retry_after = absl::InfiniteDuration());
 
-// What a call asked for.
+// The request of a call.
 struct SeenCall {
   v1::VoxelizeSpec spec;
   std::string mesh;  // what of it came

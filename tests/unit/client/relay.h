@@ -19,7 +19,7 @@ class Relay {
 
   const std::string& address() const { return address_; }
 
-  // What is connected now is reset, or passes no more bytes but stays open. Connections made later are not concerned.
+  // Existing connections are reset, or pass no more bytes but stay open. Connections made later are not concerned.
   void Cut() { cut_ = true; }
   void Freeze() { freeze_ = true; }
 

@@ -1,4 +1,4 @@
-// Jobs of every kind, for tests of what all of them promise.
+// Jobs of every kind, for tests of the promises that all of them make.
 #ifndef LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
 #define LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
 
@@ -20,7 +20,7 @@ struct JobKind {
   VoxelizeOptions options;
   NamedLattice lattice = NamedLattice::kCartesian;
 
-  // Of a mesh, whose vertices get attributes if the kind has some.
+  // Makes a job of a mesh; its vertices get attributes if the kind has some.
   std::unique_ptr<VoxelizeJob> Job(TriangleMesh mesh) const {
     for (size_t n = 0; n < mesh.vertices.size() * options.fields.size(); ++n) {
       mesh.attributes.push_back(static_cast<uint32_t>(n % 7));

@@ -1,4 +1,4 @@
-// How long work goes on after it is cancelled, for tests of what promises to end soon.
+// Measures the time that work goes on after it is cancelled, for tests of work that promises to end soon.
 #ifndef LATVOX_TESTS_UNIT_CORE_MOST_TO_STOP_H_
 #define LATVOX_TESTS_UNIT_CORE_MOST_TO_STOP_H_
 
@@ -25,7 +25,7 @@ inline constexpr double kLeastWork = 3 * kPromised;
 
 inline constexpr int kMostDoubled = 5;
 
-// Of this process. Unlike the time of a clock, it does not depend on how busy the machine is.
+// The CPU time of this process. Unlike the time of a clock, it does not depend on how busy the machine is.
 inline double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // Returns the longest time from a cancel to the end of the work, of cancels at five points of it.

@@ -1,4 +1,4 @@
-// What cannot be merged, and what is said about it.
+// Files that cannot be merged, and the errors about them.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -150,7 +150,7 @@ TEST_F(MergeErrors, LeavesThatAreNotAsTheyWereWritten) {
   swapped.replace(Leaves(), kLeaf, whole, Leaves() + kLeaf, kLeaf);
   swapped.replace(Leaves() + kLeaf, kLeaf, whole, Leaves(), kLeaf);
   Refuses({Write("bad.vdb", swapped)}, HasSubstr("bad.vdb: is damaged: brick 2 of 2"));
-  // Of each byte of the leaves, the lowest and the highest bit.
+  // Flips the lowest and the highest bit of each byte of the leaves.
   for (size_t at = Leaves(); at < whole.size(); ++at) {
     for (const int bit : {0, 7}) {
       std::string bad = whole;
@@ -164,8 +164,8 @@ TEST_F(MergeErrors, LeavesThatAreNotAsTheyWereWritten) {
   Refuses({Write("bad.vdb", more)}, AllOf(HasSubstr("its voxels have digest"), HasSubstr("but latvox_digest is")));
 }
 
-// Before the leaves, a change is found, or does not matter to the voxels. Lengths and counts stay as they are: OpenVDB
-// believes them, and takes gigabytes for what is not there.
+// Before the leaves, a change is found, or does not matter to the voxels. Lengths and counts stay as they are, because
+// OpenVDB believes them, and allocates gigabytes for missing data.
 TEST_F(MergeErrors, NoChangedByteOfTheMetadataChangesTheVoxels) {
   Part("a.vdb", First());
   const std::string whole = Bytes(), digest = MakeCertificate(First()).digest;

@@ -34,7 +34,7 @@ class Merge : public MergeTest {
     EXPECT_EQ(merged->digest, MakeCertificate(bricks).digest);
   }
 
-  // Merges the bricks in `count` parts, of which `part` says which one a brick is in.
+  // Merges the bricks in `count` parts; `part` gives the part of each brick.
   void CheckSplit(const Bricks& bricks, size_t count, const std::function<size_t(size_t)>& part) {
     std::vector<Bricks> split(count);
     for (size_t n = 0; n < bricks.size(); ++n) split[part(n)].push_back(bricks[n]);

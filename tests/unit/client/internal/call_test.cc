@@ -159,7 +159,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 
-// What a broken server sends, and what the error must say about it.
+// The answers of a broken server, and the errors that they must cause.
 struct Breach {
   const char* name;
   std::function<void(std::vector<v1::VoxelizeResponse>&)> commit;

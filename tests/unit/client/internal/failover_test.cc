@@ -19,7 +19,7 @@ class Server {
   explicit Server(std::vector<std::string> options = {}) : options_(std::move(options)) { Start(); }
 
   void Start() {
-    // What was killed leaves its socket behind.
+    // A killed server leaves its socket behind.
     unlink(path_.c_str());
     std::vector<std::string> arguments = {"--listen", address()};
     arguments.insert(arguments.end(), options_.begin(), options_.end());
@@ -37,7 +37,7 @@ class Server {
   std::unique_ptr<Process> process_;
 };
 
-// What is far more than gRPC and sockets hold back: a server that dies in the midst has not sent it all.
+// Much more than gRPC and sockets hold back: a server that dies in the middle has not sent all of it.
 VoxelizeRequest Large() {
   VoxelizeRequest request;
   request.lattice = NamedLattice::kBcc;

@@ -25,7 +25,7 @@ CallOptions Fast(int retries = 5) {
   return options;
 }
 
-// What the handlers of one call saw.
+// The calls of one call's handlers.
 struct Seen {
   int accepted = 0;
   std::vector<int> tiles;

@@ -113,7 +113,7 @@ TEST(BrickStream, AStreamThatBreaksBelowItGoesOnUnnoticed) {
   EXPECT_EQ(stream.summary()->certificate.digest, ModelServer::DigestOfAll());
 }
 
-// Of several handles the fastest, as the machine does other things, too.
+// The fastest of several handles counts, because the machine does other things, too.
 TEST(BrickStream, AHandleThatGoesCancelsWithin50Milliseconds) {
   const ModelServer server(std::deque<Fault>(5, Fault{At::kBatch, 2}));  // hangs after two batches
   absl::Duration fastest = absl::InfiniteDuration();
@@ -237,7 +237,7 @@ TEST(VoxelService, WhatAStandInDoesNotOfferIsUnimplementedAndNamed) {
   }
 }
 
-// What a client passes down.
+// The arguments that a client passes down.
 class Recording final : public VoxelService {
  public:
   absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_drc, const CallOptions&) override {

@@ -1,4 +1,4 @@
-// What meshes bring along for voxels to carry: as files have it, joined, and encoded.
+// The attributes of meshes: as read from files, joined, and encoded.
 #include <draco/compression/decode.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
 
-// Of each triangle's first corner.
+// The numbers of each triangle's first corner.
 std::vector<uint32_t> NumbersOf(const Mesh& mesh, Attribute attribute) {
   EXPECT_EQ(CheckHas({attribute}, mesh), absl::OkStatus());
   std::vector<uint32_t> numbers;
@@ -153,7 +153,7 @@ TEST(FieldList, OfSeveralMeshesAreNumberedOn) {
   EXPECT_EQ(NumbersOf(both, Attribute::kColor)[6], 0x0000FFU);
 }
 
-// What Draco's decoder finds: of each part that a position has, its colors.
+// The result of Draco's decoder: the colors of each part at a position.
 TEST(EncodedAttributes, AreTheMeshsAndSplitNoMoreThanTheyMust) {
   const Mesh mesh = ParseObj(kObj).value();
   for (const int bits : {0, 14}) {

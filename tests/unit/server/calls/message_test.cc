@@ -67,7 +67,7 @@ TEST_F(MessageTest, LargerIsRefusedByNameAndSoCounted) {
   grpc::ClientContext context;
   ExpectTooLarge(stub_->Pixelize(&context, drawing, &response), drawing.ByteSizeLong());
 
-  // What even gRPC does not receive is not taken for a half-close.
+  // A message that gRPC itself refuses does not count as a half-close.
   const std::string huge(options_.limits.received_message_bytes() + 1, 'x');
   VoxelizeCall other(*stub_);
   EXPECT_EQ(other.Send(SpecMessage(Spec(9))).Send(PieceMessage(huge)).Receive().status.error_code(),
@@ -132,7 +132,7 @@ grpc::Status SendRaw(const std::string& address, const std::string& method, cons
   return status;
 }
 
-// What a megabyte may unpack to fits into no budget.
+// A megabyte may unpack to more than any budget.
 TEST_F(MessageTest, ThatIsCompressedIsRefused) {
   options_.health_listen = "127.0.0.1:0";
   Start();
