@@ -50,7 +50,7 @@ class MergeTest : public FilesTest {
     return certificate;
   }
 
-  // The path of a file as `latvox voxelize` writes it, without `edit`.
+  // Writes a file like `latvox voxelize`, changed by `edit`; returns its path.
   std::string Part(
       const std::string& name, const Bricks& bricks, const Edit& edit = [](openvdb::BoolGrid&) {}) const {
     VoxelGrid grid(MakeTransform());
