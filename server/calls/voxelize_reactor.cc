@@ -150,8 +150,8 @@ void VoxelizeReactor::EndLocked(const absl::Status& status) {
   if (computation_) computation_->Cancel();
 }
 
-// One clock runs from the last read, the last write, and the status. A status that already ends the call is the one that
-// the client gets.
+// One clock runs from the last read, the last write, and the status. A status that already ends the call is the one
+// that the client gets.
 void VoxelizeReactor::EndIfStalled(absl::Duration patience) {
   absl::Status status = StalledClient(patience);
   bool stuck = false;
