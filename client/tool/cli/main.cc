@@ -35,7 +35,7 @@ namespace {
 
 // Prints the line of an error. On a terminal it begins in red.
 void Tell(absl::string_view what) {
-  std::fprintf(stderr, "%s %s\n", Colored("latvox:", Color::kRed).c_str(), std::string(what).c_str());
+  std::fprintf(stderr, "%s %s\n", Colored("latvox:", TerminalColor::kRed).c_str(), std::string(what).c_str());
 }
 
 ExitStatus Fail(const absl::Status& status) {

@@ -106,7 +106,7 @@ bool ProgressBar::Due() {
 
 void ProgressBar::Draw(double share, const ProgressLine& line) {
   const size_t full = static_cast<size_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(line.cells));
-  const std::string bar = Colored(std::string(full, '#'), Color::kGreen) + std::string(line.cells - full, '.');
+  const std::string bar = Colored(std::string(full, '#'), TerminalColor::kGreen) + std::string(line.cells - full, '.');
   std::fprintf(stderr, "\r[%s]%s\x1b[K", bar.c_str(), line.text.c_str());
   std::fflush(stderr);
 }

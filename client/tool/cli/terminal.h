@@ -15,11 +15,11 @@ bool ErrorIsTerminal();
 // Returns the columns of the terminal, or 80.
 size_t ErrorColumns();
 
-enum class Color { kRed = 31, kGreen = 32 };
+enum class TerminalColor { kRed = 31, kGreen = 32 };
 
 // Returns the text in that color if standard error is such a terminal and NO_COLOR is absent or empty. Otherwise
 // returns the text.
-std::string Colored(absl::string_view text, Color color);
+std::string Colored(absl::string_view text, TerminalColor color);
 
 }  // namespace latvox::client
 
