@@ -22,8 +22,9 @@ struct CommonFacts {
 //   latvox_digest                             each part has its own
 //   latvox_shard                              "I/N": all N must be there, once
 //   latvox_tunnel_free, latvox_minimal        true for the whole if true for each part
-//   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one has none; equal for
-//   shards latvox_request                            that of the whole if it is the same in all parts
+//   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one part has none;
+//                                             shards must have the same
+//   latvox_request                            that of the whole if it is the same in all parts
 //   latvox_whole_minimal                      the same in all; it refers to the whole that shards make
 //   latvox_verified                           true only for a single part: nobody counted on the union
 //   file_*                                    OpenVDB's statistics, which it writes anew

@@ -185,7 +185,7 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
   return absl::OkStatus();
 }
 
-// For batch_, which has been checked, and has so many voxels.
+// `bytes` are the values of batch_, which has been checked, and has `voxels` voxels.
 absl::Status AnswerCheck::ReceiveValues(std::string_view bytes, size_t voxels) {
   const size_t expected = band_ ? voxels * sizeof(float) : 0;
   if (bytes.size() != expected) {

@@ -42,7 +42,7 @@ absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view 
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (file) text << file.rdbuf();
-  if (!file || errno != 0) {  // the text fails for an empty file, too; only for a directory does errno tell
+  if (!file || errno != 0) {  // an empty file sets failbit of `text` only; a directory only sets errno
     return absl::InvalidArgumentError(
         absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
   }

@@ -40,12 +40,12 @@ class Connection {
   const Credentials& credentials() const { return credentials_; }
   const Endpoint& endpoint(size_t index) const { return endpoints_[index]; }
 
-  // Returns the endpoint for the next try, among those that are not `tried` (one bool for each): the next one in turn
-  // that is connected, else one that may become so. With `mesh`, it prefers one that may have it. Returns nothing if
-  // all are tried or known to be unreachable; but always one if none is tried.
+  // Returns the endpoint for the next try, among those that are not `tried` (one bool for each). That is the next one
+  // in turn that is connected, else one that may become so. With `mesh`, it prefers one that may have it. Returns
+  // nothing if all are tried or known to be unreachable, but always one if none is tried.
   std::optional<size_t> Pick(const std::vector<bool>& tried, const MeshId* mesh);
 
-  // The meshes that servers were seen to have. They may have dropped them since, so this is a guess.
+  // The meshes that servers had when last asked. They may have dropped them since, so this is a guess.
   bool MayHave(size_t endpoint, const MeshId& mesh) const;
   void Remember(size_t endpoint, const MeshId& mesh);
   void Forget(size_t endpoint, const MeshId& mesh);

@@ -1,5 +1,5 @@
-// W3C Trace Context, https://www.w3.org/TR/trace-context: checks the values to send. Internal to the SDK and its
-// programs.
+// Checks values of W3C Trace Context before they are sent: https://www.w3.org/TR/trace-context. Internal to the SDK and
+// its programs.
 #ifndef LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_
 #define LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_
 

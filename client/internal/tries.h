@@ -1,4 +1,4 @@
-// The tries of one call: their servers, their times, and the end of patience. Internal to the SDK.
+// The tries of one call: their servers, their times, and their end. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_TRIES_H_
 #define LATVOX_CLIENT_INTERNAL_TRIES_H_
 

@@ -20,8 +20,8 @@ namespace latvox::client {
 // request.
 //
 // The first stream to a server carries the mesh. Later ones only name it, if this Client has seen that the server has
-// it, or if a stream is resumed: the question costs a round trip, and the answer may save the upload. A server that
-// answers NOT_FOUND gets the mesh.
+// it, or if a stream is resumed. This may save the upload, and costs a round trip at worst: a server that answers
+// NOT_FOUND gets the mesh.
 class VoxelizeCall {
  public:
   // `drc`: the mesh's bytes; without them, the server must have the mesh. All must outlive the call.

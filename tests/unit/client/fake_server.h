@@ -1,4 +1,4 @@
-// A server that answers what a test likes, and answers that keep the protocol.
+// A server with the answers of a test, and a set of answers that keep the protocol.
 #ifndef LATVOX_TESTS_UNIT_CLIENT_FAKE_SERVER_H_
 #define LATVOX_TESTS_UNIT_CLIENT_FAKE_SERVER_H_
 
