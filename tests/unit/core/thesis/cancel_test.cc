@@ -19,5 +19,11 @@ TEST(Cancelling, StopsOnManyTrianglesAndOnLargeOnes) {
   EXPECT_LT(MostToStopJob(400, large, kind), kPromised);
 }
 
+// Enough tetrahedra that the stages around the loop over voxels outlast the promise, too.
+TEST(Cancelling, StopsBruteForceOnAHeapOfTetrahedra) {
+  const auto heap = [](uint32_t tetrahedra) { return HeapOfTetrahedra(tetrahedra); };
+  EXPECT_LT(MostToStopJob(8000, heap, {"", 0, {.algorithm = Algorithm::kBruteForce}}), kPromised);
+}
+
 }  // namespace
 }  // namespace latvox
