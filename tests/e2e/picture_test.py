@@ -251,7 +251,7 @@ class Errors(Case):
             (USAGE, "--axis.*w", "slice", self.vdb, "--axis", "w", "--index", "0", *out),
             (USAGE, "--index.*1.5", "slice", self.vdb, "--axis", "x", "--index", "1.5", *out),
             (USAGE, "--index", "slice", self.vdb, "--axis", "x", *out),
-            (BAD_INPUT, "--index 6: .* -5 to 5 across x", "slice", self.vdb, "--axis", "x", "--index", "6", *out),
+            (BAD_INPUT, "--index 6 .* -5 to 5 across x", "slice", self.vdb, "--axis", "x", "--index", "6", *out),
             (BAD_INPUT, "none.vdb: no such file", "slice", none, "--axis", "x", "--index", "6", *out),
         ]:
             with self.subTest(pattern, command=arguments[0]):
