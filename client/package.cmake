@@ -1,12 +1,12 @@
-# What programs of others get: the SDK's libraries and headers, a CMake package, and files for pkg-config. All of it may
-# be moved together: no file holds a path of this machine.
+# Installs the SDK for other programs: libraries, headers, a CMake package, and files for pkg-config. They may be moved
+# together, because no file has a path of this machine.
 include(CMakePackageConfigHelpers)
 set(latvox_package ${CMAKE_INSTALL_LIBDIR}/cmake/latvox)
 
 # Installs the archive latvox_PART as latvox::PART, or with BUILD_SHARED_LIBS a shared library of the same objects. The
-# tool and the tests link the archives in any case: they use what a shared library hides.
+# tool and the tests always link the archives, because they use symbols that a shared library hides.
 #   DESCRIPTION      for people, in pkg-config's file
-#   MAP              the linker's list of what the shared library may show
+#   MAP              the linker's list of the symbols that the shared library may show
 #   PUBLIC           the libraries that a user of latvox::PART links besides
 #   REQUIRES         pkg-config's names of packages that the public headers need
 #   REQUIRES_STATIC  the same, of packages that the archive needs to be linked
@@ -19,7 +19,6 @@ function(latvox_install_part PART)
     list(TRANSFORM ARG_PUBLIC REPLACE "^latvox_(.*)$" "latvox_\\1_shared")
     set(ARG_REQUIRES_STATIC "") # they are linked already
     set(ARG_LIBS_STATIC "")
-    set_target_properties(latvox_${PART} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     add_library(${target} SHARED $<TARGET_OBJECTS:latvox_${PART}>)
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_include_directories(${target} PUBLIC
@@ -40,7 +39,7 @@ function(latvox_install_part PART)
   latvox_install_pkg_config(${PART})
 endfunction()
 
-# Of latvox_install_part, whose variables it uses.
+# Called by latvox_install_part, whose variables it uses.
 function(latvox_install_pkg_config PART)
   set(name latvox)
   if(NOT PART STREQUAL client)
@@ -55,7 +54,7 @@ function(latvox_install_pkg_config PART)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 
-# Headers of what is built, and what find_package(latvox) reads.
+# Installs the headers of the parts that are built, and the files for find_package(latvox).
 function(latvox_install_package)
   install(DIRECTORY include/latvox DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN mesh EXCLUDE PATTERN grid EXCLUDE)
   foreach(part mesh grid)

@@ -1,4 +1,4 @@
-// How to test a program that uses latvox without a server: its Client talks to an object of the test's own.
+// Tests a program that uses latvox without a server: its Client talks to an object of the test's own.
 #include <latvox/client.h>
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace lv = latvox::client;
 
-// The program: says how many bricks a mesh has, or what to tell its user.
+// The program: returns the number of bricks of a mesh, or a message for its user.
 std::string CountBricks(const lv::Client& client, const std::string& mesh) {
   size_t bricks = 0;
   lv::VoxelizeRequest request;
@@ -18,7 +18,7 @@ std::string CountBricks(const lv::Client& client, const std::string& mesh) {
   return std::string(summary.status().message());
 }
 
-// The test's server: two bricks, then the end that the test wants.
+// The test's server: two bricks, then the end that the test needs.
 class FakeServer final : public lv::VoxelService {
  public:
   explicit FakeServer(absl::Status end) : end_(std::move(end)) {}

@@ -1,4 +1,4 @@
-// The shortest way from a mesh to voxels: all of them, in memory. A mesh to begin with:
+// The shortest way from a mesh to voxels: all of them, in memory. Make a mesh first:
 //   latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
 #include <latvox/client.h>
 

@@ -1,4 +1,4 @@
-// Many meshes in parallel over one Client: threads that each take the next mesh when they are done with theirs.
+// Many meshes in parallel over one Client: each thread takes the next mesh when it is done with one.
 #include <latvox/client.h>
 
 #include <atomic>
@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   std::atomic<size_t> next = 0;
   const auto work = [&] {
     for (size_t n; (n = next++) < paths.size();) {
-      const auto count = [](const lv::BrickBatch&) { return absl::OkStatus(); };  // here the bricks would go somewhere
+      const auto count = [](const lv::BrickBatch&) { return absl::OkStatus(); };  // a real program keeps the bricks
       const auto mesh = example::Read(paths[n]);
       summaries[n] = mesh.ok() ? client->Voxelize(request, *mesh, {.on_bricks = count}) : mesh.status();
     }

@@ -1,4 +1,4 @@
-// A mesh of one's own instead of a file: encoded here, by latvox::mesh, and voxelized.
+// A mesh of your own instead of a file: encoded here, by latvox::mesh, and voxelized.
 #include <latvox/client.h>
 #include <latvox/mesh/encode_mesh.h>
 

@@ -1,5 +1,5 @@
-// A stream that outlives its server: prints all bricks, and on standard error where it had to go on, and why.
-// Try it with a server that is killed and started again, or with two.
+// A stream that outlives its server. It prints all bricks, and on standard error the places and reasons of each new
+// stream. Try it with a server that you kill and start again, or with two servers.
 #include <latvox/client.h>
 
 #include "example.h"
@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   lv::VoxelizeRequest request;
   request.resolution = example::Number(argv[3]);
   lv::CallOptions options;
-  options.retry.max_retries = 100;  // without progress; some minutes, for a server to come back
+  options.retry.max_retries = 100;  // without progress: some minutes for a server to come back
   const auto summary = client->Voxelize(request, *mesh, handlers, options);
   if (!summary.ok()) return example::Fail(summary.status());
   std::fprintf(stderr, "%llu bricks, resumed %d times, digest %s\n", static_cast<unsigned long long>(summary->bricks),

@@ -1,4 +1,4 @@
-// One mesh in several parts at once, over one Client: it is uploaded once, and the parts refer to it.
+// One mesh in several parts at once, over one Client. It is uploaded once, and the parts refer to it.
 #include <latvox/client.h>
 
 #include <future>

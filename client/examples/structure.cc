@@ -1,4 +1,4 @@
-// Takes the stream into a structure of one's own, a height for each column, and leaves it when it has seen enough.
+// Reads the stream into a structure of your own, a height for each column, and leaves it early.
 #include <latvox/client.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A server that proves its name, and wants a token and perhaps a certificate of the client, too.
+// A server that proves its name, and requires a token and perhaps a certificate of the client.
 #include <latvox/client.h>
 
 #include "example.h"

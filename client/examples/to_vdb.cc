@@ -1,4 +1,4 @@
-// A .vdb file by the grid library: any lattice is the grid's transform, and the certificate its metadata.
+// Writes a .vdb file with the grid library: the lattice is the grid's transform, and the certificate its metadata.
 #include <latvox/client.h>
 #include <latvox/grid/voxel_grid.h>
 

@@ -26,8 +26,8 @@ openvdb::GridBase::Ptr NewGrid(const GridTransform& transform, Attribute attribu
   return grid;
 }
 
-// A leaf's voxels have the order of a brick's bits. Of each voxel's `count` numbers, the n-th is its value, as `value`
-// makes it.
+// A leaf's voxels have the order of a brick's bits. A voxel has `count` numbers; its value is made from the n-th by
+// `value`.
 template <class Grid, class Value>
 void Fill(const BrickBatch& batch, size_t count, size_t n, const Value& value, openvdb::GridBase& grid) {
   openvdb::tree::ValueAccessor<typename Grid::TreeType> tree(static_cast<Grid&>(grid).tree());

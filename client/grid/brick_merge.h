@@ -14,20 +14,20 @@
 
 namespace latvox::client {
 
-// The union of all parts' bricks, in the tree's order, as often as one wants: from each Rewind on. Memory: that of the
-// parts. Not thread-safe.
+// The union of all parts' bricks, in the tree's order, again after each Rewind. Memory: that of the parts. Not
+// thread-safe.
 class BrickMerge {
  public:
   using Parts = std::vector<std::unique_ptr<PartFile>>;
 
-  // `disjoint`: a brick in two parts is an error. `progress` is called now and then with how many bricks of the parts
-  // have been read since the beginning, Rewind or not.
+  // `disjoint`: a brick in two parts is an error. `progress` gets, from time to time, the number of bricks of the parts
+  // that have been read since the beginning, all passes included.
   BrickMerge(Parts parts, bool disjoint, const Cancellation& cancellation, std::function<void(uint64_t)> progress);
 
-  // Goes back to before the first brick.
+  // Goes back to the place before the first brick.
   void Rewind();
 
-  // The next leaf; null at the end, and on an error. Valid until the next call.
+  // Returns the next leaf; null at the end, and on an error. Valid until the next call.
   const Leaf* Next();
 
   // The first error: of a part (see PartFile); INVALID_ARGUMENT (a brick in two parts); CANCELLED.
@@ -47,7 +47,7 @@ class BrickMerge {
   const bool disjoint_;
   const Cancellation cancellation_;
   const std::function<void(uint64_t)> progress_;
-  std::vector<const Leaf*> leaves_;  // the next one of each part; null: it has no more
+  std::vector<const Leaf*> leaves_;  // the next one of each part; null: none is left
   std::priority_queue<Head, std::vector<Head>, std::greater<>> heads_;
   uint64_t read_ = 0;
   Leaf leaf_;

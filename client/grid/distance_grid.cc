@@ -17,7 +17,7 @@
 namespace latvox::client {
 namespace {
 
-// Where a step along an axis crosses the surface, both its ends are no farther from it than the step is long: so a band
+// Where a step along an axis crosses the surface, both its ends are no farther from it than the step is long. So a band
 // that is wider has a sign on each side of every voxel beyond it.
 bool SeparatesSides(const Basis& basis, double width) {
   const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kBufferBytes = size_t{1} << 20;
 
-// io::File does not look whether its stream took everything: on a full disk it leaves half a file, and says nothing.
+// io::File does not check whether its stream took everything: on a full disk it leaves half a file without an error.
 struct Writer : openvdb::io::Archive {
   void Write(const openvdb::GridCPtrVec& grids, std::ostream& out) const { write(out, grids, /*seekable=*/true); }
 };
@@ -36,7 +36,7 @@ absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string&
     file.close();
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {
-    return cannot(std::strerror(errno));  // the words of the exception are the library's own
+    return cannot(std::strerror(errno));  // the exception has only the library's message
   } catch (const std::exception& error) {
     return cannot(error.what());
   }

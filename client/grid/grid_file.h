@@ -1,4 +1,4 @@
-// OpenVDB grids to .vdb files. Internal to latvox::grid.
+// Writes OpenVDB grids to .vdb files. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_GRID_FILE_H_
 #define LATVOX_CLIENT_GRID_GRID_FILE_H_
 
@@ -9,8 +9,8 @@
 
 namespace latvox::client {
 
-// Writes a .vdb file to `path`, over what is there; not atomic. The grids' trees write themselves, node by node, so
-// that memory is the trees' matter. Errors: UNKNOWN, with the path and what OpenVDB or the system says.
+// Writes a .vdb file to `path`, replacing an existing file; not atomic. The grids' trees write themselves, node by
+// node, so the memory depends on the trees. Errors: UNKNOWN, with the path and the message of OpenVDB or the system.
 absl::Status WriteGridFile(const openvdb::GridCPtrVec& grids, const std::string& path);
 
 }  // namespace latvox::client

@@ -26,9 +26,9 @@ std::string MetadataText(const openvdb::Metadata& metadata) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number->value()).ptr};
 }
 
-// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so that the basis vectors and the origin are M's rows. Transform
-// makes a scale of what is no more, which some programs read faster. The origin comes after that: the scale would be
-// found as a difference of positions, and lose digits where the origin is far away.
+// OpenVDB multiplies row vectors: (i, j, k, 1) * M, so the basis vectors and the origin are M's rows. Transform turns a
+// plain scale into a scale map, which some programs read faster. The origin is added afterwards, because OpenVDB
+// computes the scale as a difference of positions, which would lose digits far from the origin.
 openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform) {
   const auto& [a, b, c] = transform.basis;
   const openvdb::Mat4d matrix(a[0], a[1], a[2], 0., b[0], b[1], b[2], 0., c[0], c[1], c[2], 0., 0., 0., 0., 1.);

@@ -1,4 +1,4 @@
-// What our grids say of themselves, whatever their type. Costs OpenVDB's headers. Internal to latvox::grid.
+// The metadata of our grids, of all types. Includes OpenVDB's headers. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_GRID_METADATA_H_
 #define LATVOX_CLIENT_GRID_GRID_METADATA_H_
 
@@ -9,16 +9,16 @@
 
 namespace latvox::client {
 
-// Throws openvdb::ArithmeticError for what CheckGridTransform refuses.
+// Throws openvdb::ArithmeticError where CheckGridTransform returns an error.
 openvdb::math::Transform::Ptr MakeTransform(const GridTransform& transform);
 
-// As people read it. Numbers have all digits that tell them from others.
+// Returns the value as text for people. Numbers have as many digits as they need to be exact.
 std::string MetadataText(const openvdb::Metadata& metadata);
 
-// The grid's transform, and the metadata of it.
+// Sets the grid's transform, and the metadata about it.
 void Place(const GridTransform& transform, openvdb::GridBase& grid);
 
-// The metadata of the certificate.
+// Writes the certificate as metadata.
 void Describe(const Certificate& certificate, openvdb::GridBase& grid);
 
 }  // namespace latvox::client

@@ -1,5 +1,4 @@
-// How .vdb files are opened and looked at, whatever their grids' type. Costs OpenVDB's headers. Internal to
-// latvox::grid.
+// Opens and describes .vdb files, with grids of any type. Includes OpenVDB's headers. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_GRID_READING_H_
 #define LATVOX_CLIENT_GRID_GRID_READING_H_
 
@@ -20,8 +19,8 @@
 
 namespace latvox::client {
 
-// What read(file) returns of the file, opened without its voxels. Errors: NOT_FOUND; INVALID_ARGUMENT (what OpenVDB
-// throws), with the path; RESOURCE_EXHAUSTED: memory.
+// Returns the result of read(file) for the file, opened without its voxels. Errors: NOT_FOUND; INVALID_ARGUMENT (an
+// exception of OpenVDB), with the path; RESOURCE_EXHAUSTED: memory.
 template <class Read>
 auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::declval<openvdb::io::File&>())) try {
   std::error_code error;
@@ -36,18 +35,18 @@ auto WithFile(const std::string& path, const Read& read) -> decltype(read(std::d
   return absl::InvalidArgumentError(absl::StrCat(path, ": is not a readable .vdb file (", error.what(), ")"));
 }
 
-// Takes a look at each leaf.
+// Looks at each leaf.
 GridFileInfo Describe(const openvdb::GridBase& grid);
 
-// Errors: INVALID_ARGUMENT, with the path: the transform is not affine, or not of finite numbers.
+// Errors: INVALID_ARGUMENT, with the path: the transform is not affine, or has numbers that are not finite.
 absl::Status CheckTransform(const openvdb::GridBase& grid, const std::string& path);
 
-// Of active tiles, which latvox does not write but other programs make of full bricks, at most so many voxels are read:
-// a few bytes of a file could stand for gigabytes of leaves.
+// The most voxels in active tiles, which latvox does not write, but other programs make of full bricks. A few bytes of
+// a file could stand for gigabytes of leaves.
 inline constexpr uint64_t kMaxTileVoxels = uint64_t{1} << 31;
 
-// The leaves with active voxels, in lexicographic order of their corners; active tiles become leaves. Errors:
-// INVALID_ARGUMENT, with the path: tiles of more voxels than kMaxTileVoxels.
+// Returns the leaves with active voxels, in lexicographic order of their corners; active tiles become leaves. Errors:
+// INVALID_ARGUMENT, with the path: tiles with more voxels than kMaxTileVoxels.
 template <class Tree>
 absl::StatusOr<std::vector<const typename Tree::LeafNodeType*>> SortedLeaves(Tree& tree, const std::string& path) {
   if (tree.activeTileCount() > 0) {

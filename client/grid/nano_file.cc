@@ -20,7 +20,7 @@ namespace {
 
 constexpr char kBlindName[] = "latvox";
 
-// What `latvox info` says of our metadata.
+// Returns our metadata as `latvox info` shows them.
 std::string TextOf(const openvdb::MetaMap& metadata) {
   std::string text;
   for (auto meta = metadata.beginMeta(); meta != metadata.endMeta(); ++meta) {
@@ -30,8 +30,7 @@ std::string TextOf(const openvdb::MetaMap& metadata) {
   return text;
 }
 
-// NanoVDB's converter takes no metadata over, but its format has blind data, after the nodes, for what it does not
-// know.
+// NanoVDB's converter drops metadata, but its format has blind data, after the nodes, for other content.
 nanovdb::GridHandle<> WithText(const nanovdb::GridHandle<>& plain, const std::string& text) {
   constexpr uint64_t kAlignment = NANOVDB_DATA_ALIGNMENT;
   const uint64_t bytes = (text.size() / kAlignment + 1) * kAlignment;  // at least one 0 ends the text
@@ -65,7 +64,7 @@ absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& pat
   try {
     const auto handle = WithText(nanovdb::openToNanoVDB(grid), TextOf(grid));
     std::ofstream file;
-    // NanoVDB does not look whether its stream took everything.
+    // NanoVDB does not check whether its stream took everything.
     file.exceptions(std::ios::failbit | std::ios::badbit);
     errno = 0;
     file.open(path, std::ios::binary | std::ios::trunc);

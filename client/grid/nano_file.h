@@ -1,4 +1,4 @@
-// OpenVDB grids to .nvdb files. Internal to latvox::grid.
+// Writes OpenVDB grids to .nvdb files. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_NANO_FILE_H_
 #define LATVOX_CLIENT_GRID_NANO_FILE_H_
 
@@ -9,9 +9,9 @@
 
 namespace latvox::client {
 
-// Writes the grid by NanoVDB's own converter, uncompressed, to `path`, over what is there; not atomic. Its metadata
-// latvox_... become one blind data "latvox", of unknown class and type: text, a line "name = value" each. Memory: twice
-// the file's. Errors: UNKNOWN, with the path and what NanoVDB or the system says.
+// Writes the grid with NanoVDB's own converter, uncompressed, to `path`, replacing an existing file; not atomic. Its
+// metadata latvox_... become one blind data "latvox", of unknown class and type: text, with a line "name = value" each.
+// Memory: twice the file's size. Errors: UNKNOWN, with the path and the message of NanoVDB or the system.
 absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& path);
 
 }  // namespace latvox::client

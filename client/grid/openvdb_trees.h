@@ -1,5 +1,5 @@
-// OpenVDB, and the trees that latvox::grid reads and writes, which openvdb_trees.cc alone compiles: a file that makes a
-// grid would compile all that grids of its type can do, ten seconds each. Internal to latvox::grid.
+// OpenVDB, and the trees that latvox::grid reads and writes. Only openvdb_trees.cc compiles them: another file with a
+// grid would compile all functions of its type, for ten seconds each. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_OPENVDB_TREES_H_
 #define LATVOX_CLIENT_GRID_OPENVDB_TREES_H_
 

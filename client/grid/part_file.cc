@@ -18,7 +18,7 @@ namespace {
 
 constexpr int64_t kLeafBytes = 140;
 
-// What io::File reads when it opens a file, and does not show: where the grid's sections are.
+// The places of the grid's sections, which io::File reads when it opens a file, and does not show.
 struct Frame : openvdb::io::Archive {
   openvdb::io::GridDescriptor descriptor;
   openvdb::GridBase::Ptr grid;

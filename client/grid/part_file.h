@@ -15,30 +15,31 @@
 
 namespace latvox::client {
 
-// The file's frame and metadata are OpenVDB's to read. Of the tree only the last section is read, the leaves' buffers:
+// OpenVDB reads the file's frame and metadata. This class reads only the last section of the tree, the leaves' buffers:
 //
 //   bytes    140 for each leaf, in the tree's order (TreePlace)
-//            64   mask of active voxels, of which there is one at least
+//            64   mask of active voxels; at least one is set
 //            12   i, j, k of the low corner, little-endian 32-bit
 //            64   values: the same bits
 //
-// Memory: 64 KiB. Not thread-safe. Errors, in status() or returned, name the path; INVALID_ARGUMENT unless said.
+// Memory: 64 KiB. Not thread-safe. Errors, in status() or returned, name the path. They are INVALID_ARGUMENT unless
+// said otherwise.
 class PartFile {
  public:
-  // Errors: NOT_FOUND; RESOURCE_EXHAUSTED (open files); a file that latvox did not write; one that is cut short.
+  // Errors: NOT_FOUND; RESOURCE_EXHAUSTED (open files); a file that latvox did not write; a file that is cut short.
   static absl::StatusOr<std::unique_ptr<PartFile>> Open(const std::string& path);
 
   const std::string& path() const { return path_; }
   const openvdb::MetaMap& metadata() const { return *grid_; }
   openvdb::math::Transform::Ptr transform() const { return grid_->transformPtr(); }
-  const std::string& digest() const { return recorded_; }  // as the metadata says: latvox_digest
+  const std::string& digest() const { return recorded_; }  // from the metadata: latvox_digest
   uint64_t leaves() const { return leaves_; }
 
-  // Goes back to before the first leaf.
+  // Goes back to the place before the first leaf.
   void Rewind();
 
-  // The next leaf; null at the end, and on an error. Valid until the next call. What has been read to the end is what
-  // the digest stands for.
+  // Returns the next leaf; null at the end, and on an error. Valid until the next call. A part that was read to its end
+  // has the digest of its metadata.
   const Leaf* Next();
 
   const absl::Status& status() const { return status_; }
@@ -58,7 +59,7 @@ class PartFile {
   int64_t leaves_begin_ = 0;
   uint64_t leaves_ = 0, read_ = 0;
   Leaf leaf_;
-  std::optional<TreePlace> place_;  // of leaf_; absent before the first
+  std::optional<TreePlace> place_;  // of leaf_; absent before the first leaf
   Digest digest_;
   absl::Status status_;
 };

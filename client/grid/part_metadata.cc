@@ -49,7 +49,7 @@ absl::Status Differ(const PartFile& part, absl::string_view field, const std::st
       absl::StrCat(part.path(), ": ", field, " is ", value, ", but ", first_value, " in ", first.path()));
 }
 
-// i's step, j's, k's and the origin, all digits.
+// The steps of i, j and k and the origin, with all digits.
 std::string Show(const openvdb::math::Transform& transform) {
   const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
   std::string text;
@@ -66,7 +66,7 @@ absl::Status CheckSameTransform(const PartFile& part, const PartFile& first) {
   return value == first_value ? absl::OkStatus() : Differ(part, "the transform", value, first, first_value);
 }
 
-// All fields but IsOwn, whatever they are called: what is added to them some day is compared, too.
+// Compares all fields except those of IsOwn, whatever their names. So fields that are added later are compared, too.
 absl::Status CheckFields(const PartFile& part, const PartFile& first) {
   std::set<std::string> names;
   for (const PartFile* each : {&first, &part}) {
@@ -80,8 +80,8 @@ absl::Status CheckFields(const PartFile& part, const PartFile& first) {
   return absl::OkStatus();
 }
 
-// The same file, or a copy of it: then one that was meant is probably missing. Nothing is lost where it is not: another
-// part with the same voxels can be left out. Empty parts are all the same.
+// Finds the same file twice, or a copy of it: then another one is probably missing. If not, nothing is lost: another
+// part with the same voxels can be left out. All empty parts are equal.
 absl::Status CheckTwice(const Parts& parts) {
   std::set<std::filesystem::path> places;
   std::map<std::string, const PartFile*> digests;
@@ -124,7 +124,7 @@ absl::Status MissingShards(const std::map<uint32_t, const PartFile*>& present, u
                                                  missing > named.size() ? ", ..." : ""));
 }
 
-// Whether the parts are shards.
+// Returns whether the parts are shards.
 absl::StatusOr<bool> CheckShards(const Parts& parts) {
   std::map<uint32_t, const PartFile*> present;
   std::optional<uint32_t> count;
@@ -149,8 +149,8 @@ absl::StatusOr<bool> CheckShards(const Parts& parts) {
   return count.has_value();
 }
 
-// What the parts together are cut out by, several boxes with "; " between them; empty if a part is not cut. The shards
-// of a whole are all cut alike.
+// Returns the box of all parts together, several boxes with "; " between them; empty if a part has none. All shards of
+// a whole have the same box.
 absl::StatusOr<std::string> CutOut(const Parts& parts, const char* name, bool shards) {
   const PartFile& first = *parts.front();
   std::vector<std::string> boxes;

@@ -1,4 +1,4 @@
-// What parts say of themselves, held against each other. Internal to latvox::grid.
+// Compares the metadata of parts with each other. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_PART_METADATA_H_
 #define LATVOX_CLIENT_GRID_PART_METADATA_H_
 
@@ -11,21 +11,22 @@
 
 namespace latvox::client {
 
-// What the parts have in common.
+// The facts that all parts share.
 struct CommonFacts {
-  openvdb::MetaMap metadata;  // of the whole but for its digest
-  bool shards = false;        // they are all shards of one whole: no brick is in two of them
+  openvdb::MetaMap metadata;  // of the whole, without its digest
+  bool shards = false;        // the parts are all shards of one whole: no brick is in two of them
 };
 
-// Parts are of one whole if their transforms and all their metadata are the same, but for
+// Parts belong to one whole if their transforms and all their metadata are the same, except for
 //
-//   latvox_digest                             which is each part's own
+//   latvox_digest                             each part has its own
 //   latvox_shard                              "I/N": all N must be there, once
-//   latvox_tunnel_free, latvox_minimal        true of the whole if true of each part
-//   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one has none; shards' equal
+//   latvox_tunnel_free, latvox_minimal        true for the whole if true for each part
+//   latvox_region, latvox_bounds              those of all parts, "; " between them, unless one part has none;
+//                                             shards must have the same
 //   latvox_request                            that of the whole if it is the same in all parts
-//   latvox_whole_minimal                      the same in all; shards make the whole of which it speaks
-//   latvox_verified                           true of a single part only: nobody counted on the union
+//   latvox_whole_minimal                      the same in all; it refers to the whole that shards make
+//   latvox_verified                           true only for a single part: nobody counted on the union
 //   file_*                                    OpenVDB's statistics, which it writes anew
 //
 // Errors: INVALID_ARGUMENT naming file, field and both values; a part that is given twice; shards that are missing.

@@ -51,7 +51,7 @@ void AddNote(const MeshNote& note, Json& json) {
   if (note.quantization) json["quantization"] = *note.quantization;
 }
 
-// All but what the note says.
+// Everything except the note.
 Json RequestJson(const VoxelizeRequest& request) {
   Json json;
   if (const auto* basis = std::get_if<Basis>(&request.lattice)) {

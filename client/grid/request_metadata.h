@@ -1,4 +1,4 @@
-// What was asked for, as our grids tell it. Internal to latvox::grid.
+// The request in the metadata of our grids. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
 #define LATVOX_CLIENT_GRID_REQUEST_METADATA_H_
 
@@ -9,11 +9,12 @@
 
 namespace latvox::client {
 
-// JSON with the fields of a line of `latvox batch`, so that such a line with the mesh repeats the request: all that
-// says what the whole is; not which part of it, nor how voxels are sent.
+// Returns JSON with the fields of a line of `latvox batch`, so that such a line with the mesh repeats the request. It
+// describes the whole, but not the part of it, nor the encoding of voxels.
 std::string RequestText(const VoxelizeRequest& request, const MeshNote& note);
 
-// The metadata latvox_request, RequestText; and latvox_region, latvox_bounds of a request for these, six numbers each.
+// Writes the metadata latvox_request, RequestText; and, if the request has them, latvox_region and latvox_bounds, six
+// numbers each.
 void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openvdb::GridBase& grid);
 
 }  // namespace latvox::client

@@ -14,7 +14,7 @@ void Put(const T& value, std::ostream& out) {
 
 openvdb::Coord UpperCorner(const TreePlace& place) { return openvdb::Coord(place.upper.data()); }
 
-// Memory of a node but for its children, as OpenVDB counts it.
+// A node's memory without its children, as OpenVDB counts it.
 template <class Node>
 openvdb::Index64 BytesOf() {
   return Node::NUM_VALUES * sizeof(typename Node::UnionType) + 2 * Node::NodeMaskType::memUsage() +
@@ -23,7 +23,7 @@ openvdb::Index64 BytesOf() {
 
 bool SameLower(const TreePlace& a, const TreePlace& b) { return a.upper == b.upper && a.lower == b.lower; }
 
-// The node of `leaf` and of the bricks after it that belong there; `leaf` is then the first of the next node.
+// Returns the node of `leaf` and of the following bricks that belong to it; `leaf` becomes the first of the next node.
 std::unique_ptr<Lower> MakeLower(BrickMerge& bricks, const Leaf*& leaf) {
   const TreePlace place = PlaceOf(leaf->origin());
   auto node = std::make_unique<Lower>(leaf->origin(), /*value=*/false, /*active=*/false);
@@ -31,7 +31,7 @@ std::unique_ptr<Lower> MakeLower(BrickMerge& bricks, const Leaf*& leaf) {
   return node;
 }
 
-// As InternalNode::writeTopology before the children: which they are, and that there are no tiles.
+// Like InternalNode::writeTopology before the children: the mask of children, and no tiles.
 void PutUpper(const Upper::NodeMaskType& children, std::ostream& out) {
   const Upper::NodeMaskType active;
   children.save(out);
@@ -63,7 +63,7 @@ TreeSurvey Survey(BrickMerge& bricks) {
   return survey;
 }
 
-// As RootNode::writeTopology.
+// Like RootNode::writeTopology.
 void StreamedTree::writeTopology(std::ostream& out, bool to_half) const {
   openvdb::TreeBase::writeTopology(out, to_half);
   Put(background(), out);
@@ -97,7 +97,7 @@ bool StreamedTree::evalActiveVoxelBoundingBox(openvdb::CoordBBox& box) const {
   return survey_.voxels > 0;
 }
 
-// As tools::memUsage.
+// Like tools::memUsage.
 openvdb::Index64 StreamedTree::memUsage() const {
   return sizeof(openvdb::BoolTree) + sizeof(RootNodeType) + survey_.uppers.size() * BytesOf<Upper>() +
          survey_.lowers * BytesOf<Lower>() + survey_.leaves * sizeof(Leaf);

@@ -11,10 +11,10 @@
 
 namespace latvox::client {
 
-// What has to be known of a tree before its first byte is written. Memory: 4 KiB for each node of 4096^3 voxels, of
-// which the 131,072 voxels that a mesh may be long on each axis make 33^3 at most: 147 MB.
+// The facts about a tree that its first byte depends on. Memory: 4 KiB for each node of 4096^3 voxels. A mesh may be
+// 131,072 voxels long on each axis, so there are at most 33^3 nodes: 147 MB.
 struct TreeSurvey {
-  std::map<openvdb::Coord, Upper::NodeMaskType> uppers;  // by low corner, in the tree's order: which children it has
+  std::map<openvdb::Coord, Upper::NodeMaskType> uppers;  // by low corner, in the tree's order: the children that it has
   uint64_t leaves = 0, lowers = 0, voxels = 0;
   openvdb::CoordBBox box;  // of all voxels
   Digest digest;
@@ -23,11 +23,10 @@ struct TreeSurvey {
 // Goes through all bricks once. An error is in bricks.status().
 TreeSurvey Survey(BrickMerge& bricks);
 
-// The tree of all bricks, for OpenVDB's writer: a .vdb file with it is, byte for byte, the one that holds a BoolTree
-// filled with these bricks. The file has the topology of all nodes first and the buffers of all leaves then, so that
-// the bricks are gone through twice. Memory: one node of 128^3 voxels, 700 KB. Reading it as a tree finds it empty.
-// Writing throws openvdb::IoError when the bricks end in an error, which is in bricks.status(), or are no longer those
-// of the survey.
+// The tree of all bricks, for OpenVDB's writer. A .vdb file with it equals, byte for byte, the file of a BoolTree
+// filled with these bricks. The file has the topology of all nodes first, and then the buffers of all leaves, so the
+// bricks are read twice. Memory: one node of 128^3 voxels, 700 KB. Read as a tree, it is empty. Writing throws
+// openvdb::IoError if the bricks end in an error, which is in bricks.status(), or differ from those of the survey.
 class StreamedTree final : public openvdb::BoolTree {
  public:
   // Both must outlive the tree.

@@ -1,4 +1,4 @@
-// The nodes of OpenVDB's BoolTree, and a brick as a leaf of it. Costs OpenVDB's headers. Internal to latvox::grid.
+// The nodes of OpenVDB's BoolTree, and a brick as a leaf of it. Includes OpenVDB's headers. Internal to latvox::grid.
 #ifndef LATVOX_CLIENT_GRID_TREE_NODES_H_
 #define LATVOX_CLIENT_GRID_TREE_NODES_H_
 
@@ -15,11 +15,11 @@ using Leaf = openvdb::BoolTree::LeafNodeType;                  // 8^3 voxels: a 
 static_assert(Upper::DIM == 4096 && Lower::DIM == 128);
 static_assert(Leaf::LOG2DIM == 3 && Leaf::NodeMaskType::WORD_COUNT == 8, "a brick is a leaf");
 
-// Where a leaf stands in its tree. Ordered as OpenVDB goes through a tree, and writes it.
+// The place of a leaf in its tree, ordered like OpenVDB's iteration, which is also the order of writing.
 struct TreePlace {
   Vec3i upper{};       // low corner of the node of 4096^3 voxels
-  uint32_t lower = 0;  // which child of that one
-  uint32_t leaf = 0;   // which child of that one
+  uint32_t lower = 0;  // the child's number in that node
+  uint32_t leaf = 0;   // the child's number in that node
   auto operator<=>(const TreePlace&) const = default;
 };
 
@@ -37,7 +37,7 @@ inline void AddMask(const std::array<uint64_t, 8>& mask, Leaf& leaf) {
   for (openvdb::Index word = 0; word < 8; ++word) leaf.buffer().data()[word] = all.getWord<openvdb::Index64>(word);
 }
 
-// Of a leaf of any tree of this shape: where its active voxels are.
+// The active voxels of a leaf of any tree of this shape.
 template <class AnyLeaf>
 Brick ToBrick(const AnyLeaf& leaf) {
   static_assert(AnyLeaf::LOG2DIM == Leaf::LOG2DIM);

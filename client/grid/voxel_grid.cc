@@ -89,7 +89,7 @@ absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path) {
   return WithFile(path, [&](openvdb::io::File& file) -> absl::StatusOr<GridFileInfo> {
     const openvdb::GridPtrVecPtr grids = file.getGrids();
     if (!grids || grids->empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": holds no grid"));
-    // Others may stand before it, by their names.
+    // Other grids may stand before it, because of their names.
     const auto is_set = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "voxels"; };
     const auto set = std::find_if(grids->begin(), grids->end(), is_set);
     const openvdb::GridBase& grid = set == grids->end() ? *grids->front() : **set;

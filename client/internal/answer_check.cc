@@ -38,7 +38,7 @@ Vec3i TileOf(const Vec3i& brick_ijk) {
   return {brick_ijk[0] >> kTileBitsInBricks, brick_ijk[1] >> kTileBitsInBricks, brick_ijk[2] >> kTileBitsInBricks};
 }
 
-// Adds each brick with its part of the values, of which there are `each` for a voxel.
+// Adds each brick with its part of the values, `each` for every voxel.
 template <class T>
 void AddValues(const std::vector<Brick>& bricks, std::span<const T> values, size_t each, Digest& digest) {
   for (const Brick& brick : bricks) {
@@ -97,7 +97,7 @@ absl::Status AnswerCheck::ReceiveAccepted(const v1::Accepted& message) {
   return handlers_.on_accepted ? handlers_.on_accepted(*accepted_) : absl::OkStatus();
 }
 
-// What the request id identifies is the stream, and how many tiles are left is no fact of the whole.
+// The request id identifies the stream, and the number of tiles that are left is not a fact of the whole.
 absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
   const char* differs = !(again.grid == accepted_->grid)          ? "grid"
                         : again.index_box != accepted_->index_box ? "index_box"
@@ -108,7 +108,7 @@ absl::Status AnswerCheck::CompareAccepted(const Accepted& again) const {
 }
 
 absl::Status AnswerCheck::ReceiveBricks(const v1::BrickBatch& message) {
-  // Negated comparisons, so that NaN is caught.
+  // Negated comparisons, to find NaN.
   if (!(message.progress() >= progress_ && message.progress() <= 1)) {
     return Broken("progress ", message.progress(), " after ", progress_);
   }
@@ -158,7 +158,7 @@ absl::Status AnswerCheck::DecodeMasks(const v1::BrickBatch& message) {
   return absl::OkStatus();
 }
 
-// Tiles are told apart by a set rather than by their Morton order: that order starts at the whole mesh's index box,
+// A set of tiles, rather than their Morton order, finds repeated tiles. The order begins at the whole mesh's index box,
 // which a request with a region does not learn. Within a tile the order is strict, so no brick can come twice.
 absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) {
   const auto where = [&brick] { return absl::StrJoin(brick.brick_ijk, ","); };
@@ -185,7 +185,7 @@ absl::Status AnswerCheck::CheckBrick(const Brick& brick, const Brick* previous) 
   return absl::OkStatus();
 }
 
-// Of batch_, which has been checked, and has so many voxels.
+// `bytes` are the values of batch_, which has been checked, and has `voxels` voxels.
 absl::Status AnswerCheck::ReceiveValues(std::string_view bytes, size_t voxels) {
   const size_t expected = band_ ? voxels * sizeof(float) : 0;
   if (bytes.size() != expected) {
@@ -219,7 +219,7 @@ absl::Status AnswerCheck::ReceiveAttributes(std::string_view bytes, size_t voxel
   return absl::OkStatus();
 }
 
-// Negated comparisons, so that NaN is caught.
+// Negated comparisons, to find NaN.
 absl::Status AnswerCheck::CheckValue(float value) const {
   const double width = std::min(BandWidth(), double{std::numeric_limits<float>::max()});
   if (!(std::abs(value) <= static_cast<float>(width))) {
@@ -235,7 +235,7 @@ double AnswerCheck::BandWidth() const {
   return band_->in_voxels ? band_->width * accepted_->grid.voxel_size : band_->width;
 }
 
-// What the certificate says of the band.
+// Checks the certificate's facts about the band.
 absl::Status AnswerCheck::CheckBand(const std::optional<BandCertificate>& band) const {
   if (!band_ && !band) return absl::OkStatus();
   if (!band_ || !band) return Broken("a certificate ", band ? "of a band" : "without a band");

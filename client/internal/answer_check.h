@@ -1,4 +1,4 @@
-// Holds a server's answers against the protocol. Internal to the SDK.
+// Checks a server's answers against the protocol. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_ANSWER_CHECK_H_
 #define LATVOX_CLIENT_INTERNAL_ANSWER_CHECK_H_
 
@@ -16,27 +16,27 @@
 
 namespace latvox::client {
 
-// The answers of one Voxelize call, taken in order: of one stream, or of several, each but the first of which was asked
-// to go on after resume_after(). Memory: one batch and 12 bytes for each tile seen.
+// The answers of one Voxelize call, checked in order. They come from one stream, or from several; each later stream was
+// asked to continue after resume_after(). Memory: one batch and 12 bytes for each tile seen.
 class AnswerCheck {
  public:
-  // `mesh_bytes` is the length of the mesh; 0: not known. `band` and `attributes` are what was asked for.
+  // `mesh_bytes` is the length of the mesh; 0: not known. `band` and `attributes` are those of the request.
   AnswerCheck(const VoxelizeHandlers& handlers, uint64_t mesh_bytes, const std::optional<Band>& band = std::nullopt,
               const std::vector<Attribute>& attributes = {})
       : handlers_(handlers), mesh_bytes_(mesh_bytes), band_(band), asked_(attributes) {}
 
-  // The next answers are of a new stream. Not needed before the first one.
+  // Begins a new stream. Not necessary before the first one.
   void BeginStretch();
 
-  // Checks the next answer and hands it on. Errors: DATA_LOSS naming what is wrong with it; what the handler returned.
+  // Checks the next answer and passes it on. Errors: DATA_LOSS naming its fault; errors of the handler.
   absl::Status Receive(const v1::VoxelizeResponse& answer);
 
-  // Whether Accepted has been handed on, and the tile of the last brick that was: batches hold whole tiles.
+  // Whether Accepted has been passed on, and the tile of the last brick passed on: batches hold whole tiles.
   bool accepted() const { return accepted_.has_value(); }
   const std::optional<Vec3i>& resume_after() const { return resume_after_; }
 
-  // What the last stream ended with, counts and digest being those of all together. Errors: DATA_LOSS if there was no
-  // Summary.
+  // Returns the last stream's summary, with counts and digest of all streams together. Errors: DATA_LOSS if there was
+  // no Summary.
   absl::StatusOr<Summary> End() const;
 
  private:
@@ -63,9 +63,9 @@ class AnswerCheck {
   std::optional<Vec3i> resume_after_;
   std::vector<Brick> batch_;
   std::vector<float> values_;         // of batch_
-  std::vector<uint32_t> attributes_;  // likewise
+  std::vector<uint32_t> attributes_;  // of batch_
   std::string packed_;                // of the last batch that was a zstd frame
-  absl::flat_hash_set<Vec3i> tiles_;  // all that earlier bricks lie in
+  absl::flat_hash_set<Vec3i> tiles_;  // all tiles with earlier bricks
   struct Tally {
     uint64_t voxels = 0, bricks = 0, tiles = 0;
     Digest digest, values, attributes;
@@ -73,7 +73,7 @@ class AnswerCheck {
   };
   Tally before_, stretch_;              // of the streams before this one, and of this one
   bool stretch_accepted_ = false;       // this stream's Accepted has come
-  double progress_ = 0, reported_ = 0;  // of this stream, and as handed on
+  double progress_ = 0, reported_ = 0;  // of this stream, and as passed on
 };
 
 }  // namespace latvox::client

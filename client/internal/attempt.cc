@@ -13,7 +13,7 @@
 namespace latvox::client {
 namespace {
 
-// The trailer by which gRPC's own retries are told when to come back, in milliseconds; below 0: not at all.
+// The trailer that tells gRPC's own retries when to come back, in milliseconds; below 0: never.
 constexpr char kPushbackTrailer[] = "grpc-retry-pushback-ms";
 
 std::optional<int64_t> PushbackOf(const grpc::ClientContext& context) {
@@ -25,9 +25,9 @@ std::optional<int64_t> PushbackOf(const grpc::ClientContext& context) {
                                                                                                         : -1;
 }
 
-// gRPC has more than one code for a connection that breaks: UNAVAILABLE as a rule, but INTERNAL, UNKNOWN or CANCELLED
-// where the peer, or a proxy, reset the stream. An INTERNAL or UNKNOWN that a latvox server itself has said comes with
-// a reason. A CANCELLED of the caller's own does not get here.
+// gRPC has more than one code for a broken connection: usually UNAVAILABLE, but INTERNAL, UNKNOWN or CANCELLED where
+// the peer, or a proxy, reset the stream. An INTERNAL or UNKNOWN from a latvox server has a reason. A CANCELLED of the
+// caller's own does not get here.
 bool MayPassByItself(const absl::Status& status, const ErrorDetails& details, bool asked_to_come_back) {
   switch (status.code()) {
     case absl::StatusCode::kUnavailable:
@@ -37,7 +37,7 @@ bool MayPassByItself(const absl::Status& status, const ErrorDetails& details, bo
     case absl::StatusCode::kUnknown:
       return details.reason.empty();
     case absl::StatusCode::kResourceExhausted:
-      // A server's gRPC that is short of memory resets streams, too.
+      // The gRPC of a server that is short of memory resets streams, too.
       return asked_to_come_back || (details.reason.empty() && absl::StrContains(status.message(), "RST_STREAM"));
     default:
       return false;
@@ -54,7 +54,7 @@ Attempt::Attempt(const CallOptions& options, const Credentials& credentials)
   AddCallMetadata(credentials, options, context_);
 }
 
-// gRPC's own words for the two ends that the caller brought about say less than these.
+// gRPC's own messages for the two ends that the caller caused say less than these.
 AttemptEnd Attempt::End(const grpc::Status& status) const {
   if (status.ok()) return {};
   if (options_.cancellation.cancelled()) return {CancelledByCaller()};

@@ -14,13 +14,13 @@ namespace latvox::client {
 
 absl::Status CancelledByCaller();
 
-// How a try ended, and whether another one can end better.
+// The end of a try, and whether another one can end better.
 struct AttemptEnd {
   enum class Retry { kNever, kElsewhere, kLater };
 
   absl::Status status;
   Retry retry = Retry::kNever;                 // kElsewhere: on other servers only. kLater: on all
-  absl::Duration wait = absl::ZeroDuration();  // what the server asked for, at least, before it is asked again
+  absl::Duration wait = absl::ZeroDuration();  // the least wait that the server asked for
 };
 
 // The context of one try, under the call's deadline and cancellation.
@@ -31,13 +31,13 @@ class Attempt {
 
   grpc::ClientContext& context() { return context_; }
 
-  // Once the call is over, what its end means.
+  // Returns the meaning of the call's end. Call it once the call is over.
   AttemptEnd End(const grpc::Status& status) const;
 
  private:
   const CallOptions& options_;
   grpc::ClientContext context_;
-  const Cancellation::Subscription on_cancel_;  // goes before the context
+  const Cancellation::Subscription on_cancel_;  // destroyed before the context
 };
 
 }  // namespace latvox::client

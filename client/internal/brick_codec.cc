@@ -20,15 +20,15 @@ namespace {
 
 using Mask = decltype(Brick::mask);
 
-// The root, eight nodes, 64 leaves; or that of all cells.
+// The root, eight nodes, 64 leaves; or one byte for all cells.
 constexpr size_t kMinOctreeBytes = 1, kMaxOctreeBytes = 1 + 8 + 64;
 constexpr size_t kTileIjkBytes = sizeof(Vec3i);
-// Of lattice coordinates in 32 bits, shifted right by 6.
+// The range of lattice coordinates in 32 bits, shifted right by 6.
 constexpr int32_t kMinTile = -(1 << 25), kMaxTile = (1 << 25) - 1;
 
 static_assert(std::endian::native == std::endian::little, "words are written as bytes, and lie in memory as received");
 
-// Two words of a mask, in one register of any processor that has vectors.
+// Two words of a mask, in one register of any processor with vectors.
 using Words [[gnu::vector_size(16)]] = uint64_t;
 
 // Exchanges the bits `bits << shift` of a with the bits `bits` of b.
@@ -38,10 +38,10 @@ inline void Exchange(Words& a, Words& b, int shift, uint64_t bits) {
   a ^= difference << shift;
 }
 
-// The mask whose leaves these are: byte (o, s) of them holds the cells of octant s of octant o.
+// Returns the mask with these leaves: byte (o, s) of them holds the cells of octant s of octant o.
 //
-// The cell (x, y, z), each of three bits x2 x1 x0, comes in word x2 y2 z2, bit x1 y1 z1 x0 y0 z0; it belongs in word
-// x2 x1 x0, bit y2 y1 y0 z2 z1 z0. Three exchanges do this: z1 with y0, x0 with z2 (between words), x1 with y2.
+// The cell (x, y, z), each of three bits x2 x1 x0, comes in word x2 y2 z2, bit x1 y1 z1 x0 y0 z0. It belongs in word x2
+// x1 x0, bit y2 y1 y0 z2 z1 z0. Three exchanges do this: z1 with y0, x0 with z2 (between words), x1 with y2.
 inline Mask MaskOf(const Mask& leaves) {
   Words words[2][2];  // [o >> 2]: those with x0 = 0, those with 1; in both x1 = 0, 1
   for (size_t half = 0; half < 2; ++half) {
@@ -64,14 +64,15 @@ inline Mask MaskOf(const Mask& leaves) {
   return mask;
 }
 
-// Byte n: the bits set in byte n of the word.
+// Byte n of the result: the number of bits set in byte n of the word.
 inline uint64_t CountInBytes(uint64_t word) {
   word -= word >> 1 & 0x5555555555555555;
   word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
   return (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F;
 }
 
-// Reads a byte, not 0, for each set bit of `which`, and puts it where the bit is, lowest first. False: there is none.
+// Reads a byte, not 0, for each set bit of `which`, and puts it at the bit's place, lowest first. False: a byte is
+// missing.
 inline bool Scatter(const uint8_t*& in, const uint8_t* end, uint64_t which, uint64_t& word) {
   word = 0;
   for (; which != 0; which &= which - 1) {
@@ -81,14 +82,14 @@ inline bool Scatter(const uint8_t*& in, const uint8_t* end, uint64_t which, uint
   return true;
 }
 
-// Reads the octree of all cells.
+// Reads the octree of a full brick.
 inline bool UnpackFull(const uint8_t*& in, Mask& mask) {
   ++in;
   mask.fill(~uint64_t{0});
   return true;
 }
 
-// Reads one octree. False: it is none, and `in` is anywhere up to `end`.
+// Reads one octree. False: it is not valid, and `in` is anywhere up to `end`.
 bool UnpackPortably(const uint8_t*& in, const uint8_t* end, Mask& mask) {
   if (in == end) return false;
   if (*in == 0) return UnpackFull(in, mask);
@@ -117,27 +118,28 @@ struct ScatterTable {
 };
 constexpr ScatterTable kScatter;
 
-// As Scatter, but reads eight bytes in any case, and leaves zeros to be found by NonZeroBytes.
+// Like Scatter, but always reads eight bytes, and leaves zeros for NonZeroBytes to find.
 LATVOX_SSSE3 inline uint64_t ScatterFast(const uint8_t* in, uint64_t which) {
   const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(in));
   const __m128i shuffle = _mm_cvtsi64_si128(static_cast<int64_t>(kScatter.shuffles[which]));
   return static_cast<uint64_t>(_mm_cvtsi128_si64(_mm_shuffle_epi8(bytes, shuffle)));
 }
 
-// Bit n: byte n of the two words is not 0.
+// Bit n of the result: byte n of the two words is not 0.
 LATVOX_SSSE3 inline uint64_t NonZeroBytes(uint64_t low, uint64_t high) {
   const __m128i words = _mm_set_epi64x(static_cast<int64_t>(high), static_cast<int64_t>(low));
   return ~static_cast<uint64_t>(_mm_movemask_epi8(_mm_cmpeq_epi8(words, _mm_setzero_si128()))) & 0xFFFF;
 }
 
-// As UnpackPortably, for at least kMaxOctreeBytes up to the end. No branch depends on the octree but the first, which
-// is foreseen in a surface as in a solid, and the last.
+// Like UnpackPortably, for at least kMaxOctreeBytes up to the end. No branch depends on the octree except the first,
+// which is predicted well for surfaces and solids, and the last.
 LATVOX_SSSE3 inline bool UnpackFast(const uint8_t*& in, Mask& mask) {
   if (*in == 0) return UnpackFull(in, mask);
   const uint64_t root = *in++;
   const uint64_t nodes = ScatterFast(in, root);
   in += CountInBytes(root);
-  const uint64_t ends = CountInBytes(nodes) * 0x0101010101010101;  // byte o: leaves in words 0..o, at most 64
+  const uint64_t ends =
+      CountInBytes(nodes) * 0x0101010101010101;  // byte o: the number of leaves in words 0..o, at most 64
   Mask leaves;
   for (int o = 0; o < 8; ++o) leaves[o] = ScatterFast(in + ((ends << 8) >> 8 * o & 0xFF), nodes >> 8 * o & 0xFF);
   in += ends >> 56;
@@ -157,7 +159,7 @@ LATVOX_SSSE3 bool UnpackAllFast(const uint8_t*& in, const uint8_t* end, Brick* b
 
 #endif
 
-// Reads `count` octrees into the bricks' masks. False: one of them is none.
+// Reads `count` octrees into the bricks' masks. False: one of them is not valid.
 bool UnpackAll(const uint8_t*& in, const uint8_t* end, Brick* bricks, size_t count, UnpackKernel kernel) {
 #if defined(__x86_64__)
   if (kernel == UnpackKernel::kSsse3) return UnpackAllFast(in, end, bricks, count);
@@ -179,7 +181,7 @@ void Place(const Vec3i& tile_ijk, const Mask& which, Brick* brick) {
   }
 }
 
-// Where a tile lies. `in` must have kTileIjkBytes.
+// Reads the position of a tile. `in` must have kTileIjkBytes.
 absl::Status ReadTileIjk(const uint8_t*& in, Vec3i& tile_ijk) {
   std::memcpy(&tile_ijk, in, kTileIjkBytes);
   in += kTileIjkBytes;
@@ -191,7 +193,7 @@ absl::Status ReadTileIjk(const uint8_t*& in, Vec3i& tile_ijk) {
   return absl::OkStatus();
 }
 
-// Reads one tile and puts its bricks behind the first `count`, which becomes their number.
+// Reads one tile, and writes its bricks behind the first `count`, which becomes their number.
 absl::Status UnpackTile(const uint8_t*& in, const uint8_t* end, std::vector<Brick>& bricks, size_t& count,
                         UnpackKernel kernel) {
   if (static_cast<size_t>(end - in) < kTileIjkBytes) return absl::InvalidArgumentError("half a tile");
@@ -231,8 +233,8 @@ absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks, U
   if (packed.size() > kMaxPackedBytes) {
     return absl::InvalidArgumentError(absl::StrCat("packed has ", packed.size(), " bytes, over ", kMaxPackedBytes));
   }
-  // Bricks of an earlier batch are written over rather than made anew, and no batch moves as it grows. What is reserved
-  // and not used costs nothing.
+  // It overwrites bricks of an earlier batch instead of making them anew, and no batch moves as it grows. Reserved and
+  // unused memory costs nothing.
   bricks.reserve(std::min(packed.size() / kMinOctreeBytes, kMaxBatchBricks));
   size_t count = 0;
   const auto* const begin = reinterpret_cast<const uint8_t*>(packed.data());

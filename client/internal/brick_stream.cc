@@ -15,7 +15,7 @@
 
 namespace latvox::client {
 
-// The call runs on `thread_`, as a call with handlers does, and leaves its batches in a ring, where Next finds them.
+// The call runs on `thread_`, like a call with handlers, and puts its batches into a ring, where Next finds them.
 class LATVOX_HIDDEN BrickStream::State {
  public:
   State(Call call, const CallOptions& options);
@@ -26,12 +26,12 @@ class LATVOX_HIDDEN BrickStream::State {
   std::optional<Summary> summary() const;
 
  private:
-  static constexpr size_t kReadAhead = 3;  // batches that wait to be taken, at most
+  static constexpr size_t kReadAhead = 3;  // batches that wait, at most
 
   struct Batch {
-    std::vector<Brick> bricks;  // kept from turn to turn, for its memory
+    std::vector<Brick> bricks;  // kept from turn to turn, to reuse its memory
     double progress = 0;
-    std::vector<float> values;         // kept likewise
+    std::vector<float> values;         // kept in the same way
     std::vector<uint32_t> attributes;  // and these
   };
 
@@ -42,7 +42,7 @@ class LATVOX_HIDDEN BrickStream::State {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  // Batch n is in place n modulo size. One more than wait is with the caller, who has batch taken_ - 1.
+  // Batch n is in place n modulo size. There is one place more than waiting batches, for the caller's batch taken_ - 1.
   std::array<Batch, kReadAhead + 1> ring_;
   // Guarded by mutex_:
   size_t offered_ = 0, taken_ = 0;
@@ -50,9 +50,9 @@ class LATVOX_HIDDEN BrickStream::State {
   std::optional<Accepted> accepted_;
   std::optional<absl::StatusOr<Summary>> end_;
 
-  // The call's own: the caller's may be that of other calls, too.
+  // A cancellation of its own: the caller's may belong to other calls, too.
   const Cancellation stop_;
-  const Cancellation::Subscription on_stop_, on_cancel_;  // run at once where it is cancelled already
+  const Cancellation::Subscription on_stop_, on_cancel_;  // they run at once if it is cancelled already
 
   std::thread thread_;
 };
@@ -102,9 +102,9 @@ absl::Status BrickStream::State::Offer(const BrickBatch& batch) {
     changed_.wait(lock, [this] { return stopped_ || offered_ - taken_ < kReadAhead; });
     if (stopped_) return absl::CancelledError("cancelled by the caller");
   }
-  // Nobody else looks at this place, or writes offered_.
+  // No other thread looks at this place, or writes offered_.
   Batch& place = ring_[offered_ % ring_.size()];
-  const auto& [bricks, progress, values, attributes] = batch;  // all there is to a batch
+  const auto& [bricks, progress, values, attributes] = batch;  // all members of a batch
   place.bricks.assign(bricks.begin(), bricks.end());
   place.progress = progress;
   place.values.assign(values.begin(), values.end());

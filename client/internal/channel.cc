@@ -9,12 +9,12 @@
 namespace latvox::client {
 namespace {
 
-// A server's message is refused above this, so that a bad one cannot take all memory.
+// Larger messages of a server are refused, so that a bad one cannot take all memory.
 constexpr int kMaxReceiveBytes = 64 << 20;
 
-// A broken connection is made again after these. gRPC's own 1 s to 120 s would let retries run out in vain.
+// Waits before a broken connection is made again. gRPC's own 1 s to 120 s would make retries run out in vain.
 constexpr absl::Duration kFirstReconnect = absl::Milliseconds(100), kSlowestReconnect = absl::Seconds(2);
-// A server that was moved has another address; the default of 30 s keeps looking for it at the old one.
+// A server that has moved has another address; the default of 30 s keeps looking for it at the old one.
 constexpr absl::Duration kResolveAgain = absl::Seconds(5);
 
 int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToInt64Milliseconds(duration)); }
@@ -25,8 +25,8 @@ grpc::ChannelArguments Arguments(const ConnectionOptions& options) {
   arguments.SetLoadBalancingPolicyName("round_robin");
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, ToMilliseconds(options.keepalive_time));
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, ToMilliseconds(options.keepalive_timeout));
-  // Without this, no ping is sent after the second one on a connection that has no data to send: while a long
-  // computation runs, for example.
+  // Without this, no ping is sent after the second one on a connection without data to send, for example during a long
+  // computation.
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, ToMilliseconds(kFirstReconnect));
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, ToMilliseconds(kSlowestReconnect));
@@ -39,7 +39,7 @@ grpc::ChannelArguments Arguments(const ConnectionOptions& options) {
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ConnectionOptions& options) {
-  // gRPC's library stays up until the process ends: to shut it down takes 10 s if a call was given up that still sends.
+  // gRPC's library stays up until the process ends. Its shutdown takes 10 s if an abandoned call still sends.
   static const bool kept_up = (grpc_init(), true);
   static_cast<void>(kept_up);
   const auto credentials = MakeChannelCredentials(address, options.credentials);

@@ -1,4 +1,4 @@
-// Channels as the SDK uses them. Internal to the SDK.
+// gRPC channels of the SDK. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_CHANNEL_H_
 #define LATVOX_CLIENT_INTERNAL_CHANNEL_H_
 
@@ -12,8 +12,8 @@
 
 namespace latvox::client {
 
-// A channel, not connected yet, to "HOST:PORT" or "unix:PATH". Calls go in turn to all addresses that HOST resolves to
-// and that can be reached. Errors: as MakeChannelCredentials.
+// Returns a channel to "HOST:PORT" or "unix:PATH", not yet connected. Calls go in turn to all reachable addresses of
+// HOST. Errors: as MakeChannelCredentials.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ConnectionOptions& options);
 

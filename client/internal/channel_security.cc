@@ -28,7 +28,7 @@ bool IsUnixSocket(absl::string_view address) {
   return absl::StartsWith(address, "unix:") || absl::StartsWith(address, "unix-abstract:");
 }
 
-// Whether what is sent there cannot leave this machine. Of the many forms of an address only the plain ones are.
+// Returns whether messages to the address cannot leave this machine. Only the plain forms of local addresses count.
 bool IsLocal(absl::string_view address) {
   if (IsUnixSocket(address)) return true;
   const std::string host{address.substr(0, address.rfind(':'))};
@@ -42,7 +42,7 @@ absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view 
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (file) text << file.rdbuf();
-  if (!file || errno != 0) {  // text fails of an empty file, too; of a directory alone errno tells
+  if (!file || errno != 0) {  // an empty file sets failbit of `text` only; a directory only sets errno
     return absl::InvalidArgumentError(
         absl::StrCat("cannot read the ", what, " \"", path, "\": ", std::strerror(errno)));
   }
@@ -69,7 +69,7 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeTlsCredentials(con
   return grpc::SslCredentials(options);
 }
 
-// RFC 6750, section 2.1. Anything else could not stand in the metadata.
+// RFC 6750, section 2.1. Other characters are not possible in the metadata.
 bool IsToken(absl::string_view token) {
   static constexpr absl::string_view kOthers = "-._~+/=";
   return std::all_of(token.begin(), token.end(), [](char c) {

@@ -14,12 +14,12 @@
 
 namespace latvox::client {
 
-// For a channel to `address`. Errors: INVALID_ARGUMENT naming the file that cannot be used, or the address if it is not
-// of this machine and the token would go there in plain text.
+// Returns the credentials for a channel to `address`. Errors: INVALID_ARGUMENT naming a file that cannot be used, or
+// the address if it is on another machine and the token would go there in plain text.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(const std::string& address,
                                                                                  const Credentials& credentials);
 
-// What each call on such a channel has in its metadata: the token, and the trace it belongs to. Once for each context.
+// Adds the token, and the trace of the call, to the metadata of a call. Call it once for each context.
 void AddCallMetadata(const Credentials& credentials, const CallOptions& options, grpc::ClientContext& context);
 
 }  // namespace latvox::client

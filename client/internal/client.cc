@@ -10,14 +10,14 @@
 namespace latvox::client {
 namespace {
 
-// A call with handlers that keeps all it is told.
+// A call with handlers that keep everything.
 template <class Mesh>
 absl::StatusOr<Voxelization> Gather(const Client& client, const VoxelizeRequest& request, const Mesh& mesh,
                                     const CallOptions& options) {
   Voxelization all;
   const auto accept = [&all](const Accepted& accepted) { return all.accepted = accepted, absl::OkStatus(); };
   const auto take = [&all](const BrickBatch& batch) {
-    const auto& [bricks, progress, values, attributes] = batch;  // all there is to a batch
+    const auto& [bricks, progress, values, attributes] = batch;  // all members of a batch
     all.bricks.insert(all.bricks.end(), bricks.begin(), bricks.end());
     all.values.insert(all.values.end(), values.begin(), values.end());
     all.attributes.insert(all.attributes.end(), attributes.begin(), attributes.end());

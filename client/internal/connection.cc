@@ -14,15 +14,15 @@ namespace {
 
 constexpr absl::Duration kConnectTimeout = absl::Seconds(10);
 constexpr absl::Duration kCancellationPoll = absl::Milliseconds(20);
-// Meshes remembered as kept by servers. Those beyond are asked for again, which costs a round trip.
+// The most meshes remembered for servers. Further ones are asked for again, which costs a round trip.
 constexpr size_t kMeshesRemembered = 256;
 
 bool IsOutOfReach(grpc_connectivity_state state) {
   return state == GRPC_CHANNEL_TRANSIENT_FAILURE || state == GRPC_CHANNEL_SHUTDOWN;
 }
 
-// gRPC's words, which it has for a call only: that nobody listens there, that a certificate is not believed. Empty if
-// the server has come by now.
+// Returns gRPC's reason, which exists only for a call: nobody listens there, or a certificate is not trusted. Empty if
+// the server has come up by now.
 std::string WhyOutOfReach(v1::Voxelizer::Stub& stub) {
   constexpr absl::Duration kPatience = absl::Seconds(1);
   grpc::ClientContext context;
@@ -32,7 +32,7 @@ std::string WhyOutOfReach(v1::Voxelizer::Stub& stub) {
   const bool answered = status.error_code() != grpc::StatusCode::UNAVAILABLE &&
                         status.error_code() != grpc::StatusCode::DEADLINE_EXCEEDED;
   if (answered) return "";
-  // Of several addresses it names the last one's.
+  // For several addresses, it names the last one.
   const std::pair<std::string, std::string> parts =
       absl::StrSplit(status.error_message(), absl::MaxSplits("last error: ", 1));
   return absl::StrReplaceAll(parts.second.empty() ? parts.first : parts.second, {{"\n", " "}});

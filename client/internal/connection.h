@@ -1,4 +1,4 @@
-// The servers that a Client talks to. Internal to the SDK.
+// The servers of a Client. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_CONNECTION_H_
 #define LATVOX_CLIENT_INTERNAL_CONNECTION_H_
 
@@ -20,7 +20,7 @@
 
 namespace latvox::client {
 
-// One address, with a channel of its own: a list of names cannot be one channel of gRPC, and several channels tell
+// One address, with a channel of its own. A list of names cannot be one channel of gRPC, and several channels show
 // which server a call went to.
 struct Endpoint {
   std::string address;
@@ -31,7 +31,7 @@ struct Endpoint {
 // Threads: all methods may be called at once.
 class Connection {
  public:
-  // As Client::Connect. `addresses`: one at least.
+  // As Client::Connect. `addresses`: at least one.
   static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::vector<std::string>& addresses,
                                                           const CallOptions& options,
                                                           const ConnectionOptions& connection_options);
@@ -40,12 +40,12 @@ class Connection {
   const Credentials& credentials() const { return credentials_; }
   const Endpoint& endpoint(size_t index) const { return endpoints_[index]; }
 
-  // The endpoint for the next try: of those that are not `tried` (one bool for each), the next in turn that is
-  // connected, else that may become so; with `mesh`, rather one that may have it. Nothing if all are tried or are known
-  // to be out of reach; but if none is tried, always one.
+  // Returns the endpoint for the next try, among those that are not `tried` (one bool for each). That is the next one
+  // in turn that is connected, else one that may become so. With `mesh`, it prefers one that may have it. Returns
+  // nothing if all are tried or known to be unreachable, but always one if none is tried.
   std::optional<size_t> Pick(const std::vector<bool>& tried, const MeshId* mesh);
 
-  // What was seen of the meshes that servers keep. They may have dropped them since, so this is a guess.
+  // The meshes that servers had when last asked. They may have dropped them since, so this is a guess.
   bool MayHave(size_t endpoint, const MeshId& mesh) const;
   void Remember(size_t endpoint, const MeshId& mesh);
   void Forget(size_t endpoint, const MeshId& mesh);
@@ -64,7 +64,7 @@ class Connection {
   Credentials credentials_;
   std::atomic<size_t> turn_ = 0;
   mutable std::mutex mutex_;
-  std::deque<Kept> kept_;  // guarded by mutex_; the oldest first
+  std::deque<Kept> kept_;  // guarded by mutex_; the oldest comes first
 };
 
 }  // namespace latvox::client

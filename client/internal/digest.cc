@@ -9,7 +9,7 @@
 
 namespace latvox::client {
 
-// Brick's words are copied to and from the wire as they lie in memory.
+// Brick's words are copied to and from the wire without conversion.
 static_assert(std::endian::native == std::endian::little, "bricks are little-endian on the wire");
 
 void Digest::Add(const Brick& brick, std::span<const float> values) { Add(brick, values.data(), values.size_bytes()); }

@@ -1,4 +1,4 @@
-// The digest of a voxel set, computed from what arrived, to hold against what the server says it sent.
+// The digest of a voxel set, computed from the received bricks, to compare it with the server's.
 #ifndef LATVOX_CLIENT_INTERNAL_DIGEST_H_
 #define LATVOX_CLIENT_INTERNAL_DIGEST_H_
 
@@ -11,12 +11,12 @@
 namespace latvox::client {
 
 // Certificate.digest of the protocol: the sum modulo 2^128, over all bricks, of XXH3-128 (seed 0) of 76 bytes, which
-// are brick_ijk and the mask's words, little-endian; of BandCertificate.digest, with the brick's values behind them,
-// and of AttributeCertificate.digest, with its attributes. The order of bricks does not matter.
+// are brick_ijk and the mask's words, little-endian. For BandCertificate.digest, the brick's values follow them; for
+// AttributeCertificate.digest, its attributes. The order of bricks does not matter.
 class Digest {
  public:
   void Add(const Brick& brick, std::span<const float> values = {});
-  void Add(const Brick& brick, std::span<const uint32_t> attributes);  // three for each voxel at most
+  void Add(const Brick& brick, std::span<const uint32_t> attributes);  // at most three for each voxel
   void Add(const Digest& other);                                       // all bricks of the other
   std::string ToHex() const;                                           // 32 hexadecimal digits
 

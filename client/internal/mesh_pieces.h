@@ -1,4 +1,4 @@
-// The messages that carry a mesh. Internal to the SDK.
+// Messages that carry a mesh. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_MESH_PIECES_H_
 #define LATVOX_CLIENT_INTERNAL_MESH_PIECES_H_
 
@@ -12,14 +12,14 @@ namespace latvox::client {
 template <class Request>
 class MeshPieces {
  public:
-  static constexpr size_t kBytes = size_t{1} << 20;  // of a piece, but for the last one
+  static constexpr size_t kBytes = size_t{1} << 20;  // of a piece, except the last one
 
   explicit MeshPieces(std::string_view mesh) : rest_(mesh) {}
 
-  // Whether all have been taken.
+  // Whether all pieces have been taken.
   bool empty() const { return rest_.empty(); }
 
-  // The next one, valid until another is taken.
+  // Returns the next piece, valid until the next call.
   const Request& Next() {
     const std::string_view piece = rest_.substr(0, kBytes);
     rest_.remove_prefix(piece.size());

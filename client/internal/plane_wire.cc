@@ -63,7 +63,7 @@ absl::Status ReadPixels(const v1::PixelizeResponse& response, std::vector<Vec2i>
   return absl::OkStatus();
 }
 
-// That of the voxels (i, j, 0).
+// The digest of the voxels (i, j, 0).
 std::string DigestOf(const std::vector<Vec2i>& pixels) {
   absl::flat_hash_map<Vec3i, std::array<uint64_t, 8>> masks;
   for (const auto& [i, j] : pixels) {

@@ -1,4 +1,4 @@
-// Plain values of the plane to protocol messages and back. Internal to the SDK.
+// Converts plain values of the plane to protocol messages and back. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_PLANE_WIRE_H_
 #define LATVOX_CLIENT_INTERNAL_PLANE_WIRE_H_
 
@@ -10,8 +10,8 @@ namespace latvox::client {
 
 v1::PixelizeRequest ToProto(const PixelizeRequest& request);
 
-// Everything but the bytes. Errors: DATA_LOSS naming what breaks the protocol: a grid that is not usable, pixels out of
-// order, another digest than theirs.
+// Fills everything except the bytes. Errors: DATA_LOSS naming a breach of the protocol: an unusable grid, pixels out of
+// order, a digest that is not theirs.
 absl::StatusOr<Pixelization> FromProto(const v1::PixelizeResponse& response);
 
 }  // namespace latvox::client

@@ -30,7 +30,7 @@ absl::Status RemoteService::PutMesh(const MeshId& mesh, std::string_view mesh_dr
     v1::PutMeshResponse response;
     const auto stream = connection_->endpoint(server).stub->PutMesh(&attempt.context(), &response);
     MeshPieces<v1::PutMeshRequest> pieces(mesh_drc);
-    // A write that fails means that the call is over: the server has the mesh already, for one.
+    // A failed write means that the call is over, for example because the server has the mesh already.
     bool open = stream->Write(first);
     while (open && !pieces.empty()) open = stream->Write(pieces.Next());
     if (open) stream->WritesDone();
@@ -67,8 +67,8 @@ absl::StatusOr<Limits> RemoteService::GetLimits(const CallOptions& options) {
   return FromProto(response);
 }
 
-// grpc.health.v1 written out by hand, as two bytes at most are spoken: the request {} asks for the whole server, and
-// the answer's field 1 is the status, 1 for SERVING.
+// grpc.health.v1 by hand, because it needs two bytes at most: the request {} asks for the whole server, and the
+// answer's field 1 is the status, 1 for SERVING.
 absl::StatusOr<bool> RemoteService::Health(const CallOptions& options) {
   Attempt attempt(options, connection_->credentials());
   const grpc::Slice nothing;

@@ -1,4 +1,4 @@
-// The service that servers offer over gRPC. Internal to the SDK.
+// The service of servers over gRPC. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_REMOTE_SERVICE_H_
 #define LATVOX_CLIENT_INTERNAL_REMOTE_SERVICE_H_
 
@@ -9,7 +9,7 @@
 
 namespace latvox::client {
 
-// Retries, resumes and checks, as Client promises. Threads: all methods may be called at once.
+// Retries, resumes and checks, as Client promises. Threads: any threads may call all methods at once.
 class RemoteService final : public VoxelService {
  public:
   explicit RemoteService(std::unique_ptr<Connection> connection);

@@ -1,4 +1,4 @@
-// What is wrong with a call whatever server it goes to. Internal to the SDK.
+// Finds faults of a call that do not depend on the server. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_REQUEST_CHECK_H_
 #define LATVOX_CLIENT_INTERNAL_REQUEST_CHECK_H_
 
@@ -10,10 +10,10 @@
 
 namespace latvox::client {
 
-// INVALID_ARGUMENT for no bytes: servers take them for a mesh that they are to have already.
+// Returns INVALID_ARGUMENT for an empty mesh, because servers take that for the name of a stored mesh.
 absl::Status CheckMesh(std::string_view mesh_drc);
 
-// INVALID_ARGUMENT for both a size and a resolution: the protocol would carry only the last one set.
+// Returns INVALID_ARGUMENT for both a size and a resolution, because the protocol would carry only the last one set.
 absl::Status CheckRequest(const VoxelizeRequest& request);
 absl::Status CheckRequest(const PixelizeRequest& request);
 

@@ -29,7 +29,7 @@ bool IsTraceparent(absl::string_view value) {
 }
 
 bool IsTracestate(absl::string_view value) {
-  constexpr size_t kMaxSize = 512;  // that everybody has to pass on
+  constexpr size_t kMaxSize = 512;  // W3C: everyone should pass on at least this much
   return !value.empty() && value.size() <= kMaxSize && IsVisible(value);
 }
 

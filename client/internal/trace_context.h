@@ -1,4 +1,5 @@
-// W3C Trace Context, https://www.w3.org/TR/trace-context: what may be sent of it. Internal to the SDK and its programs.
+// Checks values of W3C Trace Context before they are sent: https://www.w3.org/TR/trace-context. Internal to the SDK and
+// its programs.
 #ifndef LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_
 #define LATVOX_CLIENT_INTERNAL_TRACE_CONTEXT_H_
 
@@ -6,11 +7,11 @@
 
 namespace latvox::client {
 
-// Whether the value of "traceparent" is well-formed: of version 00, or of a later one as far as that is to be like 00.
+// Returns whether a value of "traceparent" is well-formed: of version 00, or of a later one in its common part.
 bool IsTraceparent(absl::string_view value);
 
-// Whether the value of "tracestate" may stand in metadata: 1 to 512 visible ASCII characters and spaces. What its
-// entries mean is between those who write and read them.
+// Returns whether a value of "tracestate" is valid in metadata: 1 to 512 visible ASCII characters and spaces. Only its
+// writers and readers know the meaning of its entries.
 bool IsTracestate(absl::string_view value);
 
 }  // namespace latvox::client

@@ -11,10 +11,10 @@
 namespace latvox::client {
 namespace {
 
-// A server that asks for more is not believed.
+// The longest wait that a server may ask for.
 constexpr absl::Duration kLongestWaitAsked = absl::Minutes(1);
 
-// The last error, and that it was not the first.
+// The last error, with the number of tries.
 absl::Status GaveUp(const absl::Status& last, int tries) {
   if (tries == 1) return last;
   absl::Status status(last.code(), absl::StrCat(last.message(), " (the last of ", tries, " tries)"));

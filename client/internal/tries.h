@@ -1,4 +1,4 @@
-// The tries of one call: which server, when, and when to give up. Internal to the SDK.
+// The tries of one call: their servers, their times, and their end. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_TRIES_H_
 #define LATVOX_CLIENT_INTERNAL_TRIES_H_
 
@@ -14,17 +14,17 @@ namespace latvox::client {
 // As RetryPolicy describes. Used by the thread that makes the call.
 class Tries {
  public:
-  // `mesh`, if given: what the server should have. All must outlive it.
+  // `mesh`, if given: the mesh that the server should have. All must outlive it.
   Tries(Connection& connection, const CallOptions& options, const MeshId* mesh = nullptr);
 
-  // Where the present try goes.
+  // The server of the present try.
   size_t server() const { return server_; }
 
-  // The present try has brought the call forward.
+  // The present try has made progress.
   void Progress();
 
-  // The present try has ended thus, not with OK. OK: server() says where the next one goes, and it is time for it.
-  // Errors, with which the call ends: that of the try; CANCELLED; DEADLINE_EXCEEDED.
+  // The present try has ended with this error. OK: server() is the next one, and it is time for it. Errors, with which
+  // the call ends: that of the try; CANCELLED; DEADLINE_EXCEEDED.
   absl::Status Again(const AttemptEnd& end);
 
  private:
@@ -35,14 +35,14 @@ class Tries {
   const CallOptions& options_;
   const MeshId* mesh_;
   size_t server_ = 0;
-  // Of the present round:
+  // In the present round:
   std::vector<bool> tried_;
   absl::Duration asked_for_ = absl::ZeroDuration();
   // Since the last progress:
   int rounds_ = 0, failures_ = 0;
 };
 
-// Calls once(server), which returns an AttemptEnd, until it succeeds or another try is of no use.
+// Calls once(server), which returns an AttemptEnd, until it succeeds or another try is useless.
 template <class Once>
 absl::Status Repeat(Connection& connection, const CallOptions& options, const Once& once) {
   if (options.cancellation.cancelled()) return CancelledByCaller();

@@ -24,7 +24,7 @@ absl::StatusOr<Summary> VoxelizeCall::Run() {
   if (options_.cancellation.cancelled()) return CancelledByCaller();
   for (;;) {
     const AttemptEnd end = TryServer();
-    // A connection that breaks after the summary has nothing left to lose.
+    // A connection that breaks after the summary loses nothing.
     if (end.status.ok() || (end.retry == AttemptEnd::Retry::kLater && check_.End().ok())) break;
     broken_by_ = end.status;
     if (absl::Status status = tries_.Again(end); !status.ok()) return status;

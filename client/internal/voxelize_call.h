@@ -15,20 +15,20 @@
 
 namespace latvox::client {
 
-// One call, which may take several streams. Each but the first asks for what comes after the last tile that was handed
-// on; so the stretches together are the one stream that an undisturbed call has, as the stream is a function of the
+// One call, which may take several streams. Each later stream asks for the bricks after the last tile that was passed
+// on. So the stretches together equal the one stream of an undisturbed call, because the stream is a function of the
 // request.
 //
-// The mesh travels with the first stream to a server. Later ones only name it, if this Client has seen that the server
-// has it, or if a stream is resumed: a question that costs a round trip, for an answer that may save the upload. A
-// server that says NOT_FOUND is sent the mesh.
+// The first stream to a server carries the mesh. Later ones only name it, if this Client has seen that the server has
+// it, or if a stream is resumed. This may save the upload, and costs a round trip at worst: a server that answers
+// NOT_FOUND gets the mesh.
 class VoxelizeCall {
  public:
   // `drc`: the mesh's bytes; without them, the server must have the mesh. All must outlive the call.
   VoxelizeCall(Connection& connection, const VoxelizeRequest& request, const MeshId& mesh,
                std::optional<std::string_view> drc, const VoxelizeHandlers& handlers, const CallOptions& options);
 
-  // Once. As Client::Voxelize.
+  // Call it once. As Client::Voxelize.
   absl::StatusOr<Summary> Run();
 
  private:
@@ -44,9 +44,9 @@ class VoxelizeCall {
   const VoxelizeHandlers& handlers_;
   const CallOptions& options_;
   AnswerCheck check_;
-  bool failed_here_ = false;  // the last stretch, for a handler or the check, not the server
+  bool failed_here_ = false;  // the last stretch failed because of a handler or the check, not the server
   Tries tries_;
-  absl::Status broken_by_;  // how the last stream ended
+  absl::Status broken_by_;  // the error of the last stream
   int resumed_ = 0;
   uint64_t bytes_sent_ = 0, bytes_received_ = 0;
 };

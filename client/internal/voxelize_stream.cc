@@ -8,7 +8,7 @@ VoxelizeStream::VoxelizeStream(v1::Voxelizer::Stub& stub, grpc::ClientContext& c
                                const v1::VoxelizeRequest& first, std::string_view mesh)
     : context_(context), first_(first), pieces_(mesh) {
   stub.async()->Voxelize(&context, this);
-  AddHold();  // for the reads, which come from outside of gRPC's callbacks
+  AddHold();  // for the reads, which do not come from gRPC's callbacks
   SendNext();
   StartCall();
 }
@@ -29,7 +29,7 @@ void VoxelizeStream::SendNext() {
   }
 }
 
-// A write that fails means that the call is over.
+// A failed write means that the call is over.
 void VoxelizeStream::OnWriteDone(bool ok) {
   if (!ok) return;
   sent_ += sending_;

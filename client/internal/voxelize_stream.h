@@ -15,24 +15,24 @@
 
 namespace latvox::client {
 
-// Uploads on gRPC's threads while the thread that made it reads, so that an early error is seen while the upload still
-// runs, and a server that answers before it has read everything cannot block both sides.
+// Uploads on gRPC's threads while its own thread reads. So an early error shows while the upload still runs, and a
+// server that answers before it has read everything cannot block both sides.
 //
-// It is of gRPC's callback kind since only then do gRPC's threads watch the connection all the time. A synchronous
-// stream is watched by the thread that reads, that is, not while a handler runs: pings then go unanswered and unheard
-// for 5 s and more, and either end takes the other for dead.
+// It uses gRPC's callbacks, because only then do gRPC's threads watch the connection all the time. A synchronous stream
+// is watched by the reading thread, and so not while a handler runs. Then pings get no answer for 5 s and more, and
+// either end takes the other for dead.
 class VoxelizeStream final : private grpc::ClientBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse> {
  public:
   // Begins to send `first`, which has the spec, and the mesh. All must outlive the stream.
   VoxelizeStream(v1::Voxelizer::Stub& stub, grpc::ClientContext& context, const v1::VoxelizeRequest& first,
                  std::string_view mesh);
-  // Cancels and finishes it, unless it is finished.
+  // Cancels and finishes the stream, unless it is finished.
   ~VoxelizeStream() override;
 
-  // Waits for the next answer. False: there is none; Finish tells why.
+  // Waits for the next answer. False: there is none; Finish has the reason.
   bool Read(v1::VoxelizeResponse& answer);
 
-  // Waits for the end, once there is no answer any more or the context is cancelled.
+  // Waits for the end. Call it after the last answer, or once the context is cancelled.
   grpc::Status Finish();
 
   // Bytes of messages sent. After Finish.
@@ -45,7 +45,7 @@ class VoxelizeStream final : private grpc::ClientBidiReactor<v1::VoxelizeRequest
   void OnDone(const grpc::Status& status) override;
 
   grpc::ClientContext& context_;
-  // Of the upload's callbacks, of which one at a time runs:
+  // Used by the upload's callbacks, one at a time:
   const v1::VoxelizeRequest& first_;
   MeshPieces<v1::VoxelizeRequest> pieces_;
   uint64_t sending_ = 0, sent_ = 0;

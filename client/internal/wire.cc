@@ -110,7 +110,7 @@ v1::Attribute ToProto(Attribute attribute) {
   return v1::ATTRIBUTE_UNSPECIFIED;
 }
 
-// What is unknown is left out.
+// Unknown attributes are left out.
 AttributeCertificate FromProto(const v1::AttributeCertificate& certificate) {
   AttributeCertificate out{{}, certificate.digest()};
   for (const int number : certificate.attributes()) {

@@ -1,4 +1,4 @@
-// Plain values to protocol messages and back. Internal to the SDK.
+// Converts plain values to protocol messages and back. Internal to the SDK.
 #ifndef LATVOX_CLIENT_INTERNAL_WIRE_H_
 #define LATVOX_CLIENT_INTERNAL_WIRE_H_
 
@@ -13,14 +13,14 @@
 
 namespace latvox::client {
 
-// `resume_after`: the tile behind which to go on.
+// `resume_after`: the last tile that the client has.
 v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, const std::optional<Vec3i>& resume_after);
 
 Accepted FromProto(const v1::Accepted& accepted);
 Summary FromProto(const v1::Summary& summary);
 Limits FromProto(const v1::GetLimitsResponse& limits);
 
-// Code, message and the details of grpc-status-details-bin.
+// Returns code, message and the details of grpc-status-details-bin.
 absl::Status FromGrpc(const grpc::Status& status);
 
 }  // namespace latvox::client

@@ -15,7 +15,7 @@ inline constexpr Affine kIdentity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}
 
 constexpr Affine Scaling(double s) { return {{{s, 0, 0, 0}, {0, s, 0, 0}, {0, 0, s, 0}}}; }
 
-// First `inner`, then `outer`.
+// `inner` first, then `outer`.
 inline Affine operator*(const Affine& outer, const Affine& inner) {
   Affine out{};
   for (size_t r = 0; r < 3; ++r) {
@@ -27,9 +27,9 @@ inline Affine operator*(const Affine& outer, const Affine& inner) {
   return out;
 }
 
-// Rounded to float32 once. A float32 that is too large becomes infinite.
+// Rounded to float32 once. A value too large for float32 becomes infinite.
 inline Vec3f Apply(const Affine& map, const Vec3f& v) {
-  // Untouched, so that positions without a transform keep their bits.
+  // Unchanged, so that positions without a transform keep their bits.
   if (map == kIdentity) return v;
   Vec3f out;
   for (size_t r = 0; r < 3; ++r) {

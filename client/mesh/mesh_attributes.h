@@ -1,4 +1,4 @@
-// What meshes bring along for voxels to carry.
+// The attributes of meshes, for voxels to carry.
 #ifndef LATVOX_CLIENT_MESH_MESH_ATTRIBUTES_H_
 #define LATVOX_CLIENT_MESH_MESH_ATTRIBUTES_H_
 
@@ -14,33 +14,34 @@
 
 namespace latvox::client {
 
-// The triangles that are added from now on belong together. `part` is not below that of the stretch before.
+// Begins a stretch: the triangles added from now on belong together. `part` is not below that of the stretch before.
 void BeginStretch(uint32_t part, std::optional<uint32_t> material, Mesh& mesh);
 
-// The part to give to a further object: the one after the last that has triangles.
+// Returns the part for a further object: the number after the last one with triangles.
 uint32_t NextPart(const Mesh& mesh);
 
-// Red, green and blue as bytes, from numbers between 0 and 1; beyond these there are no colors.
+// Converts red, green and blue from numbers between 0 and 1 to bytes; other numbers are clamped.
 Color ToColor(const float* rgb);
 
-// Gives the mesh colors, those of each triangle's corners. A vertex with several becomes several in one place.
+// Gives the mesh the colors of its triangles' corners. A vertex with several colors becomes several vertices at one
+// place.
 void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh);
 
-// INVALID_ARGUMENT naming the first of the attributes that some of the mesh lacks, and why if its file has colors
-// that are not read.
+// Returns INVALID_ARGUMENT naming the first attribute that some of the mesh lacks, with the reason if its file has
+// colors that are not read.
 absl::Status CheckHas(const std::vector<Attribute>& attributes, const Mesh& mesh);
 
-// The numbers of a mesh that has them, as Attribute has them.
+// The numbers of a mesh with these attributes, in the form of Attribute.
 class AttributeNumbers {
  public:
   explicit AttributeNumbers(const Mesh& mesh) : mesh_(mesh) {}
 
-  // Of a triangle, not before the one asked for last, at one of its vertices.
+  // Returns the number of a triangle at one of its vertices. Triangles must not descend from call to call.
   uint32_t At(size_t triangle, uint32_t vertex, Attribute attribute);
 
  private:
   const Mesh& mesh_;
-  size_t next_ = 0;  // of the stretches: the first that is not at or before the triangle
+  size_t next_ = 0;  // the first of the stretches that is not at or before the triangle
 };
 
 }  // namespace latvox::client

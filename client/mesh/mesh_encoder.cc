@@ -20,18 +20,18 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kEdgebreakerSpeed = 3;  // compression level 7: size and speed measured best
+constexpr int kEdgebreakerSpeed = 3;  // compression level 7: the best size and speed in measurements
 constexpr int kSequentialSpeed = 10;
-// To compress attributes, Draco counts symbols in tables of 4 * 2^bits bytes: 16 MiB here, and 4 GiB at 30 bits.
+// To compress attributes, Draco counts symbols in tables of 4 * 2^bits bytes: 16 MiB here, but 4 GiB at 30 bits.
 constexpr int kMaxCompressedBits = 22;
 
-// A corner: its position, bit by bit (float32 or quantized), and the numbers of its attributes, if there are any, as
-// many words each.
+// A corner: its position, bit by bit (float32 or quantized), and the numbers of its attributes, if there are any, in as
+// many words.
 constexpr size_t kPlain = 3, kCarrying = 6;
 template <size_t kWords>
 using Corner = std::array<uint32_t, kWords>;
 
-// The mesh in Draco's form, of the corners that triangles have, each once; without attributes.
+// The mesh in Draco's form, with each corner of triangles once, and without attributes.
 template <size_t kWords>
 std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribute>& attributes,
                                      std::vector<Corner<kWords>>& points) {
@@ -108,7 +108,7 @@ std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribu
   return out;
 }
 
-// Those of a mesh in the order of `attributes`, after its positions; fewer if some are missing or other than ours.
+// The attributes of a mesh in the order of `attributes`, after its positions; fewer if some are missing or not ours.
 std::vector<const draco::PointAttribute*> ValuesOf(const draco::Mesh& mesh, const std::vector<Attribute>& attributes) {
   std::vector<const draco::PointAttribute*> values;
   for (const Attribute attribute : attributes) {
@@ -132,16 +132,16 @@ Corner<kWords> CornerAt(const std::vector<const draco::PointAttribute*>& values,
   return corner;
 }
 
-// A sum over all triangles of a hash of their corners, read from the smallest on: the same for two meshes, but for
-// chance, exactly if they hold the same triangles, each as often and turning the same way, in whatever order.
-//   values   positions, and what else corners have
+// The sum over all triangles of a hash of their corners, read from the smallest on. It is the same for two meshes,
+// except by chance, iff they have the same triangles, each as often and with the same orientation, in any order.
+//   values   positions, and the corners' attributes
 template <size_t kWords>
 uint64_t Fingerprint(const draco::Mesh& mesh, const std::vector<const draco::PointAttribute*>& values) {
   uint64_t sum = 0;
   for (uint32_t f = 0; f < mesh.num_faces(); ++f) {
     std::array<Corner<kWords>, 3> corners;
     for (size_t n = 0; n < 3; ++n) corners[n] = CornerAt<kWords>(values, mesh.face(draco::FaceIndex(f))[n]);
-    // Of all three rotations the least, which is unique even if corners coincide.
+    // The smallest of the three rotations, which is unique even if corners coincide.
     std::array<Corner<kWords>, 3> least = corners;
     for (int turn = 0; turn < 2; ++turn) {
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
@@ -159,9 +159,9 @@ uint64_t Fingerprint(const draco::Mesh& mesh, const std::vector<const draco::Poi
   return sum;
 }
 
-// Whether the stream, decoded, holds the triangles of `mesh`: with the positions' bits if they were not quantized, else
-// with the same quantized positions, computed here from the box and the bits that the stream declares. And their
-// attributes.
+// Returns whether the decoded stream has the triangles of `mesh` and their attributes. Positions have the same bits if
+// they were not quantized. Quantized positions are computed here from the box and the bits that the stream declares,
+// and must be the same.
 bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh, const std::vector<Attribute>& attributes) {
   draco::DecoderBuffer buffer;
   buffer.Init(stream.data(), stream.size());
@@ -211,8 +211,8 @@ absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bit
 
 }  // namespace
 
-// Edgebreaker streams are two to five times smaller, but leave out triangles with a vertex twice, and split what is not
-// manifold. Whatever does not come back whole goes sequentially, which keeps everything.
+// Edgebreaker streams are two to five times smaller, but leave out triangles with a repeated vertex, and split
+// non-manifold parts. A mesh that does not come back whole is encoded sequentially, which keeps everything.
 absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
                                        const std::vector<Attribute>& attributes) try {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles");
@@ -232,7 +232,7 @@ absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
 int AutoQuantizationBits(double voxels) {
   constexpr int kSubvoxelBits = 9, kMinBits = 11;
   const double bits = std::ceil(std::log2(voxels)) + kSubvoxelBits;
-  // Negated, so that NaN of a mesh or a basis without extent ends at the safe side.
+  // Negated, so that NaN of a mesh or a basis without extent gives the safe result.
   if (!(bits <= kMaxQuantizationBits)) return kMaxQuantizationBits;
   return std::max(kMinBits, static_cast<int>(bits));
 }

@@ -3,7 +3,7 @@
 
 namespace latvox::client {
 
-// Which axis points up.
+// The axis that points up.
 enum class UpAxis { kX, kY, kZ };
 
 }  // namespace latvox::client

@@ -1,4 +1,4 @@
-// What a command's options are, for those who write about them: CommandParser::Describe makes it.
+// Facts about a command's options, for help texts, pages and completions. CommandParser::Describe returns them.
 #ifndef LATVOX_MANUAL_COMMAND_FACTS_H_
 #define LATVOX_MANUAL_COMMAND_FACTS_H_
 
@@ -8,17 +8,21 @@
 namespace latvox {
 
 struct OptionFacts {
-  std::vector<std::string> names;                         // "-o", "--out"; of a positional one none
-  std::string value;                                      // what stands for it: "FILE", "N"; empty: a flag takes none
-  std::vector<std::string> choices;                       // all words that it may be, if they are few
-  std::string description, group, environment, standard;  // `standard`: what it is if it is not given, if that is known
+  std::vector<std::string> names;    // "-o", "--out"; empty for a positional option
+  std::string value;                 // placeholder of its value: "FILE", "N", "a|b"; empty for a flag
+  std::vector<std::string> choices;  // all words that it accepts; empty if there are too many to list
+  std::string description, group, environment;
+  std::string range;                  // of its value: "2 to 65536"; or empty
+  std::string standard;               // default value; empty if there is none
+  std::vector<std::string> excludes;  // long names of options that it cannot be combined with
+  std::vector<std::string> needs;     // long names of options that must be given with it
   bool required = false;
-  bool several = false;  // may be given, or take words, more than once
+  bool several = false;  // may be given, or takes words, more than once
 };
 
 struct CommandFacts {
   std::string name, description, footer;
-  std::vector<OptionFacts> positionals, options;  // in the order of definition, --help first; none that is hidden
+  std::vector<OptionFacts> positionals, options;  // in the order of definition, --help first; no hidden ones
   std::vector<CommandFacts> commands;
 };
 

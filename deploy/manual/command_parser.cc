@@ -4,17 +4,26 @@
 #include <algorithm>
 #include <cstdlib>
 #include <istream>
+#include <iterator>
+#include <map>
+#include <set>
 #include <sstream>
 #include <utility>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
+#include "absl/strings/strip.h"
+#include "deploy/manual/help.h"
 
 namespace latvox {
 namespace {
 
 using Words = std::vector<std::string>;
+
+constexpr char kHelpNames[] = "-h,--help", kHelp[] = "Print this help and exit";
 
 // The library lets the file win over the environment.
 class FileBelow : public CLI::ConfigTOML {
@@ -31,8 +40,8 @@ class FileBelow : public CLI::ConfigTOML {
   const std::function<bool(const std::string&)> is_above_;
 };
 
-// Adds the option that writes a target. One call for all types: the library's templates cost a second of compilation
-// for each.
+// Adds the option that writes a target. All types share one call, because each instance of the library's templates
+// costs a second of compilation.
 struct Adder {
   CLI::App& app;
   const OptionRow& row;
@@ -48,97 +57,127 @@ struct Adder {
 
   template <class T>
   CLI::Option* operator()(T* target) const {
-    return Take(TypeName(T()), [target](const Words& words) { return CLI::detail::lexical_cast(words[0], *target); });
+    return Take([target](const Words& words) { return CLI::detail::lexical_cast(words[0], *target); });
   }
 
   template <class T>
   CLI::Option* operator()(std::optional<T>* target) const {
-    return Take(TypeName(T()),
-                [target](const Words& words) { return CLI::detail::lexical_cast(words[0], target->emplace()); });
+    return Take([target](const Words& words) { return CLI::detail::lexical_cast(words[0], target->emplace()); });
   }
 
   CLI::Option* operator()(std::string* target) const {
-    return Take("TEXT", [target](const Words& words) { return *target = words[0], true; });
+    return Take([target](const Words& words) { return *target = words[0], true; });
   }
 
   CLI::Option* operator()(std::vector<std::string>* target) const {
-    CLI::Option* option = Take("TEXT", [target](const Words& words) { return *target = words, true; });
+    CLI::Option* option = Take([target](const Words& words) { return *target = words, true; });
     if (!row.one_each_time) return option->expected(CLI::detail::expected_max_vector_size);
-    // What follows may be a positional one.
+    // The next word may be a positional option.
     return option->take_all()->expected(1)->allow_extra_args(false);
   }
 
   CLI::Option* operator()(const std::function<void(const std::string&)>& function) const {
-    return Take("TEXT", [function](const Words& words) { return function(words[0]), true; });
+    return Take([function](const Words& words) { return function(words[0]), true; });
   }
 
-  CLI::Option* Take(const char* type, CLI::callback_t take) const {
-    return app.add_option(row.names, std::move(take), row.help)->type_name(row.value.empty() ? type : row.value);
-  }
+  CLI::Option* Take(CLI::callback_t take) const { return app.add_option(row.names, std::move(take), row.help); }
+};
 
-  static const char* TypeName(int) { return "INT"; }
-  static const char* TypeName(uint64_t) { return "UINT"; }
-  static const char* TypeName(uint32_t) { return "UINT"; }
-  static const char* TypeName(double) { return "FLOAT"; }
+// Returns the placeholder of a value that has neither a name nor a list of words.
+struct Placeholder {
+  std::string operator()(bool*) const { return ""; }
+  std::string operator()(std::optional<bool>*) const { return ""; }
+  std::string operator()(std::string*) const { return "TEXT"; }
+  std::string operator()(std::vector<std::string>*) const { return "TEXT"; }
+  std::string operator()(const std::function<void(const std::string&)>&) const { return "TEXT"; }
+  template <class T>
+  std::string operator()(T*) const {
+    return "N";
+  }
 };
 
 CLI::Validator Checked(const OptionCheck& check) {
-  return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word); }, check.name);
+  return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word); }, "");
 }
 
-void AddRow(CLI::App& app, const OptionRow& row) {
+OptionCheck OneOf(const Words& words) {
+  return {[words](const std::string& word) -> std::string {
+    if (std::find(words.begin(), words.end(), word) != words.end()) return "";
+    return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(words, ", "));
+  }};
+}
+
+CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {
   CLI::Option* option = std::visit(Adder{app, row}, row.target);
   if (row.required) option->required();
   if (row.delimiter != 0) option->delimiter(row.delimiter);
-  if (!row.words.empty()) option->check(CLI::IsMember(row.words));
-  // Of two that change the word, the one that is added last comes first.
+  if (!row.words.empty()) option->check(Checked(OneOf(row.words)));
+  // Transforms run in the reverse order of their addition.
   if (row.is_size) option->transform(CLI::AsSizeValue(false));
   if (row.is_size && !row.checks.empty()) option->transform(Checked(row.checks.front()));
   for (const OptionCheck& check : row.checks) option->check(Checked(check));
   if (!row.environment.empty()) option->envname(row.environment);
   if (!row.standard.empty()) option->default_str(row.standard);
   if (!row.in_file) option->configurable(false);
+  return option;
 }
 
-// "TEXT:{a,b}": what the library makes of a type's name and the words that a check allows.
-std::vector<std::string> ChoicesOf(absl::string_view type) {
-  const size_t begin = type.find('{'), end = type.rfind('}');
-  if (begin == absl::string_view::npos || end == absl::string_view::npos) return {};
-  return absl::StrSplit(type.substr(begin + 1, end - begin - 1), ',');
+std::string LongName(const CLI::Option& option) {
+  return option.get_lnames().empty() ? option.get_name() : "--" + option.get_lnames().front();
 }
 
-OptionFacts DescribeOption(const CLI::Option& option) {
+// In the order of definition. The library's sets are in the order of addresses.
+std::vector<std::string> NamesOf(const CLI::App& app, const std::set<CLI::Option*>& options) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    const auto is_it = [option](const CLI::Option* one) { return one == option; };
+    if (std::any_of(options.begin(), options.end(), is_it)) names.push_back(LongName(*option));
+  }
+  return names;
+}
+
+// "268435456" as "256MiB", in the largest unit that divides it.
+std::string SizeText(const std::string& bytes) {
+  uint64_t number = 0;
+  if (!absl::SimpleAtoi(bytes, &number) || number == 0) return bytes;
+  size_t unit = 0;
+  constexpr const char* kUnits[] = {"", "KiB", "MiB", "GiB", "TiB"};
+  for (; number % 1024 == 0 && unit + 1 < std::size(kUnits); number /= 1024) ++unit;
+  return absl::StrCat(number, kUnits[unit]);
+}
+
+std::string StandardOf(const OptionRow& row) {
+  absl::string_view text = row.standard;
+  if (absl::ConsumePrefix(&text, "[")) absl::ConsumeSuffix(&text, "]");
+  return row.is_size ? SizeText(std::string(text)) : std::string(text);
+}
+
+void DescribeValue(const OptionRow& row, OptionFacts& facts) {
+  facts.choices = row.words;
+  facts.value = !row.words.empty()   ? absl::StrJoin(row.words, "|")
+                : !row.value.empty() ? row.value
+                : row.is_size        ? "SIZE"
+                                     : std::visit(Placeholder{}, row.target);
+  facts.standard = StandardOf(row);
+  for (const OptionCheck& check : row.checks) {
+    if (!check.range.empty()) facts.range = check.range;
+  }
+}
+
+OptionFacts DescribeOption(const CLI::App& app, const CLI::Option& option, const OptionRow* row) {
   OptionFacts facts;
   for (const std::string& name : option.get_snames()) facts.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) facts.names.push_back("--" + name);
   const bool flag = option.get_items_expected_max() == 0;
-  if (!flag) {
-    const std::string type = option.get_type_name();
-    facts.choices = ChoicesOf(type);
-    facts.value = type.substr(0, type.find(':'));
-    if (!facts.choices.empty() && facts.value == "TEXT") facts.value = absl::StrJoin(facts.choices, "|");
-    facts.standard = option.get_default_str();
-  }
+  if (row != nullptr && !flag) DescribeValue(*row, facts);
+  if (row == nullptr && !flag) facts.value = option.get_type_name();
   facts.description = option.get_description();
   facts.group = option.get_group();
   facts.environment = option.get_envname();
+  facts.excludes = NamesOf(app, option.get_excludes());
+  facts.needs = NamesOf(app, option.get_needs());
   facts.required = option.get_required();
   facts.several = option.get_expected_max() > 1 || option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-  return facts;
-}
-
-CommandFacts DescribeApp(const CLI::App& app) {
-  CommandFacts facts;
-  facts.name = app.get_name();
-  facts.description = app.get_description();
-  facts.footer = app.get_footer();
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->get_group().empty()) continue;
-    (option->nonpositional() ? facts.options : facts.positionals).push_back(DescribeOption(*option));
-  }
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); })) {
-    facts.commands.push_back(DescribeApp(*command));
-  }
   return facts;
 }
 
@@ -151,7 +190,7 @@ Words ValuesOf(const CLI::Option& option) {
 
 OptionState::Source SourceOf(const CLI::App& app, const CLI::Option& option) {
   using Source = OptionState::Source;
-  // What the command line has, the library lists.
+  // The library lists the options that the command line has.
   const auto& flags = app.parse_order();
   if (std::find(flags.begin(), flags.end(), &option) != flags.end()) return Source::kFlag;
   if (option.count() == 0) return Source::kDefault;
@@ -161,15 +200,17 @@ OptionState::Source SourceOf(const CLI::App& app, const CLI::Option& option) {
 
 }  // namespace
 
-// A program has an app of its own; a command has one of its program's.
+// A program owns its app. The app of a command belongs to its program's.
 struct CommandParser::Library {
   std::unique_ptr<CLI::App> own;
   CLI::App& app;
+  std::map<const CLI::Option*, OptionRow> rows = {};
 };
 
 CommandParser::CommandParser(const std::string& description, const std::string& name) {
   auto own = std::make_unique<CLI::App>(description, name);
   CLI::App& app = *own;
+  app.set_help_flag(kHelpNames, kHelp);
   library_.reset(new Library{std::move(own), app});
 }
 
@@ -181,7 +222,7 @@ void CommandParser::Add(const std::vector<OptionRow>& rows) {
   CLI::App& app = library_->app;
   for (const OptionRow& row : rows) {
     if (!row.group.empty()) app.option_defaults()->group(row.group);
-    AddRow(app, row);
+    library_->rows.emplace(AddRow(app, row), row);
   }
 }
 
@@ -197,7 +238,9 @@ void CommandParser::Need(const OptionPairs& pairs) {
 
 void CommandParser::SetFooter(const std::string& text) { library_->app.footer(text); }
 
-void CommandParser::SetVersion(const std::string& text) { library_->app.set_version_flag("--version", text); }
+void CommandParser::SetVersion(const std::string& text) {
+  library_->app.set_version_flag("--version", text, "Print the version and exit");
+}
 
 void CommandParser::ReadFile(const std::string& option, const std::string& path, const std::string& help,
                              std::function<bool(const std::string& name)> is_above) {
@@ -211,6 +254,7 @@ void CommandParser::ReadFile(const std::string& option, const std::string& path,
 CommandParser& CommandParser::AddCommand(const std::string& name, const std::string& description) {
   library_->app.require_subcommand(0, 1);
   CLI::App& app = *library_->app.add_subcommand(name, description);
+  app.set_help_flag(kHelpNames, kHelp);
   std::unique_ptr<Library> library(new Library{nullptr, app});
   commands_.push_back(std::unique_ptr<CommandParser>(new CommandParser(std::move(library))));
   return *commands_.back();
@@ -220,6 +264,8 @@ std::string CommandParser::Parse(std::vector<std::string> words) try {
   std::reverse(words.begin(), words.end());  // as the library wants vectors
   library_->app.parse(std::move(words));
   return "";
+} catch (const CLI::CallForHelp&) {
+  return Help();
 } catch (const CLI::Success& wanted) {
   std::ostringstream page;
   library_->app.exit(wanted, page, page);
@@ -257,6 +303,29 @@ bool CommandParser::HasCommand(const std::string& name) const {
                      [&](const auto& command) { return command->library_->app.check_name(name); });
 }
 
-CommandFacts CommandParser::Describe() const { return DescribeApp(library_->app); }
+CommandFacts CommandParser::Describe() const {
+  const CLI::App& app = library_->app;
+  CommandFacts facts;
+  facts.name = app.get_name();
+  facts.description = app.get_description();
+  facts.footer = app.get_footer();
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty()) continue;
+    const auto found = library_->rows.find(option);
+    const OptionRow* row = found == library_->rows.end() ? nullptr : &found->second;
+    (option->nonpositional() ? facts.options : facts.positionals).push_back(DescribeOption(app, *option, row));
+  }
+  for (const auto& command : commands_) facts.commands.push_back(command->Describe());
+  return facts;
+}
+
+std::string CommandParser::Help() const {
+  const std::string& name = library_->app.get_name();
+  for (const auto& command : commands_) {
+    if (command->was_given())
+      return ToHelp(absl::StrCat(name, " ", command->library_->app.get_name()), command->Describe());
+  }
+  return ToHelp(name, Describe());
+}
 
 }  // namespace latvox

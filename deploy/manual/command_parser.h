@@ -1,4 +1,4 @@
-// Reads command lines by tables of options. Only its .cc sees the library that does it, CLI11.
+// Parses command lines from tables of options. Only its .cc includes the library underneath, CLI11.
 #ifndef LATVOX_MANUAL_COMMAND_PARSER_H_
 #define LATVOX_MANUAL_COMMAND_PARSER_H_
 
@@ -16,7 +16,7 @@ namespace latvox {
 struct OptionState {
   enum class Source { kDefault, kFlag, kEnvironment, kFile };
   std::string name;                 // without dashes
-  std::vector<std::string> values;  // as they were given, or by default
+  std::vector<std::string> values;  // as given, or the default
   bool is_list = false;             // takes several
   Source source = Source::kDefault;
   std::string environment;  // variable that sets it
@@ -30,29 +30,29 @@ class CommandParser {
   CommandParser(const CommandParser&) = delete;
   CommandParser& operator=(const CommandParser&) = delete;
 
-  // All before Parse.
+  // Call these before Parse.
   void Add(const std::vector<OptionRow>& rows);
-  void Exclude(const OptionPairs& pairs);  // of options that were added
-  void Need(const OptionPairs& pairs);     // of options that were added
+  void Exclude(const OptionPairs& pairs);  // of added options
+  void Need(const OptionPairs& pairs);     // of added options
   void SetFooter(const std::string& text);
-  // Adds --version, which tells this.
+  // Adds --version, which prints this text.
   void SetVersion(const std::string& text);
-  // Adds an option for a configuration file, TOML with the options' long names as keys.
-  //   path       of the file unless the option names another, which must exist; empty: none
-  //   is_above   whether something wins over the file in an option of this name, without dashes
+  // Adds an option for a configuration file: TOML, with the options' long names as keys.
+  //   path       default path of the file, which must exist; empty: no file
+  //   is_above   whether another source overrides the file for this option, named without dashes
   void ReadFile(const std::string& option, const std::string& path, const std::string& help,
                 std::function<bool(const std::string& name)> is_above);
-  // The command belongs to this program, at most one of which is given.
+  // The parser owns the command. A command line has at most one.
   CommandParser& AddCommand(const std::string& name, const std::string& description);
 
-  // Reads the words that follow the program's name. Returns the page that they ask for, as --help does, or "".
+  // Parses the words that follow the program's name. Returns the page that --help or --version asks for, or "".
   // Throws UsageError.
   std::string Parse(std::vector<std::string> words);
 
   // After Parse.
   bool was_given() const;                   // this command
   std::string file() const;                 // path of the configuration file, or ""
-  std::vector<OptionState> States() const;  // of all options but the file's, in the order of their rows, --help first
+  std::vector<OptionState> States() const;  // of all options except the file's, in the order of rows, --help first
 
   bool HasOption(const std::string& name) const;   // "--minimal"
   bool HasCommand(const std::string& name) const;  // "voxelize"
@@ -61,6 +61,7 @@ class CommandParser {
  private:
   struct Library;
   explicit CommandParser(std::unique_ptr<Library> library);
+  std::string Help() const;  // of the command that was given, or of the program
 
   std::unique_ptr<Library> library_;
   std::vector<std::unique_ptr<CommandParser>> commands_;

@@ -12,7 +12,7 @@ namespace {
 
 enum class Wants { kNothing, kWords, kFile, kDirectory, kOther };
 
-// By the name of the value: what stands for files is called so, or by an extension.
+// Judges by the placeholder: files are called FILE, MESH, OUT or INPUT, or have an extension.
 Wants WantsOf(const OptionFacts& option) {
   if (option.value.empty()) return Wants::kNothing;
   if (!option.choices.empty()) return Wants::kWords;
@@ -29,7 +29,7 @@ std::vector<std::string> NamesOf(const std::vector<CommandFacts>& commands) {
   return names;
 }
 
-// As one word of any of the shells.
+// Quotes the text as one word for any of the shells.
 std::string Quoted(absl::string_view text) {
   return absl::StrCat("'", absl::StrReplaceAll(text, {{"'", "'\\''"}}), "'");
 }
@@ -47,7 +47,7 @@ std::string WordsOfPositionals(const CommandFacts& command) {
   return absl::StrJoin(words, " ");
 }
 
-// Cases of the shell: what follows the option, then what may stand where a new word begins.
+// Returns the case of one command: completions after each option, then completions of a new word.
 std::string BashCommand(const CommandFacts& command) {
   std::string values, options;
   for (const OptionFacts& option : command.options) {
@@ -140,7 +140,7 @@ std::string BashCompletions(const CommandFacts& program) {
   for (const OptionFacts& option : program.options) options.push_back(absl::StrJoin(option.names, " "));
   const std::string script = absl::StrReplaceAll(R"sh(# bash completion for @name
 
-# Both read the caller's `word`.
+# Both functions read the caller's `word`.
 _@name_words() { mapfile -t COMPREPLY < <(compgen -W "$1" -- "$word"); }
 _@name_files() {
   mapfile -t COMPREPLY < <(compgen "$1" -- "$word")

@@ -8,8 +8,8 @@
 
 namespace latvox {
 
-// Scripts that complete the program's commands, their options, and these options' words, files or directories. Each is
-// sourced, or lies where its shell looks for it: `NAME` for bash, `_NAME` for zsh, `NAME.fish` for fish.
+// Return scripts that complete the program's commands, their options, and the options' words, files or directories.
+// Source the script, or install it where its shell looks: as `NAME` for bash, `_NAME` for zsh, `NAME.fish` for fish.
 std::string BashCompletions(const CommandFacts& program);
 std::string ZshCompletions(const CommandFacts& program);
 std::string FishCompletions(const CommandFacts& program);

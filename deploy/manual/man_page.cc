@@ -1,7 +1,5 @@
 #include "deploy/manual/man_page.h"
 
-#include <algorithm>
-
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -9,32 +7,28 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "deploy/manual/option_text.h"
 
 namespace latvox {
 namespace {
 
-constexpr char kDate[] = "2026-11-20";  // of what the pages say beside the options
+constexpr char kDate[] = "2026-11-20";  // of the pages' own text
 
-// Text with nothing in it that troff would read.
+// Escapes the characters that troff would interpret.
 std::string Plain(absl::string_view text) {
   std::string plain = absl::StrReplaceAll(text, {{"\\", "\\e"}, {"-", "\\-"}, {"'", "\\(aq"}, {"`", "\\(ga"}});
-  // A line that begins like a request.
+  // A leading dot would be a request.
   return absl::StartsWith(plain, ".") ? absl::StrCat("\\&", plain) : plain;
 }
 
 std::string Bold(absl::string_view text) { return absl::StrCat("\\fB", Plain(text), "\\fR"); }
 std::string Italic(absl::string_view text) { return absl::StrCat("\\fI", Plain(text), "\\fR"); }
 
-std::string Capital(std::string text) {
-  if (!text.empty()) text[0] = absl::ascii_toupper(static_cast<unsigned char>(text[0]));
-  return text;
-}
-
-// Paragraphs filled, lines that begin with two spaces as examples.
+// Formats paragraphs. Lines that begin with two spaces are examples.
 std::string Body(absl::string_view text) {
   std::string body;
   bool example = false;
-  while (absl::ConsumePrefix(&text, "\n")) {  // spaces mark an example
+  while (absl::ConsumePrefix(&text, "\n")) {  // spaces must stay: they mark an example
   }
   for (const absl::string_view line : absl::StrSplit(absl::StripTrailingAsciiWhitespace(text), '\n')) {
     const bool is_example = absl::StartsWith(line, "  ");
@@ -50,7 +44,7 @@ std::string Body(absl::string_view text) {
   return absl::StrReplaceAll(body, {{".PP\n.PP\n", ".PP\n"}});  // an empty line beside an example
 }
 
-// `body` without a paragraph's beginning, which a section's title is itself.
+// A section's title begins a paragraph itself.
 std::string Section(absl::string_view title, absl::string_view body) {
   absl::ConsumePrefix(&body, ".PP\n");
   return absl::StrCat(".SH ", title, "\n", body);
@@ -58,40 +52,38 @@ std::string Section(absl::string_view title, absl::string_view body) {
 
 std::string ValueOf(const OptionFacts& option) { return option.value.empty() ? "" : " " + Italic(option.value); }
 
+// "Not with --lattice, --align."
+std::string Related(absl::string_view relation, const std::vector<std::string>& names) {
+  std::vector<std::string> bold;
+  for (const std::string& name : names) bold.push_back(Bold(name));
+  return names.empty() ? "" : absl::StrCat("\n", relation, " ", absl::StrJoin(bold, ", "), ".");
+}
+
 std::string OptionEntry(const OptionFacts& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.names) names.push_back(Bold(name));
-  std::string text = absl::StrCat(Plain(Capital(option.description)));
-  if (!option.standard.empty()) absl::StrAppend(&text, " (default: ", Plain(option.standard), ")");
-  if (option.required) text += " (required)";
+  std::string text = Plain(DescriptionOf(option));
   if (!absl::EndsWith(text, ".")) text += ".";
+  absl::StrAppend(&text, Related("Not with", option.excludes), Related("Requires", option.needs));
   if (!option.environment.empty()) absl::StrAppend(&text, "\nEnvironment: ", Bold(option.environment), ".");
   return absl::StrCat(".TP\n", names.empty() ? Italic(option.value) : absl::StrJoin(names, ", ") + ValueOf(option),
                       "\n", text, "\n");
 }
 
-std::string Synopsis(absl::string_view program, const CommandFacts& command) {
-  std::string line = Bold(program);
-  if (!command.options.empty()) absl::StrAppend(&line, " [", Italic("options"), "]");
-  for (const OptionFacts& one : command.positionals) {
-    absl::StrAppend(&line, " ", Italic(one.value), one.several ? " ..." : "");
-  }
-  return line + "\n";
+std::string Synopsis(absl::string_view path, const CommandFacts& command) {
+  std::vector<std::string> words = UsageOf(path, command);
+  words.front() = Bold(path);
+  for (size_t n = 1; n < words.size(); ++n) words[n] = Plain(words[n]);
+  return absl::StrJoin(words, " ") + "\n";
 }
 
-// All options, those of one group together, in the order in which groups first appear.
 std::string Entries(const CommandFacts& command) {
   std::string text;
   for (const OptionFacts& one : command.positionals) text += OptionEntry(one);
-  std::vector<std::string> groups;
-  for (const OptionFacts& one : command.options) {
-    if (std::find(groups.begin(), groups.end(), one.group) == groups.end()) groups.push_back(one.group);
-  }
-  for (const std::string& group : groups) {
+  const auto groups = GroupsOf(command);
+  for (const auto& [group, options] : groups) {
     if (groups.size() > 1) absl::StrAppend(&text, ".PP\n", Italic(group), "\n");
-    for (const OptionFacts& one : command.options) {
-      if (one.group == group) text += OptionEntry(one);
-    }
+    for (const OptionFacts& one : options) text += OptionEntry(one);
   }
   return text;
 }

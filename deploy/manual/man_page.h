@@ -10,7 +10,7 @@
 namespace latvox {
 
 struct ManSection {
-  std::string title, text;  // paragraphs, with an empty line between them; lines that begin with two spaces as they are
+  std::string title, text;  // paragraphs separated by empty lines; lines that begin with two spaces are examples
 };
 
 struct ManPage {
@@ -20,8 +20,8 @@ struct ManPage {
   std::vector<std::string> see_also;      // "latvoxd(8)"
 };
 
-// A page in the language of troff's man macros: names, synopsis, `before`, every option of the program and of each of
-// its commands, `after`.
+// Returns a page in troff's man macros: name, synopsis, `before`, every option of the program and of each command,
+// `after`.
 std::string ToMan(const CommandFacts& program, const ManPage& page);
 
 }  // namespace latvox

@@ -1,4 +1,4 @@
-// The options of a program or command, as the rows of a table.
+// The options of a program or command, as rows of a table.
 #ifndef LATVOX_MANUAL_OPTION_ROW_H_
 #define LATVOX_MANUAL_OPTION_ROW_H_
 
@@ -13,7 +13,7 @@
 
 namespace latvox {
 
-// Words that are wrong, by themselves or together. The text is for people, and names the option.
+// An error in the words of a command line. The text is for people and names the option.
 class UsageError : public std::runtime_error {
  public:
   explicit UsageError(const std::string& text, bool of_unknown_word = false)
@@ -22,9 +22,9 @@ class UsageError : public std::runtime_error {
   const bool is_unknown_word;
 };
 
-// What parsing writes; it must outlive the parser.
-//   bool                  a flag; "--minimal,!--no-minimal" has its contrary, too
-//   optional<bool>        a flag that also tells whether it was given
+// Receives the parsed value. It must outlive the parser.
+//   bool                  a flag; "--minimal,!--no-minimal" defines its negation as well
+//   optional<bool>        a flag, empty unless it was given
 //   vector<string>        takes several words
 //   function              is called with each word
 using OptionTarget =
@@ -32,28 +32,29 @@ using OptionTarget =
                  std::string*, std::vector<std::string>*, std::function<void(const std::string&)>>;
 
 struct OptionCheck {
-  std::function<std::string(const std::string&)> wrong;  // what is wrong with a word, without the option's name; or ""
-  std::string name = {};                                 // for help; or ""
+  std::function<std::string(const std::string&)>
+      wrong;               // returns the error of a word, without the option's name; or ""
+  std::string range = {};  // of values, for help: "2 to 65536"; or ""
 };
 
 struct OptionRow {
-  std::string names;  // "-o,--out"; of a positional one its name alone
+  std::string names;  // "-o,--out"; a positional option has one name without dashes
   OptionTarget target;
   std::string help;
-  std::string value = {};                // what stands for its value in help: "FILE", "N"; empty: the target's type
-  std::string group = {};                // in help and manual; empty: that of the row before
-  std::vector<std::string> words = {};   // it must be one of these; empty: any
-  std::vector<OptionCheck> checks = {};  // in this order, on each word
-  bool is_size = false;                  // "1GiB" is a number, too; the first check looks at the word before
+  std::string value = {};                // placeholder of its value in help: "FILE"; empty: from `words` or the target
+  std::string group = {};                // heading in help and manual; empty: that of the previous row
+  std::vector<std::string> words = {};   // accepted words; empty: any
+  std::vector<OptionCheck> checks = {};  // applied to each word in this order
+  bool is_size = false;                  // accepts "1GiB" as well; the first check sees the word as given
   bool required = false;
-  bool one_each_time = false;    // may be given again and again, with one word each time
-  char delimiter = 0;            // between several words in one
-  std::string environment = {};  // variable that is read if the option is not given
-  std::string standard = {};     // what it is if it is not given, for help
+  bool one_each_time = false;    // may be repeated, with one word each time
+  char delimiter = 0;            // separates several values in one word
+  std::string environment = {};  // variable that sets the option if the command line does not
+  std::string standard = {};     // default value, for help
   bool in_file = true;           // may stand in the configuration file
 };
 
-// Two options of which the first excludes the other, or needs it.
+// Pairs of options: the first excludes the second, or needs it.
 using OptionPairs = std::vector<std::pair<std::string, std::string>>;
 
 }  // namespace latvox

@@ -43,20 +43,20 @@ void CallState::EndTask(const absl::Status& status) {
 
 void CallState::SetFinishing() {
   finishing_ = true;
-  heard_of_client_ = Clock::now();
+  finished_ = Clock::now();
 }
 
 void CallState::EndIfStalled(absl::Duration patience) {
-  absl::Status status = StalledClient(patience);
   bool stuck = false;
   {
     const std::lock_guard lock(mu_);
-    stuck = finishing_ || IsWriting();
-    if (!(stuck || IsReading()) || absl::FromChrono(Clock::now() - heard_of_client_) < patience) return;
-    if (!status_.ok()) status = status_;
+    stuck = finishing_;
+    const auto since = stuck ? finished_ : heard_of_client_;
+    if (!(stuck || IsReading()) || absl::FromChrono(Clock::now() - since) < patience) return;
   }
+  const absl::Status status = StalledClient(patience);
   End(status);
-  // A message that the client does not take ends in no other way.
+  // An answer that the client does not take ends in no other way.
   if (stuck) canceller_.Cancel(status);
 }
 
@@ -80,7 +80,7 @@ void CallState::Done() {
   environment_.metrics.Record(record);
   Free();
   environment_.registry.Remove(this);
-  self_.reset();
+  self_.reset();  // this may be gone
 }
 
 }  // namespace latvox

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
@@ -28,17 +29,26 @@ namespace latvox {
 //   End        a status is decided; once no task is at work, it is sent
 //   OnDone     gRPC has no further callback: the call is recorded, and leaves the registry
 //
-// Lifetime: a call owns itself from Begin to OnDone, and each task holds a share of its own. So no callback and no task
-// meets a dead object. After OnDone the server may be gone before this object is.
-// Locks: mu_ guards the members that callbacks, tasks and the registry share. It is held for a few instructions only,
-// and never while the registry or gRPC's Finish is called.
+// Lifetime:
+//   gRPC      has a bare pointer; self_ holds a share for it, from Begin to OnDone
+//   tasks     hold shares of their own, as a decode does; the registry does so until Remove
+//   OnDone    is the last callback: gRPC calls it after Finish, and once every other callback has returned
+// Finish follows the last task, but a thread that called Finish may outlive OnDone by a moment, with its share. The
+// server may be gone by then. So OnDone gives the memory back before it leaves the registry, and self_ goes last.
+//
+// Locks: mu_ guards what callbacks, tasks and the registry share, for a few instructions.
+//   under mu_       StartRead, so that no Finish comes in between; StopSource::Stop and Computation::Cancel. None of
+//                   them calls back on this thread.
+//   without mu_     Finish, and the registry, which may call Work of this very call. The registry in turn holds no lock
+//                   when it calls Work, Stop or EndIfStalled.
 class CallState : public LiveCall, public std::enable_shared_from_this<CallState> {
  public:
   // Call it once, before gRPC gets the reactor.
   void Begin();
 
   void Stop(const absl::Status& status) final { End(status); }
-  void EndIfStalled(absl::Duration patience) final;
+  // Here: for calls that receive, and then have one answer. A client that does not take it is cut off.
+  void EndIfStalled(absl::Duration patience) override;
 
  protected:
   using Clock = std::chrono::steady_clock;
@@ -52,9 +62,8 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   virtual absl::Status Check() const { return absl::OkStatus(); }
   // The call has a place: reads, or awaits its turn.
   virtual void Start() = 0;
-  // Called under mu_: whether it waits for the client to send, and for the client to take a message.
+  // Called under mu_: whether it waits for the client to send.
   virtual bool IsReading() const { return false; }
-  virtual bool IsWriting() const { return false; }
   // Ends the call with `status`, unless it has one already. Here: the first status stands.
   virtual void End(const absl::Status& status);
   // Completes a record that has origin, status and queue_ms. No callback and no task runs any more.
@@ -90,14 +99,15 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
   std::mutex mu_;
   // All below is guarded by mu_.
   std::optional<double> queue_ms_;
-  Clock::time_point heard_of_client_ = began_;  // or when it got something to take
-  bool working_ = false;                        // a task
-  bool finishing_ = false;                      // status_ is final, and gRPC has it or will get it at once
+  Clock::time_point heard_of_client_ = began_;
+  bool working_ = false;    // a task
+  bool finishing_ = false;  // status_ is final, and gRPC has it or is about to get it
   absl::Status status_;
 
  private:
   void SetFinishing();
 
+  Clock::time_point finished_;  // guarded by mu_; when finishing_ was set, in calls that are one task
   std::shared_ptr<CallState> self_;
 };
 
@@ -105,6 +115,8 @@ class CallState : public LiveCall, public std::enable_shared_from_this<CallState
 template <class Reactor>
 class CallReactor : public Reactor, public CallState {
  public:
+  using GrpcReactor = Reactor;
+
   void OnCancel() final { End(CancellationOf(context_)); }
   void OnDone() final { Done(); }
 

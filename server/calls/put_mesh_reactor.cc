@@ -31,6 +31,13 @@ absl::StatusOr<bool> PutMeshReactor::ReceiveSpec(const v1::PutMeshSpec& spec) {
   return true;
 }
 
+// A piece that is refused is not counted.
+absl::Status PutMeshReactor::ReceivePiece(std::string&& piece) {
+  if (absl::Status status = upload_->Append(std::move(piece)); !status.ok()) return status;
+  bytes_in_ = upload_->size();
+  return memory_.Grow(bytes_in_);
+}
+
 void PutMeshReactor::Work() {
   if (!BeginTask(ready())) return;
   WorkQueue& queue = upload_->size() > kLargeMeshBytes ? environment_.bulk : environment_.quick;

@@ -4,7 +4,7 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include <cstdint>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -26,7 +26,7 @@ class PutMeshReactor final : public UploadCall<grpc::ServerReadReactor<v1::PutMe
 
  private:
   absl::StatusOr<bool> ReceiveSpec(const v1::PutMeshSpec& spec) override;
-  absl::Status ReserveUpload(uint64_t bytes) override { return memory_.Grow(bytes); }
+  absl::Status ReceivePiece(std::string&& piece) override;
   bool HasEnded() const override { return finishing_; }
   void Describe(RequestRecord& record) const override;
   void Free() override { memory_.Shrink(0); }

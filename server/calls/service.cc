@@ -56,49 +56,35 @@ grpc::Status VoxelizerService::Admit(const grpc::CallbackServerContext& context,
   return ToGrpcStatus(caller.status());
 }
 
-CallEnvironment VoxelizerService::EnvironmentFor(const Caller& caller) const {
+template <class Call, class... Messages>
+typename Call::GrpcReactor* VoxelizerService::Answer(const char* method, grpc::CallbackServerContext& context,
+                                                     Messages&... messages) {
+  CallOrigin origin = OriginOf(method, context);
+  if (const grpc::Status status = Admit(context, origin); !status.ok()) {
+    return new FailedCall<typename Call::GrpcReactor>(status);
+  }
   CallEnvironment environment = environment_;
-  environment.limits = LimitsOf(caller, environment.limits);
-  return environment;
+  environment.limits = LimitsOf(origin.caller, environment_.limits);
+  const auto call = std::make_shared<Call>(context, messages..., std::move(origin), environment);
+  call->Begin();
+  return call.get();
 }
 
 grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>* VoxelizerService::Voxelize(
     grpc::CallbackServerContext* context) {
-  CallOrigin origin = OriginOf("Voxelize", *context);
-  if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
-    return new FailedCall<grpc::ServerBidiReactor<v1::VoxelizeRequest, v1::VoxelizeResponse>>(status);
-  }
-  const CallEnvironment environment = EnvironmentFor(origin.caller);
-  const auto reactor = std::make_shared<VoxelizeReactor>(*context, std::move(origin), environment);
-  reactor->Begin();
-  return reactor.get();
+  return Answer<VoxelizeReactor>("Voxelize", *context);
 }
 
 grpc::ServerReadReactor<v1::PutMeshRequest>* VoxelizerService::PutMesh(grpc::CallbackServerContext* context,
                                                                        v1::PutMeshResponse* response) {
-  CallOrigin origin = OriginOf("PutMesh", *context);
-  if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
-    return new FailedCall<grpc::ServerReadReactor<v1::PutMeshRequest>>(status);
-  }
-  const CallEnvironment environment = EnvironmentFor(origin.caller);
-  const auto reactor = std::make_shared<PutMeshReactor>(*context, *response, std::move(origin), environment);
-  reactor->Begin();
-  return reactor.get();
+  return Answer<PutMeshReactor>("PutMesh", *context, *response);
 }
 
 grpc::ServerUnaryReactor* VoxelizerService::Pixelize(grpc::CallbackServerContext* context,
                                                      const v1::PixelizeRequest* request,
                                                      v1::PixelizeResponse* response) {
-  DropUnknownFields(
-      const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: the call waits for its turn with them
-  CallOrigin origin = OriginOf("Pixelize", *context);
-  if (const grpc::Status status = Admit(*context, origin); !status.ok()) {
-    return new FailedCall<grpc::ServerUnaryReactor>(status);
-  }
-  const CallEnvironment environment = EnvironmentFor(origin.caller);
-  const auto reactor = std::make_shared<PixelizeReactor>(*context, *request, *response, std::move(origin), environment);
-  reactor->Begin();
-  return reactor.get();
+  DropUnknownFields(const_cast<v1::PixelizeRequest&>(*request));  // as in GetLimits: it waits for its turn with them
+  return Answer<PixelizeReactor>("Pixelize", *context, *request, *response);
 }
 
 grpc::ServerUnaryReactor* VoxelizerService::GetLimits(grpc::CallbackServerContext* context,

@@ -33,7 +33,9 @@ class VoxelizerService final : public v1::Voxelizer::CallbackService {
   // Returns whether the call may go on, and then sets the caller in `origin`. Logs a refusal.
   grpc::Status Admit(const grpc::CallbackServerContext& context, CallOrigin& origin) const;
 
-  CallEnvironment EnvironmentFor(const Caller& caller) const;
+  // Answers a call with a `Call`, which is made of `messages`, or with a FailedCall.
+  template <class Call, class... Messages>
+  typename Call::GrpcReactor* Answer(const char* method, grpc::CallbackServerContext& context, Messages&... messages);
 
   const CallEnvironment environment_;
   const Authenticator& authenticator_;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -25,9 +26,8 @@ class UploadCall : public CallReactor<Reactor> {
     const absl::StatusOr<bool> more = ReceiveRequest();
     if (!more.ok() || !*more) return End(more.status());
     const std::lock_guard lock(mu_);
-    if (HasEnded()) return;
     if (bytes_in_ > before || request_.has_spec()) heard_of_client_ = CallState::Clock::now();
-    Read();  // under mu_: no Finish comes in between
+    if (!HasEnded()) Read();
   }
 
  protected:
@@ -36,8 +36,8 @@ class UploadCall : public CallReactor<Reactor> {
 
   // Sets upload_. Returns whether more is to be read; otherwise the call ends, as a success.
   virtual absl::StatusOr<bool> ReceiveSpec(const decltype(std::declval<Request>().spec())& spec) = 0;
-  // Reserves memory for so many bytes of the upload in all.
-  virtual absl::Status ReserveUpload(uint64_t bytes) = 0;
+  // Appends to upload_, counts bytes_in_, and reserves memory.
+  virtual absl::Status ReceivePiece(std::string&& piece) = 0;
   // Returns an error unless enough bytes have come. Precondition: the specification has come.
   virtual absl::Status CheckUpload() const { return upload_->CheckComplete(); }
   // Called under mu_. Returns whether a status is decided.
@@ -58,6 +58,7 @@ class UploadCall : public CallReactor<Reactor> {
   // Used by the reading callback, then by the task.
   Request request_;
   std::optional<MeshUpload> upload_;
+  uint64_t bytes_in_ = 0;
 
  private:
   void Read() {
@@ -74,9 +75,7 @@ class UploadCall : public CallReactor<Reactor> {
         return ReceiveSpec(request_.spec());
       case Request::kMeshPiece: {
         if (!upload_) return BadStream("mesh_piece came before spec");
-        absl::Status status = upload_->Append(std::move(*request_.mutable_mesh_piece()));
-        bytes_in_ = upload_->size();
-        if (status.ok()) status = ReserveUpload(bytes_in_);
+        absl::Status status = ReceivePiece(std::move(*request_.mutable_mesh_piece()));
         return status.ok() ? absl::StatusOr<bool>(true) : status;
       }
       case Request::PART_NOT_SET:
@@ -103,13 +102,12 @@ class UploadCall : public CallReactor<Reactor> {
     environment_.registry.AwaitTurn(this);
   }
 
-  uint64_t bytes_in_ = 0;
   bool sent_too_little_ = false;
+  CallState::Clock::time_point ready_;  // set before AwaitTurn, whose lock shows it to Work
 
   // Guarded by mu_.
   bool reading_ = true;
   std::optional<double> upload_ms_;
-  CallState::Clock::time_point ready_;
 };
 
 }  // namespace latvox

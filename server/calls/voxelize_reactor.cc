@@ -21,6 +21,13 @@ absl::StatusOr<bool> VoxelizeReactor::ReceiveSpec(const v1::VoxelizeSpec& proto)
   return true;
 }
 
+// A piece that is refused is counted, too.
+absl::Status VoxelizeReactor::ReceivePiece(std::string&& piece) {
+  absl::Status status = upload_->Append(std::move(piece));
+  bytes_in_ = upload_->size();
+  return status.ok() ? computation_->Receive(bytes_in_) : status;
+}
+
 absl::Status VoxelizeReactor::CheckUpload() const {
   return may_be_kept_ && upload_->size() == 0 ? absl::OkStatus() : upload_->CheckComplete();
 }
@@ -141,6 +148,22 @@ void VoxelizeReactor::EndLocked(const absl::Status& status) {
   ended_ = true;
   status_ = status;
   if (computation_) computation_->Cancel();
+}
+
+// One clock runs from the last read, the last write, and the status. A status that already ends the call is the one
+// that the client gets.
+void VoxelizeReactor::EndIfStalled(absl::Duration patience) {
+  absl::Status status = StalledClient(patience);
+  bool stuck = false;
+  {
+    const std::lock_guard lock(mu_);
+    stuck = writing_ || finishing_;
+    if (!(stuck || IsReading()) || absl::FromChrono(Clock::now() - heard_of_client_) < patience) return;
+    if (!status_.ok()) status = status_;
+  }
+  End(status);
+  // A message that the client does not take ends in no other way.
+  if (stuck) canceller_.Cancel(status);
 }
 
 VoxelizeReactor::Step VoxelizeReactor::NextStep() {

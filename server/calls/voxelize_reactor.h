@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -41,6 +42,7 @@ class VoxelizeReactor final
 
   void OnWriteDone(bool ok) override;
   void Work() override;
+  void EndIfStalled(absl::Duration patience) override;
 
  private:
   enum class Send { kNothing, kMessage, kLastMessageAndStatus, kStatus };
@@ -52,10 +54,9 @@ class VoxelizeReactor final
   };
 
   absl::StatusOr<bool> ReceiveSpec(const v1::VoxelizeSpec& proto) override;
-  absl::Status ReserveUpload(uint64_t bytes) override { return computation_->Receive(bytes); }
+  absl::Status ReceivePiece(std::string&& piece) override;
   absl::Status CheckUpload() const override;
   bool HasEnded() const override { return ended_; }
-  bool IsWriting() const override { return writing_; }
   void End(const absl::Status& status) override;
   void Describe(RequestRecord& record) const override;
 

@@ -70,6 +70,7 @@ OptionRow Address(const std::string& flag, std::string& value, const std::string
 
 OptionRow Texts(const std::string& flag, std::vector<std::string>& values, const std::string& help) {
   OptionRow row = Row(flag, &values, help, absl::StrCat("[", absl::StrJoin(values, ","), "]"));
+  row.value = "ADDRESS";
   row.delimiter = ',';
   return row;
 }
@@ -89,7 +90,7 @@ OptionRow NumberTo(int most, const std::string& flag, int& value, const std::str
                           const bool is_good = absl::SimpleAtoi(text, &number) && number >= 0 && number <= most;
                           return is_good ? "" : NotInRange(text, "0", absl::StrCat(most));
                         },
-                        absl::StrCat("INT in [0 - ", most, "]")});
+                        absl::StrCat("0 to ", most)});
   return row;
 }
 
@@ -100,7 +101,7 @@ OptionRow Bytes(const std::string& flag, uint64_t& value, const std::string& hel
 }
 
 OptionRow AtLeastOne(OptionRow row) {
-  row.checks.push_back({CheckAtLeastOne, "of at least 1"});
+  row.checks.push_back({CheckAtLeastOne, "at least 1"});
   return row;
 }
 
@@ -117,7 +118,7 @@ OptionRow Seconds(const std::string& flag, double least, absl::Duration& value, 
   };
   OptionRow row = Row(flag, set, help, absl::StrCat(absl::ToDoubleSeconds(value)));
   row.value = "SECONDS";
-  row.checks = {{check_range, absl::StrCat("FLOAT in [", least, " - ", kMost, "]")}};
+  row.checks = {{check_range, absl::StrCat(least, " to ", kMost)}};
   return row;
 }
 
@@ -128,8 +129,8 @@ OptionRow Switch(const std::string& flag, bool& value, const std::string& help) 
 // The library does not read the environment for the file's own name.
 void AddConfigurationFile(CommandParser& parser) {
   parser.ReadFile("--config", FromEnvironment("--config"),
-                  absl::StrCat("Configuration file (TOML) with the options' long names as keys (",
-                               EnvironmentName("--config"), ")"),
+                  absl::StrCat("Configuration file (TOML) with the options' long names as keys; its variable is ",
+                               EnvironmentName("--config")),
                   [](const std::string& name) { return !FromEnvironment(absl::StrCat("--", name)).empty(); });
 }
 

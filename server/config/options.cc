@@ -15,7 +15,7 @@ namespace {
 
 using Rows = std::vector<OptionRow>;
 
-// Sets the group of the first row.
+// Returns the rows with their group on the first.
 Rows Grouped(const char* group, Rows rows) {
   rows.front().group = group;
   return rows;
@@ -23,80 +23,84 @@ Rows Grouped(const char* group, Rows rows) {
 
 Rows LimitRows(Limits& limits) {
   return {
-      AtLeastOne(Bytes("--max-mesh-bytes", limits.max_mesh_bytes, "Largest encoded mesh, as 1073741824 or 1GiB")),
-      AtLeastOne(Number("--max-triangles", limits.max_triangles, "Most triangles in a mesh")),
-      AtLeastOne(Number("--max-vertices", limits.max_vertices, "Most points in a mesh")),
-      AtLeastOne(Number("--max-jobs", limits.max_jobs, "Most jobs at work at once")),
+      AtLeastOne(Bytes("--max-mesh-bytes", limits.max_mesh_bytes, "Largest encoded mesh in bytes, 1073741824 or 1GiB")),
+      AtLeastOne(Number("--max-triangles", limits.max_triangles, "Maximum number of triangles in a mesh")),
+      AtLeastOne(Number("--max-vertices", limits.max_vertices, "Maximum number of vertices in a mesh")),
+      AtLeastOne(Number("--max-jobs", limits.max_jobs, "Maximum number of jobs that run at once")),
       Number("--max-queued-jobs", limits.max_queued_jobs,
-             "Most jobs that send their input, wait for their turn, or wait for their clients to take results"),
+             "Maximum number of jobs that upload, wait for their turn, or wait for clients to read results"),
+      AtLeastOne(Number("--max-jobs-per-client", limits.max_jobs_per_client,
+                        "Maximum number of jobs of one client, running or queued")),
       AtLeastOne(
-          Number("--max-jobs-per-client", limits.max_jobs_per_client, "Most jobs of one client, at work or queued")),
-      AtLeastOne(Number("--max-visited-points", limits.max_visited_points,
-                        "Most lattice points that one job looks at, by an estimate: mostly of its voxels")),
-      Bytes("--mesh-store-bytes", limits.mesh_store_bytes,
-            "Meshes that are kept for later requests, encoded and, as far as there is room, decoded; at most an "
-            "eighth of the memory budget. 0: none"),
-      AtLeastOne(Bytes("--max-message-bytes", limits.max_message_bytes, "Largest message that is received")),
+          Number("--max-visited-points", limits.max_visited_points,
+                 "Maximum number of lattice points that one job visits, by an estimate that is mostly of its voxels")),
+      Bytes(
+          "--mesh-store-bytes", limits.mesh_store_bytes,
+          "Memory for meshes kept for later requests, encoded and, if there is room, decoded; 0 keeps none; at most an "
+          "eighth of the memory budget"),
+      AtLeastOne(Bytes("--max-message-bytes", limits.max_message_bytes, "Largest message that the server accepts")),
   };
 }
 
-// These belong to the group of limits, too.
+// These rows continue the group of limits.
 Rows MemoryRows(ServerOptions& server) {
   OptionRow memory =
       Bytes("--memory-budget", server.memory_bytes,
-            "Memory of the process but for its decoders, as 4GiB; 0: three quarters of what there is, or, with "
-            "--exit-with-parent, half of that");
+            "Memory of the process without its decoders, 4GiB for example; 0 takes three quarters of the available "
+            "memory, or half of that with --exit-with-parent");
   memory.standard = "0";
   return {std::move(memory), Seconds("--stall-timeout", 1, server.stall_timeout,
-                                     "Time after which a client that neither sends nor takes anything is given up")};
+                                     "Time after which a client is dropped that neither sends nor reads")};
 }
 
 Rows DecoderRows(ServerOptions& server) {
   DecoderOptions& decoder = server.decoder;
   decoder.program = "/proc/self/exe";
   OptionRow unconfined = Switch("--allow-unconfined-decoders", decoder.may_be_unconfined,
-                                "Start also where the system does not allow to confine decoder processes (seccomp)");
+                                "Start even if the system does not allow confining decoder processes (seccomp)");
   unconfined.standard = "";
-  return {NumberTo(64, "--decoder-processes", decoder.processes,
-                   "Processes that decode meshes; 0: one for each thread, at most 4"),
-          Bytes("--decoder-memory", decoder.memory,
-                "Most memory that decoding one mesh may take, as 2GiB; 0: what --max-triangles needs, but for all "
-                "processes at most a third of the default of --memory-budget"),
-          Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Most CPU time that decoding one mesh may take"),
-          Switch("--decode-always", server.decode_always,
-                 "Decode a mesh for each request, also one that was asked for before"),
-          std::move(unconfined)};
+  return {
+      NumberTo(64, "--decoder-processes", decoder.processes,
+               "Processes that decode meshes; 0 takes one per thread, at most 4"),
+      Bytes("--decoder-memory", decoder.memory,
+            "Maximum memory for decoding one mesh, 2GiB for example; 0 takes the need of --max-triangles, but for all "
+            "processes together at most a third of the default of --memory-budget"),
+      Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Maximum CPU time for decoding one mesh"),
+      Switch("--decode-always", server.decode_always,
+             "Decode the mesh of every request, even if it was decoded before"),
+      std::move(unconfined)};
 }
 
 Rows ConnectionRows(ProgramOptions& options) {
   ServerOptions& server = options.server;
   return {
-      Seconds("--keepalive-time", 1, server.keepalive_time, "Silence after which a client is pinged"),
-      Seconds("--keepalive-timeout", 1, server.keepalive_timeout, "Time a client has to answer a ping"),
+      Seconds("--keepalive-time", 1, server.keepalive_time, "Silence after which the server pings a client"),
+      Seconds("--keepalive-timeout", 1, server.keepalive_timeout, "Time for a client to answer a ping"),
       Seconds("--max-connection-age", 0, server.max_connection_age,
-              "Age at which a connection takes no new calls, and closes once those it has have ended; 0: none"),
-      Seconds("--grace", 0, options.grace, "Time that running jobs get to end after SIGTERM or SIGINT"),
+              "Age at which a connection accepts no new calls; it closes when its calls have ended; 0 is no limit"),
+      Seconds("--grace", 0, options.grace, "Time for running jobs to end after SIGTERM or SIGINT"),
   };
 }
 
 Rows AccessRows(AccessOptions& access) {
   return {
-      File("--tls-cert", access.tls.certificate, "Certificate chain (PEM): TLS on all addresses but Unix sockets"),
-      File("--tls-key", access.tls.key, "Key of the certificate (PEM, without a passphrase)"),
+      File("--tls-cert", access.tls.certificate,
+           "Certificate chain (PEM); it turns on TLS on all addresses except Unix sockets"),
+      File("--tls-key", access.tls.key, "Key of --tls-cert (PEM, without a passphrase)"),
       File("--tls-client-ca", access.tls.client_ca,
-           "Roots (PEM): clients have to show a certificate that leads to one of them"),
-      Switch("--insecure", access.insecure, "Serve others than this machine in plain text"),
+           "Roots (PEM); each client must show a certificate that leads to one of them"),
+      Switch("--insecure", access.insecure, "Serve other machines in plain text"),
       File("--token-file", access.token_file,
-           "File of bearer tokens, a line each: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
-           "TOKEN has 16 to 512 characters, or is sha256:HEX. Without it, everybody may call"),
+           "File of bearer tokens, one per line: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
+           "TOKEN has 16 to 512 characters, or is sha256:HEX; without the file, everybody may call"),
   };
 }
 
 Rows WatchRows(ServerOptions& server) {
   return {Address("--health-listen", server.health_listen,
-                  "Address for grpc.health.v1 alone, in plain text, for probes that know no TLS"),
+                  "Address that serves only grpc.health.v1, in plain text, for probes without TLS"),
           Address("--metrics-listen", server.metrics_listen,
-                  "Address for Prometheus, HOST:PORT with an IP address: plain HTTP, for everybody; path /metrics")};
+                  "Address for Prometheus, IP:PORT; plain HTTP for everybody at /metrics")};
 }
 
 Rows LogRows(ProgramOptions& options) {
@@ -106,26 +110,24 @@ Rows LogRows(ProgramOptions& options) {
                             {"warning", LogLevel::kWarning},
                             {"error", LogLevel::kError},
                             {"off", LogLevel::kOff}},
-                           options.log_level, "Least severe lines of the log that are written"),
+                           options.log_level, "Lowest severity of lines in the log"),
           Choice<LogFormat>("--log-format", {{"text", LogFormat::kText}, {"json", LogFormat::kJson}},
-                            options.log_format, "Lines of the log: key=value pairs, or JSON objects")};
+                            options.log_format, "Format of the log's lines: key=value pairs, or JSON objects")};
 }
 
 Rows MainRows(ProgramOptions& options) {
   std::vector<std::pair<std::string, Simd>> simd;
   for (const auto& [value, name] : kSimdNames) simd.emplace_back(name, value);
-  return {{.names = "--check-config",
-           .target = &options.check_config,
-           .help = "Print what is in force and where it came from, as a configuration file, and exit",
-           .in_file = false},
-          {.names = "--man",
-           .target = &options.man,
-           .help = "Print the manual page, as troff reads it, and exit",
-           .in_file = false},
-          Texts("--listen", options.server.listen, "Address, HOST:PORT or unix:PATH; may be repeated"),
-          NumberTo(1024, "--threads", options.server.threads,
-                   "Threads that compute; 0: one for each core that there is, in a container as many as it may use"),
-          Choice("--simd", simd, options.simd, "Instructions that the kernels may use; results are the same")};
+  return {
+      {.names = "--check-config",
+       .target = &options.check_config,
+       .help = "Print the settings in force and their sources, as a configuration file, and exit",
+       .in_file = false},
+      {.names = "--man", .target = &options.man, .help = "Print the manual page in troff and exit", .in_file = false},
+      Texts("--listen", options.server.listen, "Address to serve, HOST:PORT or unix:PATH; may be repeated"),
+      NumberTo(1024, "--threads", options.server.threads,
+               "Threads that compute; 0 takes one per core, in a container as many as it may use"),
+      Choice("--simd", simd, options.simd, "Instruction set of the kernels; results do not depend on it")};
 }
 
 std::string CheckPositive(const std::string& text) {
@@ -134,14 +136,14 @@ std::string CheckPositive(const std::string& text) {
   return absl::StrCat("\"", text, "\" is not a whole number above 0");
 }
 
-// For the program that starts a private server.
+// Rows for the program that starts a private server.
 Rows ParentRows(ProgramOptions& options) {
   return {Switch("--exit-with-parent", options.exit_with_parent,
-                 "Stop when the process that started this one ends, and leave it half of the memory"),
+                 "Stop when the parent process ends, and leave it half of the memory"),
           {.names = "--parent-pid",
            .target = &options.parent_pid,
-           .help = "That process, for --exit-with-parent: it may end before this one can ask which it is",
-           .checks = {{CheckPositive, "POSITIVE"}},
+           .help = "Number of the parent process, which may end before latvoxd can ask for it",
+           .checks = {{CheckPositive, "above 0"}},
            .in_file = false}};
 }
 
@@ -156,13 +158,16 @@ void AddOptions(CommandParser& parser, ProgramOptions& options) {
   parser.Add(Grouped("Access", AccessRows(options.server.access)));
   parser.Add(Grouped("Health and metrics", WatchRows(options.server)));
   parser.Add(Grouped("Log", LogRows(options)));
-  parser.Add(Grouped("Options", ParentRows(options)));
+  parser.Add(Grouped("Private server", ParentRows(options)));
+  parser.SetFooter(
+      "Each option is also an environment variable and a key of the configuration file:\n"
+      "--max-jobs, LATVOX_MAX_JOBS, max-jobs. --check-config, --man and --parent-pid are options only.\n");
 }
 
-// Reads the command line, and holds the results.
+// The parser of the command line, and the configuration that it fills.
 struct Parser {
   Configuration configuration;
-  CommandParser parser{"latvoxd: voxelizes triangle meshes on lattices, as a gRPC service", "latvoxd"};
+  CommandParser parser{"Voxelize triangle meshes on lattices as a gRPC service", "latvoxd"};
 
   Parser() { AddOptions(parser, configuration.options); }
 
@@ -182,17 +187,22 @@ struct Parser {
 };
 
 std::string ManPageOf(CommandFacts facts) {
-  facts.description = "voxelizes triangle meshes on lattices, as a gRPC service";
+  facts.description = "voxelizes triangle meshes on lattices as a gRPC service";
   ManPage page;
   page.section = 8;
   page.version = LATVOX_VERSION;
-  page.before = {{"DESCRIPTION",
-                  "latvoxd serves the protocol latvox.v1 until SIGTERM or SIGINT, of which the first lets running\n"
-                  "jobs end. Each option may also be an environment variable, or a key of the configuration file: the\n"
-                  "command line wins over the environment, and that over the file. A file that changes is read again,\n"
-                  "and also at SIGHUP: its log level holds at once, the rest at the next start. Certificates and\n"
-                  "tokens are read again likewise.\n"}};
-  page.after = {{"EXIT STATUS", "0 after SIGTERM or SIGINT; 1 it could not serve; 2 wrong usage"},
+  page.before = {
+      {"DESCRIPTION",
+       "latvoxd serves the protocol latvox.v1 until SIGTERM or SIGINT. The first signal lets running jobs\n"
+       "end.\n"
+       "\n"
+       "Each option is also an environment variable and a key of the configuration file, except\n"
+       "--check-config, --man and --parent-pid. The command line overrides the environment, and the\n"
+       "environment overrides the file.\n"
+       "\n"
+       "The file is read again when it changes and at SIGHUP. Its log level applies at once, other settings\n"
+       "at the next start. Certificates and tokens are read again in the same way, and apply at once.\n"}};
+  page.after = {{"EXIT STATUS", "0 after SIGTERM or SIGINT; 1 latvoxd could not serve; 2 wrong usage"},
                 {"EXAMPLES",
                  "  latvoxd --listen 127.0.0.1:50151\n"
                  "  latvoxd --listen 0.0.0.0:50151 --tls-cert certificate.pem --tls-key key.pem --token-file tokens\n"

@@ -160,7 +160,7 @@ class Jobs(Batch):
         jobs = self.jobs({"mesh": "huge.ply", "resolution": 8}, *self.small(1))
         command = ["prlimit", f"--as={4 << 30}", BIN / "latvox", "batch", jobs, "--out", self.out, "--jobs", "1"]
         done = subprocess.run(command, capture_output=True, text=True, timeout=harness.PATIENCE)
-        self.assertRegex(done.stderr, r"jobs\.jsonl:1: .*/huge\.ply: is larger than the memory at hand\n$")
+        self.assertRegex(done.stderr, r"jobs\.jsonl:1: .*/huge\.ply: is larger than the available memory\n$")
         self.assertEqual((done.returncode, self.outputs()), (REFUSED, ["0.vdb"]))
 
     def test_wrong_lines_are_all_named_and_nothing_is_run(self):
@@ -174,9 +174,9 @@ class Jobs(Batch):
             lines = self.batch(jobs, *options, code=BAD_INPUT).stderr.splitlines()
             self.assertEqual(len(lines), 4, lines)
             self.assertRegex(lines[0], r"jobs\.jsonl:2: resolution: .*70000.*65536")
-            self.assertRegex(lines[1], r"jobs\.jsonl:3: no JSON")
+            self.assertRegex(lines[1], r"jobs\.jsonl:3: not JSON")
             self.assertRegex(lines[2], r"jobs\.jsonl:4: out: .*0\.vdb.*line 1")
-            self.assertRegex(lines[3], r"3 of 4 jobs are wrong; none was run")
+            self.assertRegex(lines[3], r"3 of 4 jobs are wrong; no job was run")
             self.assertFalse(self.out.exists())
 
     def test_the_exit_status_is_that_of_the_failures_or_1_for_several(self):
@@ -359,7 +359,7 @@ class Shards(Batch):
         small = self.jobs(*self.small(2))
         waiting = [self.start(small, "--resume") for _ in range(3)]
         for client in waiting:
-            self.assertIn("results.jsonl: another latvox batch is at work on it", client.stderr.readline())
+            self.assertIn("results.jsonl: another latvox batch is using it", client.stderr.readline())
         for client, signal_number in zip(waiting, (signal.SIGINT, signal.SIGTERM)):
             client.send_signal(signal_number)
             self.assertEqual(client.wait(15), STOPPED)

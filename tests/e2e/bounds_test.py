@@ -102,9 +102,9 @@ class Bounds(Case):
         whole = self.voxelize(mesh, *options)
         region, bounds = "--region=40,0,0,41,1,1", "--bounds=-0.5,9.25,0,1,10,1"
         for given, says in (
-            ([bounds], "no voxel lies in --bounds -0.5,9.25,0,1,10,1, where the mesh is in -4,-4,-4,4,4,4\n"),
-            ([region], r"no voxel lies in --region 40,0,0,41,1,1, where the mesh is about in ([-\d,]+)\n"),
-            ([region, bounds], "no voxel lies in --region .*, and in --bounds .*\n"),
+            ([bounds], r"no voxel lies in --bounds -0.5,9.25,0,1,10,1 \(the mesh lies in -4,-4,-4,4,4,4\)\n"),
+            ([region], r"no voxel lies in --region 40,0,0,41,1,1 \(the mesh lies about in ([-\d,]+)\)\n"),
+            ([region, bounds], r"no voxel lies in --region .*\) and in --bounds .*\)\n"),
             (["--shard=0/9999", "--resolution=2"], None),
             ([option([-9] * 3 + [9] * 3)], None),
         ):

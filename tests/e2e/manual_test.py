@@ -1,4 +1,4 @@
-"""The programs' own descriptions: help, introduction and its examples, man pages, completions."""
+"""The programs' own descriptions: help, introduction and its examples, man pages, Markdown reference, completions."""
 
 import functools
 import os
@@ -29,15 +29,28 @@ def help_of(*words):
 
 
 def commands():
-    """Returns the commands of latvox, by its help."""
-    listed = help_of().partition("Subcommands:\n")[2].partition("\n\n")[0]
+    """Returns the commands of latvox that its help lists."""
+    listed = help_of().partition("\nCommands:\n")[2].partition("\n\n")[0]
     return re.findall(r"^  (\w+)", listed, re.M)
+
+
+def described(text):
+    """Returns the entries of a help text: pairs of an option's names with its value, and its description."""
+    found = re.findall(r"^  (-\S.*?)(?:  +|\n {26})(.*(?:\n {26}.*)*)", text, re.M)
+    return [(head, re.sub(r"\s+", " ", description)) for head, description in found]
 
 
 def options(text):
     """Returns the long options that a help text defines."""
-    defined = re.findall(r"^  (-\S*)", text, re.M)
-    return {name for names in defined for name in re.findall(r"--[\w-]+", names)}
+    return {name for head, _ in described(text) for name in re.findall(r"--[\w-]+", head)}
+
+
+def helps():
+    """Yields the name and the help text of each program and command."""
+    yield "latvox", help_of()
+    for name in commands():
+        yield f"latvox {name}", help_of(name)
+    yield "latvoxd", run(BIN / "latvoxd", "--help")
 
 
 def entries(shown):
@@ -81,17 +94,43 @@ class Help(Case):
         for option, group in (("--band", "Voxels"), ("--encoding", "Transfer"), ("--bounds", "Part of the whole")):
             self.assertRegex(text, rf"\n{group}:\n(?:.+\n)*? +{option}\b")
 
+    def test_help_fits_a_terminal_and_shows_nothing_of_the_parser(self):
+        for name, text in helps():
+            with self.subTest(name):
+                self.assertEqual([line for line in text.splitlines() if len(line) > 100], [])
+                entries = text.partition("\nExamples:\n")[0]
+                seams = r"\{|Excludes|Needs:|\[b, kb|:of |REQUIRED|\b(TEXT|INT|UINT|FLOAT)\b"
+                self.assertIsNone(re.search(seams, entries))
+
+    def test_help_describes_every_option_once(self):
+        for name, text in helps():
+            with self.subTest(name):
+                found = described(text)
+                names = [one for head, _ in found for one in re.findall(r"--?[a-z][\w-]*", head)]
+                self.assertEqual(sorted(set(names)), sorted(names))
+                self.assertIn("--help", names)
+                self.assertEqual([head for head, description in found if not re.match(r"[A-Z].* ", description)], [])
+
+    def test_help_shows_values_and_defaults(self):
+        voxelize = dict(described(help_of("voxelize")))
+        self.assertEqual(voxelize["--lattice cartesian|bcc|fcc|hexagonal"], "Named lattice (default: cartesian)")
+        self.assertIn("--minimal, --no-minimal", voxelize)
+        self.assertRegex(voxelize["-o, --out OUT"], r"\.vdb .*may be repeated \(required\)")
+        self.assertIn("(2 to 65536)", voxelize["--resolution N"])
+        latvoxd = dict(described(run(BIN / "latvoxd", "--help")))
+        self.assertIn("(at least 1; default: 1GiB)", latvoxd["--max-mesh-bytes SIZE"])
+        self.assertIn("(0 to 1024; default: 0)", latvoxd["--threads N"])
+        self.assertIn("(default: 127.0.0.1:50151)", latvoxd["--listen ADDRESS"])
+
     def test_the_pages_know_the_options_and_no_others(self):
         pages = [ROOT / "README.md", *ROOT.glob("client/docs/*.md"), *ROOT.glob("server/docs/*.md")]
-        text = "\n".join(page.read_text() for page in pages)
-        helps = "\n".join(help_of(name) for name in commands())
-        of_latvox = options(helps)
-        # A single word is no choice.
-        single = set(re.findall(r"^  (--\S+) TEXT:\{\w+\}", helps, re.M))
+        written = [page for page in pages if page.name != "command-line.md"]  # that one is generated
+        text = "\n".join(page.read_text() for page in written)
+        of_latvox = options("\n".join(help_of(name) for name in commands()))
         of_latvoxd = options(run(BIN / "latvoxd", "--help"))
         self.assertGreater(len(of_latvox), 30)
         missing = {name for name in of_latvox if not re.search(rf"{name}\b(?!-)", text)}
-        self.assertLessEqual(missing - single, {"--help"})
+        self.assertLessEqual(missing, {"--help"})
         tables = "\n".join(line for line in text.splitlines() if line.startswith("| `-"))
         named = set(re.findall(r"`(--[\w-]+)", tables))
         self.assertGreater(len(named), 20)
@@ -142,6 +181,27 @@ class ManPages(Case):
         for shell, path in (("bash", "bash-completion/completions/latvox"), ("zsh", "zsh/site-functions/_latvox"),
                             ("fish", "fish/vendor_completions.d/latvox.fish")):
             self.assertEqual((share / path).read_text(), latvox("completions", shell).stdout)
+
+
+class Reference(Case):
+    def test_the_kept_page_is_what_the_tool_prints(self):
+        kept = (ROOT / "client/docs/command-line.md").read_text()
+        self.assertEqual(kept, latvox("man", "markdown").stdout, "run: latvox man markdown > client/docs/command-line.md")
+
+    def test_every_option_of_the_help_is_in_the_section_of_its_command(self):
+        text = latvox("man", "markdown").stdout
+        sections = dict(re.findall(r"^## latvox (\w+)\n(.*?)(?=^## |\Z)", text, re.M | re.S))
+        self.assertEqual(set(sections), set(commands()))
+        for name, section in sections.items():
+            with self.subTest(name):
+                heads = re.findall(r"^- `(-[^`]*)`:", section, re.M)
+                self.assertEqual({one for head in heads for one in re.findall(r"--[\w-]+", head)},
+                                 options(help_of(name)) - {"--help"})
+        self.assertIn("Not with `--basis`, `--align`.", sections["voxelize"])
+
+    def test_lines_of_text_are_short(self):
+        text = re.sub(r"^```.*?^```$", "", latvox("man", "markdown").stdout, flags=re.M | re.S)
+        self.assertEqual([line for line in text.splitlines() if len(line) > 120], [])
 
 
 LATTICES = {"cartesian", "bcc", "fcc", "hexagonal"}

@@ -1,6 +1,7 @@
 """The SDK built alone, without server, tool and grids. It needs only gRPC, Protobuf, abseil and Draco; as archives and
 as shared libraries; for users of CMake and of pkg-config."""
 
+import ctypes
 import fnmatch
 import os
 import pathlib
@@ -38,6 +39,17 @@ def configure(source, build, *options, **more):
     return run(*words, **more)
 
 
+PLUGIN = """
+#include <latvox/client.h>
+#include <latvox/mesh/encode_mesh.h>
+
+extern "C" __attribute__((visibility("default"))) int triangles_refused() {
+  const auto client = latvox::client::Client::Connect("no address");
+  return !client.ok() && !latvox::client::EncodeMesh({}, {}).ok();
+}
+"""
+
+
 def marked(headers):
     """Returns the names of the functions and classes that these headers mark with LATVOX_EXPORT."""
     text = "\n".join(header.read_text() for header in headers)
@@ -60,7 +72,7 @@ class Kind:
         self.cached = os.environ | CACHED | {"CCACHE_BASEDIR": str(folder.parent)}
         missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in FOREIGN]
         self.said = configure(source, self.build, *ALONE, *missing, f"-DBUILD_SHARED_LIBS={'ON' if shared else 'OFF'}",
-                              "-DCMAKE_POSITION_INDEPENDENT_CODE=ON", "-DCMAKE_CXX_FLAGS=-O0",
+                              "-DCMAKE_CXX_FLAGS=-O0",
                               env=os.environ | {"PKG_CONFIG_LIBDIR": str(modules)})
         run("cmake", "--build", self.build, env=self.cached)
         run("cmake", "--install", self.build, "--prefix", folder / "first")
@@ -116,6 +128,15 @@ class SdkAlone(harness.Case):
                         self.assertEqual(kind.output(program, latvoxd.address, 90),
                                          f"{own['voxels']} voxels, digest {own['digest']}\n")
                     self.assertEqual(kind.output(kind.examples / "fake_server"), "passed\n")
+
+    def test_archives_can_be_part_of_a_shared_library(self):
+        """For example a plugin, or a module of Python."""
+        kind = self.kinds["static"]
+        (kind.folder / "plugin.cc").write_text(PLUGIN)
+        plugin = kind.folder / "plugin.so"
+        run("g++", "-std=c++20", "-fPIC", "-fvisibility=hidden", "-shared", "-Wl,-z,defs", kind.folder / "plugin.cc", "-o", plugin,
+            *kind.pkg_config("--cflags", "--libs", "latvox-mesh"))
+        self.assertEqual(ctypes.CDLL(str(plugin)).triangles_refused(), 1)
 
     def test_nothing_of_the_tool_or_the_server_is_read(self):
         for name, kind in self.kinds.items():

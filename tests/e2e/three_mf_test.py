@@ -40,7 +40,7 @@ class ThreeMf(InputCase):
         for text, code, says in (
             (model(good.replace('v3="1"', 'v3="4"'), item), 3, 'line 7: <triangle>: v3="4" of triangle 0 .* 4 vert'),
             (model(good.replace('z="', 'z="x', 1), item), 3, 'line 2: <vertex>: z="x.*" of vertex 0 is not a finite'),
-            (model(good, '<item objectid="7"/>'), 3, 'line 11: <item>: objectid="7" is no object'),
+            (model(good, '<item objectid="7"/>'), 3, 'line 11: <item>: objectid="7" is not an object'),
             (model(good, '<item objectid="1" transform="1 0 0"/>'), 3, "<item>: transform has 3 numbers, not 12"),
             (model(good, ""), 3, "the build has no item"),
             (model(good, item, 'unit="league"'), 3, 'unit "league" is not one of'),
@@ -91,7 +91,7 @@ class ThreeMf(InputCase):
             ('line 7: <triangle>: p1="3" is not within the 3 of <basematerials> 5', 'pid="5" p1="3"'),
             ('line 7: <triangle>: p1="" is not within', 'pid="5"'),
             ('line 7: <triangle>: p2="-1" is not within the 2 of <colorgroup> 6', 'pid="6" p1="0" p2="-1"'),
-            ('line 1: <base>: "red" is no color', 'pid="5" p1="2"'),
+            ('line 1: <base>: "red" is not a color', 'pid="5" p1="2"'),
             ('line 7: <triangle>: pid="7" is a <texture2dgroup>, and only basematerials and colorgroup are read', 'pid="7" p1="0"'),
         ):
             with self.subTest(says):

@@ -101,7 +101,7 @@ class Pictures(ValuesCase):
         self.voxelize(self.bodies(), *GRID, "--attributes", "part", out="a.vdb")
         out = ["-o", self.dir / "x.png"]
         for status, says, words in (
-            (3, "a.vdb: the voxels have no color, as --color-by wants", ["render", "a.vdb", "--color-by", "color"]),
+            (3, "a.vdb: the voxels have no color, which --color-by requires", ["render", "a.vdb", "--color-by", "color"]),
             (3, "the voxels have no distance", ["slice", "a.vdb", "--axis=x", "--index=0", "--color-by", "distance"]),
             (2, "--color-by", ["render", "a.vdb", "--color-by", "distance"]),
             (2, "not with --color-by part", ["render", "a.vdb", "--color-by", "part", "--color", "ff0000"]),
@@ -121,7 +121,7 @@ class Pictures(ValuesCase):
     def check_surface(self):
         """Seen from z, the octahedron is a square on its corner."""
         done = self.run_latvox("render", self.dir / "band.vdb", "-o", self.dir / "c.png", "--size=96", "--view=0,0")
-        self.assertIn("within the band; those at its surface are drawn", done.stdout)
+        self.assertIn("in the band; the picture shows those at the surface", done.stdout)
         _, _, lines = read_png(self.dir / "c.png")
         self.assertFalse(has_hole(lines))
         share = sum(color != lines[0][0] for line in lines for color in line) / (0.92 * 96) ** 2
@@ -189,7 +189,7 @@ class Compare(ValuesCase):
         self.voxelize(self.dir / "ball.obj", *GRID, "--lattice", "fcc", out="set.vdb")
         for pair in ((band, self.dir / "set.vdb"), (self.dir / "set.vdb", band)):
             done = self.run_latvox("compare", *pair, status=3)
-            self.assertRegex(done.stderr, r"band.vdb is a band of distances, \S*set.vdb a set of voxels: --voxels")
+            self.assertRegex(done.stderr, r"band.vdb is a band of distances, \S*set.vdb is a set of voxels; --voxels")
         report = self.compare(band, self.dir / "set.vdb", "--voxels", status=1)
         self.assertEqual((report["only_b"], report["both"], report["distances"]), (0, report["voxels"]["b"], None))
         self.assertEqual(self.compare(band, band, "--voxels", status=0)["only_a"], 0)

@@ -340,9 +340,9 @@ class Page(Case):
         skew.getAccessor().setValueOn((0, 0, 0), True)
         skew.transform = pyopenvdb.createLinearTransform([[1, 0, 0, 0], [0, 1, 0, 0], [9.3, 0, 1, 0], [0, 0, 0, 1]])
         pyopenvdb.write(str(self.dir / "skew.vdb"), grids=[skew])
-        for name, pattern in [("skew", "the step -?9,0,-?1 to a neighbour is over the 8 of a page"),
-                              ("far", "70001 voxels on axis j are over the 65536 of a page; .*--bounds"),
-                              ("many", "4020000 voxels are over the 4000000 of a page; .*--bounds.*--resolution")]:  # fmt: skip
+        for name, pattern in [("skew", "the step -?9,0,-?1 to a neighbor exceeds the limit of 8 of a page"),
+                              ("far", "70001 voxels on axis j exceed the limit of 65536 of a page; .*--bounds"),
+                              ("many", "4020000 voxels exceed the limit of 4000000 of a page; .*--bounds.*--resolution")]:  # fmt: skip
             done = latvox("view", self.dir / f"{name}.vdb", "-o", page)
             self.assertEqual(done.returncode, REFUSED, done.stderr)
             self.assertRegex(done.stderr, f"{name}.vdb: {pattern}")

@@ -1,5 +1,5 @@
-// Meshes made to go wrong: lattice points on vertices and edges, depths exactly half way, slivers, duplicates, zero
-// areas, sheets closer than a voxel, shells in shells and inside out, triangles far larger and far smaller than a
+// Meshes that provoke errors: lattice points on vertices and edges, depths exactly halfway, slivers, duplicates, zero
+// areas, sheets closer than a voxel, shells in shells and inside out, and triangles much larger or smaller than a
 // voxel.
 #ifndef LATVOX_TESTS_ORACLE_MESHES_H_
 #define LATVOX_TESTS_ORACLE_MESHES_H_

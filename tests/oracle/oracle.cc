@@ -268,9 +268,9 @@ Int3 LineOf(const Int3& z, const Int3& q) {
   return Step(z, q, (remainder - z[axis]) / q[axis]);
 }
 
-// How far a voxel's fate reaches: in its own pass, the last at worst, it depends on which neighbors the seven passes
-// before removed, and so on back; so on membership before thinning at most 8 steps away, and on the crossed edges of
-// voxels at most 8 steps away. All of those have an end in the box grown by 8 steps.
+// The reach of a voxel's fate. In its own pass, at worst the last, it depends on the neighbors that the seven passes
+// before removed, and so on back. So it depends on membership before thinning, and on crossed links, of voxels at most
+// 8 steps away. All of those have an end in the box grown by 8 steps.
 std::set<Int3> Digitize(const Mesh& mesh, const std::vector<Int3>& directions, bool minimal,
                         const std::optional<Box>& box) {
   std::optional<Box> reach = box;

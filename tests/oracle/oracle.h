@@ -1,4 +1,4 @@
-// An exact, slow statement of what a voxelization must contain: neighbors, crossings, covers, planes. It shares no
+// An exact, slow statement of the content of a voxelization: neighbors, crossings, covers, planes. It shares no
 // code with the core and none of its methods: no projection, no unimodular completion, no edge functions. Every
 // number is an integer or a rational of unlimited size, and the tie-breaking shift is a polynomial in an
 // infinitesimal. A disagreement between the core and this file is a defect of one of them.
@@ -127,14 +127,14 @@ class CellClipper {
   static bool Meets(const Triangle& triangle, const Int3& voxel, const std::vector<HalfSpace<T>>& cell);
 
   std::vector<HalfSpace<mpq_class>> exact_;
-  // The same cell in doubles, larger and smaller by far more than what these round: where they agree, they save time.
+  // The same cell in doubles, larger and smaller by far more than their rounding: where the two agree, they save time.
   std::vector<HalfSpace<double>> loose_, tight_;
   Int3 margin_;  // per axis, voxels: no cell extends farther
 };
 
-// The plane { x : normal . x = offset }, x in mesh units (1/256 voxel), normal a covector in lattice coordinates: all z
-// in the box with -t < normal . z - offset/256 <= t, t = max |normal . q| / 2, after (normal, offset) is negated, if
-// need be, to make the first nonzero component of the normal positive.
+// The plane { x : normal . x = offset }, with x in mesh units (1/256 voxel), and normal a covector in lattice
+// coordinates. It holds all z in the box with -t < normal . z - offset/256 <= t, t = max |normal . q| / 2. If
+// necessary, (normal, offset) is negated first, so that the normal's first nonzero component is positive.
 std::set<Int3> PlaneSet(Int3 normal, int64_t offset, const std::vector<Int3>& directions, const Box& box);
 
 }  // namespace latvox::oracle

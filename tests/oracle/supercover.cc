@@ -40,7 +40,7 @@ Box VoxelsAround(const Triangle& triangle, const Int3& margin) {
 
 }  // namespace
 
-// What of a convex polygon, which may be a segment or a point, lies in the half-space.
+// Returns the part of a convex polygon, which may be a segment or a point, in the half-space.
 template <class T>
 std::vector<Point<T>> CellClipper::Clip(const std::vector<Point<T>>& polygon, const HalfSpace<T>& half_space) {
   const auto beyond = [&](const Point<T>& x) -> T {

@@ -9,6 +9,14 @@ def messages(path, text):
     return [message for _, message in prose.read(path, text).findings]
 
 
+class TheTree(unittest.TestCase):
+    def test_pages_and_comments_keep_the_limits(self):
+        files = prose.read_tree()
+        for kind, least in ("page", 60), ("comment", 700):
+            self.assertGreater(sum(file.kind == kind for file in files), least, kind)
+        self.assertEqual("\n".join(prose.judge(files)), "")
+
+
 class TheRules(unittest.TestCase):
     """Each rule finds an example of its own, and lets a plain sentence pass."""
 

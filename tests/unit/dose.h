@@ -1,5 +1,5 @@
-// How much of a long test is run. Under a sanitizer a program takes 5 to 20 times as long, and what is looked for there
-// shows after a part of the cases; whether results are right is told by the plain build, with all of them.
+// How much of a long test is run. Under a sanitizer, a program takes 5 to 20 times as long, and a part of the cases is
+// enough to find its faults. The plain build runs all cases, and decides whether results are right.
 #ifndef LATVOX_TESTS_UNIT_DOSE_H_
 #define LATVOX_TESTS_UNIT_DOSE_H_
 

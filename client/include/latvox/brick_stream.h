@@ -46,7 +46,8 @@ class LATVOX_EXPORT BrickStream {
 
   // Waits for the next batch. Its memory belongs to the stream, and is valid until the next call of Next. Nothing:
   // there are no more batches, and everything that Client::Voxelize promises for an OK call holds. Errors: as
-  // Client::Voxelize, after the batches that came before; they stay. CANCELLED comes at once, without these batches.
+  // Client::Voxelize, after the batches that came before; later calls return the same error. CANCELLED comes at once,
+  // without these batches.
   absl::StatusOr<std::optional<BrickBatch>> Next();
 
   // The summary of the whole, once Next has returned nothing; nullopt before that, and after an error.

@@ -13,9 +13,9 @@
 // Stream returns a handle to take them from. The last two need the memory of a few batches, however many bricks there
 // are.
 //
-// A broken connection, and a server that dies, drains or is full for the moment, are no errors while another try can
-// help (latvox/retry_policy.h). The call goes on after the last complete tile, on another connection or another server.
-// The program notices only the time.
+// A broken connection is no error while another try can help (latvox/retry_policy.h), and neither is a server that
+// dies, drains or is temporarily full. The call goes on after the last complete tile, on another connection or another
+// server. The program notices only the time.
 //
 // All errors are absl::Status with the codes in latvox/error.h. GetErrorDetails there returns field, value and limit.
 // Nothing throws, and nothing logs.
@@ -55,7 +55,7 @@ class LATVOX_EXPORT Client {
   static absl::StatusOr<Client> Connect(const std::vector<std::string>& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
 
-  // A client of something else than a server, not null: see latvox/voxel_service.h.
+  // Makes a client of another service than a server, for tests. Not null: see latvox/voxel_service.h.
   explicit Client(std::shared_ptr<VoxelService> service);
 
   Client(Client&&) noexcept;             // the other one may then only be destroyed or assigned to

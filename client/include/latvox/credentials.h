@@ -10,8 +10,8 @@ namespace latvox::client {
 struct Credentials {
   bool tls = false;           // the connection is encrypted, and the server proves its name
   std::string tls_ca_file;    // roots for the server's certificate; empty: the system's
-  std::string tls_cert_file;  // the client's own certificate, for a server that requires one, with
-  std::string tls_key_file;   // its key
+  std::string tls_cert_file;  // the client's own certificate, for a server that requires one
+  std::string tls_key_file;   // the key of that certificate; INVALID_ARGUMENT if only one of the two is set
   std::string token;          // bearer token; empty: none. Never sent in plain text, except to this machine
 };
 

@@ -15,10 +15,14 @@ namespace latvox::client {
 //
 // The protocol's codes:
 //   INVALID_ARGUMENT     the request or the mesh is wrong
-//   RESOURCE_EXHAUSTED   a limit is exceeded, or the server is full (then with retry_after, after RetryPolicy has run
-//   out) NOT_FOUND            the server has no mesh with this MeshId UNAVAILABLE          no server could be reached,
-//   or kept, within RetryPolicy DEADLINE_EXCEEDED, CANCELLED UNAUTHENTICATED      the server requires a token INTERNAL
-//   a defect of the server DATA_LOSS            the server broke the protocol
+//   RESOURCE_EXHAUSTED   a limit is exceeded; or the server is full, and RetryPolicy has run out (with retry_after)
+//   NOT_FOUND            the server has no mesh with this MeshId
+//   UNAVAILABLE          no server could be reached, or kept, within RetryPolicy
+//   DEADLINE_EXCEEDED    CallOptions.deadline has passed
+//   CANCELLED            the caller cancelled the call
+//   UNAUTHENTICATED      the server requires a token
+//   INTERNAL             a defect of the server
+//   DATA_LOSS            the server broke the protocol
 struct ErrorDetails {
   std::string reason;                         // UPPER_SNAKE_CASE, for example "BAD_SPEC"
   std::string field;                          // the wrong field

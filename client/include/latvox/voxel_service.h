@@ -8,7 +8,7 @@
 //   };
 //   const latvox::client::Client client(std::make_shared<FullServer>());
 //
-// client/examples/fake_server.cc is such a test, whole.
+// client/examples/fake_server.cc is a complete test of this kind.
 #ifndef LATVOX_LATVOX_VOXEL_SERVICE_H_
 #define LATVOX_LATVOX_VOXEL_SERVICE_H_
 
@@ -35,7 +35,7 @@ struct MeshInput {
 // return UNIMPLEMENTED. The service of Client::Connect retries, resumes and checks every answer below this interface,
 // and nothing above it does. So a stand-in returns exactly the results that the program under test sees.
 //
-// Threads: a Client calls from its callers' threads, at once if they do, and from the thread of a BrickStream.
+// Threads: a Client calls from its callers' threads, concurrently if they do, and from the thread of a BrickStream.
 class LATVOX_EXPORT VoxelService {
  public:
   VoxelService() = default;                               // for derived classes

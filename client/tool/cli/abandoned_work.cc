@@ -41,8 +41,8 @@ bool AwaitWork(std::function<void()> work, const CallOptions& call) {
   const bool done = shared->done;
   shared->mutex.Unlock();
   if (done) {
-    // A thread has not ended with its work: libraries' destructors of what was the thread's follow, and must not meet
-    // those of the process.
+    // The thread may still run destructors of libraries' thread-local objects. They must not run beside those of the
+    // process.
     thread.join();
   } else {
     g_any_abandoned = true;

@@ -1,4 +1,4 @@
-// Work that nothing can stop, such as Draco's encoding: who waits for it need not.
+// Work that nothing can stop, such as Draco's encoding. The caller can stop waiting for it.
 #ifndef LATVOX_CLIENT_TOOL_CLI_ABANDONED_WORK_H_
 #define LATVOX_CLIENT_TOOL_CLI_ABANDONED_WORK_H_
 
@@ -13,18 +13,18 @@
 
 namespace latvox::client {
 
-// CANCELLED if the call is cancelled, DEADLINE_EXCEEDED if its deadline has passed.
+// Returns CANCELLED if the call is cancelled, DEADLINE_EXCEEDED if its deadline has passed.
 absl::Status CheckTime(const CallOptions& call);
 
-// Runs `work` on a thread of its own. Waits for its end, and returns true; or, if the call is cancelled or its deadline
-// passes before, returns false: then the thread goes on, if it has begun, and `work` must own all that it uses.
+// Runs `work` on its own thread and waits for it. Returns true when it has ended. Returns false when the call is
+// cancelled or its deadline passes first. The thread then goes on, so `work` must own everything that it uses.
 bool AwaitWork(std::function<void()> work, const CallOptions& call);
 
-// Whether any thread went on so, be it that it has ended since. Then the process is to end by _exit, which destroys
-// nothing that such a thread may use, if only to end.
+// Returns whether any thread was ever abandoned, even if it has ended since. The process must then end by _exit, which
+// destroys nothing that such a thread may still use.
 bool AnyAbandoned();
 
-// What work() returns, an absl::StatusOr, or throws; or the error of CheckTime.
+// Returns the absl::StatusOr of work(), or the error of CheckTime. Exceptions of work() pass through.
 template <class Work>
 auto DoAbandonably(Work work, const CallOptions& call) -> decltype(work()) {
   struct Outcome {

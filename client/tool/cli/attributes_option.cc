@@ -25,7 +25,7 @@ std::string CheckAttributes(const std::string& text) {
     if (std::none_of(AttributeNames().begin(), AttributeNames().end(), has_name)) {
       return absl::StrCat("\"", word, "\" is not one of part, material, color");
     }
-    if (!seen.insert(word).second) return absl::StrCat("\"", word, "\" stands twice");
+    if (!seen.insert(word).second) return absl::StrCat("\"", word, "\" is given twice");
   }
   return "";
 }
@@ -35,7 +35,7 @@ std::string CheckAttributes(const std::string& text) {
 OptionRow AttributesRow(VoxelizeWords& words) {
   return {.names = "--attributes",
           .target = &words.attributes,
-          .help = "voxels carry these of the nearest triangle: part, material, color, or a list of them",
+          .help = "Attributes that each voxel takes from its nearest triangle: part, material, color, or a list",
           .value = "NAME,...",
           .checks = {{CheckAttributes}}};
 }

@@ -1,4 +1,4 @@
-// --attributes, and which outputs hold what is asked for.
+// --attributes, and the outputs that can hold attributes.
 #ifndef LATVOX_CLIENT_TOOL_CLI_ATTRIBUTES_OPTION_H_
 #define LATVOX_CLIENT_TOOL_CLI_ATTRIBUTES_OPTION_H_
 
@@ -13,11 +13,11 @@ namespace latvox::client {
 
 OptionRow AttributesRow(VoxelizeWords& words);
 
-// What the option asks for, if it is given. Throws UsageError, as InterpretRequest.
-//   options   all else is interpreted
+// Writes the attributes of the option to `options`, if it is given. Throws UsageError, as InterpretRequest.
+//   options   otherwise complete
 void InterpretAttributes(const VoxelizeWords& words, VoxelizeOptions& options);
 
-// Refuses outputs whose extension is none of these: they cannot hold what the option asks for.
+// Throws UsageError if an output has none of these extensions, because it cannot hold the values of the option.
 void CheckCarry(const char* option, absl::string_view what, const std::vector<std::string>& extensions,
                 const std::vector<std::string>& outputs);
 

@@ -20,14 +20,14 @@ absl::StatusOr<JobFile> ReadJobs(const BatchOptions& options, const Cancellation
   if (!file.ok() || file->wrong == 0) return file;
   for (const std::string& error : file->errors) Say(error);
   return absl::InvalidArgumentError(absl::StrCat(NameOfInput(options.jobs_file), ": ", file->wrong, " of ", file->jobs,
-                                                 " jobs are wrong; none was run"));
+                                                 " jobs are wrong; no job was run"));
 }
 
 absl::Status MakeDirectory(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (!error) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be made (", error.message(), ")"));
+  return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be created (", error.message(), ")"));
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancella
   const std::string results = (std::filesystem::path(options.directory) / ResultsName(worker)).string();
   const auto results_file = ResultsFile::Open(results, cancellation, Say);
   if (!results_file.ok()) return results_file.status();
-  // Once nobody else adds to this worker's file.
+  // The results are read only after no other process writes to this worker's file.
   const auto done = options.resume ? DoneJobs::Read(options.directory, cancellation) : DoneJobs();
   if (!done.ok()) return done.status();
   BatchRun run(options, *file, *done, **results_file, cancellation);
@@ -53,10 +53,10 @@ absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancella
   BatchReport report = run.report();
   for (const std::string& line : report.failures) Say(line);
   if (const uint64_t more = report.failed - report.failures.size(); more > 0) {
-    Say(absl::StrCat("and ", more, " more have failed: see ", results));
+    Say(absl::StrCat("and ", more, " more jobs failed; see ", results));
   }
   if (!status.ok()) return status;
-  if (report.cancelled) Say("cancelled; --resume goes on from here");
+  if (report.cancelled) Say("cancelled; run again with --resume to continue");
   report.results = results;
   report.total_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   return report;

@@ -9,11 +9,11 @@
 
 namespace latvox::client {
 
-// Does this worker's jobs; one that fails does not stop the others. What became of each is appended to the file of
-// results as it ends, and of those that failed there is a line on standard error in the end. A cancelled batch leaves
-// out the jobs that it cut off, which have left nothing.
-// Errors: lines that are wrong, each of which is told on standard error, and then no job is run; results that cannot
-// be written; a server that cannot be reached or started.
+// Runs the jobs of this worker. A failed job does not stop the others. Appends the outcome of each job to the results
+// file as the job ends. At the end prints one line on standard error for each failed job. A cancelled batch omits the
+// jobs that it interrupted, which leave no files.
+// Errors: wrong lines (each is printed on standard error, and no job runs); results that cannot be written; a server
+// that cannot be reached or started.
 absl::StatusOr<BatchReport> RunBatch(const BatchOptions& options, const Cancellation& cancellation);
 
 }  // namespace latvox::client

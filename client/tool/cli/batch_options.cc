@@ -12,28 +12,31 @@ constexpr int kMaxJobs = 256;
 
 void AddBatchOptions(CommandParser& command, BatchWords& words) {
   BatchOptions& options = words.options;
-  command.Add({{.names = "jobs-file",
-                .target = &options.jobs_file,
-                .help = "a job a line, as a JSON object, or - for standard input; see client/docs/batch.md",
-                .value = "JOBS.jsonl",
-                .required = true},
-               {.names = "-o,--out",
-                .target = &options.directory,
-                .help = "directory of outputs and results; made if there is none",
-                .value = "DIR",
-                .required = true},
-               {.names = "--worker",
-                .target = &words.worker,
-                .help = "only every Nth job from job I on, 0 <= I < N (default: what Kubernetes or Slurm says)",
-                .value = "I/N",
-                .checks = {{CheckShard}}},
-               {.names = "--resume", .target = &options.resume, .help = "skip jobs that are done"},
-               {.names = "--jobs",
-                .target = &options.jobs,
-                .help = absl::StrCat("jobs at once (default: ", kPrivateJobs, "; with --server ", kServerJobs, ")"),
-                .value = "P",
-                .checks = {Whole(1, kMaxJobs)}},
-               JsonRow("machine-readable summary on standard output", options.json)});
+  command.Add(
+      {{.names = "jobs-file",
+        .target = &options.jobs_file,
+        .help = "File with one job per line as a JSON object, or - for standard input; see client/docs/batch.md",
+        .value = "JOBS.jsonl",
+        .required = true},
+       {.names = "-o,--out",
+        .target = &options.directory,
+        .help = "Directory of outputs and results; created if it does not exist",
+        .value = "DIR",
+        .required = true},
+       {.names = "--worker",
+        .target = &words.worker,
+        .help = "Run only every Nth job from job I on, 0 <= I < N",
+        .value = "I/N",
+        .checks = {{CheckShard}},
+        .standard = "from Kubernetes or Slurm"},
+       {.names = "--resume", .target = &options.resume, .help = "Skip jobs that are done"},
+       {.names = "--jobs",
+        .target = &options.jobs,
+        .help = "Number of jobs at once",
+        .value = "N",
+        .checks = {Whole(1, kMaxJobs)},
+        .standard = absl::StrCat(kPrivateJobs, ", or ", kServerJobs, " with --server")},
+       JsonRow("Print the summary as JSON", options.json)});
   AddServerOptions(command, options.server);
 }
 

@@ -10,8 +10,8 @@
 
 namespace latvox::client {
 
-// Jobs at once, unless --jobs says. A private server shares this machine's cores with the reading and encoding of
-// meshes; servers elsewhere have cores of their own.
+// Default number of jobs at once. A private server shares the cores of this machine with the reading and encoding of
+// meshes. Other servers have their own cores.
 inline constexpr int kPrivateJobs = 2, kServerJobs = 4;
 
 struct BatchOptions {
@@ -19,19 +19,19 @@ struct BatchOptions {
   ChosenWorker worker;
   int jobs = 0;  // at once
   bool resume = false, json = false;
-  ServerChoice server;  // whose timeout is each job's
+  ServerChoice server;  // its timeout applies to each job
 };
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct BatchWords {
-  BatchOptions options;  // filled in part by parsing; jobs is 0 if it was not given
+  BatchOptions options;  // partly filled by parsing; jobs is 0 if not given
   std::string worker;
 };
 
-// Adds the options to a command. Parsing checks each option by itself.
+// Adds the options to a command. Parsing checks each option alone.
 void AddBatchOptions(CommandParser& command, BatchWords& words);
 
-// What the words mean together with the environment. Throws UsageError, as ChooseWorker.
+// Returns the options that the words and the environment mean. Throws UsageError as ChooseWorker.
 BatchOptions Interpret(const BatchWords& words);
 
 }  // namespace latvox::client

@@ -28,9 +28,9 @@ bool IsResultsName(const std::string& name) {
   return name == "results.jsonl" || (absl::StartsWith(name, "results-") && absl::EndsWith(name, ".jsonl"));
 }
 
-// Throws SortedJson::exception if it is none.
+// Throws SortedJson::exception if the value is not an unsigned number.
 uint64_t WholeNumber(const SortedJson& number) {
-  return number.get_ref<const SortedJson::number_unsigned_t&>();  // get() would convert what is not in its range
+  return number.get_ref<const SortedJson::number_unsigned_t&>();  // get() would convert numbers outside its range
 }
 
 }  // namespace
@@ -66,13 +66,12 @@ absl::Status ResultsFile::Lock(const Cancellation& cancellation, const std::func
   const Cancellation::Subscription on_cancel(cancellation, [&cancelled] { cancelled.Notify(); });
   const absl::Time give_up = absl::Now() + limit;
   bool said = false;
-  // Where a file system has no locks, there is nothing to hold against.
+  // File systems without locks cannot be checked.
   while (flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     const absl::Duration left = give_up - absl::Now();
-    if (left <= absl::ZeroDuration()) return Error("another latvox batch is at work on it");
+    if (left <= absl::ZeroDuration()) return Error("another latvox batch is using it");
     if (!std::exchange(said, true)) {
-      say(absl::StrCat(path_,
-                       ": another latvox batch is at work on it, or its lock has outlived it; waiting for up to ",
+      say(absl::StrCat(path_, ": another latvox batch is using it, or left its lock behind; waiting for up to ",
                        absl::FormatDuration(limit)));
     }
     if (cancelled.WaitForNotificationWithTimeout(std::min(left, kLockPoll))) return absl::CancelledError("cancelled");
@@ -89,7 +88,7 @@ absl::Status ResultsFile::RemoveUnfinishedLine() const {
   return absl::OkStatus();
 }
 
-// One write, so that a line is there whole or, after a kill, is the unfinished last one.
+// A single write makes the line appear whole. After a kill it is at worst the unfinished last line.
 absl::Status ResultsFile::Append(const JobResult& result) {
   const std::string line = ToJsonLine(result) + "\n";
   const std::lock_guard lock(mutex_);
@@ -129,7 +128,7 @@ absl::Status DoneJobs::ReadFile(const std::string& path, const Cancellation& can
       }
       Add(json.at("outputs").at(0).get<std::string>(), std::move(done));
     } catch (const SortedJson::exception&) {
-      // A line of somebody else's.
+      // The line is not ours.
     }
   }
   if (!file.eof()) return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be read to its end"));

@@ -1,4 +1,4 @@
-// What became of the jobs of a batch: a file of JSON lines, which a later run can go on from.
+// Outcomes of the jobs of a batch: a file of JSON lines, from which a later run can resume.
 #ifndef LATVOX_CLIENT_TOOL_CLI_BATCH_RESULTS_H_
 #define LATVOX_CLIENT_TOOL_CLI_BATCH_RESULTS_H_
 
@@ -20,18 +20,18 @@
 
 namespace latvox::client {
 
-// results.jsonl, or results-I-of-N.jsonl, so that no two workers write one file.
+// Returns results.jsonl, or results-I-of-N.jsonl, so that no two workers write one file.
 std::string ResultsName(const Worker& worker);
 
-// Lines of `report.h`'s ToJsonLine, appended whole as jobs end. Threads: Append may be called at once.
+// Appends lines of ToJsonLine (report.h), each whole, as jobs end. Append is thread-safe.
 class ResultsFile {
  public:
   static constexpr absl::Duration kLockLimit = absl::Minutes(2);
 
-  // Makes the file if there is none. If another process has it open here, waits for its end, after a word about that,
-  // until the limit: some file systems hold a dead machine's lock for a while. A last line that a killed run left
-  // unfinished is removed. Errors: FAILED_PRECONDITION, with the path: it cannot be written, or is still in use;
-  // CANCELLED.
+  // Opens the file, and creates it if it does not exist. If another process has it open here, prints a line and waits
+  // for it up to the limit. Some file systems keep the lock of a dead machine for a while. Removes an unfinished last
+  // line of a killed run.
+  // Errors: FAILED_PRECONDITION, with the path: it cannot be written, or is still in use; CANCELLED.
   static absl::StatusOr<std::unique_ptr<ResultsFile>> Open(const std::string& path, const Cancellation& cancellation,
                                                            const std::function<void(const std::string&)>& say,
                                                            absl::Duration limit = kLockLimit);
@@ -54,30 +54,30 @@ class ResultsFile {
   std::mutex mutex_;
 };
 
-// Jobs that runs before this one have done.
+// Jobs that earlier runs have done.
 class DoneJobs {
  public:
   DoneJobs() = default;
 
-  // From all files of results in the directory, however many workers there were. Of several lines of a job the one that
-  // ended last counts; those of versions that did not write when are the oldest. Lines that are none are ignored.
+  // Reads all results files in the directory, of any number of workers. If several lines describe one job, the one that
+  // ended last counts. Lines without a time, from older versions, count as oldest. Lines in another format are ignored.
   // Errors: FAILED_PRECONDITION (a file cannot be read), CANCELLED.
   static absl::StatusOr<DoneJobs> Read(const std::string& directory, const Cancellation& cancellation);
 
-  // The digest of the voxels if this very job is done: its digest is the same, its outputs are there and as long as
-  // they were, and those that are .vdb hold these voxels.
+  // Returns the digest of the voxels if this very job is done. Then its job digest is equal, its outputs exist with
+  // their recorded lengths, and each .vdb output holds these voxels. Otherwise returns nothing.
   std::optional<std::string> Find(const Job& job, const std::string& job_digest) const;
 
  private:
   struct Done {
     uint64_t ended_unix_ms = 0;
     std::string job_digest, digest;
-    std::vector<uint64_t> bytes;  // of the outputs; empty if the line says nothing of them
+    std::vector<uint64_t> bytes;  // of the outputs; empty if the line has none
   };
   void Add(const std::string& name, Done done);
   absl::Status ReadFile(const std::string& path, const Cancellation& cancellation);
 
-  absl::flat_hash_map<std::string, Done> done_;  // by the first output's name
+  absl::flat_hash_map<std::string, Done> done_;  // keyed by the first output's name
 };
 
 }  // namespace latvox::client

@@ -23,7 +23,7 @@ namespace {
 constexpr size_t kFailuresKept = 100;
 constexpr auto kGlance = std::chrono::milliseconds(100);
 
-// Directories within the batch's, which a job may name.
+// A job may name directories below that of the batch.
 absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs) {
     std::error_code error;
@@ -34,14 +34,15 @@ absl::Status MakeDirectories(const std::vector<std::string>& outputs) {
   return absl::OkStatus();
 }
 
-// By which a later run knows them.
+// A later run recognizes unchanged outputs by these lengths.
 void Measure(const std::vector<std::string>& outputs, JobResult& result) {
   for (const std::string& output : outputs) {
     std::error_code error;
     result.bytes.push_back(std::filesystem::file_size(output, error));
     if (!error) continue;
     result.outcome = JobResult::Outcome::kFailed;
-    result.error = absl::FailedPreconditionError(absl::StrCat(output, ": was written, and is gone: ", error.message()));
+    result.error =
+        absl::FailedPreconditionError(absl::StrCat(output, ": was written but has disappeared: ", error.message()));
     return;
   }
 }
@@ -85,7 +86,7 @@ void BatchRun::Work() {
     try {
       Do(parser, *line, result);
     } catch (const std::bad_alloc&) {
-      result.error = absl::ResourceExhaustedError("memory: there is none left");
+      result.error = absl::ResourceExhaustedError("out of memory");
     } catch (const std::exception& error) {
       result.error = absl::UnknownError(error.what());
     }
@@ -109,7 +110,7 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   result.error = CheckPlaces(*job);
   if (result.error.ok()) result.error = Align(job->options);
   if (!result.error.ok()) return;
-  // Before the mesh is read to be sent: if it changes meanwhile, the job counts as another one next time.
+  // Computed before the mesh is read for sending: if the mesh changes in between, the next run repeats the job.
   auto digest = DoAbandonably([job = *job] { return JobDigest(job); }, call);
   result.error = digest.status();
   if (!digest.ok()) return;
@@ -159,14 +160,14 @@ absl::StatusOr<BatchRun::SharedSession> BatchRun::Connect() {
   return session_;
 }
 
-// A private server that is lost does not come back: the next job gets another one.
+// A lost private server does not come back: the next job starts another one.
 void BatchRun::Disconnect(const SharedSession& session) {
   if (!options_.server.address.empty()) return;
   const std::lock_guard lock(mutex_);
   if (session_ == session) session_ = nullptr;
 }
 
-// What fails because the batch stops is not the job's failure.
+// A failure caused by stopping the batch does not count as a failure of the job.
 void BatchRun::End(const JobResult& result) {
   const bool failed = result.outcome == JobResult::Outcome::kFailed;
   std::unique_lock lock(mutex_);

@@ -1,4 +1,4 @@
-// The jobs of a batch at work.
+// Runs the jobs of a batch.
 #ifndef LATVOX_CLIENT_TOOL_CLI_BATCH_RUN_H_
 #define LATVOX_CLIENT_TOOL_CLI_BATCH_RUN_H_
 
@@ -20,23 +20,24 @@
 
 namespace latvox::client {
 
-// Run is called once. Memory: what BatchOptions.jobs jobs take, and a line for each of the first jobs that fail.
+// Call Run once. Memory: the need of BatchOptions.jobs jobs, and one line for each of the first failed jobs.
 class BatchRun {
  public:
-  // All must outlive it.
+  // All arguments must outlive the object.
   BatchRun(const BatchOptions& options, const JobFile& file, const DoneJobs& done, ResultsFile& results,
            const Cancellation& cancellation);
 
-  // Until every job has ended, or the batch was cancelled. Errors: no server, no results; then the batch has stopped.
+  // Returns when every job has ended or the batch was cancelled. An error of the server or of the results file stops
+  // the batch.
   absl::Status Run();
 
-  // Afterwards: the counts, the failures and the status.
+  // Call after Run. Returns the counts, the failures and the status.
   BatchReport report() const;
 
  private:
   using SharedSession = std::shared_ptr<const Session>;
 
-  // On each worker's thread.
+  // Runs on each worker's thread.
   void Work();
   void Do(JobParser& parser, const JobLine& line, JobResult& result);
   void Voxelize(const Job& job, const CallOptions& call, JobResult& result);
@@ -45,7 +46,7 @@ class BatchRun {
   void End(const JobResult& result);
   void Count(const JobResult& result);
 
-  // On the thread of Run: a private server lives as long as the thread that started it.
+  // Runs on the thread of Run, because a private server lives as long as the thread that started it.
   void Watch();
   void OpenSession(std::unique_lock<std::mutex>& lock);
   void ShowProgress();
@@ -59,13 +60,13 @@ class BatchRun {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  // All guarded by mutex_:
+  // mutex_ guards all of these:
   ProgressBar bar_;
-  size_t next_ = 0;        // line to be taken
-  int workers_ = 0;        // that are at work
-  bool wanted_ = false;    // a session
-  SharedSession session_;  // null: none yet, or its server was lost
-  absl::Status stop_;      // not OK: why no further job is taken
+  size_t next_ = 0;        // next line to run
+  int workers_ = 0;        // running
+  bool wanted_ = false;    // a worker waits for a session
+  SharedSession session_;  // null before the first one, and after its server was lost
+  absl::Status stop_;      // not OK: the reason to begin no further job
   BatchReport report_;
 };
 

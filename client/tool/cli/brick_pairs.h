@@ -8,8 +8,8 @@
 
 namespace latvox::client {
 
-// Calls visit(a, b) with the bricks of each place, null where one has none there, in lexicographic order of brick_ijk,
-// which is that of both.
+// Calls visit(a, b) with the two bricks of each position, null where one sequence has none. Both sequences, and the
+// calls, are in lexicographic order of brick_ijk.
 template <class Visit>
 void ForEachPair(std::span<const Brick> a, std::span<const Brick> b, const Visit& visit) {
   auto at_a = a.begin(), at_b = b.begin();

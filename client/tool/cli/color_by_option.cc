@@ -19,8 +19,9 @@ Names<ColorBy> NamesOf(bool distances) {
 OptionRow ColorByRow(bool distances, std::string& word) {
   return {.names = "--color-by",
           .target = &word,
-          .help = "what gives voxels their colors, of what the file has (default: the first that it has)",
-          .words = WordsOf(NamesOf(distances))};
+          .help = "Source of the voxels' colors, which the file must have",
+          .words = WordsOf(NamesOf(distances)),
+          .standard = "the first that the file has"};
 }
 
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content) {
@@ -33,7 +34,7 @@ ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& co
 absl::StatusOr<std::vector<uint32_t>> FileColors(const std::string& path, const GridContent& content, ColorBy by) {
   auto colors = ColorsOf(content.Batch(), {content.attributes, content.band}, by);
   if (colors.ok()) return colors;
-  return absl::InvalidArgumentError(absl::StrCat(path, ": ", colors.status().message(), ", as --color-by wants"));
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", colors.status().message(), ", which --color-by requires"));
 }
 
 std::string ColoredText(ColorBy by) { return by == ColorBy::kNone ? "" : absl::StrCat(", colored by ", NameOf(by)); }

@@ -1,4 +1,4 @@
-// --color-by, of commands that draw files.
+// --color-by of commands that draw files.
 #ifndef LATVOX_CLIENT_TOOL_CLI_COLOR_BY_OPTION_H_
 #define LATVOX_CLIENT_TOOL_CLI_COLOR_BY_OPTION_H_
 
@@ -13,16 +13,18 @@
 
 namespace latvox::client {
 
-//   distances   a band may be colored by them, and is unless somebody says otherwise
+// Returns the row of --color-by.
+//   distances   whether a band can be colored by its distances, which is then the default
 OptionRow ColorByRow(bool distances, std::string& word);
 
-// What the word names; empty: what the file has, in the order of DefaultColorBy.
+// Returns the choice that the word names. If it is empty, returns the first that the file has, in the order of
+// DefaultColorBy.
 ColorBy ColorByOf(const std::string& word, bool distances, const GridContent& content);
 
-// Of all voxels. Errors: INVALID_ARGUMENT, with the path: the file has nothing of that name.
+// Returns the colors of all voxels. Errors: INVALID_ARGUMENT, with the path: the file has no values of that name.
 absl::StatusOr<std::vector<uint32_t>> FileColors(const std::string& path, const GridContent& content, ColorBy by);
 
-// ", colored by part", if they are.
+// Returns ", colored by part", or "" for kNone.
 std::string ColoredText(ColorBy by);
 
 }  // namespace latvox::client

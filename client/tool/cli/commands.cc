@@ -33,7 +33,7 @@ absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
   absl::StrAppend(&text, "step in k      ", NineDigits(info->transform.basis.c), "\n");
   absl::StrAppend(&text, "origin         ", NineDigits(info->transform.origin), "\n");
   for (const auto& [name, value] : info->metadata) {
-    // OpenVDB's box of nothing is from the highest number to the lowest.
+    // OpenVDB writes the empty box with the highest number as its minimum.
     const bool empty = info->active_voxels == 0 && absl::StartsWith(name, "file_bbox_");
     absl::StrAppendFormat(&text, "%s = %s\n", name, empty ? "empty" : value);
   }
@@ -46,7 +46,7 @@ absl::StatusOr<std::string> RunHealth(const ServerChoice& choice, const Cancella
   if (!session.ok()) return session.status();
   const auto healthy = session->client().Health(call);
   if (!healthy.ok()) return healthy.status();
-  if (!*healthy) return absl::UnavailableError("the server answers that it takes no requests (NOT_SERVING)");
+  if (!*healthy) return absl::UnavailableError("the server accepts no requests (NOT_SERVING)");
   return "SERVING\n";
 }
 

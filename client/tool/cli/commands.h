@@ -10,10 +10,10 @@
 
 namespace latvox::client {
 
-// Each returns what belongs on standard output.
+// Each returns the text for standard output.
 absl::StatusOr<std::string> RunInfo(const std::string& path, bool json);
 
-// Errors: UNAVAILABLE if the server answers that it takes no requests.
+// Errors: UNAVAILABLE if the server answers that it accepts no requests.
 absl::StatusOr<std::string> RunHealth(const ServerChoice& choice, const Cancellation& cancellation);
 
 absl::StatusOr<std::string> RunLimits(const ServerChoice& choice, bool json, const Cancellation& cancellation);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <set>
 
 #include "absl/strings/str_join.h"
@@ -47,13 +48,14 @@ std::string CheckShard(const std::string& text) {
 
 OptionCheck Whole(int low, int high) {
   return {[low, high](const std::string& text) -> std::string {
-    int64_t number = 0;
-    if (ParseNumber(text, number) && number >= low && number <= high) return "";
-    return absl::StrCat("\"", text, "\" is not a whole number from ", low, " to ", high);
-  }};
+            int64_t number = 0;
+            if (ParseNumber(text, number) && number >= low && number <= high) return "";
+            return absl::StrCat("\"", text, "\" is not a whole number from ", low, " to ", high);
+          },
+          low == std::numeric_limits<int>::min() ? "" : absl::StrCat(low, " to ", high)};
 }
 
-OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs) {
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several) {
   const std::string known = absl::StrJoin(extensions, " ");
   const auto wrong = [extensions, known](const std::string& path) -> std::string {
     const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
@@ -62,7 +64,7 @@ OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std:
   };
   return {.names = "-o,--out",
           .target = &outputs,
-          .help = absl::StrCat("output by extension: ", known, "; may be repeated"),
+          .help = absl::StrCat("Output file: ", known, several ? "; may be repeated" : ""),
           .value = "OUT",
           .checks = {{wrong}},
           .required = true,
@@ -72,9 +74,10 @@ OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std:
 OptionRow SizeRow(const std::string& what, int& size) {
   return {.names = "--size",
           .target = &size,
-          .help = absl::StrCat(what, ", ", kMinPictureSide, " to ", kMaxPictureSide, " (default: ", size, ")"),
+          .help = what,
           .value = "N",
-          .checks = {Whole(kMinPictureSide, kMaxPictureSide)}};
+          .checks = {Whole(kMinPictureSide, kMaxPictureSide)},
+          .standard = absl::StrCat(size)};
 }
 
 OptionRow JsonRow(const std::string& help, bool& json) { return {.names = "--json", .target = &json, .help = help}; }
@@ -91,22 +94,23 @@ namespace {
 
 std::vector<OptionRow> CredentialRows(ServerChoice& choice) {
   Credentials& credentials = choice.credentials;
-  return {{.names = "--tls",
-           .target = &credentials.tls,
-           .help = "encrypt, and believe a server with a certificate of the system's roots"},
-          {.names = "--tls-ca",
-           .target = &credentials.tls_ca_file,
-           .help = "the same with these roots (PEM)",
-           .value = "FILE"},
-          {.names = "--tls-cert",
-           .target = &credentials.tls_cert_file,
-           .help = "certificate of this client (PEM), for a server that wants one",
-           .value = "FILE"},
-          {.names = "--tls-key", .target = &credentials.tls_key_file, .help = "its key (PEM)", .value = "FILE"},
-          {.names = "--token-file",
-           .target = &choice.token_file,
-           .help = "file with a bearer token; it is not sent in plain text to another machine",
-           .value = "FILE"}};
+  return {
+      {.names = "--tls",
+       .target = &credentials.tls,
+       .help = "Encrypt, and verify the server's certificate against the system's roots"},
+      {.names = "--tls-ca",
+       .target = &credentials.tls_ca_file,
+       .help = "Encrypt, and verify the server's certificate against these roots (PEM)",
+       .value = "FILE"},
+      {.names = "--tls-cert",
+       .target = &credentials.tls_cert_file,
+       .help = "Certificate of this client (PEM), for a server that asks for one",
+       .value = "FILE"},
+      {.names = "--tls-key", .target = &credentials.tls_key_file, .help = "Key of --tls-cert (PEM)", .value = "FILE"},
+      {.names = "--token-file",
+       .target = &choice.token_file,
+       .help = "File with a bearer token, which is never sent to another machine in plain text",
+       .value = "FILE"}};
 }
 
 std::string CheckTraceparent(const std::string& text) {
@@ -118,31 +122,35 @@ std::string CheckTraceparent(const std::string& text) {
 void AddServerOptions(CommandParser& command, ServerChoice& choice) {
   command.Add({{.names = "--server",
                 .target = &choice.address,
-                .help = "the server, as HOST:PORT or unix:PATH, or several with commas (default: a private latvoxd)",
+                .help = "Server, HOST:PORT or unix:PATH; several with commas",
                 .value = "ADDRESS",
-                .group = "Server"},
+                .group = "Server",
+                .standard = "a private latvoxd"},
                {.names = "--timeout",
                 .target = &choice.timeout_seconds,
-                .help = "give up after S seconds",
-                .value = "S",
-                .checks = {{CheckPositive}}},
+                .help = "Give up after this many seconds",
+                .value = "SECONDS",
+                .checks = {{CheckPositive}},
+                .standard = "no limit"},
                {.names = "--retries",
                 .target = &choice.retries,
-                .help = absl::StrCat("times to try again, without progress, when a server is lost or full (default: ",
-                                     RetryPolicy().max_retries, ")"),
+                .help = "Retries without progress when a server is lost or full",
                 .value = "N",
-                .checks = {Whole(0, kMaxRetries)}},
+                .checks = {Whole(0, kMaxRetries)},
+                .standard = absl::StrCat(RetryPolicy().max_retries)},
                {.names = "--threads",
                 .target = &choice.threads,
-                .help = "threads of a private latvoxd",
+                .help = "Threads of a private latvoxd",
                 .value = "N",
-                .checks = {Whole(1, kMaxThreads)}}});
+                .checks = {Whole(1, kMaxThreads)},
+                .standard = "$LATVOX_THREADS, or all cores"}});
   command.Add(CredentialRows(choice));
   command.Add({{.names = "--traceparent",
                 .target = &choice.traceparent,
-                .help = "the W3C trace that the calls belong to, for the server's log (default: $TRACEPARENT)",
+                .help = "W3C trace context of the calls, for the server's log",
                 .value = "TRACE",
-                .checks = {{CheckTraceparent}}}});
+                .checks = {{CheckTraceparent}},
+                .standard = "$TRACEPARENT"}});
   command.Exclude({{"--threads", "--server"}});
   command.Need({{"--tls", "--server"},
                 {"--tls-ca", "--server"},

@@ -1,4 +1,4 @@
-// What the options of several commands share.
+// Options and checks that several commands share.
 #ifndef LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_COMMON_OPTIONS_H_
 
@@ -25,12 +25,12 @@
 
 namespace latvox::client {
 
-// The least and most that --resolution takes.
+// Limits of --resolution.
 inline constexpr int kMinResolution = 2, kMaxResolution = 65536;
 inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 8192;
 inline constexpr uint32_t kMaxShards = 1 << 20;
 
-// Whether the text is a number, finite if T is not integral.
+// Parses a number. Returns false if the text is not one; floating-point numbers must be finite.
 template <class T>
 bool ParseNumber(absl::string_view text, T& number) {
   text = absl::StripAsciiWhitespace(text);
@@ -41,7 +41,7 @@ bool ParseNumber(absl::string_view text, T& number) {
   return true;
 }
 
-// "1,2,3" as exactly N numbers.
+// Parses "1,2,3" as exactly N numbers.
 template <class T, size_t N>
 bool ParseNumbers(const std::string& text, std::array<T, N>& numbers) {
   const std::vector<absl::string_view> words = absl::StrSplit(text, ',');
@@ -62,18 +62,18 @@ std::string CheckNumbers(const std::string& text) {
 
 std::string CheckPositive(const std::string& text);
 
-// "I/N", or nothing.
+// Parses "I/N". Returns nothing if the text is anything else.
 std::optional<Shard> ParseShard(const std::string& text);
 std::string CheckShard(const std::string& text);
 
-// A whole number within low to high.
+// Returns the check for a whole number from low to high.
 OptionCheck Whole(int low, int high);
 
-// Words for the values of an enumeration.
+// Names of the values of an enumeration.
 template <class T>
 using Names = std::vector<std::pair<std::string, T>>;
 
-// The names and values of a table of common lattices.
+// Returns the names and values of a table of common lattices.
 template <class Table>
 auto NamesOfLattices(const Table& table) {
   Names<decltype(table[0].lattice)> names;
@@ -88,7 +88,7 @@ std::vector<std::string> WordsOf(const Names<T>& names) {
   return words;
 }
 
-// The first value if `word` is none of the names.
+// Returns the value of this name, or the first value if there is no such name.
 template <class T>
 T ValueNamed(const Names<T>& names, const std::string& word) {
   for (const auto& [name, value] : names) {
@@ -99,28 +99,29 @@ T ValueNamed(const Names<T>& names, const std::string& word) {
 
 const Names<UpAxis>& UpNames();
 
-// What Interpret does with words that do not go together: throws UsageError.
+// Throws UsageError with this text. Interpret calls it if words do not go together.
 template <class... Parts>
 [[noreturn]] void Refuse(const Parts&... parts) {
   throw UsageError(absl::StrCat(parts...));
 }
 
-// Where a path leads: absolute, links resolved as far as it exists.
+// Returns the absolute path. Links are resolved as far as the path exists.
 std::filesystem::path Place(const std::string& path);
 
 // -o, --out
-OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs);
+//   several   whether the command writes more than one output
+OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std::string>& outputs, bool several);
 
-// --size, of a picture.
+// --size of a picture
 OptionRow SizeRow(const std::string& what, int& size);
 
 // --json
 OptionRow JsonRow(const std::string& help, bool& json);
 
-// Refuses an output that is given twice, or in the place of the input, which is called `what`.
+// Throws UsageError if an output is given twice or is the input, which the message calls `what`.
 void CheckOutputs(const std::vector<std::string>& outputs, const std::string& input, absl::string_view what);
 
-// Adds --server and whatever says how to talk to it.
+// Adds --server and the options of the connection.
 void AddServerOptions(CommandParser& command, ServerChoice& choice);
 
 }  // namespace latvox::client

@@ -22,7 +22,7 @@ struct Report {
   ValueDifference values;
 };
 
-// Whether the same coordinates are the same place in both.
+// Returns whether equal coordinates are equal positions in both files.
 bool SamePlaces(const std::vector<FieldDifference>& fields) {
   return std::none_of(fields.begin(), fields.end(), [](const FieldDifference& field) {
     return field.name == "origin" || absl::StartsWith(field.name, "step in ");
@@ -33,7 +33,7 @@ std::string NamesOf(const std::vector<Attribute>& attributes) {
   return absl::StrJoin(attributes, ",", [](std::string* out, Attribute attribute) { *out += NameOf(attribute); });
 }
 
-// Metadata, and which attributes there are, whatever the metadata say of it.
+// Compares the metadata, and which attributes exist, whatever the metadata say about that.
 std::vector<FieldDifference> FieldsOf(const GridContent& a, const GridContent& b) {
   std::vector<FieldDifference> fields = CompareFields(a.file.info, b.file.info);
   if (a.attributes != b.attributes) fields.push_back({"grids", NamesOf(a.attributes), NamesOf(b.attributes)});
@@ -72,8 +72,7 @@ std::string ToText(const Report& report, const CompareWords& words) {
   for (const auto& [name, a, b] : report.fields) {
     absl::StrAppend(&text, name, ": ", a.empty() ? "(none)" : a, " in A, ", b.empty() ? "(none)" : b, " in B\n");
   }
-  if (!SamePlaces(report.fields))
-    text += "the lattices differ: these are counts of coordinates, which are other places\n";
+  if (!SamePlaces(report.fields)) text += "the lattices differ: equal coordinates are different positions\n";
   absl::StrAppendFormat(&text, "%d voxels in both, %d in A alone, %d in B alone; Jaccard index %.6f\n", voxels.both,
                         voxels.only_a, voxels.only_b, voxels.Jaccard());
   if (voxels.box) {
@@ -91,7 +90,7 @@ std::string ToText(const Report& report, const CompareWords& words) {
     text += "\n";
   }
   for (const auto& [attribute, differ] : report.values.attributes) {
-    absl::StrAppend(&text, NameOf(attribute), ": ", differ, " of the voxels in both have another\n");
+    absl::StrAppend(&text, NameOf(attribute), ": ", differ, " of the voxels in both differ\n");
   }
   return text + (report.equal ? "equal\n" : "different\n");
 }
@@ -99,12 +98,12 @@ std::string ToText(const Report& report, const CompareWords& words) {
 }  // namespace
 
 void AddCompareOptions(CommandParser& command, CompareWords& words) {
-  command.Add({{.names = "a", .target = &words.a, .help = "a .vdb file", .value = "A.vdb", .required = true},
-               {.names = "b", .target = &words.b, .help = "another", .value = "B.vdb", .required = true},
+  command.Add({{.names = "a", .target = &words.a, .help = "First OpenVDB file", .value = "A.vdb", .required = true},
+               {.names = "b", .target = &words.b, .help = "Second OpenVDB file", .value = "B.vdb", .required = true},
                {.names = "--voxels",
                 .target = &words.voxels_only,
-                .help = "voxels and their places decide, not what they have or the metadata say"},
-               {.names = "--json", .target = &words.json, .help = "machine-readable report on standard output"}});
+                .help = "Compare only the voxels and their positions, neither attributes and distances nor metadata"},
+               {.names = "--json", .target = &words.json, .help = "Print the report as JSON"}});
 }
 
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {
@@ -115,7 +114,7 @@ absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {
   if (a->band.has_value() != b->band.has_value() && !words.voxels_only) {
     return absl::InvalidArgumentError(absl::StrCat(a->band ? words.a : words.b, " is a band of distances, ",
                                                    a->band ? words.b : words.a,
-                                                   " a set of voxels: --voxels compares what voxels they have"));
+                                                   " is a set of voxels; --voxels compares only the voxels"));
   }
   const GridFileInfo &of_a = a->file.info, &of_b = b->file.info;
   Report report{false,

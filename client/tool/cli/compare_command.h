@@ -9,7 +9,7 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct CompareWords {
   std::string a, b;
   bool voxels_only = false, json = false;
@@ -19,12 +19,12 @@ void AddCompareOptions(CommandParser& command, CompareWords& words);
 
 struct Comparison {
   bool equal = false;
-  std::string text;  // what belongs on standard output
+  std::string text;  // for standard output
 };
 
-// Of two .vdb files: their voxels, and unless these alone are asked for, their metadata and the distances or attributes
-// of the voxels that both have. Both are in memory: see ReadGridContent. Errors: as there; INVALID_ARGUMENT: a band and
-// a set of voxels, unless voxels alone are asked for.
+// Compares two .vdb files: voxels, metadata, and the distances or attributes of the voxels that both have. With
+// --voxels compares only the voxels. Both files are in memory: see ReadGridContent.
+// Errors: as ReadGridContent; INVALID_ARGUMENT: a band and a set of voxels without --voxels.
 absl::StatusOr<Comparison> RunCompare(const CompareWords& words);
 
 }  // namespace latvox::client

@@ -24,7 +24,7 @@ int32_t ToIndex(double x) {
   return static_cast<int32_t>(std::clamp(x, -kMost, kMost));
 }
 
-// Lattice points around the world's box: of its corners, rounded outwards.
+// Returns the box of lattice points around a world box: its corners, rounded outward.
 IndexBox IndexBoxOf(const WorldBox& box, const GridTransform& grid) {
   const Basis dual = Dual(grid.basis);
   const std::array<Vec3d, 3> axes = {dual.a, dual.b, dual.c};
@@ -51,12 +51,12 @@ std::string EmptyBoxLine(const VoxelizeRequest& request, const Accepted& accepte
   std::vector<std::string> words;
   if (request.region) {
     const std::string around = Corners(IndexBoxOf(mesh, accepted.grid));
-    words.push_back(absl::StrCat("--region ", Corners(*request.region), ", where the mesh is about in ", around));
+    words.push_back(absl::StrCat("--region ", Corners(*request.region), " (the mesh lies about in ", around, ")"));
   }
   if (request.bounds) {
-    words.push_back(absl::StrCat("--bounds ", Corners(*request.bounds), ", where the mesh is in ", Corners(mesh)));
+    words.push_back(absl::StrCat("--bounds ", Corners(*request.bounds), " (the mesh lies in ", Corners(mesh), ")"));
   }
-  return words.empty() ? "" : absl::StrCat("no voxel lies in ", absl::StrJoin(words, ", and in "));
+  return words.empty() ? "" : absl::StrCat("no voxel lies in ", absl::StrJoin(words, " and in "));
 }
 
 }  // namespace latvox::client

@@ -1,4 +1,4 @@
-// Parts of a mesh in which there is none of it.
+// Requests for a part that does not meet the mesh.
 #ifndef LATVOX_CLIENT_TOOL_CLI_EMPTY_BOX_H_
 #define LATVOX_CLIENT_TOOL_CLI_EMPTY_BOX_H_
 
@@ -8,8 +8,8 @@
 
 namespace latvox::client {
 
-// For people, of a request whose answer holds no voxel: which box was asked for, and which one the mesh lies in, as the
-// option takes it. Empty if no box was asked for: a shard may well hold none.
+// Returns a line for a request whose answer holds no voxel: the requested box, and the box of the mesh in the form of
+// the option. Returns "" if no box was requested, because a shard may be empty.
 std::string EmptyBoxLine(const VoxelizeRequest& request, const Accepted& accepted);
 
 }  // namespace latvox::client

@@ -14,7 +14,7 @@
 namespace latvox::client {
 namespace {
 
-// A Draco stream is decoded: it may have more than positions, or is to be quantized.
+// A Draco stream is decoded, because it may have attributes besides positions, or be quantized here.
 absl::StatusOr<Mesh> ReadMesh(const MeshSource& source) {
   auto read = ReadMeshSource(source);
   if (!read.ok()) return read.status();
@@ -26,12 +26,13 @@ absl::StatusOr<Mesh> ReadMesh(const MeshSource& source) {
 
 void AddEncodeOptions(CommandParser& command, EncodeWords& words) {
   command.Add({MeshRow(words.mesh),
-               OutputRow({".drc"}, words.outputs),
+               OutputRow({".drc"}, words.outputs, /*several=*/false),
                {.names = "--quantization",
                 .target = &words.quantization,
-                .help = "position bits, 1 to 30; 0 (default): lossless",
-                .value = "0..30",
-                .checks = {Whole(0, kMaxQuantizationBits)}}});
+                .help = "Bits of a position's coordinate; 0 is lossless",
+                .value = "BITS",
+                .checks = {Whole(0, kMaxQuantizationBits)},
+                .standard = "0"}});
   command.Add(MeshRows(words));
 }
 

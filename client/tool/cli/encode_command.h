@@ -12,9 +12,9 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct EncodeWords : MeshWords {
-  MeshSource mesh;  // its paths
+  MeshSource mesh;  // with its paths
   std::vector<std::string> outputs;
   int quantization = 0;
 };
@@ -24,8 +24,8 @@ void AddEncodeOptions(CommandParser& command, EncodeWords& words);
 // Throws UsageError if the words do not go together.
 MeshSource Interpret(const EncodeWords& words);
 
-// Writes the mesh as a Draco stream; returns what belongs on standard output. The output appears only if everything
-// succeeded. Positions alone are kept.
+// Writes the positions and triangles of the mesh as a Draco stream. Returns the text for standard output. The output
+// file appears only if everything succeeded.
 absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource& source,
                                       const Cancellation& cancellation);
 

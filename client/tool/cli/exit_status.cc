@@ -14,7 +14,7 @@ ExitStatus ExitStatusOf(const absl::Status& status) {
     case absl::StatusCode::kOk:
       return ExitStatus::kDone;
     case absl::StatusCode::kInvalidArgument:
-      // Options that exclude each other are wrong usage, whoever finds it.
+      // Options that exclude each other are wrong usage, even if the server finds it.
       return GetErrorDetails(status).other.empty() ? ExitStatus::kBadInput : ExitStatus::kWrongUsage;
     case absl::StatusCode::kNotFound:
       return ExitStatus::kBadInput;

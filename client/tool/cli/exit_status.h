@@ -1,4 +1,4 @@
-// How the tool ends: its exit status and its one line about an error.
+// The exit status of the tool and its line about an error.
 #ifndef LATVOX_CLIENT_TOOL_CLI_EXIT_STATUS_H_
 #define LATVOX_CLIENT_TOOL_CLI_EXIT_STATUS_H_
 
@@ -11,18 +11,18 @@ namespace latvox::client {
 // Scripts rely on these numbers.
 enum class ExitStatus {
   kDone = 0,
-  kOther = 1,  // and: the files of `latvox compare` differ
+  kOther = 1,  // also: the files of `latvox compare` differ
   kWrongUsage = 2,
   kBadInput = 3,
   kUnreachable = 4,
-  kRefused = 5,    // by a limit or overload, or for want of a token
+  kRefused = 5,    // by a limit, by overload, or without a valid token
   kCancelled = 6,  // or timed out
 };
 
 ExitStatus ExitStatusOf(const absl::Status& status);
 
-// The status's message on one line, without its end, with those of field, value, limit and time to try again that the
-// message does not hold already.
+// Returns the message of the status in one line, without a line end. Appends field, value, limit and retry delay if the
+// message does not contain them.
 std::string ErrorText(const absl::Status& status);
 
 }  // namespace latvox::client

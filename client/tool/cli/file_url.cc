@@ -16,7 +16,7 @@ absl::Status WrongUrl(const std::string& text, const Parts&... parts) {
   return absl::InvalidArgumentError(absl::StrCat("\"", text, "\": ", parts...));
 }
 
-// The scheme, lower case, if the text has one: "file:", or anything before "://".
+// Returns the scheme in lower case, if the text has one: "file:", or the text before "://".
 std::string SchemeOf(const std::string& text) {
   const size_t colon = text.find(':');
   if (colon == std::string::npos || colon == 0) return "";
@@ -36,7 +36,7 @@ absl::StatusOr<std::string> Decode(absl::string_view encoded, const std::string&
     const absl::string_view digits = encoded.substr(n + 1, 2);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
     if (digits.size() < 2 || error != std::errc() || end != digits.data() + 2) {
-      return WrongUrl(text, "two hexadecimal digits belong after each %");
+      return WrongUrl(text, "% is not followed by two hexadecimal digits");
     }
     path += static_cast<char>(byte);
     n += 2;
@@ -57,7 +57,7 @@ absl::StatusOr<std::string> PathOf(const std::string& text, const std::string& f
       return WrongUrl(text, "is not file:///PATH, with an absolute path on this machine");
     path = Decode(rest, text);
   }
-  if (path.ok() && absl::StrContains(*path, '\0')) return WrongUrl(text, "holds a NUL");
+  if (path.ok() && absl::StrContains(*path, '\0')) return WrongUrl(text, "contains a NUL");
   if (path.ok()) path = (std::filesystem::path(folder) / *path).string();
   return path;
 }

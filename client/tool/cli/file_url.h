@@ -1,4 +1,4 @@
-// Where a mesh lies that is named by a path or by a URL.
+// Paths and file URLs of meshes.
 #ifndef LATVOX_CLIENT_TOOL_CLI_FILE_URL_H_
 #define LATVOX_CLIENT_TOOL_CLI_FILE_URL_H_
 
@@ -8,9 +8,9 @@
 
 namespace latvox::client {
 
-// The path that `text` means: itself, below `folder` unless it is absolute; or that of a URL as in RFC 8089,
-// file:///PATH, file://localhost/PATH or file:/PATH, with %20 and its like decoded. Errors: INVALID_ARGUMENT (another
-// scheme or host, a % without two hexadecimal digits, a NUL).
+// Returns the path that `text` means: a path, taken below `folder` unless it is absolute, or the path of a URL. A URL
+// is one of RFC 8089: file:///PATH, file://localhost/PATH or file:/PATH, with %20 and the like decoded.
+// Errors: INVALID_ARGUMENT (another scheme or host, a % without two hexadecimal digits, a NUL).
 absl::StatusOr<std::string> PathOf(const std::string& text, const std::string& folder);
 
 }  // namespace latvox::client

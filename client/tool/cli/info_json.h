@@ -8,8 +8,8 @@
 
 namespace latvox::client {
 
-// An object: `grid` (name and type), `voxels`, `index_box` (min, max; null of no voxel), `voxel_size`, `basis` (9
-// numbers), `origin`, and `metadata`, each as the text that `latvox info` prints.
+// Returns an object: `grid` (name and type), `voxels`, `index_box` (min, max; null without voxels), `voxel_size`,
+// `basis` (9 numbers), `origin`, and `metadata`, each entry as the text that `latvox info` prints.
 std::string ToJson(const GridFileInfo& info);
 
 }  // namespace latvox::client

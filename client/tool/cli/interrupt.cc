@@ -25,16 +25,17 @@ sigset_t Signals() {
   return set;
 }
 
-// `timeout` sends its signal to the process and then to its group.
+// `timeout` sends its signal to the process and then to its group, so one interrupt may arrive twice.
 constexpr std::chrono::milliseconds kOne(200);
 
 [[noreturn]] void EndAtOnce() {
   RemoveTemporaryFiles();
-  // Another thread may wait in a write to standard error, which may be a pipe that nobody reads.
+  // No stdio: another thread may hold its lock in a write to a pipe that nobody reads. poll() comes first, because a
+  // write to such a pipe would wait.
   constexpr std::string_view kLine = "latvox: cancelled\n";
   pollfd error{STDERR_FILENO, POLLOUT, 0};
   if (poll(&error, 1, 0) > 0 && write(STDERR_FILENO, kLine.data(), kLine.size()) < 0) {
-    // There is nobody to tell.
+    // There is nowhere to report this error.
   }
   _exit(static_cast<int>(ExitStatus::kCancelled));
 }

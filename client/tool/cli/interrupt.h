@@ -8,9 +8,9 @@
 
 namespace latvox::client {
 
-// While it lives, the first such signal cancels and a later one ends the process at once, without the files that it was
-// writing. Make one before any other thread starts: threads inherit the blocked signals. Programs started meanwhile
-// must unblock them.
+// While the object lives, the first such signal cancels. A later one ends the process at once and removes the files
+// that it was writing. Create it before any other thread, because threads inherit the blocked signals. Programs started
+// meanwhile must unblock them.
 class Interrupt {
  public:
   explicit Interrupt(const Cancellation& cancellation);

@@ -27,7 +27,7 @@ absl::StatusOr<std::string> Sha256Of(const std::vector<T>& values) {
   return Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
-// What the corners of triangles carry.
+// Returns the attributes of the corners of all triangles.
 std::vector<uint32_t> NumbersOf(const Mesh& mesh, const std::vector<Attribute>& attributes) {
   std::vector<uint32_t> numbers;
   AttributeNumbers of_mesh(mesh);
@@ -105,7 +105,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
   if (job.options.output_options.dense_npy) json["npy"] = "dense";
   if (job.options.weld_report) json["weld_report"] = true;
-  // Names need not be UTF-8.
+  // Names may not be UTF-8.
   return Sha256(json.dump(-1, ' ', false, Json::error_handler_t::ignore));
 }
 

@@ -1,4 +1,4 @@
-// What tells whether a job is the one that was done before.
+// The digest that identifies a job across runs.
 #ifndef LATVOX_CLIENT_TOOL_CLI_JOB_DIGEST_H_
 #define LATVOX_CLIENT_TOOL_CLI_JOB_DIGEST_H_
 
@@ -9,9 +9,10 @@
 
 namespace latvox::client {
 
-// SHA-256 (64 hexadecimal digits) of what is asked for, once aligned, the outputs' names and the mesh: of the file's
-// bytes, or of the triangles where a file may refer to others (.glb, .gltf). How the job was written, where the mesh
-// lies and how voxels travel do not matter. Reads the whole mesh. Errors: those of reading it.
+// Returns a SHA-256 (64 hexadecimal digits) of the aligned request, the names of the outputs and the mesh. The mesh
+// counts by the bytes of its file, or by its triangles if the file may refer to others (.glb, .gltf). The spelling of
+// the job, the path of the mesh and the encoding of voxels do not count.
+// Reads the whole mesh. Errors: those of reading it.
 absl::StatusOr<std::string> JobDigest(const Job& job);
 
 }  // namespace latvox::client

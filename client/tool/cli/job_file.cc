@@ -17,12 +17,12 @@ namespace {
 
 constexpr size_t kErrorsShown = 20;
 
-// What lines must not have in common.
+// Outputs and ids that no two lines may share.
 class Claims {
  public:
   explicit Claims(const std::string& directory) : directory_(Place(directory)) {}
 
-  // Errors: INVALID_ARGUMENT, naming the line before that has an output or the id already.
+  // Errors: INVALID_ARGUMENT naming the earlier line that has this output or id.
   absl::Status Add(uint64_t line, const Job& job) {
     for (const std::string& name : job.names) {
       if (auto status = Reserve(outputs_, "out", name, line); !status.ok()) return status;
@@ -30,7 +30,7 @@ class Claims {
     if (job.id != job.names.front()) {
       if (auto status = Reserve(ids_, "id", job.id, line); !status.ok()) return status;
     }
-    // Other meshes cannot be where outputs go, and asking for the places of millions would take long.
+    // Only these meshes can collide with outputs. Resolving the paths of millions of others would take long.
     for (const std::string& mesh : job.options.mesh.paths) {
       if (HasExtension(mesh, OutputExtensions())) inputs_.push_back({line, "mesh", mesh});
     }
@@ -38,14 +38,13 @@ class Claims {
     return absl::OkStatus();
   }
 
-  // Calls tell(line, text) for every input that is an output of a job. Once, in the end.
+  // Calls tell(line, text) for every input that is an output of a job. Call it once, at the end.
   template <class Tell>
   void CheckInputs(const Tell& tell) const {
     for (const Input& input : inputs_) {
       const auto output = outputs_.find(Place(input.path).lexically_relative(directory_).string());
       if (output == outputs_.end()) continue;
-      tell(input.line,
-           absl::StrCat(input.field, ": \"", input.path, "\" is in the place of an output of line ", output->second));
+      tell(input.line, absl::StrCat(input.field, ": \"", input.path, "\" is an output of line ", output->second));
     }
   }
 
@@ -60,8 +59,7 @@ class Claims {
   static absl::Status Reserve(Lines& lines, const char* field, const std::string& value, uint64_t line) {
     const auto [entry, fresh] = lines.emplace(value, line);
     if (fresh) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        absl::StrCat(field, ": \"", value, "\" is that of line ", entry->second, " already"));
+    return absl::InvalidArgumentError(absl::StrCat(field, ": \"", value, "\" is already used by line ", entry->second));
   }
 
   const std::filesystem::path directory_;
@@ -94,7 +92,7 @@ absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& 
     const absl::Status status = job.ok() ? claims.Add(number, *job) : job.status();
     if (!status.ok()) tell(number, status.message());
   }
-  if (file.jobs == 0) return absl::InvalidArgumentError(absl::StrCat(NameOfInput(path), ": holds no job"));
+  if (file.jobs == 0) return absl::InvalidArgumentError(absl::StrCat(NameOfInput(path), ": contains no job"));
   claims.CheckInputs(tell);
   return file;
 }

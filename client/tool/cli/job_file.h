@@ -1,4 +1,4 @@
-// A file of jobs, one a line; client/tool/cli/job_line.h says what a line is.
+// A file of jobs, one per line. client/tool/cli/job_line.h describes a line.
 #ifndef LATVOX_CLIENT_TOOL_CLI_JOB_FILE_H_
 #define LATVOX_CLIENT_TOOL_CLI_JOB_FILE_H_
 
@@ -15,22 +15,22 @@
 namespace latvox::client {
 
 struct JobLine {
-  uint64_t number;  // from 1 on, as editors count
+  uint64_t number;  // counted from 1
   absl::string_view text;
 };
 
-// Millions of jobs are kept as the text they are, and parsed again when their turn comes.
+// Jobs are kept as text and parsed again when their turn comes, because there may be millions.
 struct JobFile {
   std::unique_ptr<const std::string> text;
-  uint64_t jobs = 0;                // of all workers; lines of white space do not count
+  uint64_t jobs = 0;                // of all workers; blank lines do not count
   std::vector<JobLine> lines;       // of this worker, within text
-  std::vector<std::string> errors;  // of the first lines that are wrong: "FILE:LINE: FIELD: ..."
-  uint64_t wrong = 0;               // lines, of all workers
+  std::vector<std::string> errors;  // of the first wrong lines: "FILE:LINE: FIELD: ..."
+  uint64_t wrong = 0;               // number of wrong lines, of all workers
 };
 
-// Reads the file, or standard input, "-", and holds every line of it, whosever it is, against the rules, and against
-// each other: outputs and ids must differ, and no output may take the place of a mesh. Errors: those of ReadBytes;
-// INVALID_ARGUMENT if there is no job at all; CANCELLED. Lines that are wrong are none.
+// Reads the file, or standard input for "-". Checks the lines of all workers against the rules and against each other:
+// outputs and ids must differ, and no output may be a mesh. Wrong lines are not an error of this function.
+// Errors: those of ReadBytes; INVALID_ARGUMENT if there is no job at all; CANCELLED.
 absl::StatusOr<JobFile> ReadJobFile(const std::string& path, const std::string& directory, const Worker& worker,
                                     const Cancellation& cancellation);
 

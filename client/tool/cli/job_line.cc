@@ -51,15 +51,15 @@ constexpr std::pair<const char*, Kind> kFields[] = {
 };
 
 constexpr const char* kTypes[] = {
-    "a text that is not empty", "a number",      "a number or a text",         "a number or an array of numbers",
-    "an array of numbers",      "true or false", "a text or an array of texts"};
+    "a non-empty string",  "a number",      "a number or a string",           "a number or an array of numbers",
+    "an array of numbers", "true or false", "a string or an array of strings"};
 
 template <class... Parts>
 absl::Status Wrong(const Parts&... parts) {
   return absl::InvalidArgumentError(absl::StrCat(parts...));
 }
 
-// As JSON, cut where it is too long for a line of people's.
+// Returns the value as JSON, cut to a readable length.
 std::string Show(const SortedJson& value) {
   constexpr size_t kMost = 100;
   const std::string text = value.dump(-1, ' ', false, SortedJson::error_handler_t::replace);
@@ -93,23 +93,23 @@ bool Is(const SortedJson& value, Kind kind) {
   return false;
 }
 
-// As the option takes it, lists with this between their elements. Numbers come out so that they read back as the same.
+// Returns the value as a word of the option; `between` joins lists. Numbers are printed so that they read back equal.
 std::string TextOf(const SortedJson& value, const char* between = ",") {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
   return absl::StrJoin(value, between, [](std::string* out, const SortedJson& element) { *out += TextOf(element); });
 }
 
-// An error in JSON without the library's number of the line, which is always 1.
+// Returns the library's error without its line number, which is always 1.
 absl::Status NoJson(const SortedJson::exception& error) {
   const absl::string_view what = error.what();
   const size_t column = what.find("column "), at = column == absl::string_view::npos ? what.find("] ") + 2 : column;
-  return Wrong("no JSON: ", what.substr(at));
+  return Wrong("not JSON: ", what.substr(at));
 }
 
 absl::StatusOr<SortedJson> ParseObject(absl::string_view line) try {
   using Event = SortedJson::parse_event_t;
-  constexpr int kDeepest = 1;  // of a field's array; deeper ones would cost stack
+  constexpr int kDeepest = 1;  // of a field's array; deeper nesting would cost stack
   std::set<std::string> keys;
   std::string twice;
   bool deep = false;
@@ -122,15 +122,15 @@ absl::StatusOr<SortedJson> ParseObject(absl::string_view line) try {
     return !too_deep;
   };
   SortedJson object = SortedJson::parse(line, see);
-  if (deep) return Wrong("an array or object stands within a field's array or object");
+  if (deep) return Wrong("arrays and objects cannot be nested within a field");
   if (!object.is_object()) return Wrong(Show(object), " is not a JSON object");
-  if (!twice.empty()) return Wrong(twice, ": stands twice");
+  if (!twice.empty()) return Wrong(twice, ": is given twice");
   return object;
 } catch (const SortedJson::exception& error) {
   return NoJson(error);
 }
 
-// The name of an output in normal form.
+// Returns the name of an output in normal form.
 absl::StatusOr<std::string> OutputName(const SortedJson& value) {
   if (!IsText(value)) return WrongType("out", value, "a file name or an array of file names");
   const std::filesystem::path path = value.get<std::string>(), name = path.lexically_normal();
@@ -159,7 +159,7 @@ absl::StatusOr<std::vector<std::string>> MeshPaths(const SortedJson& given, cons
   for (const SortedJson& one : given.is_array() ? given : SortedJson::array({given})) {
     auto path = PathOf(one.get<std::string>(), folder);
     if (!path.ok()) return Wrong("mesh: ", path.status().message());
-    // No job reads standard input.
+    // A job cannot read standard input.
     paths.push_back(*path == kStandardInput ? "./-" : *std::move(path));
   }
   return paths;
@@ -170,10 +170,10 @@ std::string OptionOf(absl::string_view field) { return absl::StrCat("--", absl::
 
 absl::Status Unknown(const std::string& field) {
   const auto name = [](std::string* out, const auto& entry) { *out += entry.first; };
-  return Wrong(field, ": no such field; there are mesh, out, id, ", absl::StrJoin(kFields, ", ", name));
+  return Wrong(field, ": unknown field; the fields are mesh, out, id, ", absl::StrJoin(kFields, ", ", name));
 }
 
-// The words of a command line that asks for what the object does, outputs aside.
+// Returns the words of a command line for the request of the object, without outputs.
 absl::StatusOr<std::vector<std::string>> Words(const SortedJson& object, const CommandParser& parser) {
   std::vector<std::string> words;
   for (const auto& [field, value] : object.items()) {
@@ -190,7 +190,7 @@ absl::StatusOr<std::vector<std::string>> Words(const SortedJson& object, const C
       words.push_back(option);
     } else if (const std::string no = "--no-" + field; parser.HasOption(no)) {
       words.push_back(no);
-    }  // a flag without its contrary is off unless it is given
+    }  // a flag without a negation is off by default
   }
   return words;
 }

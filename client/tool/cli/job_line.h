@@ -1,12 +1,12 @@
 // One line of a job file: a JSON object.
 //
-//   mesh    path, below the job file's folder (the working directory, for standard input) unless it is absolute, or
-//           file: URL; or an array of several, which are one mesh; the only field that must be there
+//   mesh    the only required field: a path or file: URL, or an array of several, which form one mesh. A relative path
+//           starts at the job file's folder, or at the working directory if the job file is standard input.
 //   out     file name below the output directory, or an array of several; default: the first mesh's name with .vdb
-//   id      a name of its own in results; default: the first of out
-//   others  what the long options of `latvox voxelize` with these names ask for, with _ for -: lattice, basis,
-//           voxel_size, ... Numbers are numbers, lists of them arrays, and flags true or false. The path of align is
-//           taken like that of mesh.
+//   id      unique name in the results; default: the first of out
+//   others  the long options of `latvox voxelize`, with _ in place of -: lattice, basis, voxel_size, ... Numbers are
+//           numbers, lists are arrays, flags are true or false. A relative path of align starts where that of mesh
+//           does.
 #ifndef LATVOX_CLIENT_TOOL_CLI_JOB_LINE_H_
 #define LATVOX_CLIENT_TOOL_CLI_JOB_LINE_H_
 
@@ -22,32 +22,32 @@
 namespace latvox::client {
 
 struct Job {
-  std::string id, mesh;            // mesh: as it is given, several with + between them
+  std::string id, mesh;            // mesh: as given; several are joined with +
   std::vector<std::string> names;  // of the outputs, below the directory, in normal form
-  VoxelizeOptions options;         // whose paths are whole, and whose server does not count
+  VoxelizeOptions options;         // with absolute paths; their server is ignored
 };
 
-// Reads lines by the rules of the command line's options. Not thread-safe.
+// Parses lines with the command line's tables of options. Not thread-safe.
 class JobParser {
  public:
-  // `folder`: of the job file; `directory`: for the outputs.
+  // `folder` is that of the job file, `directory` that of the outputs.
   JobParser(std::string folder, std::string directory);
   JobParser(const JobParser&) = delete;
   JobParser& operator=(const JobParser&) = delete;
 
-  // Errors: INVALID_ARGUMENT, naming field, value and limit: no JSON object, a field that is unknown or stands twice,
-  // of another type, out of its range, or that goes not with another. The file system, which may be a slow one, is not
-  // looked at: see CheckPlaces.
+  // Errors: INVALID_ARGUMENT naming field, value and limit: not a JSON object; a field that is unknown, given twice, of
+  // the wrong type, out of range, or not allowed with another. Does not access the file system, which may be slow: see
+  // CheckPlaces.
   absl::StatusOr<Job> Parse(absl::string_view line);
 
  private:
   const std::string folder_, directory_;
-  VoxelizeWords words_;  // what parser_ writes into
+  VoxelizeWords words_;  // parser_ writes into it
   CommandParser parser_;
   std::vector<std::pair<std::string, std::string>> names_;  // option and field, "--voxel-size" and "voxel_size"
 };
 
-// Errors: INVALID_ARGUMENT if an output would take the place of a mesh, or of another output, by whatever links.
+// Errors: INVALID_ARGUMENT if an output is a mesh or another output once links are resolved.
 absl::Status CheckPlaces(const Job& job);
 
 }  // namespace latvox::client

@@ -33,9 +33,9 @@
 namespace latvox::client {
 namespace {
 
-// An error's line, its beginning in red on a terminal.
+// Prints the line of an error. On a terminal it begins in red.
 void Tell(absl::string_view what) {
-  std::fprintf(stderr, "%s %s\n", Coloured("latvox:", Colour::kRed).c_str(), std::string(what).c_str());
+  std::fprintf(stderr, "%s %s\n", Colored("latvox:", TerminalColor::kRed).c_str(), std::string(what).c_str());
 }
 
 ExitStatus Fail(const absl::Status& status) {
@@ -63,7 +63,7 @@ absl::StatusOr<std::string> Pixelize(const PixelizeOptions& options, const Cance
   return options.json ? ToJson(*report) + "\n" : ToText(*report);
 }
 
-// Other jobs may be done although some failed: both are told.
+// Prints the summary even if jobs failed, because others may be done.
 ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) {
   const auto report = RunBatch(options, cancellation);
   if (!report.ok()) return Fail(report.status());
@@ -83,7 +83,7 @@ std::string Completions(const CommandFacts& facts, const std::string& shell) {
   return shell == "bash" ? BashCompletions(facts) : shell == "zsh" ? ZshCompletions(facts) : FishCompletions(facts);
 }
 
-// The commands, what parsing them fills, and what runs them.
+// The commands, their parsed options, and the functions that run them.
 class Program {
  public:
   Program() {
@@ -119,8 +119,8 @@ class Program {
     return command;
   }
 
-  // One that an interrupt cancels, once its words are understood.
-  //   interpret(words)              throws UsageError; what it returns is passed to `run`
+  // Adds a command that an interrupt cancels while it runs.
+  //   interpret(words)              throws UsageError; its result is passed to `run`
   //   run(options, cancellation)    returns an ExitStatus
   template <class Words, class Interpret, class Run>
   void Add(const char* name, const char* description, AddOptions<Words> add_options, Words& words,
@@ -134,23 +134,23 @@ class Program {
     add_options(command, words);
   }
 
-  // Commands that turn files into files.
+  // Commands that convert files.
   void AddCallers() {
     using Cancel = const Cancellation&;
     Add(
-        "voxelize", "voxelize a mesh file", &AddVoxelizeOptions, voxelize_,
+        "voxelize", "Voxelize a mesh file", &AddVoxelizeOptions, voxelize_,
         [](const auto& words) { return Interpret(words); },
         [](const auto& options, Cancel cancel) { return Print(Voxelize(options, cancel)); });
     Add(
-        "batch", "voxelize many mesh files", &AddBatchOptions, batch_,
+        "batch", "Voxelize many mesh files", &AddBatchOptions, batch_,
         [](const auto& words) { return Interpret(words); },
         [](const auto& options, Cancel cancel) { return Batch(options, cancel); });
     Add(
-        "pixelize", "pixelize a drawing: the same in the plane", &AddPixelizeOptions, pixelize_,
+        "pixelize", "Pixelize a drawing on a plane lattice", &AddPixelizeOptions, pixelize_,
         [](const auto& words) { return Interpret(words); },
         [](const auto& options, Cancel cancel) { return Print(Pixelize(options, cancel)); });
     Add(
-        "encode", "write mesh files as one Draco file, as servers take it", &AddEncodeOptions, encode_,
+        "encode", "Write mesh files as one Draco file, the format that servers accept", &AddEncodeOptions, encode_,
         [](const auto& words) { return Interpret(words); },
         [this](const auto& source, Cancel cancel) { return Print(RunEncode(encode_, source, cancel)); });
   }
@@ -162,30 +162,29 @@ class Program {
       Check(words);
       return &words;
     };
-    Add("merge", "join parts of a voxelization: .vdb files of --region, --bounds or --shard", &AddMergeOptions, merge_,
+    Add("merge", "Join the parts of a voxelization, made with --region, --bounds or --shard", &AddMergeOptions, merge_,
         checked, [](const auto* words, Cancel cancel) { return Print(RunMerge(*words, cancel)); });
     Add(
-        "render", "draw a picture of a .vdb file's voxels", &AddRenderOptions, render_,
+        "render", "Draw a picture of a .vdb file's voxels", &AddRenderOptions, render_,
         [](const auto& words) { return Interpret(words); },
         [this](PictureOptions options, Cancel cancel) {
           options.cancellation = cancel;
           return Print(RunRender(render_, options));
         });
-    Add("slice", "draw one layer of a .vdb file's voxels, or list them", &AddSliceOptions, slice_, checked,
+    Add("slice", "Draw or list one layer of a .vdb file's voxels", &AddSliceOptions, slice_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunSlice(*words, cancel)); });
-    Add("view", "make a page that shows a .vdb file's voxels in a browser", &AddViewOptions, view_, checked,
+    Add("view", "Write a web page that shows a .vdb file's voxels", &AddViewOptions, view_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunView(*words, cancel)); });
     Add(
-        "compare", "tell what differs between two .vdb files", &AddCompareOptions, compare_,
-        [](const auto& words) { return &words; },
+        "compare", "Compare two .vdb files", &AddCompareOptions, compare_, [](const auto& words) { return &words; },
         [](const auto* words, Cancel cancel) { return Compare(*words, cancel); });
   }
 
-  // Commands that tell something.
+  // Commands that print facts.
   void AddQuestions() {
-    Add("info", "tell what a .vdb file holds", [this] { return Print(RunInfo(info_path_, json_)); })
-        .Add({{.names = "file", .target = &info_path_, .help = "a .vdb file", .value = "OUT.vdb", .required = true},
-              JsonRow("as a JSON object", json_)});
+    Add("info", "Print facts about a .vdb file", [this] { return Print(RunInfo(info_path_, json_)); })
+        .Add({{.names = "file", .target = &info_path_, .help = "OpenVDB file", .value = "OUT.vdb", .required = true},
+              JsonRow("Print a JSON object", json_)});
     const auto add_call = [this](const char* name, const char* description, auto run) -> CommandParser& {
       CommandParser& command = Add(name, description, [run] {
         const Cancellation cancellation;
@@ -195,22 +194,31 @@ class Program {
       AddServerOptions(command, server_);
       return command;
     };
-    add_call("health", "ask a server whether it takes requests",
+    add_call("health", "Ask a server whether it accepts requests",
              [this](const Cancellation& cancellation) { return RunHealth(server_, cancellation); });
-    add_call("limits", "ask a server for its limits", [this](const Cancellation& cancellation) {
+    add_call("limits", "Ask a server for its limits", [this](const Cancellation& cancellation) {
       return RunLimits(server_, json_, cancellation);
-    }).Add({JsonRow("as a JSON object", json_)});
-    Add("completions", "print completions for a shell",
+    }).Add({JsonRow("Print a JSON object", json_)});
+    Add("completions", "Print completions for a shell",
         [this] { return Print(Completions(parser_.Describe(), shell_)); })
         .Add({{.names = "shell",
                .target = &shell_,
-               .help = "the shell",
+               .help = "The shell",
                .words = {"bash", "zsh", "fish"},
                .required = true}});
-    Add("man", "print the manual page, as troff reads it", [this] { return Print(ManPageOf(parser_.Describe())); });
+    Add("man", "Print the manual page",
+        [this] {
+          const CommandFacts facts = parser_.Describe();
+          return Print(manual_format_ == "markdown" ? ReferenceOf(facts) : ManPageOf(facts));
+        })
+        .Add({{.names = "format",
+               .target = &manual_format_,
+               .help = "Format of the page",
+               .words = {"troff", "markdown"},
+               .standard = "troff"}});
   }
 
-  CommandParser parser_{"latvox: triangle meshes to exact sparse voxels on any 3D lattice", "latvox"};
+  CommandParser parser_{"Turn triangle meshes into exact sparse voxels on any 3D lattice", "latvox"};
   std::vector<std::pair<CommandParser*, std::function<ExitStatus()>>> runs_;
   VoxelizeWords voxelize_;
   BatchWords batch_;
@@ -221,20 +229,20 @@ class Program {
   SliceWords slice_;
   CompareWords compare_;
   ViewWords view_;
-  std::string info_path_, shell_;
+  std::string info_path_, shell_, manual_format_;
   ServerChoice server_;
   bool json_ = false;
 };
 
 ExitStatus Main(int argc, char** argv) {
-  // Writing to a pipe that nobody reads is an error of that write, not the end.
+  // Writing to a closed pipe shall fail that write, not end the process.
   signal(SIGPIPE, SIG_IGN);
-  // What gRPC would say on standard error comes back in its statuses.
+  // gRPC repeats its log lines in its statuses, so standard error does not need them.
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
   try {
     return Program().Run({argv + 1, argv + argc});
   } catch (const UsageError& error) {
-    Tell(absl::StrCat(error.what(), error.is_unknown_word ? "; see latvox --help, latvox COMMAND --help" : ""));
+    Tell(absl::StrCat(error.what(), error.is_unknown_word ? "; see latvox --help or latvox COMMAND --help" : ""));
     return ExitStatus::kWrongUsage;
   } catch (const std::exception& error) {
     return Fail(absl::UnknownError(error.what()));

@@ -17,7 +17,7 @@ void AllowManyOpenFiles() {
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
   files.rlim_cur = files.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &files);  // where this fails, opening the one file too many says so
+  setrlimit(RLIMIT_NOFILE, &files);  // on failure, opening one file too many reports the error
 }
 
 }  // namespace
@@ -25,11 +25,11 @@ void AllowManyOpenFiles() {
 void AddMergeOptions(CommandParser& command, MergeWords& words) {
   command.Add({{.names = "parts",
                 .target = &words.parts,
-                .help = "parts of one mesh and request: .vdb files of --region, --bounds or --shard",
+                .help = "Parts of one mesh and request: .vdb files made with --region, --bounds or --shard",
                 .value = "PART.vdb",
                 .required = true},
-               OutputRow({".vdb"}, words.outputs),
-               JsonRow("machine-readable summary on standard output", words.json)});
+               OutputRow({".vdb"}, words.outputs, /*several=*/false),
+               JsonRow("Print the summary as JSON", words.json)});
 }
 
 void Check(const MergeWords& words) {

@@ -11,7 +11,7 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct MergeWords {
   std::vector<std::string> parts, outputs;
   bool json = false;
@@ -22,8 +22,8 @@ void AddMergeOptions(CommandParser& command, MergeWords& words);
 // Throws UsageError if the words do not go together.
 void Check(const MergeWords& words);
 
-// Joins the parts; returns what belongs on standard output. The output appears only if everything succeeded. Raises
-// the process's limit of open files as far as it may: every part is one.
+// Joins the parts. Returns the text for standard output. The output file appears only if everything succeeded. Raises
+// the limit of open files as far as the process may, because every part stays open.
 absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client

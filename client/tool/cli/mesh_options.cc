@@ -8,26 +8,29 @@
 namespace latvox::client {
 
 OptionRow MeshRow(MeshSource& mesh) {
-  return {.names = "mesh",
-          .target = &mesh.paths,
-          .help = "mesh file: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input; several are one mesh",
-          .value = "MESH",
-          .required = true};
+  return {
+      .names = "mesh",
+      .target = &mesh.paths,
+      .help = "Mesh file: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input; several files form one mesh",
+      .value = "MESH",
+      .required = true};
 }
 
 std::vector<OptionRow> MeshRows(MeshWords& words) {
   return {{.names = "--up-axis",
            .target = &words.up_axis,
-           .help = "the mesh's axis that becomes z, by a quarter turn (default: z, as it is)",
-           .words = WordsOf(UpNames())},
+           .help = "Axis of the mesh that a quarter turn makes z",
+           .words = WordsOf(UpNames()),
+           .standard = "z, without a turn"},
           {.names = "--scale",
            .target = &words.scale,
-           .help = "multiply the mesh's coordinates, after --up-axis",
-           .value = "S",
-           .checks = {{CheckPositive}}},
+           .help = "Factor of the mesh's coordinates, applied after --up-axis",
+           .value = "FACTOR",
+           .checks = {{CheckPositive}},
+           .standard = "1"},
           {.names = "--input-format",
            .target = &words.input_format,
-           .help = "of MESH, whatever its extension and its first bytes say",
+           .help = "Format of MESH, in place of its extension or its first bytes",
            .words = WordsOf(MeshFormats())}};
 }
 
@@ -39,7 +42,7 @@ void InterpretMesh(const MeshWords& words, MeshSource& mesh) {
 
 void CheckMeshPaths(const MeshSource& mesh, const std::vector<std::string>& outputs) {
   if (std::count(mesh.paths.begin(), mesh.paths.end(), kStandardInput) > 1) {
-    Refuse("mesh: - is given twice, but read once");
+    Refuse("mesh: - is given twice, but standard input can be read only once");
   }
   for (const std::string& path : mesh.paths) CheckOutputs(outputs, path, "mesh");
 }

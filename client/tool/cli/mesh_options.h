@@ -1,4 +1,4 @@
-// The options that say how a mesh is taken.
+// Options of the input mesh.
 #ifndef LATVOX_CLIENT_TOOL_CLI_MESH_OPTIONS_H_
 #define LATVOX_CLIENT_TOOL_CLI_MESH_OPTIONS_H_
 
@@ -10,21 +10,21 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct MeshWords {
   std::string up_axis, scale, input_format;
 };
 
-// The positional MESH, one or several.
+// Returns the row of the positional MESH, one or several.
 OptionRow MeshRow(MeshSource& mesh);
 
-// --up-axis, --scale and --input-format.
+// Returns the rows of --up-axis, --scale and --input-format.
 std::vector<OptionRow> MeshRows(MeshWords& words);
 
-// What the words mean.
+// Writes the meaning of the words to `mesh`.
 void InterpretMesh(const MeshWords& words, MeshSource& mesh);
 
-// Throws UsageError: standard input given twice, an output given twice or in the place of a mesh.
+// Throws UsageError: standard input given twice, an output given twice, an output that is a mesh.
 void CheckMeshPaths(const MeshSource& mesh, const std::vector<std::string>& outputs);
 
 }  // namespace latvox::client

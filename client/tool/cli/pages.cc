@@ -4,14 +4,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "deploy/manual/man_page.h"
+#include "deploy/manual/markdown.h"
 
 namespace latvox::client {
 namespace {
 
 constexpr char kExitStatus[] =
-    "0 done; 1 other; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled or timed out";
+    "0 done; 1 other error; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled or timed out";
 
-// Examples of each command, which the tests run one after the other in a directory with bunny.obj.
+// Examples of each command. The tests run them in this order in a directory with bunny.obj.
 constexpr std::pair<const char*, const char*> kExamples[] = {
     {"voxelize",
      "Examples:\n"
@@ -45,7 +46,7 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
      "Examples:\n"
      "  latvox view bunny.vdb -o bunny.html\n"},
     {"compare",
-     "Exit status: 0 equal; 1 different; otherwise as of all commands\n"
+     "Exit status: 0 equal; 1 different; otherwise as for all commands\n"
      "\n"
      "Examples:\n"
      "  latvox compare bunny.vdb bunny.vdb\n"},
@@ -59,28 +60,28 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
 }  // namespace
 
 std::string Introduction() {
-  return "latvox turns triangle meshes into sparse voxels, exactly, on the Cartesian, BCC, FCC, hexagonal or any "
-         "other\n"
-         "three-dimensional lattice. It starts a server for the call by itself; nothing has to run.\n"
+  return "latvox turns triangle meshes into sparse voxels, exactly, on the Cartesian, BCC, FCC, hexagonal or any\n"
+         "other three-dimensional lattice. It starts a private server for each call by itself.\n"
          "\n"
          "A mesh to begin with:\n"
          "  cp /usr/share/glmark2/models/bunny.obj .\n"
-         "Its voxels on the body-centred lattice, 128 along its longest side, as an OpenVDB grid and as a picture:\n"
+         "Its voxels on the body-centered lattice, 128 along its longest side, as OpenVDB grid and as picture:\n"
          "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
-         "What the grid holds:\n"
+         "Facts about the grid:\n"
          "  latvox info bunny.vdb\n"
-         "Cubes of a given size as a table of coordinates, with proof that no path leaks through and no voxel is "
-         "idle:\n"
+         "Cubes of a given size as a table of coordinates. --verify counts tunnels and redundant voxels:\n"
          "  latvox voxelize bunny.obj --voxel-size 0.05 -o bunny.csv --verify\n"
          "\n"
-         "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o says what is "
-         "written.\n"
-         "All commands: latvox --help. Options of one: latvox voxelize --help. Everything: man latvox.\n";
+         "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o chooses\n"
+         "the output format.\n"
+         "All commands: latvox --help. Options of a command: latvox voxelize --help. Everything: man latvox.\n";
 }
 
 std::string Footer() {
   return absl::StrCat(
-      "Options of a command: latvox COMMAND --help. An introduction: latvox alone.\nExit status: ", kExitStatus, "\n");
+      "Options of a command: latvox COMMAND --help. Introduction: latvox without a command.\n"
+      "Exit status: 0 done; 1 other error; 2 wrong usage; 3 bad input; 4 server not reached;\n"
+      "5 refused; 6 cancelled or timed out\n");
 }
 
 std::string FooterOf(const std::string& command) {
@@ -90,25 +91,39 @@ std::string FooterOf(const std::string& command) {
   return "";
 }
 
-std::string ManPageOf(CommandFacts facts) {
-  facts.description = "exact sparse voxels of triangle meshes on any lattice";
+namespace {
+
+ManPage Page() {
   ManPage page;
   page.version = LATVOX_VERSION;
   page.before = {{"DESCRIPTION", Introduction()}};
   page.after = {
       {"EXIT STATUS",
-       absl::StrCat(kExitStatus, ".\nOne line on standard error says what failed, of which field, and which limit.\n")},
+       absl::StrCat(kExitStatus, ".\nOne line on standard error names the error, its field and the limit.\n")},
       {"ENVIRONMENT",
-       "NO_COLOR, if it is not empty, keeps colours off terminals; what is no terminal gets none.\n"
-       "LATVOX_LATVOXD is the program that is started as a private server, in place of the latvoxd beside latvox.\n"
-       "LATVOX_THREADS, LATVOX_MEMORY_BUDGET and the others of latvoxd(8) hold for it as well, but for those of\n"
-       "its configuration file, addresses, TLS and tokens. XDG_RUNTIME_DIR is where its socket is, else /tmp.\n"
-       "JOB_COMPLETION_INDEX with LATVOX_WORKER_COUNT, or SLURM_ARRAY_TASK_ID with its companions, say which worker\n"
-       "batch is.\n"
-       "TRACEPARENT and TRACESTATE, without --traceparent, are the W3C trace context that calls belong to; "
-       "malformed ones are not sent."}};
+       "If NO_COLOR is not empty, terminals get no colors. Files and pipes never get colors.\n"
+       "\n"
+       "LATVOX_LATVOXD is the program of a private server, in place of the latvoxd beside latvox.\n"
+       "LATVOX_THREADS, LATVOX_MEMORY_BUDGET and the other variables of latvoxd(8) apply to it as well, except\n"
+       "those of its configuration file, addresses, TLS and tokens. Its socket is in XDG_RUNTIME_DIR, or in /tmp\n"
+       "if that is not set.\n"
+       "\n"
+       "JOB_COMPLETION_INDEX with LATVOX_WORKER_COUNT, or SLURM_ARRAY_TASK_ID with its companions, number the\n"
+       "worker of latvox batch.\n"
+       "\n"
+       "Without --traceparent, TRACEPARENT and TRACESTATE are the W3C trace context of calls. Malformed values are\n"
+       "not sent.\n"}};
   page.see_also = {"latvoxd(8)"};
-  return ToMan(facts, page);
+  return page;
 }
+
+}  // namespace
+
+std::string ManPageOf(CommandFacts facts) {
+  facts.description = "exact sparse voxels of triangle meshes on any lattice";
+  return ToMan(facts, Page());
+}
+
+std::string ReferenceOf(const CommandFacts& facts) { return ToMarkdown(facts, Page()); }
 
 }  // namespace latvox::client

@@ -1,4 +1,4 @@
-// What the tool says of itself, beside its options.
+// Texts of help and manual, beside the options.
 #ifndef LATVOX_CLIENT_TOOL_CLI_PAGES_H_
 #define LATVOX_CLIENT_TOOL_CLI_PAGES_H_
 
@@ -8,15 +8,18 @@
 
 namespace latvox::client {
 
-// For `latvox` alone: what it does, and examples to run as they stand.
+// Returns the text of `latvox` without a command: its purpose, and examples that run as they are.
 std::string Introduction();
 
-// Behind the options of `latvox --help`, and of a command.
+// Return the text after the options of `latvox --help`, and of a command's help.
 std::string Footer();
 std::string FooterOf(const std::string& command);
 
-// The page latvox(1) in troff's language.
+// Returns the page latvox(1) in troff.
 std::string ManPageOf(CommandFacts facts);
+
+// Returns the page client/docs/command-line.md.
+std::string ReferenceOf(const CommandFacts& facts);
 
 }  // namespace latvox::client
 

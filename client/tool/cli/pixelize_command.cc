@@ -26,7 +26,7 @@ absl::StatusOr<Files> CreateFiles(const std::vector<std::string>& paths) {
   return files;
 }
 
-// The format is that of the path as given, which may be a link to a file of another name.
+// The path as given decides the format, even if it is a link to a file with another name.
 absl::Status Write(const std::string& path, const Drawing& drawing, const Pixelization& pixelization,
                    AtomicFile& file) {
   const auto bytes = EncodePixels(path, drawing, pixelization);
@@ -52,7 +52,7 @@ absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const
   report.input_path = NameOfInput(options.input);
   report.outputs = options.outputs;
   report.separability = options.request.separability;
-  // First of all, so that a place that cannot be written is found before any work.
+  // Outputs come first, so that an unwritable path fails before any work.
   const auto files = CreateFiles(options.outputs);
   if (!files.ok()) return files.status();
   const auto drawing = DoAbandonably([path = options.input] { return ReadCurveFile(path); }, call);

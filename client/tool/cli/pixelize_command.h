@@ -9,8 +9,8 @@
 
 namespace latvox::client {
 
-// Reads the drawing, has it pixelized and writes every output. The outputs appear only if everything succeeded;
-// otherwise files that exist stay as they are and nothing else is left.
+// Reads the drawing, lets the server pixelize it and writes every output. The outputs appear only if everything
+// succeeded. Otherwise existing files stay as they are, and nothing else is left.
 absl::StatusOr<PixelizeReport> RunPixelize(const PixelizeOptions& options, const Cancellation& cancellation);
 
 }  // namespace latvox::client

@@ -22,46 +22,49 @@ const Names<LineAlgorithm>& LineAlgorithmNames() {
 std::vector<OptionRow> PlaneLatticeRows(PixelizeWords& words) {
   return {{.names = "--lattice",
            .target = &words.lattice,
-           .help = "default: square",
+           .help = "Named lattice",
            .group = "Lattice",
-           .words = WordsOf(PlaneLatticeNames())},
+           .words = WordsOf(PlaneLatticeNames()),
+           .standard = "square"},
           {.names = "--basis",
            .target = &words.basis,
-           .help = "two basis vectors a, b of any lattice, the drawing's units",
+           .help = "Two basis vectors a, b of any lattice, in units of the drawing",
            .value = "a1,a2,b1,b2",
            .checks = {{CheckNumbers<double, 4>}}},
           {.names = "--pixel-size",
            .target = &words.pixel_size,
-           .help = "edge of a square with a pixel's area, the drawing's units",
+           .help = "Edge of a square that has a pixel's area, in units of the drawing",
            .value = "S",
            .checks = {{CheckPositive}}},
           {.names = "--resolution",
            .target = &words.resolution,
-           .help = "pixels along the drawing's longer side, 2 to 65536",
+           .help = "Pixels along the drawing's longer side",
            .value = "N",
            .checks = {Whole(kMinResolution, kMaxResolution)}},
           {.names = "--origin",
            .target = &words.origin,
-           .help = "position of lattice point 0 (default: the drawing's low corner)",
+           .help = "Position of lattice point 0",
            .value = "X,Y",
-           .checks = {{CheckNumbers<double, 2>}}}};
+           .checks = {{CheckNumbers<double, 2>}},
+           .standard = "low corner of the drawing"}};
 }
 
 std::vector<OptionRow> PixelRows(PixelizeWords& words) {
   PixelizeRequest& request = words.options.request;
   return {{.names = "--separability",
            .target = &request.separability,
-           .help = "0 (stronger, the default) or 1",
-           .value = "K",
+           .help = "Strength of separation, 0 strongest",
            .group = "Pixels",
-           .words = {"0", "1"}},
+           .words = {"0", "1"},
+           .standard = "0"},
           {.names = "--minimal,!--no-minimal",
            .target = &request.minimal,
-           .help = "remove every pixel that can go (default)"},
+           .help = "Remove every pixel that separation does not need, the default; or keep them"},
           {.names = "--algorithm",
            .target = &words.algorithm,
-           .help = "default: exact; the others are there to compare with",
-           .words = WordsOf(LineAlgorithmNames())}};
+           .help = "Algorithm; the others exist for comparison",
+           .words = WordsOf(LineAlgorithmNames()),
+           .standard = "exact"}};
 }
 
 }  // namespace
@@ -70,15 +73,15 @@ void AddPixelizeOptions(CommandParser& command, PixelizeWords& words) {
   PixelizeOptions& options = words.options;
   command.Add({{.names = "input",
                 .target = &options.input,
-                .help = "drawing: .txt (a polyline a line: x,y x,y ... [z]) or .svg, or - for standard input",
+                .help = "Drawing: .svg, .txt with one polyline per line (x,y x,y ... [z]), or - for standard input",
                 .value = "INPUT",
                 .required = true}});
-  OptionRow output = OutputRow(PixelExtensions(), options.outputs);
+  OptionRow output = OutputRow(PixelExtensions(), options.outputs, /*several=*/true);
   output.group = "Output";
   command.Add({std::move(output)});
   command.Add(PlaneLatticeRows(words));
   command.Add(PixelRows(words));
-  OptionRow json = JsonRow("machine-readable summary on standard output", options.json);
+  OptionRow json = JsonRow("Print the summary as JSON", options.json);
   json.group = "Output";
   command.Add({std::move(json)});
   command.Exclude({{"--basis", "--lattice"}, {"--resolution", "--pixel-size"}});

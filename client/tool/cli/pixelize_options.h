@@ -14,22 +14,22 @@ namespace latvox::client {
 struct PixelizeOptions {
   std::string input;
   std::vector<std::string> outputs;
-  PixelizeRequest request;  // all but the polylines
+  PixelizeRequest request;  // without polylines
   bool json = false;
   ServerChoice server;
 };
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct PixelizeWords {
-  PixelizeOptions options;  // filled in part by parsing
+  PixelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, pixel_size, resolution, origin, algorithm;
 };
 
-// Adds the options to a command. Parsing checks each option by itself.
+// Adds the options to a command. Parsing checks each option alone.
 void AddPixelizeOptions(CommandParser& command, PixelizeWords& words);
 
-// What the words mean together. Throws UsageError, as parsing does: a named lattice without density, an
-// output twice, or in the place of the input.
+// Returns the options that the words mean together. Throws UsageError, as parsing does: a named lattice without a
+// density, an output given twice, an output that is the input.
 PixelizeOptions Interpret(const PixelizeWords& words);
 
 }  // namespace latvox::client

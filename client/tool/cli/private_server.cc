@@ -37,8 +37,8 @@ std::string FindProgram() {
   return "latvoxd";
 }
 
-// Signals as a fresh program expects them, and a process group of its own: an interrupt at the terminal is for this
-// program alone, which then ends the server in order.
+// Resets signals for a fresh program and gives it its own process group. So an interrupt at the terminal reaches only
+// this program, which ends the server in order.
 void SetUp(posix_spawnattr_t& attributes, posix_spawn_file_actions_t& files) {
   sigset_t none, all;
   sigemptyset(&none);
@@ -50,11 +50,11 @@ void SetUp(posix_spawnattr_t& attributes, posix_spawn_file_actions_t& files) {
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  // Standard output is the tool's own, and may be read by a program.
+  // Standard output belongs to the tool, and a program may read it.
   posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
 }
 
-// Without what says where a server of the user's listens, and whom it lets in: that is not meant for this one.
+// Returns the environment without the variables of other servers: configuration file, addresses, TLS and tokens.
 std::vector<char*> EnvironmentOfPrivateServer() {
   constexpr absl::string_view kPublic[] = {
       "LATVOX_CONFIG=",   "LATVOX_HEALTH_LISTEN=", "LATVOX_METRICS_LISTEN=", "LATVOX_INSECURE=",
@@ -79,7 +79,7 @@ bool Accepts(const std::string& path) {
   return accepted;
 }
 
-// Waits until the child has ended or the time is over; true if it has ended.
+// Waits until the child has ended or the time is over. Returns whether the child has ended.
 bool AwaitEnd(pid_t pid, absl::Duration limit) {
   const absl::Time give_up = absl::Now() + limit;
   for (;;) {
@@ -133,7 +133,7 @@ absl::Status PrivateServer::MakeDirectory() {
   for (const char* parent : {static_cast<const char*>(std::getenv("XDG_RUNTIME_DIR")), "/tmp"}) {
     if (parent == nullptr || *parent == '\0') continue;
     std::string pattern = absl::StrCat(parent, "/latvox-XXXXXX");
-    // A socket's path has a small limit, which a deep runtime directory may exceed.
+    // A deep runtime directory may exceed the short limit of a socket's path.
     if (pattern.size() + std::strlen("/socket") >= sizeof(sockaddr_un::sun_path)) continue;
     if (mkdtemp(pattern.data()) != nullptr) {
       directory_ = pattern;
@@ -143,7 +143,7 @@ absl::Status PrivateServer::MakeDirectory() {
     error_number = errno;
   }
   return absl::UnavailableError(
-      absl::StrCat("cannot make a directory for a private latvoxd: ", std::strerror(error_number)));
+      absl::StrCat("cannot create a directory for a private latvoxd: ", std::strerror(error_number)));
 }
 
 absl::Status PrivateServer::Spawn(std::optional<int> threads) {
@@ -185,7 +185,7 @@ absl::Status PrivateServer::AwaitReady(const CallOptions& options) {
     }
     if (absl::Now() >= give_up) {
       return absl::UnavailableError(
-          absl::StrCat(program_, " does not serve within ", absl::FormatDuration(kStartLimit)));
+          absl::StrCat(program_, " did not serve within ", absl::FormatDuration(kStartLimit)));
     }
     absl::SleepFor(kPoll);
   }

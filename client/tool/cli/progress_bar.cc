@@ -13,15 +13,15 @@ namespace latvox::client {
 namespace {
 
 constexpr size_t kMostCells = 30, kLeastCells = 10;
-constexpr absl::Duration kTelling = absl::Milliseconds(500);  // a rate of less than that says nothing
+constexpr absl::Duration kTelling = absl::Milliseconds(500);  // a shorter time gives no useful rate
 
 double RateOf(uint64_t count, absl::Duration elapsed) {
   return static_cast<double>(count) / absl::ToDoubleSeconds(elapsed);
 }
 
-// Columns that a text of so many leaves to the bar.
+// Returns the columns that a text of this length leaves for the bar.
 size_t Room(size_t columns, size_t taken) {
-  constexpr size_t kBesides = 3;  // two brackets and a column that stays free
+  constexpr size_t kBesides = 3;  // two brackets and the free column
   return columns > taken + kBesides ? columns - taken - kBesides : 0;
 }
 
@@ -83,7 +83,7 @@ void ProgressBar::Stage(const std::string& name) {
   start_ = absl::Now();
   next_ = absl::InfinitePast();
   if (!terminal_) return;
-  // In one line: what does not fit would stay behind when the next is drawn over it.
+  // Stays within one line: redrawing would not erase a second one.
   const size_t columns = ErrorColumns();
   std::fprintf(stderr, "\r%s\x1b[K", name.substr(0, columns > 1 ? columns - 1 : 0).c_str());
   std::fflush(stderr);
@@ -106,7 +106,7 @@ bool ProgressBar::Due() {
 
 void ProgressBar::Draw(double share, const ProgressLine& line) {
   const size_t full = static_cast<size_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(line.cells));
-  const std::string bar = Coloured(std::string(full, '#'), Colour::kGreen) + std::string(line.cells - full, '.');
+  const std::string bar = Colored(std::string(full, '#'), TerminalColor::kGreen) + std::string(line.cells - full, '.');
   std::fprintf(stderr, "\r[%s]%s\x1b[K", bar.c_str(), line.text.c_str());
   std::fflush(stderr);
 }

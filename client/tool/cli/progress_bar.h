@@ -1,4 +1,4 @@
-// Progress, for people.
+// Progress for people.
 #ifndef LATVOX_CLIENT_TOOL_CLI_PROGRESS_BAR_H_
 #define LATVOX_CLIENT_TOOL_CLI_PROGRESS_BAR_H_
 
@@ -11,27 +11,28 @@
 
 namespace latvox::client {
 
-// "1234 bricks, 617/s", without the rate while the time is too short to tell.
+// Returns "1234 bricks, 617/s". The rate is missing while the time is too short for one.
 std::string CountText(const char* what, uint64_t count, absl::Duration elapsed);
 
-// ", 12s left", at a constant rate; nothing while that cannot be told.
+// Returns ", 12s left", assuming a constant rate; "" while the rate is unknown.
 std::string RemainingText(double share, absl::Duration elapsed);
 
-// "12.3K": three digits or so, whole below ten thousand.
+// Returns "12.3K": about three digits, and whole numbers below ten thousand.
 std::string ShortNumber(uint64_t count);
 
-// What fits into a line of so many columns, one of them left free.
+// A progress line that fits into a given number of columns and leaves one free.
 struct ProgressLine {
-  size_t cells;      // of the bar, between brackets
-  std::string text;  // behind it
+  size_t cells;      // length of the bar between its brackets
+  std::string text;  // after the bar
 };
 
-// " 45 %  voxelizing: 1234567 bricks, 2345678/s, 12s left". Where there is less room, the bar shrinks first, then the
-// counts: " 45 %  voxelizing: 12s left, 1.2M bricks, 2.3M/s"; what still does not fit is cut off at the end.
+// Returns " 45 %  voxelizing: 1234567 bricks, 2345678/s, 12s left". With less room the bar shrinks first. Then the
+// counts become short: " 45 %  voxelizing: 12s left, 1.2M bricks, 2.3M/s". The end is cut off if the line is still too
+// long.
 ProgressLine FitProgress(size_t columns, double share, const std::string& stage, const char* what, uint64_t count,
                          absl::Duration elapsed);
 
-// A line on standard error if that is a terminal, else nothing at all. It is gone with its object.
+// Shows a line on standard error if that is a terminal. The destructor removes the line.
 class ProgressBar {
  public:
   ProgressBar();
@@ -39,16 +40,16 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // What is being done from now on, shown at once. The time that remains is of the stage that Show is of.
+  // Begins a stage and shows its name at once. The time left counts from the stage that calls Show.
   void Stage(const std::string& name);
 
-  // `share` of the stage is done, 0 to 1, and so many of `what`. Draws ten times a second at most.
+  // Shows that `share` of the stage is done, 0 to 1, and the count of `what`. Draws ten times a second at most.
   void Show(double share, const char* what, uint64_t count);
 
-  // The same with `text` behind the bar.
+  // Shows the share with `text` after the bar.
   void Show(double share, const std::string& text);
 
-  // A line on standard error, whatever that is, in the bar's place.
+  // Prints a line on standard error, terminal or not, in place of the bar.
   void Say(const std::string& line);
 
  private:

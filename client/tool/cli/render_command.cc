@@ -30,7 +30,7 @@ std::string CheckColor(const std::string& text) {
   return hex ? "" : absl::StrCat("\"", text, "\" is not RRGGBB, six hexadecimal digits");
 }
 
-// The diagonal of the box of lattice points, in world units.
+// Returns the diagonal of the box of lattice points, in world units.
 double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
   constexpr int32_t kFar = std::numeric_limits<int32_t>::max();
   IndexBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
@@ -58,23 +58,26 @@ double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
 }  // namespace
 
 void AddRenderOptions(CommandParser& command, RenderWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
-               OutputRow({".png"}, words.outputs),
-               SizeRow("pixels of each side", words.picture.side),
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow({".png"}, words.outputs, /*several=*/false),
+               SizeRow("Pixels along each side of the picture", words.picture.side),
                {.names = "--view-up",
                 .target = &words.view_up,
-                .help = "the axis that points up (default: y)",
-                .words = WordsOf(UpNames())},
+                .help = "Axis that points up",
+                .words = WordsOf(UpNames()),
+                .standard = "y"},
                {.names = "--view",
                 .target = &words.view,
-                .help = "where the viewer is, degrees: about the axis that points up, and above (default: 30,22)",
+                .help = "Position of the viewer in degrees: angle about the up axis, and height above the horizon",
                 .value = "AZIMUTH,ELEVATION",
-                .checks = {{CheckView}}},
+                .checks = {{CheckView}},
+                .standard = "30,22"},
                {.names = "--color",
                 .target = &words.color,
-                .help = "of the surface (default: 769ed2)",
+                .help = "Color of the surface",
                 .value = "RRGGBB",
-                .checks = {{CheckColor}}},
+                .checks = {{CheckColor}},
+                .standard = "769ed2"},
                ColorByRow(/*distances=*/false, words.color_by)});
 }
 
@@ -88,7 +91,7 @@ PictureOptions Interpret(const RenderWords& words) {
     options.elevation = view[1];
   }
   if (!words.color.empty() && !words.color_by.empty())
-    Refuse("--color: one color, not with --color-by ", words.color_by);
+    Refuse("--color: cannot be combined with --color-by ", words.color_by);
   if (!words.color.empty()) {
     const std::string bytes = absl::HexStringToBytes(words.color);
     for (size_t m = 0; m < 3; ++m) options.color[m] = static_cast<uint8_t>(bytes[m]);
@@ -116,7 +119,7 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   if (!png.ok()) return png.status();
   if (auto status = WriteAtomically(output, *png); !status.ok()) return status;
   return absl::StrFormat("%s: %d voxels%s%s\nwrote %s in %.2f s\n", words.input, content->file.info.active_voxels,
-                         content->band ? " within the band; those at its surface are drawn" : "", ColoredText(by),
+                         content->band ? " in the band; the picture shows those at the surface" : "", ColoredText(by),
                          output, absl::ToDoubleSeconds(absl::Now() - start));
 }
 

@@ -11,7 +11,7 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct RenderWords {
   std::string input, view_up, view, color, color_by;
   std::vector<std::string> outputs;
@@ -23,7 +23,7 @@ void AddRenderOptions(CommandParser& command, RenderWords& words);
 // Throws UsageError if the words do not go together.
 PictureOptions Interpret(const RenderWords& words);
 
-// Draws the file; returns what belongs on standard output. The output appears only if everything succeeded.
+// Draws the file. Returns the text for standard output. The output file appears only if everything succeeded.
 absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& options);
 
 }  // namespace latvox::client

@@ -10,7 +10,7 @@
 namespace latvox::client {
 namespace {
 
-// Text from outside that is not UTF-8, a file's name for one, must not stop the report.
+// Foreign text that is not UTF-8, such as a file name, must not break the report.
 std::string Dump(const Json& json, int indent = 2) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -71,7 +71,7 @@ Json LimitsJson(const Limits& limits) {
           {"version", limits.version}};
 }
 
-// What is certain of the set. For another algorithm than the exact one, only what was counted is.
+// Returns the certain facts about the set. Other algorithms than the exact one guarantee nothing beyond the counts.
 std::string SeparationText(const Certificate& certificate) {
   if (const auto& band = certificate.band) {
     return absl::StrFormat("band of %g, %ssigned", band->width, band->is_signed ? "" : "un");
@@ -127,7 +127,7 @@ std::string WeldText(const WeldReport& weld) {
   return absl::StrCat("of ", weld.vertices, " vertices, ", weld.duplicate_vertices, " are duplicates; of ",
                       weld.triangles, " triangles, ", weld.degenerate_triangles,
                       " are degenerate; edges: ", weld.open_edges, " open, ", weld.non_manifold_edges,
-                      " non-manifold, ", weld.inconsistent_edges, " between triangles that turn against each other\n");
+                      " non-manifold, ", weld.inconsistent_edges, " between triangles of opposite orientation\n");
 }
 
 Json SummaryJson(const VoxelizeReport& report) {
@@ -215,7 +215,7 @@ std::string ToJson(const BatchReport& report) {
 
 std::string ToText(const BatchReport& report) {
   std::string text = absl::StrCat(report.done, " of ", report.jobs, " jobs done");
-  if (report.skipped > 0) absl::StrAppend(&text, ", ", report.skipped, " skipped, which were done before");
+  if (report.skipped > 0) absl::StrAppend(&text, ", ", report.skipped, " skipped because they were done before");
   if (report.failed > 0) absl::StrAppend(&text, ", ", report.failed, " failed");
   absl::StrAppendFormat(&text, " in %.2f s; results in %s\n", report.total_ms / 1e3, report.results);
   return text;

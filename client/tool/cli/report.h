@@ -1,4 +1,4 @@
-// What the tool says about a finished call, on standard output.
+// Reports of finished calls for standard output.
 #ifndef LATVOX_CLIENT_TOOL_CLI_REPORT_H_
 #define LATVOX_CLIENT_TOOL_CLI_REPORT_H_
 
@@ -21,20 +21,20 @@ struct VoxelizeReport {
   Accepted accepted;
   Summary summary;
   uint64_t skipped = 0;            // points and lines of the mesh file
-  std::optional<WeldReport> weld;  // if it was asked for
+  std::optional<WeldReport> weld;  // if requested
   double encode_ms = 0;            // reading and encoding the mesh
   double total_ms = 0;             // the whole command
 };
 
-// One object; scripts rely on its keys. Without verification, tunnels and redundant are null.
+// Returns one JSON object. Scripts rely on its keys. Without verification, tunnels and redundant are null.
 std::string ToJson(const VoxelizeReport& report);
 
-// A few lines for people.
+// Returns a few lines for people.
 std::string ToText(const VoxelizeReport& report);
 
-// What became of one job of a batch.
+// The outcome of one job of a batch.
 struct JobResult {
-  enum class Outcome { kDone, kFailed, kSkipped };  // kSkipped: it was done before
+  enum class Outcome { kDone, kFailed, kSkipped };  // kSkipped: an earlier run has done it
   Outcome outcome = Outcome::kFailed;
   std::string id, mesh;              // as in client/tool/cli/job_line.h
   uint64_t line = 0;                 // of the job file
@@ -47,17 +47,17 @@ struct JobResult {
   absl::Status error;                // if failed
 };
 
-// One object in one line, without its end.
+// Returns a JSON object in one line, without a line end.
 std::string ToJsonLine(const JobResult& result);
 
 struct BatchReport {
   uint64_t jobs = 0;  // of this worker
   uint64_t done = 0, failed = 0, skipped = 0;
-  bool cancelled = false;             // before all of them had ended
-  std::vector<std::string> failures;  // a line for each of the first
-  std::string results;                // the file of results
+  bool cancelled = false;             // before all jobs had ended
+  std::vector<std::string> failures;  // one line for each of the first failures
+  std::string results;                // path of the results file
   double total_ms = 0;
-  ExitStatus status = ExitStatus::kDone;  // that of the jobs that failed if it is one, kOther if there are several
+  ExitStatus status = ExitStatus::kDone;  // the status of the failed jobs; kOther if they differ
 };
 
 std::string ToJson(const BatchReport& report);
@@ -86,7 +86,7 @@ struct MergeReport {
 std::string ToJson(const MergeReport& report);
 std::string ToText(const MergeReport& report);
 
-// One object, keys as in the protocol; a line for each.
+// Return one JSON object with the keys of the protocol, and one line for each limit.
 std::string ToJson(const Limits& limits);
 std::string ToText(const Limits& limits);
 

@@ -22,7 +22,7 @@ std::string CheckVoxelSize(const std::string& text) {
   if (!absl::StrContains(text, ',')) return CheckPositive(text);
   Vec3d sizes;
   if (ParseNumbers(text, sizes) && sizes[0] > 0 && sizes[1] > 0 && sizes[2] > 0) return "";
-  return absl::StrCat("\"", text, "\" is not one number or three, finite and above 0");
+  return absl::StrCat("\"", text, "\" is not one or three finite numbers above 0");
 }
 
 std::string CheckRegion(const std::string& text) {
@@ -52,137 +52,150 @@ std::string CheckBounds(const std::string& text) {
 std::string CheckQuantization(const std::string& text) {
   int64_t bits = 0;
   if (text == "auto" || (ParseNumber(text, bits) && bits >= 0 && bits <= kMaxQuantizationBits)) return "";
-  return absl::StrCat("\"", text, "\" is not auto or a whole number from 0 to ", kMaxQuantizationBits);
+  return absl::StrCat("\"", text, "\" is neither auto nor a whole number from 0 to ", kMaxQuantizationBits);
 }
 
 std::string CheckBand(const std::string& text) {
   if (ParseBand(text)) return "";
-  return absl::StrCat("\"", text, "\" is not a finite number above 0, or one with v for voxel sizes");
+  return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
 }
 
 Rows OutputRows(VoxelizeWords& words) {
-  OptionRow output = OutputRow(OutputExtensions(), words.options.outputs);
+  OptionRow output = OutputRow(OutputExtensions(), words.options.outputs, /*several=*/true);
   output.group = "Output";
   return {std::move(output),
           {.names = "--npy",
            .target = &words.npy,
-           .help = "what a .npy holds: a row of coordinates a voxel (default), or a box of 0 and 1",
-           .words = {"coordinates", "dense"}}};
+           .help = "Content of a .npy: one row of coordinates per voxel, or a dense box of 0 and 1",
+           .words = {"coordinates", "dense"},
+           .standard = "coordinates"}};
 }
 
 Rows LatticeRows(VoxelizeWords& words) {
-  return {{.names = "--lattice",
-           .target = &words.lattice,
-           .help = "default: cartesian",
-           .group = "Lattice",
-           .words = WordsOf(LatticeNames())},
-          {.names = "--basis",
-           .target = &words.basis,
-           .help = "three basis vectors a, b, c of any lattice, world units; only their shape, with --voxel-size or "
-                   "--resolution",
-           .value = "a1,a2,a3,b1,...,c3",
-           .checks = {{CheckNumbers<double, 9>}}},
-          {.names = "--voxel-size",
-           .target = &words.voxel_size,
-           .help = "edge of a cube with a voxel's volume, world units; or the lattice stretched along x, y, z",
-           .value = "S|SX,SY,SZ",
-           .checks = {{CheckVoxelSize}}},
-          {.names = "--resolution",
-           .target = &words.resolution,
-           .help = "voxels along the mesh's longest side, 2 to 65536",
-           .value = "N",
-           .checks = {Whole(kMinResolution, kMaxResolution)}},
-          {.names = "--origin",
-           .target = &words.origin,
-           .help = "world position of lattice point 0 (default: the mesh's low corner)",
-           .value = "X,Y,Z",
-           .checks = {{CheckNumbers<double, 3>}}},
-          {.names = "--align",
-           .target = &words.options.align,
-           .help = "on the lattice and origin of this .vdb file's grid",
-           .value = "FILE.vdb"}};
+  return {
+      {.names = "--lattice",
+       .target = &words.lattice,
+       .help = "Named lattice",
+       .group = "Lattice",
+       .words = WordsOf(LatticeNames()),
+       .standard = "cartesian"},
+      {.names = "--basis",
+       .target = &words.basis,
+       .help = "Three basis vectors a, b, c of any lattice, in world units; --voxel-size and --resolution rescale them",
+       .value = "a1,a2,a3,b1,...,c3",
+       .checks = {{CheckNumbers<double, 9>}}},
+      {.names = "--voxel-size",
+       .target = &words.voxel_size,
+       .help =
+           "Edge of a cube that has a voxel's volume, in world units; three numbers stretch the lattice along x, y, z",
+       .value = "S|SX,SY,SZ",
+       .checks = {{CheckVoxelSize}}},
+      {.names = "--resolution",
+       .target = &words.resolution,
+       .help = "Voxels along the mesh's longest side",
+       .value = "N",
+       .checks = {Whole(kMinResolution, kMaxResolution)}},
+      {.names = "--origin",
+       .target = &words.origin,
+       .help = "World position of lattice point 0",
+       .value = "X,Y,Z",
+       .checks = {{CheckNumbers<double, 3>}},
+       .standard = "low corner of the mesh"},
+      {.names = "--align",
+       .target = &words.options.align,
+       .help = "Use the lattice and origin of this file's grid",
+       .value = "FILE.vdb"}};
 }
 
 Rows SurfaceRows(VoxelizeWords& words) {
   return {{.names = "--separability",
            .target = &words.separability,
-           .help = "0 (strongest, the default), 1, 2; on cartesian also 26, 18, 6",
-           .value = "K",
+           .help = "Strength of separation, 0 strongest; on cartesian 26, 18, 6 are other names of 0, 1, 2",
            .group = "Voxels",
-           .words = {"0", "1", "2", "26", "18", "6"}},
+           .words = {"0", "1", "2", "26", "18", "6"},
+           .standard = "0"},
           {.names = "--minimal,!--no-minimal",
            .target = &words.minimal,
-           .help = "remove every voxel that can go (default)"},
+           .help = "Remove every voxel that separation does not need, the default; or keep them"},
           {.names = "--algorithm",
            .target = &words.algorithm,
-           .help = "default: exact; the others are there to compare with",
-           .words = WordsOf(AlgorithmNames())}};
+           .help = "Algorithm; the others exist for comparison",
+           .words = WordsOf(AlgorithmNames()),
+           .standard = "exact"}};
 }
 
 Rows FillRows(VoxelizeWords& words) {
   return {{.names = "--fill",
            .target = &words.fill,
-           .help = "surface (default), or solid: what is inside of a closed mesh, too",
-           .words = {"surface", "solid"}},
+           .help = "Voxels of the surface, or of the closed mesh's interior as well",
+           .words = {"surface", "solid"},
+           .standard = "surface"},
           {.names = "--interior-rule",
            .target = &words.interior_rule,
-           .help = "what is inside: parity (default), or winding, which makes bodies that overlap one",
-           .words = WordsOf(RuleNames())},
+           .help = "Rule for the interior; winding unites bodies that overlap",
+           .words = WordsOf(RuleNames()),
+           .standard = "parity"},
           {.names = "--without-surface",
            .target = &words.without_surface,
-           .help = "of a solid only voxels whose centre is inside"},
+           .help = "Keep only voxels of a solid whose center is inside"},
           {.names = "--force-open",
            .target = &words.force_open,
-           .help = "fill a mesh that is not closed, but for lattice lines along k that end unbalanced"}};
+           .help = "Fill a mesh that is not closed, except along lattice lines in k that end unbalanced"}};
 }
 
 Rows VoxelRows(VoxelizeWords& words) {
-  return {{.names = "--cover",
-           .target = &words.cover,
-           .help = "separating (default), or supercover: all voxels whose cell meets the mesh",
-           .words = WordsOf(CoverNames())},
-          {.names = "--verify",
-           .target = &words.options.request.verify,
-           .help = "count tunnels and redundant voxels independently"},
-          {.names = "--band",
-           .target = &words.band,
-           .help = "not a surface: all voxels up to W away, or W voxel sizes, with distances",
-           .value = "W|Wv",
-           .checks = {{CheckBand}}},
-          {.names = "--signed",
-           .target = &words.is_signed,
-           .help = "distances are negative inside; the mesh must be closed"},
-          AttributesRow(words)};
+  return {
+      {.names = "--cover",
+       .target = &words.cover,
+       .help = "Voxels that separate the sides of the mesh, or all voxels whose cell meets it",
+       .words = WordsOf(CoverNames()),
+       .standard = "separating"},
+      {.names = "--verify",
+       .target = &words.options.request.verify,
+       .help = "Count tunnels and redundant voxels with an independent check"},
+      {.names = "--band",
+       .target = &words.band,
+       .help =
+           "In place of a surface, all voxels within distance W, or within W voxel sizes (Wv), with their distances",
+       .value = "W|Wv",
+       .checks = {{CheckBand}}},
+      {.names = "--signed",
+       .target = &words.is_signed,
+       .help = "Make distances negative inside; the mesh must be closed"},
+      AttributesRow(words)};
 }
 
 Rows TransferRows(VoxelizeWords& words) {
-  return {{.names = "--quantization",
-           .target = &words.quantization,
-           .help = "position bits of the upload, 0 (exact) to 30; auto: fine enough for the resolution",
-           .value = "auto|0..30",
-           .group = "Transfer",
-           .checks = {{CheckQuantization}}},
-          {.names = "--encoding",
-           .target = &words.encoding,
-           .help = "of voxels under way; packed-zstd: for networks below 1 Gbit/s",
-           .words = WordsOf(EncodingNames())}};
+  return {
+      {.names = "--quantization",
+       .target = &words.quantization,
+       .help = "Bits of a position's coordinate in the upload, 0 (exact) to 30; auto is fine enough for the resolution",
+       .value = "auto|BITS",
+       .group = "Transfer",
+       .checks = {{CheckQuantization}},
+       .standard = "auto"},
+      {.names = "--encoding",
+       .target = &words.encoding,
+       .help = "Encoding of voxels in the response; packed-zstd suits networks below 1 Gbit/s",
+       .words = WordsOf(EncodingNames()),
+       .standard = "packed"}};
 }
 
 Rows PartRows(VoxelizeWords& words) {
   return {{.names = "--region",
            .target = &words.region,
-           .help = "only the voxels i0 <= i < i1 and so on, exactly as in the whole",
+           .help = "Only the voxels with i0 <= i < i1, j0 <= j < j1, k0 <= k < k1, exactly as in the whole",
            .value = "i0,j0,k0,i1,j1,k1",
            .group = "Part of the whole",
            .checks = {{CheckRegion}}},
           {.names = "--bounds",
            .target = &words.bounds,
-           .help = "only the voxels whose centres lie in this box, faces included",
+           .help = "Only the voxels whose centers lie in this box, faces included",
            .value = "x0,y0,z0,x1,y1,z1",
            .checks = {{CheckBounds}}},
           {.names = "--shard",
            .target = &words.shard,
-           .help = "only part I, from 0, of N parts of equal cost that make the whole",
+           .help = "Only part I of N, 0 <= I < N; the parts cost the same and together make the whole",
            .value = "I/N",
            .checks = {{CheckShard}}}};
 }
@@ -192,11 +205,11 @@ Rows RequestMeshRows(VoxelizeWords& words) {
   rows.front().group = "Mesh";
   rows.push_back({.names = "--weld-report",
                   .target = &words.options.weld_report,
-                  .help = "count duplicate vertices, degenerate triangles, open and non-manifold edges"});
+                  .help = "Count duplicate vertices, degenerate triangles, open edges and non-manifold edges"});
   return rows;
 }
 
-// Two ways to say one thing, of which a request could hold only one.
+// A request has one field for both options.
 const OptionPairs& OneOrTheOther() {
   static const auto* const kPairs =
       new OptionPairs{{"--basis", "--lattice"},        {"--align", "--lattice"},    {"--align", "--basis"},
@@ -216,7 +229,6 @@ void AddRequestOptions(CommandParser& command, VoxelizeWords& words) {
   command.Need({{"--signed", "--band"}});
 }
 
-// "W" or "Wv"; nothing if it is neither.
 std::optional<Band> ParseBand(absl::string_view text) {
   Band band;
   band.in_voxels = absl::ConsumeSuffix(&text, "v");

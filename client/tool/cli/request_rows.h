@@ -1,4 +1,4 @@
-// The options that say what is asked for: rows of the table that `latvox voxelize` and a line of `latvox batch` share.
+// The options of a request: rows of the table that `latvox voxelize` and a line of `latvox batch` share.
 #ifndef LATVOX_CLIENT_TOOL_CLI_REQUEST_ROWS_H_
 #define LATVOX_CLIENT_TOOL_CLI_REQUEST_ROWS_H_
 
@@ -11,11 +11,11 @@
 
 namespace latvox::client {
 
-// Adds the outputs, what is asked for and how the mesh is taken, without mesh and server. Parsing checks each option by
-// itself, and pairs of options that exclude each other.
+// Adds the options of outputs, request and mesh, except mesh paths and server. Parsing checks each option alone, and
+// pairs of options that exclude each other.
 void AddRequestOptions(CommandParser& command, VoxelizeWords& words);
 
-// "W" or "Wv"; nothing if it is neither.
+// Parses "W" or "Wv". Returns nothing if the text is neither.
 std::optional<Band> ParseBand(absl::string_view text);
 
 }  // namespace latvox::client

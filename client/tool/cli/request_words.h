@@ -1,4 +1,4 @@
-// The words of options whose values are enumerations.
+// Words of options with enumerations as values.
 #ifndef LATVOX_CLIENT_TOOL_CLI_REQUEST_WORDS_H_
 #define LATVOX_CLIENT_TOOL_CLI_REQUEST_WORDS_H_
 
@@ -7,7 +7,7 @@
 
 namespace latvox::client {
 
-// The first of each is the default.
+// The first name is the default.
 const Names<NamedLattice>& LatticeNames();
 const Names<Algorithm>& AlgorithmNames();
 const Names<InteriorRule>& RuleNames();

@@ -14,7 +14,7 @@
 namespace latvox::client {
 namespace {
 
-// Without what surrounds it, an end of the line for one.
+// Strips white space, such as the line end.
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
   std::ifstream file(path);
   if (!file) {
@@ -23,7 +23,7 @@ absl::StatusOr<std::string> ReadToken(const std::string& path) {
   }
   std::string token, more;
   if (!(file >> token) || file >> more) {
-    return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold one word"));
+    return absl::InvalidArgumentError(absl::StrCat("the token file \"", path, "\" does not hold exactly one word"));
   }
   return token;
 }
@@ -43,7 +43,7 @@ absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOpti
     if (!server.ok()) return server.status();
     session.server_ = *std::move(server);
     address = session.server_->address();
-    // Over a line of progress, if there is one.
+    // Overwrites a progress line, if there is one.
     std::fprintf(stderr, "%slatvox: no --server given, started a private %s for this call\n",
                  ErrorIsTerminal() ? "\r\x1b[K" : "", session.server_->program().c_str());
   }

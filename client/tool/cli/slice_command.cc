@@ -26,10 +26,10 @@ namespace {
 
 const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}, {"i", 0}, {"j", 1}, {"k", 2}};
 
-// The coordinates within a layer, in their order.
+// Returns the two coordinates within a layer, in order.
 std::pair<size_t, size_t> Others(size_t axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
 
-// The voxels of a layer, with what they have.
+// Returns the voxels of a layer with their values.
 GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
   GridContent layer{{content.file.info, {}}, content.band, {}, content.attributes, {}};
   const size_t count = content.attributes.size();
@@ -49,7 +49,7 @@ GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
   return layer;
 }
 
-// `colors`: of the cut's voxels, or none.
+// `colors` has one color per voxel of the cut, or is empty.
 absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, const std::vector<uint32_t>& colors,
                                  size_t axis, const SliceWords& words) {
   const Layer layer = LayerOf(file.info.transform, axis, words.index);
@@ -92,7 +92,7 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
   return output;
 }
 
-// What the colors mean.
+// Returns the meaning of the colors.
 std::string Legend(ColorBy by, const std::optional<Band>& band) {
   if (by != ColorBy::kDistance || !band) return ColoredText(by);
   const std::string width = absl::StrFormat("%g", band->width);
@@ -101,7 +101,7 @@ std::string Legend(ColorBy by, const std::optional<Band>& band) {
                                 : absl::StrCat(", from 0 (violet) to ", width, " (yellow)"));
 }
 
-// A file that appears in Commit.
+// Writes a file that appears in Commit.
 absl::StatusOr<std::unique_ptr<AtomicFile>> WritePicture(const std::string& path, const std::string& png) {
   auto picture = AtomicFile::Create(path);
   if (!picture.ok()) return picture.status();
@@ -111,31 +111,30 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> WritePicture(const std::string& path
 }
 
 absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_t axis) {
-  if (!info.active_box) return absl::InvalidArgumentError(absl::StrCat(words.input, ": has no voxel"));
+  if (!info.active_box) return absl::InvalidArgumentError(absl::StrCat(words.input, ": has no voxels"));
   const int64_t low = info.active_box->min[axis], high = int64_t{info.active_box->max[axis]} - 1;
   if (words.index >= low && words.index <= high) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("--index ", words.index, " is not of the layers ", low, " to ", high,
-                                                 " across ", words.axis, " that ", words.input, " has"));
+  return absl::InvalidArgumentError(absl::StrCat("--index ", words.index, " is not among the layers ", low, " to ",
+                                                 high, " across ", words.axis, " that ", words.input, " has"));
 }
 
 }  // namespace
 
 void AddSliceOptions(CommandParser& command, SliceWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
-               OutputRow({".png", ".csv"}, words.outputs),
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow({".png", ".csv"}, words.outputs, /*several=*/true),
                {.names = "--axis",
                 .target = &words.axis,
-                .help = "across which the layer lies: lattice coordinate i, j or k, or x, y, z for these",
-                .value = "AXIS",
+                .help = "Lattice coordinate that is constant in the layer; x, y, z are other names of i, j, k",
                 .words = WordsOf(kAxes),
                 .required = true},
                {.names = "--index",
                 .target = &words.index,
-                .help = "the layer's lattice coordinate on that axis",
+                .help = "Value of that coordinate in the layer",
                 .value = "N",
                 .checks = {Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max())},
                 .required = true},
-               SizeRow("pixels of the picture's longer side", words.size),
+               SizeRow("Pixels along the picture's longer side", words.size),
                ColorByRow(/*distances=*/true, words.color_by)});
 }
 

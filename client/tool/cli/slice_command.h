@@ -14,7 +14,7 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct SliceWords {
   std::string input, axis, color_by;
   int index = 0, size = kPixelPictureSide;
@@ -26,18 +26,19 @@ void AddSliceOptions(CommandParser& command, SliceWords& words);
 // Throws UsageError if the words do not go together.
 void Check(const SliceWords& words);
 
-// The lattice points of which coordinate `axis` is `index`, as a lattice of their plane. Its first basis vector points
-// to the right; its coordinates are the other two of ijk, in their order.
+// The lattice points whose coordinate `axis` is `index`, as a lattice of their plane. Its first basis vector points to
+// the right. Its coordinates are the other two of ijk, in order.
 struct Layer {
   PlaneTransform grid;
   Vec3d right, up;  // unit vectors of the plane's x and y, from the world's origin on
 };
 Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index);
 
-// Draws or lists the layer; returns what belongs on standard output. Of a band, lists have its distances, and pictures
-// are colored by them, with a line where the sign changes; of attributes, lists have these, and pictures are colored by
-// the one that --color-by names. All layers across one axis show the same part of the world. The outputs appear only if
-// everything succeeded. Errors: INVALID_ARGUMENT: the index is outside the box of the file's voxels.
+// Draws or lists the layer. Returns the text for standard output. The outputs appear only if everything succeeded.
+//   band         lists have a column of distances; pictures are colored by them, with a line where the sign changes
+//   attributes   lists have their columns; pictures are colored by the attribute that --color-by names
+// All layers across one axis show the same part of the world. Errors: INVALID_ARGUMENT: the index is outside the box of
+// the file's voxels.
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client

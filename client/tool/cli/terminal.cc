@@ -19,10 +19,10 @@ size_t ErrorColumns() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-std::string Coloured(absl::string_view text, Colour colour) {
+std::string Colored(absl::string_view text, TerminalColor color) {
   const char* const no_color = std::getenv("NO_COLOR");
   if (text.empty() || !ErrorIsTerminal() || (no_color != nullptr && *no_color != '\0')) return std::string(text);
-  return absl::StrCat("\x1b[", static_cast<int>(colour), "m", text, "\x1b[0m");
+  return absl::StrCat("\x1b[", static_cast<int>(color), "m", text, "\x1b[0m");
 }
 
 }  // namespace latvox::client

@@ -1,4 +1,4 @@
-// What standard error can show.
+// Abilities of standard error.
 #ifndef LATVOX_CLIENT_TOOL_CLI_TERMINAL_H_
 #define LATVOX_CLIENT_TOOL_CLI_TERMINAL_H_
 
@@ -9,16 +9,17 @@
 
 namespace latvox::client {
 
-// Whether standard error is a terminal that can go back in a line: TERM is not "dumb".
+// Returns whether standard error is a terminal that can redraw a line: TERM is not "dumb".
 bool ErrorIsTerminal();
 
-// Its columns, or 80.
+// Returns the columns of the terminal, or 80.
 size_t ErrorColumns();
 
-enum class Colour { kRed = 31, kGreen = 32 };
+enum class TerminalColor { kRed = 31, kGreen = 32 };
 
-// The text in that colour, if standard error is such a terminal, and NO_COLOR is absent or empty; else the text.
-std::string Coloured(absl::string_view text, Colour colour);
+// Returns the text in that color if standard error is such a terminal and NO_COLOR is absent or empty. Otherwise
+// returns the text.
+std::string Colored(absl::string_view text, TerminalColor color);
 
 }  // namespace latvox::client
 

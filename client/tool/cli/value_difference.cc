@@ -11,7 +11,7 @@
 namespace latvox::client {
 namespace {
 
-// Calls visit(ijk, m, n) for every voxel that both have, the m-th of a and the n-th of b.
+// Calls visit(ijk, m, n) for every voxel of both files: the m-th of a and the n-th of b.
 template <class Visit>
 void ForEachCommonVoxel(const std::vector<Brick>& a, const std::vector<Brick>& b, const Visit& visit) {
   size_t m = 0, n = 0;
@@ -39,7 +39,7 @@ bool ValueDifference::equal() const {
 ValueDifference CompareValues(const GridContent& a, const GridContent& b) {
   ValueDifference found;
   if (a.band && b.band) found.distances.emplace();
-  std::vector<std::pair<size_t, size_t>> places;  // of each attribute among the numbers of a, and of b
+  std::vector<std::pair<size_t, size_t>> places;  // index of each attribute in a and in b
   for (size_t m = 0; m < a.attributes.size(); ++m) {
     const auto there = std::find(b.attributes.begin(), b.attributes.end(), a.attributes[m]);
     if (there == b.attributes.end()) continue;

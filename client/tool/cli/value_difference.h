@@ -1,4 +1,4 @@
-// What differs between what voxels have besides their places.
+// Differences between the values of voxels.
 #ifndef LATVOX_CLIENT_TOOL_CLI_VALUE_DIFFERENCE_H_
 #define LATVOX_CLIENT_TOOL_CLI_VALUE_DIFFERENCE_H_
 
@@ -13,15 +13,16 @@
 namespace latvox::client {
 
 struct DistanceDifference {
-  uint64_t differ = 0;      // how many
-  double greatest = 0;      // difference, world units
-  std::optional<Vec3i> at;  // the first voxel of that one, in the order of bricks
+  uint64_t differ = 0;      // number of voxels
+  double greatest = 0;      // greatest difference, world units
+  std::optional<Vec3i> at;  // the first voxel with it, in the order of bricks
 };
 
-// Of the voxels that both have.
+// Compares the voxels that both files have.
 struct ValueDifference {
-  std::optional<DistanceDifference> distances;             // of two bands
-  std::vector<std::pair<Attribute, uint64_t>> attributes;  // those that both have; how many numbers differ
+  std::optional<DistanceDifference> distances;  // if both are bands
+  std::vector<std::pair<Attribute, uint64_t>>
+      attributes;  // attributes of both files, with the number of voxels that differ
 
   bool equal() const;
 };

@@ -13,8 +13,8 @@
 namespace latvox::client {
 namespace {
 
-// The mesh's axis that `up_axis` of the request names has become z. Files of others, or of a mesh as it was, say
-// nothing.
+// `up_axis` in the request names the axis of the mesh that became z. It is missing from files of other programs and of
+// meshes that were not turned.
 UpAxis UpOf(const GridFileInfo& info) {
   const auto is_request = [](const auto& entry) { return entry.first == "latvox_request"; };
   const auto found = std::find_if(info.metadata.begin(), info.metadata.end(), is_request);
@@ -26,12 +26,13 @@ UpAxis UpOf(const GridFileInfo& info) {
 }  // namespace
 
 void AddViewOptions(CommandParser& command, ViewWords& words) {
-  command.Add({{.names = "file", .target = &words.input, .help = "a .vdb file", .value = "IN.vdb", .required = true},
-               OutputRow({".html"}, words.outputs),
+  command.Add({{.names = "file", .target = &words.input, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+               OutputRow({".html"}, words.outputs, /*several=*/false),
                {.names = "--view-up",
                 .target = &words.view_up,
-                .help = "the axis that points up (default: z if the mesh was turned by --up-axis, else y)",
-                .words = WordsOf(UpNames())}});
+                .help = "Axis that points up",
+                .words = WordsOf(UpNames()),
+                .standard = "z if --up-axis turned the mesh, otherwise y"}});
 }
 
 void Check(const ViewWords& words) {

@@ -11,7 +11,7 @@
 
 namespace latvox::client {
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct ViewWords {
   std::string input, view_up;
   std::vector<std::string> outputs;
@@ -22,7 +22,7 @@ void AddViewOptions(CommandParser& command, ViewWords& words);
 // Throws UsageError if the words do not go together.
 void Check(const ViewWords& words);
 
-// Writes the page; returns what belongs on standard output. The output appears only if everything succeeded.
+// Writes the page. Returns the text for standard output. The output file appears only if everything succeeded.
 absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client

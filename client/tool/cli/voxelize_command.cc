@@ -31,8 +31,8 @@ struct Upload {
   std::optional<WeldReport> weld = std::nullopt;
 };
 
-// Voxels along the longest side of the mesh, as far as the request tells; in a basis with short and long vectors, along
-// the short ones.
+// Estimates the voxels along the longest side of the mesh. In a basis of short and long vectors, counts along the short
+// ones.
 double VoxelsAlong(double side, const VoxelizeRequest& request) {
   double size = 1, shortest = 1;
   if (const Basis* basis = std::get_if<Basis>(&request.lattice)) {
@@ -47,7 +47,7 @@ double VoxelsAlong(double side, const VoxelizeRequest& request) {
   return voxels / shortest;
 }
 
-// Sent as it is; only what is counted needs it decoded here.
+// A Draco stream is sent as it is. Only --weld-report needs to decode it here.
 absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks,
                                     std::string drc) {
   if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
@@ -104,11 +104,11 @@ absl::Status ForEach(Outputs& outputs, const Step& step) {
 std::string ResumptionLine(const Resumption& resumption) {
   const std::string where = resumption.after_tile
                                 ? absl::StrCat("resumed after tile ", absl::StrJoin(*resumption.after_tile, ","))
-                                : "begun anew";
+                                : "started again";
   return absl::StrCat("connection lost, ", where, " on ", resumption.address);
 }
 
-// The status, with the mesh's file in it if that is what is wrong.
+// Returns the status. Puts the mesh's file before the message if the mesh is at fault.
 absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
   const ErrorDetails details = GetErrorDetails(status);
   if (details.reason != "BAD_MESH") return status;
@@ -117,7 +117,7 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
   return named;
 }
 
-// The call itself, into the outputs.
+// Runs the call and writes its results to the outputs.
 absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
                   const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
   hooks.on_stage("connecting");
@@ -164,7 +164,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   VoxelizeReport report;
   report.mesh_path = NameOf(options.mesh);
   report.outputs = options.outputs;
-  // First of all, so that a place that cannot be written is found before any work.
+  // Outputs come first, so that an unwritable path fails before any work.
   auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
   const auto upload = Prepare(options, call, hooks);

@@ -15,25 +15,25 @@
 
 namespace latvox::client {
 
-// Takes lattice and origin from the file that is to be aligned with, if there is one. Errors: those of reading it, with
-// the field before the path.
+// Takes lattice and origin from the file of --align, if one is given. Errors: those of reading it, with the field
+// before the path.
 absl::Status Align(VoxelizeOptions& options);
 
-// What a job needs from the command that it is part of. Called on the job's thread.
+// Calls of a job to the command that runs it, on the thread of the job.
 struct JobHooks {
   std::function<absl::StatusOr<const Client*>()>
-      connect;  // once, when the mesh is ready; valid until the job has ended
-  std::function<void(const std::string& stage)> on_stage;  // what it begins with
+      connect;  // called once, when the mesh is ready; valid until the job has ended
+  std::function<void(const std::string& stage)> on_stage;  // called when a stage begins
   std::function<void(double share, uint64_t bricks)> on_progress;
-  std::function<void(const std::string& line)> say;  // for people
+  std::function<void(const std::string& line)> say;  // prints a line for people
 };
 
-// Reads and encodes the mesh, has it voxelized and writes every output. The outputs appear only if everything
-// succeeded; otherwise files that exist stay as they are and nothing else is left. Of the options, those of the server
-// and --json do not count.
+// Reads and encodes the mesh, lets the server voxelize it and writes every output. The outputs appear only if
+// everything succeeded. Otherwise existing files stay as they are, and nothing else is left. Ignores the options of the
+// server and --json.
 absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks);
 
-// The same with a server of its own choice, and a progress bar; aligned before.
+// Aligns the options, chooses a server, and runs the job with a progress bar.
 absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& options, const Cancellation& cancellation);
 
 }  // namespace latvox::client

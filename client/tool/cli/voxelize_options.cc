@@ -25,7 +25,7 @@ std::variant<NamedLattice, Basis> InterpretLattice(const VoxelizeWords& words) {
   return ValueNamed(LatticeNames(), words.lattice);
 }
 
-// One size, or one for each axis.
+// Reads one size, or one per axis.
 void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
   const std::string& text = words.voxel_size;
   Vec3d sizes;
@@ -33,7 +33,7 @@ void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
   if (!ParseNumbers(text, sizes)) {
     ParseNumber(text, request.voxel_size.emplace());
   } else if (!words.basis.empty()) {
-    Refuse("--voxel-size: only one number goes with --basis, not ", text);
+    Refuse("--voxel-size: --basis allows only one number, not ", text);
   } else if (sizes[0] == sizes[1] && sizes[0] == sizes[2]) {
     request.voxel_size = sizes[0];
   } else {
@@ -41,7 +41,7 @@ void InterpretVoxelSize(const VoxelizeWords& words, VoxelizeRequest& request) {
   }
 }
 
-// Of a grid to align to, the lattice is known only once its file is read.
+// With --align, the lattice is unknown until the file is read.
 void CheckCubes(const VoxelizeOptions& options) {
   const std::variant<NamedLattice, Basis>& lattice = options.request.lattice;
   const Basis* basis = std::get_if<Basis>(&lattice);
@@ -51,19 +51,19 @@ void CheckCubes(const VoxelizeOptions& options) {
   }
 }
 
-// 26, 18 and 6 count a voxel's neighbours, which is what they do on the Cartesian lattice only. Of a grid to align to,
-// the lattice may be any.
+// Reads --separability. 26, 18 and 6 count a voxel's neighbors, which is right only on the Cartesian lattice. With
+// --align the lattice may be any.
 uint32_t InterpretSeparability(const VoxelizeWords& words, const std::variant<NamedLattice, Basis>& lattice) {
   uint32_t given = 0;
   if (!words.separability.empty()) ParseNumber(words.separability, given);
   if (given <= 2) return given;
   if (!words.options.align.empty() || lattice != std::variant<NamedLattice, Basis>(NamedLattice::kCartesian)) {
-    Refuse("--separability: ", given, " is for --lattice cartesian; elsewhere 0, 1 or 2");
+    Refuse("--separability: ", given, " requires --lattice cartesian; other lattices allow 0, 1 or 2");
   }
   return given == 26 ? 0 : given == 18 ? 1 : 2;
 }
 
-// What repeats the mesh as it is asked for.
+// Returns the note that reproduces this mesh.
 MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   MeshNote note;
   note.up_axis = words.up_axis;
@@ -100,7 +100,7 @@ void InterpretPart(const VoxelizeWords& words, VoxelizeRequest& request) {
 void InterpretNpy(const VoxelizeWords& words, VoxelizeOptions& options) {
   const auto is_npy = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".npy"); };
   if (!words.npy.empty() && std::none_of(options.outputs.begin(), options.outputs.end(), is_npy)) {
-    Refuse("--npy: ", words.npy, " is of a .npy, and no --out is one");
+    Refuse("--npy: ", words.npy, " requires a .npy output, and --out names none");
   }
   options.output_options.dense_npy = words.npy == "dense";
 }
@@ -109,7 +109,7 @@ void InterpretBand(const VoxelizeWords& words, VoxelizeOptions& options) {
   if (words.band.empty()) return;
   options.request.band = ParseBand(words.band);
   options.request.band->is_signed = words.is_signed;
-  if (!words.npy.empty()) Refuse("--npy: ", words.npy, " is of a surface's or a solid's voxels, without --band");
+  if (!words.npy.empty()) Refuse("--npy: ", words.npy, " cannot be combined with --band");
   CheckCarry("--band", "distances", DistanceExtensions(), options.outputs);
 }
 
@@ -118,7 +118,7 @@ void InterpretBand(const VoxelizeWords& words, VoxelizeOptions& options) {
 void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words) {
   command.Add({MeshRow(words.options.mesh)});
   AddRequestOptions(command, words);
-  OptionRow json = JsonRow("machine-readable summary on standard output", words.options.json);
+  OptionRow json = JsonRow("Print the summary as JSON", words.options.json);
   json.group = "Output";
   command.Add({std::move(json)});
   AddServerOptions(command, words.options.server);

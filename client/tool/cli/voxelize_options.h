@@ -23,14 +23,14 @@ struct VoxelizeOptions {
   OutputOptions output_options;
   VoxelizeRequest request;
   std::optional<int> quantization_bits;  // absent: auto
-  std::string align;                     // a .vdb file whose grid is the request's; empty: none
+  std::string align;                     // .vdb file whose grid the request uses; empty: none
   bool json = false;
   ServerChoice server;
 };
 
-// The words as they are given; parsing writes into them.
+// The words as given. Parsing writes into them.
 struct VoxelizeWords : MeshWords {
-  VoxelizeOptions options;  // filled in part by parsing
+  VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
   std::string npy, separability, algorithm, encoding, fill, interior_rule, cover, band, attributes;
   bool without_surface = false, force_open = false, is_signed = false;
@@ -40,11 +40,11 @@ struct VoxelizeWords : MeshWords {
 // Adds all options.
 void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words);
 
-// What the words mean together. Throws UsageError, as parsing does, naming option, value and limit: options
-// that exclude or need each other.
+// Returns the options that the words mean together. Throws UsageError, as parsing does, naming option, value and limit:
+// options that exclude or need each other.
 VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
 
-// The same, with an eye on the file system: an output that is given twice or in the place of the mesh is refused, too.
+// Does the same, and also refuses an output that is given twice or is the mesh. Resolves links in the file system.
 VoxelizeOptions Interpret(const VoxelizeWords& words);
 
 }  // namespace latvox::client

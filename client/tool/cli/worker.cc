@@ -13,7 +13,7 @@ constexpr char kKubernetesIndex[] = "JOB_COMPLETION_INDEX", kCount[] = "LATVOX_W
 constexpr char kSlurmId[] = "SLURM_ARRAY_TASK_ID", kSlurmCount[] = "SLURM_ARRAY_TASK_COUNT";
 constexpr char kSlurmMin[] = "SLURM_ARRAY_TASK_MIN", kSlurmStep[] = "SLURM_ARRAY_TASK_STEP";
 
-// A variable that is empty counts as one that is not set.
+// An empty variable counts as unset.
 std::optional<uint32_t> Variable(const char* name) {
   const char* const text = std::getenv(name);
   if (text == nullptr || *text == '\0') return std::nullopt;
@@ -43,7 +43,7 @@ ChosenWorker FromSlurm(uint32_t id) {
   const uint32_t count = Needed(kSlurmCount, kSlurmId), min = Needed(kSlurmMin, kSlurmId);
   const uint32_t step = Variable(kSlurmStep).value_or(1);
   if (id < min || step == 0 || (id - min) % step != 0) {
-    Refuse(kSlurmId, ": ", id, " is not ", min, " (", kSlurmMin, ") and some steps of ", step);
+    Refuse(kSlurmId, ": ", id, " is not ", min, " (", kSlurmMin, ") plus a multiple of ", step);
   }
   const std::string sources = absl::StrCat(kSlurmId, ", ", kSlurmCount);
   return {Below((id - min) / step, count, sources), sources};
@@ -54,10 +54,10 @@ ChosenWorker FromSlurm(uint32_t id) {
 ChosenWorker ChooseWorker(const std::string& given) {
   if (const auto worker = ParseShard(given)) return {{worker->index, worker->count}, "--worker"};
   const std::optional<uint32_t> kubernetes = Variable(kKubernetesIndex), slurm = Variable(kSlurmId);
-  if (kubernetes && slurm) Refuse(kKubernetesIndex, " and ", kSlurmId, " are both set; --worker I/N decides");
+  if (kubernetes && slurm) Refuse(kKubernetesIndex, " and ", kSlurmId, " are both set; choose with --worker I/N");
   if (kubernetes) return FromKubernetes(*kubernetes);
   if (slurm) return FromSlurm(*slurm);
-  // Workers that were counted but not numbered would each do the whole.
+  // With a count but no index, every worker would run all jobs.
   if (Variable(kCount)) Refuse(kCount, " is set, but ", kKubernetesIndex, " is not; give both, or --worker I/N");
   return {};
 }

@@ -1,4 +1,4 @@
-// Which jobs of a list are this worker's, when several workers share it.
+// Chooses the jobs of this worker when several workers share a list.
 #ifndef LATVOX_CLIENT_TOOL_CLI_WORKER_H_
 #define LATVOX_CLIENT_TOOL_CLI_WORKER_H_
 
@@ -13,20 +13,21 @@ struct Worker {
   bool operator==(const Worker&) const = default;
 };
 
-// Whether the job, counted from 0 on, is that of this worker. Neighbours in a list are often alike, so that jobs are
-// dealt out one by one.
+// Returns whether this worker runs the job, counted from 0. Workers take every count-th job, because neighbors in a
+// list often cost the same.
 inline bool DoesJob(const Worker& worker, uint64_t job) { return job % worker.count == worker.index; }
 
 struct ChosenWorker {
   Worker worker;
-  std::string source;  // the option or the variables that say so; empty: nothing does, and one worker does the whole
+  std::string source;  // the option or variables that chose the worker; empty: one worker runs everything
 };
 
-// What --worker says; if that is empty, what the engine's variables say:
-//   Kubernetes, an Indexed Job   JOB_COMPLETION_INDEX; the number of workers is LATVOX_WORKER_COUNT, as it gives none
-//   Slurm, a job array           SLURM_ARRAY_TASK_ID, counted from _MIN on in steps of _STEP, of SLURM_ARRAY_TASK_COUNT
-// Throws UsageError, naming variable, value and limit: a part without the other, not below the count, both engines at
-// once.
+// Returns the worker that --worker names, otherwise the one that the variables of the engine name:
+//   Kubernetes, an Indexed Job   JOB_COMPLETION_INDEX. LATVOX_WORKER_COUNT has the number of workers, because
+//                                Kubernetes does not set one.
+//   Slurm, a job array           SLURM_ARRAY_TASK_ID, counted from _MIN in steps of _STEP, of SLURM_ARRAY_TASK_COUNT.
+// Throws UsageError naming variable, value and limit: one variable without the other, an index not below the count,
+// both engines at once.
 ChosenWorker ChooseWorker(const std::string& given);
 
 }  // namespace latvox::client

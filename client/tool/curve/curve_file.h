@@ -11,13 +11,13 @@
 namespace latvox::client {
 
 struct Drawing {
-  std::vector<Polyline> polylines;  // at least one; none without points
-  bool y_down = false;              // as people look at it
+  std::vector<Polyline> polylines;  // at least one, each with points
+  bool y_down = false;              // y points down in the drawing
 };
 
-// Reads .txt (client/tool/curve/text_curves.h) or .svg (client/tool/curve/svg_curves.h), or standard input, "-": .svg
-// if it begins with "<". Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, not
-// supported, no curve at all.
+// Reads .txt (client/tool/curve/text_curves.h), .svg (client/tool/curve/svg_curves.h), or standard input for "-", which
+// is .svg if it begins with "<".
+// Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, not supported, no curve at all.
 absl::StatusOr<Drawing> ReadCurveFile(const std::string& path);
 
 }  // namespace latvox::client

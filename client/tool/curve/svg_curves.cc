@@ -16,7 +16,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kMaxDepth = 256;  // of groups within groups
+constexpr int kMaxDepth = 256;  // nesting of groups
 
 // x' = a*x + c*y + e,  y' = b*x + d*y + f
 struct Affine {
@@ -25,14 +25,14 @@ struct Affine {
   Vec2d operator()(const Vec2d& p) const { return {a * p[0] + c * p[1] + e, b * p[0] + d * p[1] + f}; }
 };
 
-// First `inner`, then `outer`.
+// Returns the transform that applies `inner` first, then `outer`.
 Affine Compose(const Affine& outer, const Affine& inner) {
   const auto linear = [&](double x, double y) { return Vec2d{outer.a * x + outer.c * y, outer.b * x + outer.d * y}; };
   const Vec2d i = linear(inner.a, inner.b), j = linear(inner.c, inner.d), o = outer({inner.e, inner.f});
   return {i[0], i[1], j[0], j[1], o[0], o[1]};
 }
 
-// All numbers of a list with white space or commas between them; false at anything else.
+// Reads all numbers of a list separated by white space or commas. Returns false at anything else.
 bool ParseNumbers(absl::string_view text, std::vector<double>& numbers) {
   SkipSpace(text);
   while (!text.empty()) {
@@ -42,7 +42,7 @@ bool ParseNumbers(absl::string_view text, std::vector<double>& numbers) {
   return true;
 }
 
-// "name(numbers)"; false if the numbers are not as many as the name wants.
+// Reads "name(numbers)". Returns false if the name needs another number of numbers.
 bool MakeTransform(absl::string_view name, const std::vector<double>& n, Affine& transform) {
   if (name == "translate" && (n.size() == 1 || n.size() == 2)) {
     transform = {1, 0, 0, 1, n[0], n.size() == 2 ? n[1] : 0};
@@ -68,7 +68,7 @@ class SvgReader {
           absl::StrCat("line ", LineAt(result.offset), ": is not XML (", result.description(), ")"));
     }
     const pugi::xml_node root = document.document_element();
-    if (NameOf(root) != "svg") return Error(root, "is not svg, with which a drawing begins");
+    if (NameOf(root) != "svg") return Error(root, "is not svg, the root of a drawing");
     if (auto status = ReadChildren(root, {}, 0); !status.ok()) return status;
     return FlattenAll();
   }
@@ -104,7 +104,7 @@ class SvgReader {
   }
 
   absl::Status ReadChildren(const pugi::xml_node& node, Affine transform, int depth) {
-    if (depth > kMaxDepth) return Error(node, "is the ", depth, "th within another, the limit is ", kMaxDepth);
+    if (depth > kMaxDepth) return Error(node, "is nested ", depth, " levels deep; the limit is ", kMaxDepth);
     if (auto status = ReadTransform(node, transform); !status.ok()) return status;
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() != pugi::node_element) continue;
@@ -215,7 +215,7 @@ class SvgReader {
     }
     const double side = std::max(high[0] - low[0], high[1] - low[1]);
     if (!outlines_.empty() && !(finite && std::isfinite(side))) {
-      return absl::InvalidArgumentError("coordinates are not finite once transformed");
+      return absl::InvalidArgumentError("coordinates are not finite after the transform");
     }
     std::vector<Polyline> polylines;
     for (const Outline& outline : outlines_) {

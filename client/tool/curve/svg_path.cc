@@ -16,7 +16,7 @@ class PathReader {
 
   absl::Status Read() {
     SkipSpace(rest_);
-    if (!rest_.empty() && rest_[0] != 'M' && rest_[0] != 'm') return NotExpected("M, with which a path begins");
+    if (!rest_.empty() && rest_[0] != 'M' && rest_[0] != 'm') return NotExpected("M at the beginning of a path");
     while (!rest_.empty()) {
       const char command = rest_[0];
       if (!absl::ascii_isalpha(static_cast<unsigned char>(command))) return NotExpected("a command");
@@ -59,7 +59,7 @@ class PathReader {
     }
   }
 
-  // A command's arguments once, and again for as long as numbers follow.
+  // Reads a command's arguments once, and again while numbers follow.
   template <class Step>
   absl::Status Repeat(const Step& step) {
     do {
@@ -116,7 +116,7 @@ class PathReader {
     current_ = piece.end();
   }
 
-  // What follows without an M begins where this outline did.
+  // Commands after Z without an M begin at the start of this outline.
   void End(bool closed) {
     const Vec2d start = outline_.start;
     outline_.closed = closed;
@@ -131,13 +131,13 @@ class PathReader {
   Vec2d current_{};
 };
 
-// |a - 2b + c|: the second difference of control points.
+// Returns |a - 2b + c|, the second difference of control points.
 double Bend(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
   return std::hypot(a[0] - 2 * b[0] + c[0], a[1] - 2 * b[1] + c[1]);
 }
 
-// A chord over a share h of the parameter leaves the curve by at most h^2/8 times the largest second derivative, which
-// is n(n-1) times the largest second difference of control points.
+// Returns the number of chords. A chord over a share h of the parameter leaves the curve by at most h^2/8 times the
+// largest second derivative. That is n(n-1) times the largest second difference of control points.
 size_t CountChords(const Vec2d& start, const OutlinePiece& piece, double tolerance) {
   constexpr double kMost = 65536;
   const auto& [p, q, r] = piece.control;

@@ -11,10 +11,10 @@
 
 namespace latvox::client {
 
-// A line or a Bezier curve from where the piece before it ends.
+// A line or a Bezier curve that begins at the end of the previous piece.
 struct OutlinePiece {
   size_t degree;                 // 1, 2 or 3
-  std::array<Vec2d, 3> control;  // the first `degree` of them; the last is the end
+  std::array<Vec2d, 3> control;  // the first `degree` are used; the last of them is the end
 
   const Vec2d& end() const { return control[degree - 1]; }
 };
@@ -25,12 +25,12 @@ struct Outline {
   bool closed = false;
 };
 
-// Appends the outlines of path data with the commands M L H V Z C Q, absolute or relative (small letters). Outlines
-// without a piece are left out. Errors: INVALID_ARGUMENT naming the text, or the command that is not one of these.
+// Appends the outlines of path data with the commands M L H V Z C Q, absolute or relative (lower case). Omits outlines
+// without a piece. Errors: INVALID_ARGUMENT naming the text, or a command that is not one of these.
 absl::Status ParsePathData(absl::string_view data, std::vector<Outline>& outlines);
 
-// The outline as a polyline whose points lie on it and which nowhere leaves it by more than `tolerance` > 0; lines are
-// taken over as they are.
+// Returns the outline as a polyline whose points lie on it and that deviates from it by at most `tolerance` > 0. Lines
+// are kept as they are.
 Polyline Flatten(const Outline& outline, double tolerance);
 
 }  // namespace latvox::client

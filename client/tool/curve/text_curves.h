@@ -1,4 +1,4 @@
-// Polylines as plain text.
+// Polylines in plain text.
 #ifndef LATVOX_CLIENT_TOOL_CURVE_TEXT_CURVES_H_
 #define LATVOX_CLIENT_TOOL_CURVE_TEXT_CURVES_H_
 
@@ -10,8 +10,8 @@
 
 namespace latvox::client {
 
-// One polyline a line: points "x,y" with white space between them, the nearest doubles to the decimal text. A "z" at
-// the end closes it. From a "#" on, a line is a comment; empty lines do not count.
+// Reads one polyline per line: points "x,y" separated by white space, as the nearest doubles to the decimal text. A "z"
+// at the end closes the polyline. "#" begins a comment; empty lines are skipped.
 // Errors: INVALID_ARGUMENT naming line and text.
 absl::StatusOr<std::vector<Polyline>> ParseText(absl::string_view text);
 

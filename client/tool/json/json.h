@@ -1,5 +1,5 @@
-// JSON of the tool. The header of the library that does it costs each file 1.6 s of compilation: include this one only
-// in a .cc, or in a header that passes values between the readers of glTF.
+// JSON of the tool. The header underneath costs each file 1.6 s of compilation. So include this one only in a .cc, or
+// in a header that passes values between the readers of glTF.
 #ifndef LATVOX_CLIENT_TOOL_JSON_JSON_H_
 #define LATVOX_CLIENT_TOOL_JSON_JSON_H_
 
@@ -7,8 +7,8 @@
 
 namespace latvox::client {
 
-using Json = nlohmann::ordered_json;  // members stand as they were added: what people read
-using SortedJson = nlohmann::json;    // members stand by name: what was read from others
+using Json = nlohmann::ordered_json;  // keeps the order of addition, for output
+using SortedJson = nlohmann::json;    // sorts by name, for input from others
 
 }  // namespace latvox::client
 

@@ -1,4 +1,4 @@
-// What is wrong with a file, as a status.
+// Errors in a file, as statuses.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_BAD_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_BAD_H_
 
@@ -7,7 +7,7 @@
 
 namespace latvox::client {
 
-// INVALID_ARGUMENT with the parts' text.
+// Returns INVALID_ARGUMENT with the text of the parts.
 template <class... Parts>
 absl::Status Bad(const Parts&... parts) {
   return absl::InvalidArgumentError(absl::StrCat(parts...));

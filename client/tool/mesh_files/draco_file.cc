@@ -15,7 +15,7 @@
 namespace latvox::client {
 namespace {
 
-// What a full color is in the floats that Draco makes of an attribute's numbers.
+// Returns the full intensity of a color, as Draco converts the numbers of an attribute to floats.
 float FullColor(const draco::PointAttribute& colors) {
   if (colors.normalized()) return 1;
   return colors.data_type() == draco::DT_UINT8 ? 255 : colors.data_type() == draco::DT_UINT16 ? 65535 : 1;
@@ -75,7 +75,7 @@ absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids) tr
   buffer.Init(bytes.data(), bytes.size());
   draco::Decoder decoder;
   const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) return Bad("is no Draco mesh (", decoded.status().error_msg_string(), ")");
+  if (!decoded.ok()) return Bad("is not a Draco mesh (", decoded.status().error_msg_string(), ")");
   return FromDraco(*decoded.value(), ids);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory to decode the mesh");

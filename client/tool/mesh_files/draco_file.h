@@ -1,4 +1,4 @@
-// Draco streams that are not sent as they are.
+// Draco streams that the tool decodes.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_DRACO_FILE_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_DRACO_FILE_H_
 
@@ -11,15 +11,16 @@
 
 namespace latvox::client {
 
-// Which of a stream's attributes are what, by their unique ids.
+// Unique ids of the attributes to read.
 struct DracoIds {
-  std::optional<uint32_t> positions = std::nullopt;  // else those that the stream calls so
-  std::optional<uint32_t> colors = std::nullopt;     // else none
+  std::optional<uint32_t> positions = std::nullopt;  // absent: the attribute that the stream marks as positions
+  std::optional<uint32_t> colors = std::nullopt;     // absent: no colors
 };
 
-// Positions, triangles and colors of a Draco mesh. Of a damaged stream, Draco may take much time and memory before it
-// says so. Errors: INVALID_ARGUMENT: no Draco mesh, positions that are not three floats, a vertex that is not finite or
-// has no color, an index out of range; RESOURCE_EXHAUSTED (memory).
+// Reads positions, triangles and colors of a Draco mesh. Draco may take much time and memory before it reports a
+// damaged stream.
+// Errors: INVALID_ARGUMENT: not a Draco mesh, positions that are not three floats, a vertex that is not finite or has
+// no color, an index out of range; RESOURCE_EXHAUSTED (memory).
 absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids = {});
 
 }  // namespace latvox::client

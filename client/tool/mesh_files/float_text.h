@@ -11,12 +11,12 @@
 
 namespace latvox::client {
 
-// The nearest float32 to the whole of `word`, infinite if it is too large; false if that is not a number.
+// Reads the whole `word` as the nearest float32, infinite if it is too large. Returns false if it is not a number.
 inline bool ParseFloat(absl::string_view word, float& value) {
   if (!word.empty() && word[0] == '+') word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size()) return false;
-  // from_chars has no value for what overflows or underflows; strtof has the right one for both.
+  // from_chars returns no value on overflow and underflow; strtof returns the right one.
   if (error == std::errc::result_out_of_range) value = std::strtof(std::string(word).c_str(), nullptr);
   return error == std::errc() || error == std::errc::result_out_of_range;
 }

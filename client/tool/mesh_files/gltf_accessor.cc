@@ -14,14 +14,14 @@
 namespace latvox::client {
 namespace {
 
-constexpr uint64_t kMaxElements = uint64_t{1} << 22;  // without a buffer that bounds them
-constexpr uint64_t kMaxStride = 252;                  // of the specification
+constexpr uint64_t kMaxElements = uint64_t{1} << 22;  // limit without a buffer
+constexpr uint64_t kMaxStride = 252;                  // limit of the specification
 
 absl::Status In(absl::string_view where, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(where, ": ", status.message()));
 }
 
-// Bytes of a component of that type; 0: there is no such type.
+// Returns the bytes of a component of this type, or 0 if there is no such type.
 uint64_t SizeOf(uint64_t component_type) {
   constexpr uint64_t kSizes[] = {1, 1, 2, 2, 0, 4, 4};
   return component_type >= 5120 && component_type <= 5126 ? kSizes[component_type - 5120] : 0;
@@ -31,7 +31,7 @@ bool IsIndex(uint64_t component_type) {
   return component_type == 5121 || component_type == 5123 || component_type == 5125;
 }
 
-// The elements of an accessor, packed, as little-endian as this machine is.
+// The elements of an accessor, packed, in the little-endian order of this machine.
 struct Elements {
   uint64_t component_type = 0, components = 0, count = 0;
   std::string bytes = {};
@@ -53,7 +53,7 @@ absl::Status ReadBase(const SortedJson& accessor, const SortedJson& root, GltfBu
   if (!accessor.contains("bufferView")) {
     if (count > kMaxElements) {
       return absl::ResourceExhaustedError(
-          absl::StrCat("count ", count, " exceeds ", kMaxElements, ", the most without a bufferView"));
+          absl::StrCat("count ", count, " exceeds ", kMaxElements, ", the limit without a bufferView"));
     }
     elements.bytes.resize(count * size);
     return absl::OkStatus();
@@ -63,7 +63,7 @@ absl::Status ReadBase(const SortedJson& accessor, const SortedJson& root, GltfBu
   const auto stride = GltfNumber(root.at("bufferViews").at(*number), "byteStride", size);
   if (!stride.ok()) return stride.status();
   if (*stride < size || *stride > kMaxStride) {
-    return Bad("byteStride ", *stride, " is not within ", size, ", which an element takes, and ", kMaxStride);
+    return Bad("byteStride ", *stride, " is not within ", size, ", the size of an element, and ", kMaxStride);
   }
   const auto base = buffers.Bytes(accessor, count == 0 ? 0 : (count - 1) * *stride + size);
   if (!base.ok()) return base.status();
@@ -72,7 +72,7 @@ absl::Status ReadBase(const SortedJson& accessor, const SortedJson& root, GltfBu
   return absl::OkStatus();
 }
 
-// Changes some of the elements.
+// Applies the changes of a sparse accessor.
 absl::Status ReadSparse(const SortedJson& sparse, GltfBuffers& buffers, Elements& elements) {
   const auto changes = GltfNumber(sparse, "count");
   if (!changes.ok()) return In("sparse", changes.status());
@@ -148,7 +148,7 @@ absl::StatusOr<std::vector<float>> ToFloats(const Elements& elements, bool norma
   }
 }
 
-// `read`, of an accessor, with its number before what is wrong.
+// Returns `read`, with the number of the accessor before an error.
 template <class Result, class Read>
 absl::StatusOr<Result> OfAccessor(uint64_t number, const SortedJson& root, const Read& read) {
   absl::StatusOr<Result> result;

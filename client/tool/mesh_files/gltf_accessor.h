@@ -1,4 +1,4 @@
-// The numbers of a glTF file.
+// The accessors of a glTF file.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_ACCESSOR_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_ACCESSOR_H_
 
@@ -12,22 +12,23 @@
 
 namespace latvox::client {
 
-// Elements of so many components one after the other.
+// Elements of `components` numbers each, one after the other.
 struct GltfFloats {
   size_t components = 0;
   std::vector<float> values;
 };
 
-// Accessors, interleaved and sparse ones, too; without a buffer view all are 0.
-//   accessor     one of the document's
-// Errors, with accessor, field, value and limit: INVALID_ARGUMENT: what is missing, of a type that it cannot be, or
-// reaches beyond what it lies in; RESOURCE_EXHAUSTED: more elements without a buffer view than anyone has.
+// Read an accessor, also an interleaved or sparse one. Without a buffer view all numbers are 0.
+//   accessor   index in the document
+// Errors, with accessor, field, value and limit:
+//   INVALID_ARGUMENT     a field is missing, has an impossible type, or reaches beyond its buffer
+//   RESOURCE_EXHAUSTED   more elements without a buffer view than the limit
 
-// Integers as KHR_mesh_quantization has them: normalized ones are divided by the largest of their type, and not below
-// -1, others are as they are.
+// Converts integers by KHR_mesh_quantization: normalized ones are divided by the largest value of their type and
+// clamped at -1, others keep their value.
 absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);
 
-// Unsigned integers, one in each element.
+// Reads unsigned integers, one per element.
 absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);
 
 }  // namespace latvox::client

@@ -13,7 +13,7 @@
 namespace latvox::client {
 namespace {
 
-// With "%20" and the like as the bytes that they stand for.
+// Decodes "%20" and the like.
 std::string Unescaped(absl::string_view uri) {
   const auto is_digit = [&](size_t n) { return n < uri.size() && absl::ascii_isxdigit(static_cast<uint8_t>(uri[n])); };
   std::string text;
@@ -39,7 +39,7 @@ absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem
   }
   const std::filesystem::path path = folder / Unescaped(uri);
   std::error_code error;
-  // Nothing that never ends.
+  // Only regular files: others may never end.
   if (!std::filesystem::is_regular_file(path, error)) return Bad("file \"", uri, "\" cannot be read");
   return ReadBytes(path);
 }

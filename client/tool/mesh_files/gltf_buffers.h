@@ -1,4 +1,4 @@
-// The bytes that a glTF file's accessors are made of.
+// The bytes behind a glTF file's accessors.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_BUFFERS_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_BUFFERS_H_
 
@@ -15,18 +15,18 @@
 
 namespace latvox::client {
 
-// Each buffer is read once, when it is first needed. Errors: INVALID_ARGUMENT, naming what is missing or too short;
-// also the JSON library's exceptions.
+// Reads each buffer once, when it is first needed. Errors: INVALID_ARGUMENT naming the buffer that is missing or too
+// short; also exceptions of the JSON library.
 class GltfBuffers {
  public:
-  // `document` must outlive it; `folder`: of the files that are referred to, empty: the working directory.
+  // `document` must outlive the object. `folder` is that of the referenced files; empty: the working directory.
   GltfBuffers(const GltfDocument& document, std::filesystem::path folder)
       : document_(document), folder_(std::move(folder)) {}
 
-  // All bytes of the buffer view that `object` names.
+  // Returns all bytes of the buffer view that `object` names.
   absl::StatusOr<absl::string_view> View(const SortedJson& object);
 
-  // So many of them, from `object`'s byteOffset on.
+  // Returns `size` of these bytes, starting at object's byteOffset.
   absl::StatusOr<absl::string_view> Bytes(const SortedJson& object, uint64_t size);
 
  private:

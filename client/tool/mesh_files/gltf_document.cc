@@ -12,14 +12,14 @@
 namespace latvox::client {
 namespace {
 
-constexpr uint64_t kMostExact = uint64_t{1} << 53;  // up to which every JSON library counts
+constexpr uint64_t kMostExact = uint64_t{1} << 53;  // limit of exact integers in JSON libraries
 
 // The JSON and the binary chunk of a file.
 struct Chunks {
   absl::string_view json, binary;
 };
 
-// A .glb is a header of 12 bytes and chunks: their length, their kind, and so many bytes.
+// A .glb is a header of 12 bytes and chunks. A chunk has its length, its kind and its bytes.
 absl::StatusOr<Chunks> SplitChunks(absl::string_view bytes) {
   if (!absl::StartsWith(bytes, "glTF")) return Chunks{bytes, {}};
   uint32_t version = 2;
@@ -43,7 +43,8 @@ absl::StatusOr<Chunks> SplitChunks(absl::string_view bytes) {
   return chunks;
 }
 
-// Whether triangles lie where they lie without the extension: it says what they look like, or what they mean.
+// Returns whether an extension leaves the positions of triangles alone, because it describes only appearance or
+// meaning.
 bool LeavesTrianglesAlone(absl::string_view extension) {
   constexpr absl::string_view kBeginnings[] = {
       "KHR_materials_",    "EXT_materials_",         "ADOBE_materials_", "KHR_texture_",

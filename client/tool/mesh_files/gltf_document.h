@@ -1,4 +1,4 @@
-// The JSON of a glTF file, and fields of it.
+// The JSON of a glTF file, and access to its fields.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_DOCUMENT_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_DOCUMENT_H_
 
@@ -16,25 +16,27 @@ struct GltfDocument {
   absl::string_view binary;  // the chunk of a .glb; null if there is none
 };
 
-// Takes a .glb or a .gltf apart; `bytes` must outlive what it returns. Errors: INVALID_ARGUMENT naming the byte of what
-// is cut short or no JSON, the version if it is not 2.0, or the extension that a reader must know and this one does
-// not: all that may place triangles.
+// Splits a .glb or .gltf. `bytes` must outlive the result. Errors: INVALID_ARGUMENT naming one of these:
+//   the byte where the file is cut short or is not JSON
+//   a version other than 2.0
+//   a required extension that this reader lacks and that may move triangles
 absl::StatusOr<GltfDocument> ParseGltfDocument(absl::string_view bytes);
 
-// A field that is a whole number. Errors: INVALID_ARGUMENT: it is missing and there is no `otherwise`, it is none.
+// Returns a field that is a whole number. Errors: INVALID_ARGUMENT: it is missing and there is no `otherwise`, or it is
+// not a whole number.
 absl::StatusOr<uint64_t> GltfNumber(const SortedJson& object, const char* name,
                                     std::optional<uint64_t> otherwise = std::nullopt);
 
-// `value`, a field of that name, which numbers an element of one of the document's lists. Errors: INVALID_ARGUMENT:
-// also if that has none such.
+// Returns `value`, a field of that name that numbers an element of one of the lists of the document. Errors:
+// INVALID_ARGUMENT, also if the list has no such element.
 absl::StatusOr<uint64_t> GltfElement(const SortedJson& value, const char* name, const SortedJson& root,
                                      const char* list);
 
-// The same of an object's field.
+// Does the same for a field of an object.
 absl::StatusOr<uint64_t> GltfIndex(const SortedJson& object, const char* name, const SortedJson& root, const char* list,
                                    std::optional<uint64_t> otherwise = std::nullopt);
 
-// What the JSON library says of a field that is missing or of another type.
+// Converts an exception of the JSON library about a missing field or one of another type.
 absl::Status GltfError(const SortedJson::exception& error);
 
 }  // namespace latvox::client

@@ -19,19 +19,19 @@
 #include "client/tool/mesh_files/gltf_document.h"
 #include "client/tool/mesh_files/gltf_primitive.h"
 
-// Why not assimp, which has an importer: it crashes on skins without matrices, takes quantized positions for floats,
-// overlooks extensions that a reader must know and triangles with an index out of range, and its errors name no place.
+// No assimp, although it has an importer: it crashes on skins without matrices and takes quantized positions for
+// floats. It ignores required extensions and triangles with an index out of range, and its errors name no place.
 namespace latvox::client {
 namespace {
 
-constexpr uint32_t kNoMaterial = UINT32_MAX;  // until all are numbered
+constexpr uint32_t kNoMaterial = UINT32_MAX;  // until all materials are numbered
 
-// The status of what stands there.
+// Adds the place to the status.
 absl::Status In(absl::string_view list, size_t number, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(list, number, "]: ", status.message()));
 }
 
-// So many numbers of a node.
+// Reads kCount numbers of a node.
 template <size_t kCount>
 absl::StatusOr<std::array<double, kCount>> Numbers(const SortedJson& node, const char* name,
                                                    const std::array<double, kCount>& otherwise) {
@@ -44,7 +44,7 @@ absl::StatusOr<std::array<double, kCount>> Numbers(const SortedJson& node, const
   return found->get<std::array<double, kCount>>();
 }
 
-// Scale, then rotation by the quaternion (x, y, z, w), which need not be exactly a unit, then translation.
+// Applies scale, then rotation by the quaternion (x, y, z, w), which may not be exactly a unit, then translation.
 absl::StatusOr<Affine> PlaceOfParts(const SortedJson& node) {
   const auto t = Numbers<3>(node, "translation", {0, 0, 0}), s = Numbers<3>(node, "scale", {1, 1, 1});
   const auto q = Numbers<4>(node, "rotation", {0, 0, 0, 1});
@@ -79,8 +79,8 @@ std::string NameOfMaterial(const SortedJson& material, uint64_t number) {
   return name.empty() ? absl::StrCat("materials[", number, "]") : absl::StrCat("material \"", name, "\"");
 }
 
-// The color that all of a part has: the factor of its material, where that has no texture, which would change it.
-// Where there is none, nothing; and why in no_color.
+// Returns the color of a whole part: the factor of its material. With a texture there is no single color: then returns
+// nothing and writes the reason to no_color.
 std::optional<Color> BaseColorOf(uint64_t number, const SortedJson& root, std::string& no_color) {
   const SortedJson& material = root.at("materials").at(number);
   const SortedJson none = SortedJson::object(), extensions = material.value("extensions", none);
@@ -99,11 +99,11 @@ class SceneReader {
   SceneReader(const GltfDocument& document, const std::filesystem::path& folder, size_t most)
       : root_(document.root), most_(most), buffers_(document, folder) {}
 
-  // Errors: also the JSON library's exceptions.
+  // Errors: also exceptions of the JSON library.
   absl::StatusOr<Mesh> Read();
 
  private:
-  // A node and what its ancestors make of its place.
+  // A node and the transform of its ancestors.
   struct Visit {
     uint64_t node;
     Affine parent;
@@ -119,12 +119,12 @@ class SceneReader {
   void WarnOfWeights(const SortedJson& node);
 
   const SortedJson& root_;
-  const size_t most_;  // triangles, and vertices
+  const size_t most_;  // limit of triangles, and of vertices
   GltfBuffers buffers_;
-  std::vector<Visit> open_;                       // the next one last
-  std::vector<bool> seen_;                        // of the nodes
-  std::map<uint64_t, std::vector<Mesh>> meshes_;  // primitives of those that nodes had so far
-  std::map<uint64_t, uint32_t> materials_;        // their numbers
+  std::vector<Visit> open_;                       // a stack
+  std::vector<bool> seen_;                        // for each node
+  std::map<uint64_t, std::vector<Mesh>> meshes_;  // primitives of the meshes placed so far
+  std::map<uint64_t, uint32_t> materials_;        // glTF index to our number
   Mesh mesh_;
 };
 
@@ -151,7 +151,7 @@ absl::StatusOr<Mesh> SceneReader::Read() {
   return std::move(mesh_);
 }
 
-// The nodes of a list, to be visited in its order. Each only once: nodes are trees.
+// Opens the nodes of a list in its order. A node may be visited only once, because nodes form trees.
 absl::Status SceneReader::Push(const SortedJson& owner, const char* list, const Affine& parent) {
   const size_t begin = open_.size();
   for (const SortedJson& each : owner.value(list, SortedJson::array())) {
@@ -198,7 +198,7 @@ absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const SortedJson& 
     }
     const absl::Status& status = primitive.status();
     if (!status.ok()) return In("primitives[", primitives.size(), status);
-    if (primitive->triangles.empty()) {  // its points are nothing to us
+    if (primitive->triangles.empty()) {  // its vertices are not needed
       primitive->positions = {};
       primitive->colors = {};
     }

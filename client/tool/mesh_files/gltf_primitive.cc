@@ -17,13 +17,13 @@ namespace {
 
 enum Mode : uint64_t { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kStrip, kFan };
 
-// Of so many corners.
+// Returns the number of points or lines with this number of corners.
 uint64_t PointsOrLines(Mode mode, uint64_t corners) {
   if (mode == kLines) return corners / 2;
   return mode == kLineStrip && corners > 0 ? corners - 1 : corners;
 }
 
-// Which corners triangle t has: all of one sense of rotation.
+// Returns the corners of triangle t. All triangles have one orientation.
 std::array<size_t, 3> CornersOf(Mode mode, size_t t) {
   if (mode == kTriangles) return {3 * t, 3 * t + 1, 3 * t + 2};
   if (mode == kFan) return {t + 1, t + 2, 0};
@@ -113,7 +113,7 @@ absl::StatusOr<Mesh> ReadTriangles(Mode mode, const SortedJson& primitive, const
   return mesh;
 }
 
-// Their coordinates are not looked at.
+// Counts points or lines without reading their coordinates.
 absl::StatusOr<Mesh> CountPointsOrLines(Mode mode, const SortedJson& primitive, const SortedJson& root) {
   const bool indexed = primitive.contains("indices");
   const SortedJson& named = indexed ? primitive : primitive.at("attributes");

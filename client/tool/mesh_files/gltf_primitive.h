@@ -1,4 +1,4 @@
-// The triangles of a glTF file, where their mesh has them.
+// The triangles of a glTF primitive.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_PRIMITIVE_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_GLTF_PRIMITIVE_H_
 
@@ -9,10 +9,10 @@
 
 namespace latvox::client {
 
-// Positions, triangles (those of strips and fans, too), colors of vertices if there are any, and how many points and
-// lines it has instead. Without positions it is empty, as the specification asks. Errors: as ReadGltfFloats and
-// ParseDraco; INVALID_ARGUMENT, with value and limit: an index beyond the vertices, corners that are left over; also
-// the JSON library's exceptions.
+// Reads positions, triangles (also of strips and fans) and colors of vertices, and counts points and lines as skipped.
+// A primitive without positions is empty, as the specification requires.
+// Errors: as ReadGltfFloats and ParseDraco; INVALID_ARGUMENT, with value and limit: an index beyond the vertices, a
+// number of corners that is not a multiple of 3; also exceptions of the JSON library.
 absl::StatusOr<Mesh> ReadGltfPrimitive(const SortedJson& primitive, const SortedJson& root, GltfBuffers& buffers);
 
 }  // namespace latvox::client

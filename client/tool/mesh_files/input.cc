@@ -19,13 +19,13 @@
 namespace latvox::client {
 namespace {
 
-// Readable once reading is to stop.
+// Becomes readable when reading is to stop.
 int StopEvent() {
   static const int event = eventfd(0, EFD_CLOEXEC);
   return event;
 }
 
-// Waits until there is something to read, or its end; false if reading is to stop.
+// Waits for bytes or their end. Returns false if reading is to stop.
 bool AwaitBytes(int fd) {
   pollfd sources[] = {{fd, POLLIN, 0}, {StopEvent(), POLLIN, 0}};
   while (poll(sources, 2, -1) < 0 && errno == EINTR) {
@@ -33,7 +33,7 @@ bool AwaitBytes(int fd) {
   return sources[1].revents == 0;
 }
 
-// Not by way of a stream, which ends at an error of the device as it does at the end of a file.
+// No stream: it treats an error of the device as the end of the file.
 absl::StatusOr<std::string> ReadAll(int fd, const std::string& path) try {
   struct stat file {};
   const bool is_sized = fstat(fd, &file) == 0 && S_ISREG(file.st_mode);
@@ -54,7 +54,7 @@ absl::StatusOr<std::string> ReadAll(int fd, const std::string& path) try {
     return bytes;
   }
 } catch (const std::bad_alloc&) {
-  return absl::ResourceExhaustedError(absl::StrCat(NameOfInput(path), ": is larger than the memory at hand"));
+  return absl::ResourceExhaustedError(absl::StrCat(NameOfInput(path), ": is larger than the available memory"));
 }
 
 }  // namespace
@@ -64,10 +64,10 @@ std::string NameOfInput(const std::string& path) { return path == kStandardInput
 absl::StatusOr<std::string> ReadStandardInput(const char* what) {
   if (isatty(STDIN_FILENO) == 1) {
     return absl::InvalidArgumentError(
-        absl::StrCat("standard input: is a terminal; ", what, " belongs into it, by | or <"));
+        absl::StrCat("standard input: is a terminal; pipe or redirect ", what, " into it (| or <)"));
   }
   struct stat file {};
-  if (fstat(STDIN_FILENO, &file) != 0 || (file.st_mode & S_IFMT) == 0) {  // a library's event, which has no type
+  if (fstat(STDIN_FILENO, &file) != 0 || (file.st_mode & S_IFMT) == 0) {  // a library's eventfd has no type
     return absl::InvalidArgumentError("standard input: is closed");
   }
   return ReadAll(STDIN_FILENO, kStandardInput);
@@ -79,7 +79,7 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": is a directory"));
   }
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  // A pipe that nobody writes yet would keep open() waiting, which nothing could end.
+  // O_NONBLOCK: otherwise open() would wait for the writer of a pipe, and nothing could end it.
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": cannot be read (", std::strerror(errno), ")"));

@@ -17,7 +17,7 @@
 namespace latvox::client {
 namespace {
 
-// `folder`: of the files that it refers to.
+// `folder` is that of the files that a glTF refers to.
 absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std::filesystem::path& folder) {
   switch (format) {
     case MeshFormat::kDraco:
@@ -37,7 +37,7 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std
   return ParseGltf(WithoutByteOrderMark(bytes), folder);
 }
 
-// With the path before the error; without a triangle, that is one.
+// Puts the path before an error. A mesh without triangles is an error, too.
 absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
   const std::string name = NameOfInput(path);
   if (!mesh.ok()) return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", mesh.status().message()));

@@ -10,14 +10,14 @@
 
 namespace latvox::client {
 
-// Reads a file of one of the formats: all meshes of the file joined in world coordinates (node transforms applied),
-// polygons triangulated, with what else of it Mesh has. Binary float32 positions are taken over bit by bit.
+// Reads a file of any supported format. All meshes of the file are joined in world coordinates (node transforms
+// applied), polygons are triangulated, and attributes are read into Mesh. Binary float32 positions are kept bit by bit.
 // Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, an index out of range, a vertex
 // that is not finite, no triangle at all; RESOURCE_EXHAUSTED: unpacks to too much.
 absl::StatusOr<Mesh> ReadMeshFile(const std::string& path);
 
-// The same of bytes that are known to be of the format, whatever the path's extension; the path is for errors alone.
-// Files that a glTF refers to are looked for in the working directory.
+// Reads bytes of a known format. The path serves only for errors. Files that a glTF refers to are looked for in the
+// working directory.
 absl::StatusOr<Mesh> ParseMeshFile(const std::string& path, absl::string_view bytes, MeshFormat format);
 
 }  // namespace latvox::client

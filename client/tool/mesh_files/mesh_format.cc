@@ -12,7 +12,7 @@ namespace latvox::client {
 namespace {
 
 bool IsObj(absl::string_view bytes) {
-  constexpr size_t kMost = size_t{1} << 16;  // comments before the first vertex
+  constexpr size_t kMost = size_t{1} << 16;  // the first vertex may follow comments
   const absl::string_view head = bytes.substr(0, kMost);
   if (absl::StrContains(head, '\0')) return false;
   for (const absl::string_view line : absl::StrSplit(head, '\n')) {
@@ -54,7 +54,7 @@ std::optional<MeshFormat> FormatOfBytes(absl::string_view bytes) {
   for (const auto& [magic, format] : kMagic) {
     if (absl::StartsWith(bytes, magic)) return format;
   }
-  // Before "solid", with which the header of binary files begins more often than it should.
+  // Comes before "solid", because headers of binary files often begin with it.
   if (IsBinaryStl(bytes)) return MeshFormat::kStl;
   const absl::string_view text = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
   if (absl::StartsWith(text, "{")) return MeshFormat::kGltf;

@@ -19,7 +19,7 @@ absl::Status Transform(const Affine& to_world, Mesh& mesh) {
     for (const float coordinate : moved) {
       if (std::isfinite(coordinate)) continue;
       return absl::InvalidArgumentError(
-          absl::StrCat("vertex ", v, " (", absl::StrJoin(position, " "), ") is not finite where it is moved to"));
+          absl::StrCat("vertex ", v, " (", absl::StrJoin(position, " "), ") is not finite after its transform"));
     }
     position = moved;
   }
@@ -28,7 +28,7 @@ absl::Status Transform(const Affine& to_world, Mesh& mesh) {
 
 namespace {
 
-// Parts and materials are numbered on. Before the triangles are appended.
+// Continues the numbers of parts and materials. Call it before the triangles are appended.
 void AppendStretches(const Mesh& part, Mesh& mesh) {
   if (part.triangles.empty()) return;
   const uint32_t parts = NextPart(mesh), materials = mesh.materials;

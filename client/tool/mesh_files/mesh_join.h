@@ -1,4 +1,4 @@
-// Several meshes as one.
+// Joins several meshes.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_MESH_JOIN_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_MESH_JOIN_H_
 
@@ -8,12 +8,11 @@
 
 namespace latvox::client {
 
-// Moves the mesh. Errors: INVALID_ARGUMENT naming the first vertex that exceeds float32 where it is moved to.
+// Moves the mesh. Errors: INVALID_ARGUMENT naming the first vertex whose new position exceeds float32.
 absl::Status Transform(const Affine& to_world, Mesh& mesh);
 
-// Appends the part, moved, with its own vertices; its parts and materials get the numbers after those of the mesh.
-// Errors: as Transform, before anything is appended; INVALID_ARGUMENT
-// if there are more than 2^32 - 1 vertices.
+// Appends the moved part with its own vertices. Its parts and materials are numbered after those of the mesh.
+// Errors: as Transform, before anything is appended; INVALID_ARGUMENT if there are more than 2^32 - 1 vertices.
 absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh);
 
 }  // namespace latvox::client

@@ -15,7 +15,7 @@ namespace latvox::client {
 namespace {
 
 constexpr char kOwnAttributes[] =
-    "; those of a .drc count where it is sent as it is: alone, without --up-axis and --scale";
+    "; attributes of a .drc count only if it is sent as it is: alone, without --up-axis and --scale";
 
 Affine ToWorld(const MeshSource& input) {
   constexpr Affine kFromX = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};
@@ -28,7 +28,7 @@ absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshSource& i
   if (input.format) return *input.format;
   if (const auto format = FormatOfBytes(bytes)) return *format;
   return absl::InvalidArgumentError(
-      absl::StrCat(NameOfInput(path), ": begins like none of the mesh formats; --input-format says which one it is"));
+      absl::StrCat(NameOfInput(path), ": does not begin like any mesh format; name the format with --input-format"));
 }
 
 absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco) {

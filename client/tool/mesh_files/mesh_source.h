@@ -1,4 +1,4 @@
-// Meshes as the tool is told to take them.
+// The mesh of a command: its files and their transform.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_MESH_SOURCE_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_MESH_SOURCE_H_
 
@@ -15,30 +15,29 @@
 
 namespace latvox::client {
 
-// Several meshes are one: what they enclose together is not known, their triangles are. Positions are turned, then
-// multiplied by `scale` in double and rounded to float32 once. Their parts and materials are numbered in the order of
-// the paths.
+// Several meshes form one, as the union of their triangles. Positions are turned, then multiplied by `scale` in double
+// and rounded to float32 once. Parts and materials are numbered in the order of the paths.
 struct MeshSource {
-  std::vector<std::string> paths;    // at least one; "-", once at most, is standard input
-  std::optional<MeshFormat> format;  // of all of them; absent: by extension, of standard input by how it begins
-  // Becomes z, by a quarter turn about another axis: (x, y, z) goes to (x, -z, y) for kY, which leaves x, and to
-  // (-z, y, x) for kX, which leaves y. Exact.
+  std::vector<std::string> paths;    // at least one; "-" is standard input, at most once
+  std::optional<MeshFormat> format;  // of all files; absent: by extension, or by the first bytes of standard input
+  // The axis that becomes z, by an exact quarter turn about another axis. kY keeps x: (x, y, z) goes to (x, -z, y). kX
+  // keeps y: (x, y, z) goes to (-z, y, x).
   UpAxis up = UpAxis::kZ;
   double scale = 1;
-  std::vector<Attribute> attributes = {};  // that each path's mesh must have, one Draco stream aside
+  std::vector<Attribute> attributes = {};  // required of each mesh, except a single Draco stream
 };
 
-// The paths for people.
+// Returns the paths in a form for people.
 std::string NameOf(const MeshSource& input);
 
-// Whether the mesh is more than the bytes of one file: its files may refer to others.
+// Returns whether the mesh may be more than the bytes of one file, because its files may refer to others.
 bool MayReferToFiles(const MeshSource& input);
 
-// One mesh, or the bytes of one Draco stream of which nothing is asked that would change them.
+// One mesh, or the bytes of one Draco stream that is sent unchanged.
 using MeshOrDraco = std::variant<Mesh, std::string>;
 
-// Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input is of no format that is known, a vertex is
-// not finite once it is scaled, a mesh has no such attribute.
+// Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input has no known format, a vertex is not finite
+// after scaling, a mesh lacks a required attribute.
 absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
 
 }  // namespace latvox::client

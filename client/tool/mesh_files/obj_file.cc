@@ -13,9 +13,9 @@
 #include "client/tool/mesh_files/float_text.h"
 #include "client/tool/mesh_files/polygon.h"
 
-// Why not assimp: its decimal parser misses the nearest float32 for about one number in a hundred, it gives each face
-// corner a vertex of its own, and its errors name neither line nor index. Exact voxels of the commonest text format
-// should not depend on that.
+// No assimp: its decimal parser misses the nearest float32 for about one number in a hundred. It gives each face corner
+// its own vertex. Its errors name neither line nor index. Exact voxels of the most common text format should not depend
+// on that.
 namespace latvox::client {
 namespace {
 
@@ -26,7 +26,7 @@ absl::Status LineError(size_t line, const Parts&... parts) {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-// Takes the next word off the front of `rest`; empty at the end.
+// Takes the next word off the front of `rest`. Returns "" at the end.
 absl::string_view NextWord(absl::string_view& rest) {
   size_t begin = 0;
   while (begin < rest.size() && IsSpace(rest[begin])) ++begin;
@@ -37,12 +37,12 @@ absl::string_view NextWord(absl::string_view& rest) {
   return word;
 }
 
-// Statements of the text: lines, with those that end in a backslash joined to the next.
+// Reads the statements of the text. A line that ends in a backslash continues on the next one.
 class Statements {
  public:
   explicit Statements(absl::string_view text) : rest_(text) {}
 
-  // False at the end.
+  // Returns false at the end.
   bool Next(absl::string_view& statement) {
     if (rest_.empty()) return false;
     line_ = next_line_;
@@ -59,7 +59,7 @@ class Statements {
     return true;
   }
 
-  // Number of the line that the statement begins in, from 1.
+  // Returns the first line of the statement, counted from 1.
   size_t line() const { return line_; }
 
  private:
@@ -79,7 +79,7 @@ class Statements {
   size_t line_ = 1, next_line_ = 1;
 };
 
-// The three numbers from 0 to 1 that many programs write after a position. Whatever else stands there is no color.
+// Reads the three numbers from 0 to 1 that many programs write after a position. Anything else is not a color.
 std::optional<Color> ReadColor(absl::string_view rest) {
   Color color;
   for (uint8_t& part : color) {
@@ -114,7 +114,8 @@ absl::Status ReadPositions(absl::string_view text, Mesh& mesh) {
 
 std::string Name(absl::string_view rest) { return std::string(absl::StripAsciiWhitespace(rest)); }
 
-// "7", "7/1", "7//3", "-2": the position's index, from 1, or backwards from the last vertex before this line.
+// Reads "7", "7/1", "7//3" or "-2": the index of a position, counted from 1, or backwards from the last vertex before
+// this line.
 absl::StatusOr<uint32_t> ParseCorner(absl::string_view word, size_t line, size_t vertices_before, size_t vertices) {
   const absl::string_view number = word.substr(0, word.find('/'));
   int64_t index = 0;
@@ -163,7 +164,7 @@ absl::Status ReadFaces(absl::string_view text, Mesh& mesh) {
 
 }  // namespace
 
-// Twice over the text: faces may name vertices that come after them, and polygons are cut where their corners lie.
+// Two passes: faces may refer to later vertices, and cutting a polygon needs the positions of its corners.
 absl::StatusOr<Mesh> ParseObj(absl::string_view text) {
   Mesh mesh;
   if (auto status = ReadPositions(text, mesh); !status.ok()) return status;

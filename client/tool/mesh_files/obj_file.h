@@ -8,10 +8,12 @@
 
 namespace latvox::client {
 
-// Reads the `v` and `f` statements of an OBJ file's text; positions are the nearest float32 to the decimal text,
-// polygons are triangulated, `l` and `p` elements are counted as skipped. Each `o` that faces follow is a part;
-// materials are those that `usemtl` names, in the order of their first; three numbers from 0 to 1 after each position
-// are colors. All else is ignored. Errors: INVALID_ARGUMENT naming line, value and limit: an index out of range, a
+// Reads the `v` and `f` statements of an OBJ file. Positions are the nearest float32 to the decimal text. Polygons are
+// triangulated. `l` and `p` elements are counted as skipped.
+// - Each `o` with faces is a part.
+// - Materials are the names of `usemtl`, in order of first use.
+// - Three numbers from 0 to 1 after each position are colors.
+// Everything else is ignored. Errors: INVALID_ARGUMENT naming line, value and limit: an index out of range, a
 // coordinate that is not a finite number, a face of fewer than three corners.
 absl::StatusOr<Mesh> ParseObj(absl::string_view text);
 

@@ -1,4 +1,4 @@
-// The numbers of a Stanford PLY file.
+// The data of a Stanford PLY file.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_PLY_BODY_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_PLY_BODY_H_
 
@@ -14,7 +14,7 @@
 
 namespace latvox::client {
 
-// The numbers after the header, one after the other. After an end or an unreadable number, `ok` is false for good.
+// Reads the numbers after the header in order. After the end or an unreadable number, `ok` stays false.
 class PlyBody {
  public:
   PlyBody(absl::string_view rest, PlyFormat format) : rest_(rest), format_(format) {}
@@ -44,7 +44,7 @@ class PlyBody {
     return 0;
   }
 
-  // Rounded once: decimal text goes to float32 directly, not by way of double.
+  // One rounding: decimal text goes directly to float32, not through double.
   float ReadFloat(PlyScalar type) {
     return format_ == PlyFormat::kAscii ? ReadText<float>() : static_cast<float>(ReadNumber(type));
   }
@@ -76,7 +76,7 @@ class PlyBody {
     return value;
   }
 
-  // For what overflows or underflows, of which from_chars has no value.
+  // Handles overflow and underflow, where from_chars returns no value.
   template <class T>
   static T FromText(const std::string& word) {
     return static_cast<T>(sizeof(T) == sizeof(float) ? std::strtof(word.c_str(), nullptr)

@@ -13,8 +13,8 @@
 #include "client/tool/mesh_files/ply_header.h"
 #include "client/tool/mesh_files/polygon.h"
 
-// Why not assimp: on a file cut short its PLY importer crashes or does not return, and it triangulates polygons before
-// anyone could have checked their indices.
+// No assimp: on a file that is cut short its PLY importer crashes or does not return, and it triangulates polygons
+// before anyone could check their indices.
 namespace latvox::client {
 namespace {
 
@@ -30,7 +30,7 @@ void SkipProperty(const PlyProperty& property, PlyBody& body) {
 using Triangle = std::array<uint32_t, 3>;
 using Names = std::array<const char*, 3>;
 
-// Which of the names a single number of a vertex has.
+// Returns the index of the property in the names. Lists have none.
 std::optional<size_t> PositionOf(const PlyProperty& property, const Names& names) {
   const auto found = std::find(names.begin(), names.end(), property.name);
   if (property.count_type || found == names.end()) return std::nullopt;
@@ -40,7 +40,7 @@ std::optional<size_t> PositionOf(const PlyProperty& property, const Names& names
 constexpr Names kAxes{"x", "y", "z"};
 constexpr Names kColorNames[] = {{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}};
 
-// The first of the names that no single number of an element has; null if all are there.
+// Returns the first name without a scalar property in the element, or null if all exist.
 const char* Missing(const PlyElement& element, const Names& names) {
   for (const char* name : names) {
     const auto is = [&](const PlyProperty& property) { return property.name == name && !property.count_type; };
@@ -55,7 +55,7 @@ const Names* ColorNamesOf(const PlyElement& element) {
   return found == std::end(kColorNames) ? nullptr : found;
 }
 
-// What a full color is in a number of this type; 0: nobody knows.
+// Returns the full intensity of a color of this type, or 0 if the type has no known one.
 double FullScalar(PlyScalar type) {
   switch (type) {
     case PlyScalar::kUint8:
@@ -70,13 +70,14 @@ double FullScalar(PlyScalar type) {
   }
 }
 
-// The part of a color, as a byte; nothing, and why in mesh.no_color, if it is none.
+// Returns the color component as a byte. Returns nothing, and writes the reason to mesh.no_color, if it is not a valid
+// one.
 uint8_t ToColorPart(double number, const PlyProperty& property, uint64_t vertex, Mesh& mesh) {
   const double full = FullScalar(property.type);
   if (full > 0 && number >= 0 && number <= full) return static_cast<uint8_t>(std::nearbyint(number / full * 255));
   if (mesh.no_color.empty()) {
     mesh.no_color = full > 0 ? absl::StrCat(property.name, " ", number, " of vertex ", vertex, " is not within 0 and ",
-                                            full, ", as type ", NameOf(property.type), " has it")
+                                            full, ", the range of type ", NameOf(property.type))
                              : absl::StrCat("vertices have ", property.name, " as ", NameOf(property.type),
                                             ", which is not one of uchar, ushort, float, double");
   }
@@ -112,14 +113,14 @@ bool IsCorners(const PlyProperty& property) {
   return property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-// A vertex that an element of that kind, number n, names.
+// Returns the vertex that element n of this kind refers to.
 absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n, size_t vertices) {
   if (index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index))
     return static_cast<uint32_t>(index);
   return Bad("vertex index ", index, " of ", element, " ", n, " is not within the ", vertices, " vertices");
 }
 
-// The corners of face n.
+// Reads the corners of face n.
 absl::Status ReadCorners(const PlyProperty& property, uint64_t n, size_t vertices, PlyBody& body,
                          std::vector<uint32_t>& corners) {
   corners.clear();
@@ -158,11 +159,11 @@ absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) 
   return absl::OkStatus();
 }
 
-// Those of one list: every vertex but the first two of a strip makes a triangle with the two before it; -1 ends a
-// strip.
+// Reads the triangles of one list. Every vertex of a strip except the first two makes a triangle with the two before
+// it; -1 ends a strip.
 absl::Status ReadStripList(const PlyProperty& property, uint64_t n, PlyBody& body, Mesh& mesh) {
   std::array<uint32_t, 2> before{};
-  size_t length = 0;  // of the strip so far
+  size_t length = 0;  // of the current strip
   for (double count = body.ReadNumber(*property.count_type); body.ok() && count >= 1; --count) {
     const double index = body.ReadNumber(property.type);
     if (!body.ok()) break;
@@ -173,7 +174,7 @@ absl::Status ReadStripList(const PlyProperty& property, uint64_t n, PlyBody& bod
     const auto vertex = ToVertex(index, "tristrips", n, mesh.positions.size());
     if (!vertex.ok()) return vertex.status();
     const auto [a, b] = before;
-    // One sense of rotation, whichever side of the strip it is on.
+    // Every other triangle is turned, so that all have one orientation.
     if (length >= 2) mesh.triangles.push_back(length % 2 == 0 ? Triangle{a, b, *vertex} : Triangle{b, a, *vertex});
     before = {b, *vertex};
     ++length;
@@ -209,7 +210,7 @@ absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
 
 }  // namespace
 
-// Nothing is allocated by a declared count: vectors grow with the bytes that are there.
+// No declared count is trusted with an allocation: vectors grow with the bytes that exist.
 absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
   const absl::StatusOr<PlyHeader> header = ReadPlyHeader(bytes);
   if (!header.ok()) return header.status();

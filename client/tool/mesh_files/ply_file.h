@@ -8,13 +8,15 @@
 
 namespace latvox::client {
 
-// Reads a PLY file's bytes: ascii, or binary of either byte order; x, y, z of element vertex in any scalar type, as the
-// nearest float32; vertex_indices (or vertex_index) of element face, polygons triangulated, and of
-// element tristrips, where -1 ends a strip; red, green and blue of vertices, or else diffuse_red and so on, as uchar,
-// ushort, or float or double from 0 to 1: as the nearest of 256 steps. Other elements and properties are ignored. Faces
-// of fewer than three corners are counted as skipped. Errors: INVALID_ARGUMENT naming what is wrong: the header, a
-// missing element or property, too few bytes for the counts declared, vertex 17 not finite, a vertex index out of
-// range. Vertices and faces are counted from 0, as in the format.
+// Reads a PLY file's bytes: ascii, or binary of either byte order. Reads these properties; other elements and
+// properties are ignored:
+//   vertex      x, y, z in any scalar type, as the nearest float32; red, green and blue, otherwise diffuse_red and so
+//               on, as uchar, ushort, or float or double from 0 to 1, as the nearest of 256 steps
+//   face        vertex_indices (or vertex_index); polygons are triangulated; faces of fewer than three corners are
+//               counted as skipped
+//   tristrips   vertex_indices (or vertex_index); -1 ends a strip
+// Errors: INVALID_ARGUMENT naming the fault: the header, a missing element or property, too few bytes for the declared
+// counts, vertex 17 not finite, a vertex index out of range. Vertices and faces are counted from 0, as in the format.
 absl::StatusOr<Mesh> ParsePly(absl::string_view bytes);
 
 }  // namespace latvox::client

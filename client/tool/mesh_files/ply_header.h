@@ -1,4 +1,4 @@
-// What stands before the numbers of a Stanford PLY file.
+// The header of a Stanford PLY file.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_PLY_HEADER_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_PLY_HEADER_H_
 
@@ -18,7 +18,7 @@ enum class PlyScalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32
 struct PlyProperty {
   std::string name;
   PlyScalar type;
-  std::optional<PlyScalar> count_type;  // of a list
+  std::optional<PlyScalar> count_type;  // for a list
 };
 
 struct PlyElement {
@@ -32,10 +32,10 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-// "uchar", "float", ...
+// Returns "uchar", "float", ...
 absl::string_view NameOf(PlyScalar scalar);
 
-// Reads the header off the front of `rest`. Errors: INVALID_ARGUMENT, naming the line that is wrong or missing.
+// Reads the header off the front of `rest`. Errors: INVALID_ARGUMENT naming the line that is wrong or missing.
 absl::StatusOr<PlyHeader> ReadPlyHeader(absl::string_view& rest);
 
 }  // namespace latvox::client

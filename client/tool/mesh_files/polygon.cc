@@ -14,12 +14,12 @@ struct Corner {
   Point at;
 };
 
-// Twice the signed area of a, b, c: positive if they turn left.
+// Returns twice the signed area of a, b, c: positive if they turn left.
 double Turn(const Point& a, const Point& b, const Point& c) {
   return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
 }
 
-// The polygon in the coordinate plane that its mean (Newell) normal is nearest to, turning left.
+// Returns the polygon projected on the coordinate plane nearest to its mean (Newell) normal, turning left.
 std::vector<Corner> Project(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions) {
   std::array<double, 3> normal{};
   for (size_t n = 0; n < polygon.size(); ++n) {
@@ -43,8 +43,8 @@ std::vector<Corner> Project(std::span<const uint32_t> polygon, const std::vector
   return corners;
 }
 
-// Whether the triangle at `tip` lies inside the polygon: it turns left, and no other corner lies in it. Corners at the
-// same place as one of its own do not count, so that polygons with slits (a hole joined to the rim) can be cut.
+// Returns whether the triangle at `tip` lies inside the polygon: it turns left, and no other corner lies in it. Corners
+// at the position of one of its own do not count. So polygons with slits (a hole joined to the rim) can be cut.
 bool IsEar(const std::vector<Corner>& ring, size_t tip) {
   const size_t n = ring.size();
   const Point &a = ring[(tip + n - 1) % n].at, &b = ring[tip].at, &c = ring[(tip + 1) % n].at;
@@ -60,7 +60,7 @@ bool IsEar(const std::vector<Corner>& ring, size_t tip) {
 
 }  // namespace
 
-// Ear clipping: quadratic to cubic in the corners, which in files are few.
+// Ear clipping: between quadratic and cubic in the corners, which are few in files.
 void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions,
                  std::vector<std::array<uint32_t, 3>>& triangles) {
   if (polygon.size() == 3) {
@@ -71,7 +71,7 @@ void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& po
   while (ring.size() >= 3) {
     size_t tip = 0;
     while (tip < ring.size() && !IsEar(ring, tip)) ++tip;
-    // Without an ear what is left has no area or crosses itself: any corner does, but none may be left out.
+    // Without an ear, the rest has no area or crosses itself. Any corner may be cut, but all must be.
     if (tip == ring.size()) tip = 1;
     const size_t n = ring.size();
     triangles.push_back({ring[(tip + n - 1) % n].index, ring[tip].index, ring[(tip + 1) % n].index});

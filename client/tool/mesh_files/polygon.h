@@ -1,4 +1,4 @@
-// Polygons to triangles.
+// Cuts polygons into triangles.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_POLYGON_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_POLYGON_H_
 
@@ -11,9 +11,10 @@
 
 namespace latvox::client {
 
-// Cuts a polygon with n >= 3 corners into n - 2 triangles with the same corners and the same sense of rotation, and
-// appends them. Concave polygons are cut inside; a polygon that is not plane is cut as its projection along its mean
-// normal; one that crosses itself gets some n - 2 triangles that cover all of its corners.
+// Cuts a polygon with n >= 3 corners into n - 2 triangles with the same corners and orientation, and appends them.
+//   concave             cut inside
+//   not planar          cut as its projection along its mean normal
+//   self-intersecting   gets n - 2 triangles that cover all its corners
 void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions,
                  std::vector<std::array<uint32_t, 3>>& triangles);
 

@@ -14,7 +14,7 @@
 #include "client/tool/mesh_files/bad.h"
 #include "client/tool/mesh_files/float_text.h"
 
-// Why not assimp: its decimal parser misses the nearest float32, and its errors name no line.
+// No assimp: its decimal parser misses the nearest float32, and its errors name no line.
 namespace latvox::client {
 namespace {
 
@@ -26,14 +26,15 @@ uint32_t DeclaredTriangles(absl::string_view bytes) {
   return triangles;
 }
 
-// Of the last three positions.
+// Appends the triangle of the last three positions.
 void AppendTriangle(Mesh& mesh) {
   const auto end = static_cast<uint32_t>(mesh.positions.size());
   mesh.triangles.push_back({end - 3, end - 2, end - 1});
 }
 
 absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes) {
-  if (bytes.size() < kHead) return Bad("is no STL file: neither text with \"solid\" and \"facet\", nor 84 bytes long");
+  if (bytes.size() < kHead)
+    return Bad("is not an STL file: neither text with \"solid\" and \"facet\", nor 84 bytes long");
   const uint32_t triangles = DeclaredTriangles(bytes);
   if (triangles > UINT32_MAX / 3) return Bad(triangles, " triangles exceed ", UINT32_MAX / 3);
   Mesh mesh;
@@ -53,12 +54,12 @@ absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes) {
   return mesh;
 }
 
-// Words with white space between them, and the lines that they stand in.
+// Reads words separated by white space, and counts lines.
 class Words {
  public:
   explicit Words(absl::string_view text) : rest_(text) {}
 
-  // Empty at the end.
+  // Returns the next word, or "" at the end.
   absl::string_view Next() {
     size_t begin = 0;
     for (; begin < rest_.size() && IsSpace(rest_[begin]); ++begin) line_ += rest_[begin] == '\n';
@@ -71,7 +72,7 @@ class Words {
 
   void SkipLine() { rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size())); }
 
-  // Of the last word, from 1.
+  // Returns the line of the last word, counted from 1.
   template <class... Parts>
   absl::Status Error(const Parts&... parts) const {
     return Bad("line ", line_, ": ", parts...);
@@ -104,9 +105,9 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
     if (statement == "solid" || statement == "endsolid") {
       open = statement == "solid";
       BeginStretch(NextPart(mesh), std::nullopt, mesh);
-      words.SkipLine();  // a name, which may be anything
+      words.SkipLine();  // the name of the solid, any text
     } else if (statement == "facet" || statement == "outer") {
-      // A normal, which nothing needs; "loop".
+      // Skips the normal, which nothing uses, and "loop".
       for (int more = statement == "facet" ? 4 : 1; more > 0; --more) words.Next();
     } else if (statement == "vertex") {
       if (auto status = ReadVertex(words, mesh); !status.ok()) return status;
@@ -115,7 +116,7 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
       if (corners != 3) return words.Error("a facet has ", corners, " vertices, not 3");
       AppendTriangle(mesh);
     } else if (statement != "endfacet") {
-      return words.Error("\"", word.substr(0, 20), "\" is not understood");
+      return words.Error("\"", word.substr(0, 20), "\" is not an STL keyword");
     }
   }
   if (mesh.positions.size() != 3 * mesh.triangles.size()) return words.Error("ends within a facet");
@@ -123,8 +124,8 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
   return mesh;
 }
 
-// The header of binary files begins with "solid" more often than it should, and they may be cut short, or have bytes
-// after their end: their length alone does not tell.
+// Returns whether the bytes are text. The length alone does not tell: binary files may be cut short or have trailing
+// bytes. The beginning does not either: headers of binary files often begin with "solid".
 bool IsText(absl::string_view bytes) {
   const absl::string_view head = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
   if (IsBinaryStl(bytes) || !absl::StartsWithIgnoreCase(head, "solid") || absl::StrContains(bytes, '\0')) return false;

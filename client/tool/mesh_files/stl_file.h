@@ -8,14 +8,15 @@
 
 namespace latvox::client {
 
-// Whether the bytes are as many as those of a binary file with the number of triangles that they declare.
+// Returns whether the length is that of a binary file with the declared number of triangles.
 bool IsBinaryStl(absl::string_view bytes);
 
-// Reads an STL file's bytes, binary or text, of one solid or several. Binary is what has that length, a zero byte, or
-// no word of facets; bytes after its last triangle are ignored. Each solid is a part. Each triangle has vertices of its
-// own; positions are the float32 of the file, or the nearest to its decimal text; normals are ignored. Errors:
-// INVALID_ARGUMENT naming the line, or the triangle, from 0, and what is wrong: too few bytes for the count declared, a
-// word that does not belong there, a coordinate that is not a finite number, a facet of other than three vertices.
+// Reads an STL file's bytes, binary or text, with one or more solids. A file is binary if it has the binary length,
+// contains a zero byte, or has no word of facets. Bytes after the last triangle are ignored.
+// Each solid is a part. Each triangle has its own vertices. Positions are the float32 of the file, or the nearest to
+// its decimal text. Normals are ignored.
+// Errors: INVALID_ARGUMENT naming the line, or the triangle counted from 0, and the fault: too few bytes for the
+// declared count, an unexpected word, a coordinate that is not a finite number, a facet without exactly three vertices.
 absl::StatusOr<Mesh> ParseStl(absl::string_view bytes);
 
 }  // namespace latvox::client

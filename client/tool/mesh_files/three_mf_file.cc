@@ -22,14 +22,14 @@
 #include "client/tool/mesh_files/three_mf_properties.h"
 #include "client/tool/mesh_files/zip_archive.h"
 
-// Why neither assimp, which has an importer, nor lib3mf 1.8: assimp takes the memory that the archive declares, leaves
-// the unit out, knows the first model file alone, and misses the nearest float32; lib3mf refuses degenerate triangles.
+// No assimp, although it has an importer: it trusts the archive's declared sizes with memory, ignores the unit, reads
+// only the first model file and misses the nearest float32. No lib3mf 1.8: it refuses degenerate triangles.
 namespace latvox::client {
 namespace {
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
 constexpr size_t kMaxObjects = size_t{1} << 20;
-constexpr int kMaxDepth = 64;  // of components within components
+constexpr int kMaxDepth = 64;  // nesting of components
 constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 
@@ -59,7 +59,7 @@ absl::Status ReadTriangle(const ThreeMfPart& part, const pugi::xml_node& node, M
   return absl::OkStatus();
 }
 
-// `object` has the mesh, and what its triangles carry by default.
+// Reads the mesh of `object`, whose properties are the default of its triangles.
 absl::StatusOr<Mesh> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& object, ThreeMfProperties& properties) {
   const pugi::xml_node node = Child(object, "mesh");
   Mesh mesh;
@@ -77,7 +77,7 @@ absl::StatusOr<Mesh> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& obj
   return mesh;
 }
 
-// Twelve numbers: the rows of a matrix that row vectors are multiplied with, its last column left out.
+// Reads twelve numbers: the rows of a matrix for row vectors, without its last column.
 absl::StatusOr<Affine> ReadTransform(const ThreeMfPart& part, const pugi::xml_node& node) {
   const pugi::xml_attribute attribute = AttributeOf(node, "transform");
   if (!attribute) return kIdentity;
@@ -93,18 +93,18 @@ absl::StatusOr<Affine> ReadTransform(const ThreeMfPart& part, const pugi::xml_no
   return map;
 }
 
-absl::StatusOr<double> MillimetresOf(const ThreeMfPart& part) {
+absl::StatusOr<double> MillimetersOf(const ThreeMfPart& part) {
   constexpr std::pair<absl::string_view, double> kUnits[] = {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10},
                                                              {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
   const pugi::xml_attribute unit = AttributeOf(part.root(), "unit");
-  for (const auto& [name, millimetres] : kUnits) {
-    if (name == (unit ? unit.value() : "millimeter")) return millimetres;
+  for (const auto& [name, millimeters] : kUnits) {
+    if (name == (unit ? unit.value() : "millimeter")) return millimeters;
   }
   return part.Error(part.root(), "unit \"", unit.value(),
                     "\" is not one of micron millimeter centimeter inch foot meter");
 }
 
-// What a file needs to be understood is in namespaces, whose prefixes it chooses itself.
+// Required extensions are namespaces, and the file chooses their prefixes.
 absl::Status CheckRequiredExtensions(const ThreeMfPart& part) {
   const absl::string_view required = part.root().attribute("requiredextensions").value();
   for (const absl::string_view prefix : absl::StrSplit(required, ' ', absl::SkipEmpty())) {
@@ -124,14 +124,14 @@ class Reader {
     if (!name.ok()) return name.status();
     const auto part = PartNamed(*name);
     if (!part.ok()) return part.status();
-    const auto millimetres = MillimetresOf(**part);
-    if (!millimetres.ok()) return millimetres.status();
+    const auto millimeters = MillimetersOf(**part);
+    if (!millimeters.ok()) return millimeters.status();
     const pugi::xml_node build = Child((*part)->root(), "build");
     for (const pugi::xml_node& item : build) {
       if (LocalName(item.name()) != "item") continue;
-      if (auto status = Place(**part, item, Scaling(*millimetres), 0); !status.ok()) return status;
+      if (auto status = Place(**part, item, Scaling(*millimeters), 0); !status.ok()) return status;
     }
-    if (placed_ == 0) return (*part)->Error((*part)->root(), "the build has no item, so that no object has a place");
+    if (placed_ == 0) return (*part)->Error((*part)->root(), "the build has no item and places no object");
     mesh_.materials = properties_.materials();
     return std::move(mesh_);
   }
@@ -144,7 +144,7 @@ class Reader {
     Objects objects;
   };
 
-  // The file that the archive's relations call the model.
+  // Returns the file that the archive's relations declare as the model.
   absl::StatusOr<std::string> ModelName() {
     auto text = archive_.Read("_rels/.rels");
     if (!text.ok()) return text.status();
@@ -175,7 +175,7 @@ class Reader {
     return model.part.get();
   }
 
-  // What an <item> or a <component> refers to, in its place.
+  // Places the object that an <item> or <component> refers to.
   absl::Status Place(const ThreeMfPart& part, const pugi::xml_node& reference, const Affine& outer, int depth) {
     const auto map = ReadTransform(part, reference);
     if (!map.ok()) return map.status();
@@ -186,7 +186,7 @@ class Reader {
     const Objects& objects = models_[(*home)->name()].objects;
     const auto object = objects.find(id);
     if (object == objects.end())
-      return part.Error(reference, "objectid=\"", id, "\" is no object of ", (*home)->name());
+      return part.Error(reference, "objectid=\"", id, "\" is not an object of ", (*home)->name());
     if (depth > kMaxDepth) return part.Error(reference, "components nest deeper than ", kMaxDepth);
     if (++placed_ > kMaxObjects) {
       return absl::ResourceExhaustedError(absl::StrCat("the build places more than ", kMaxObjects, " objects"));
@@ -219,7 +219,7 @@ class Reader {
 
   ZipArchive archive_;
   absl::flat_hash_map<std::string, Model> models_;
-  absl::flat_hash_map<void*, std::unique_ptr<Mesh>> meshes_;  // by node
+  absl::flat_hash_map<void*, std::unique_ptr<Mesh>> meshes_;  // keyed by node
   ThreeMfProperties properties_;
   size_t placed_ = 0;
   Mesh mesh_;

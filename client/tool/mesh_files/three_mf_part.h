@@ -15,7 +15,7 @@
 
 namespace latvox::client {
 
-// Names with their namespace's prefix, if any, left out: no two that are read here differ by that alone.
+// Returns the name without the prefix of its namespace. No two names that are read here differ only in their prefix.
 inline absl::string_view LocalName(absl::string_view name) { return name.substr(name.find(':') + 1); }
 
 inline pugi::xml_attribute AttributeOf(const pugi::xml_node& node, absl::string_view name) {
@@ -26,7 +26,7 @@ inline pugi::xml_node Child(const pugi::xml_node& node, absl::string_view name) 
   return node.find_child([name](const pugi::xml_node& child) { return LocalName(child.name()) == name; });
 }
 
-// One file of the archive. Parsing changes the text; lines are found in a count of it made before.
+// One file of the archive. Parsing changes the text, so line ends are counted before.
 class ThreeMfPart {
  public:
   // Errors: INVALID_ARGUMENT, with name and line.
@@ -35,7 +35,7 @@ class ThreeMfPart {
   pugi::xml_node root() const { return document_.document_element(); }
   const std::string& name() const { return name_; }
 
-  // An error in a node, with name, line and element.
+  // Returns an error in a node, with name, line and element.
   template <class... Words>
   absl::Status Error(const pugi::xml_node& node, const Words&... words) const {
     return ErrorAt(node.offset_debug(), "<", node.name(), ">: ", words...);

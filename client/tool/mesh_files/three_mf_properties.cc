@@ -12,7 +12,7 @@ namespace {
 
 constexpr char kBaseMaterials[] = "basematerials", kColorGroup[] = "colorgroup";
 
-// "#RRGGBB", or "#RRGGBBAA".
+// Parses "#RRGGBB" or "#RRGGBBAA".
 std::optional<Color> ParseColor(absl::string_view text) {
   if ((text.size() != 7 && text.size() != 9) || text[0] != '#') return std::nullopt;
   uint32_t number = 0;
@@ -45,7 +45,7 @@ absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeM
                                                                     const std::string& group, const char* name,
                                                                     const pugi::xml_attribute& index) {
   const auto found = groups_.find(std::pair(part.name(), group));
-  if (found == groups_.end()) return part.Error(node, "pid=\"", group, "\" is no group of properties");
+  if (found == groups_.end()) return part.Error(node, "pid=\"", group, "\" is not a group of properties");
   Group& in = found->second;
   if (in.kind != kBaseMaterials && in.kind != kColorGroup) {
     return part.Error(node, "pid=\"", group, "\" is a <", in.kind, ">, and only ", kBaseMaterials, " and ", kColorGroup,
@@ -59,7 +59,7 @@ absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeM
   const bool is_material = in.kind == kBaseMaterials;
   const char* const text = AttributeOf(in.members[number], is_material ? "displaycolor" : "color").value();
   const auto color = ParseColor(text);
-  if (!color) return part.Error(in.members[number], "\"", text, "\" is no color: #RRGGBB or #RRGGBBAA");
+  if (!color) return part.Error(in.members[number], "\"", text, "\" is not a color #RRGGBB or #RRGGBBAA");
   if (is_material && !in.materials[number]) in.materials[number] = materials_++;
   return Property{is_material ? in.materials[number] : std::nullopt, *color};
 }

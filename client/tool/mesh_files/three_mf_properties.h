@@ -1,4 +1,4 @@
-// What the triangles of 3MF carry.
+// Materials and colors of 3MF triangles.
 #ifndef LATVOX_CLIENT_TOOL_MESH_FILES_THREE_MF_PROPERTIES_H_
 #define LATVOX_CLIENT_TOOL_MESH_FILES_THREE_MF_PROPERTIES_H_
 
@@ -17,20 +17,20 @@
 
 namespace latvox::client {
 
-// The groups of properties in all of an archive's model files. Base materials are materials, with their displaycolor;
-// a colorgroup's are colors alone; of others, as of textures, nothing is read. Materials are numbered by first use.
+// The groups of properties in all model files of an archive. Base materials are materials, with displaycolor as color.
+// A colorgroup has only colors. Other groups, such as textures, are not read. Materials are numbered by first use.
 class ThreeMfProperties {
  public:
   struct Property {
     std::optional<uint32_t> material;
-    Color color{};  // as the file has it: sRGB, without its alpha
+    Color color{};  // sRGB as in the file, without alpha
   };
 
-  // The groups of a model file, which must outlive this.
+  // Adds the groups of a model file, which must outlive this object.
   void Add(const ThreeMfPart& part);
 
-  // Errors, with the place of `node`, which has attribute `name`: no such group, none that is read, none with so many
-  // properties, or one whose color is none.
+  // Returns the property that `node` refers to with attribute `name`. Errors, with the place of `node`: the group does
+  // not exist, is not read, or has too few properties; the color is not valid.
   absl::StatusOr<Property> Find(const ThreeMfPart& part, const pugi::xml_node& node, const std::string& group,
                                 const char* name, const pugi::xml_attribute& index);
 
@@ -38,27 +38,27 @@ class ThreeMfProperties {
 
  private:
   struct Group {
-    std::string kind;                                // its element
+    std::string kind;                                // name of its element
     std::vector<pugi::xml_node> members;             // in order
-    std::vector<std::optional<uint32_t>> materials;  // the numbers of those that were used
+    std::vector<std::optional<uint32_t>> materials;  // numbers of the used members
   };
 
-  absl::flat_hash_map<std::pair<std::string, std::string>, Group> groups_;  // by file and id
+  absl::flat_hash_map<std::pair<std::string, std::string>, Group> groups_;  // keyed by file and id
   uint32_t materials_ = 0;
 };
 
-// The materials and colors of one object's triangles. What refers to nothing is missed only where it is asked for: the
-// reason is then in Mesh::no_color.
+// The materials and colors of one object's triangles. A dangling reference is an error only for a request that needs
+// it: the reason is then in Mesh::no_color.
 class ThreeMfCarrier {
  public:
-  // All must outlive it.
+  // All arguments must outlive the object.
   ThreeMfCarrier(const ThreeMfPart& part, const pugi::xml_node& object, ThreeMfProperties& properties)
       : part_(part), object_(object), properties_(properties) {}
 
-  // Before the triangle is added to the mesh.
+  // Call it before the triangle is added to the mesh.
   void Begin(const pugi::xml_node& triangle, Mesh& mesh);
 
-  // After the last: gives the mesh its colors, if all triangles have some.
+  // Call it after the last triangle. Stores the colors in the mesh if all triangles have some.
   void Finish(Mesh& mesh) const;
 
  private:
@@ -71,8 +71,8 @@ class ThreeMfCarrier {
   const ThreeMfPart& part_;
   const pugi::xml_node object_;
   ThreeMfProperties& properties_;
-  std::optional<uint32_t> material_;          // of the triangle before
-  std::vector<std::array<Color, 3>> colors_;  // of the triangles that have some
+  std::optional<uint32_t> material_;          // of the previous triangle
+  std::vector<std::array<Color, 3>> colors_;  // of the triangles with colors
 };
 
 }  // namespace latvox::client

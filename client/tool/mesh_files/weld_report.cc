@@ -10,7 +10,7 @@
 namespace latvox::client {
 namespace {
 
-// For each vertex, the first one in its place. Zeros of both signs are one place, as they are one number.
+// Returns for each vertex the first one at its position. Zeros of both signs are equal.
 std::vector<uint32_t> FirstInPlace(const std::vector<Vec3f>& positions) {
   absl::flat_hash_map<Vec3f, uint32_t> first;
   std::vector<uint32_t> out;
@@ -20,7 +20,7 @@ std::vector<uint32_t> FirstInPlace(const std::vector<Vec3f>& positions) {
   return out;
 }
 
-// From the lower vertex to the higher; `forwards`: the triangle passes it that way.
+// An edge, from the lower vertex to the higher. `forwards`: the triangle passes it in that direction.
 struct Edge {
   std::pair<uint32_t, uint32_t> ends;
   bool forwards;

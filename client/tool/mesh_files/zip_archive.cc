@@ -31,7 +31,7 @@ absl::StatusOr<ZipArchive> ZipArchive::Open(absl::string_view bytes, uint64_t ma
     if (out.archive_ == nullptr) zip_source_free(source);
   }
   absl::Status status;
-  if (out.archive_ == nullptr) status = BadZip("is not a whole zip archive", &error);
+  if (out.archive_ == nullptr) status = BadZip("is not a complete zip archive", &error);
   zip_error_fini(&error);
   if (!status.ok()) return status;
   out.max_bytes_ = out.left_ = max_bytes;
@@ -52,7 +52,7 @@ absl::StatusOr<std::string> ZipArchive::Read(const std::string& name) {
     if (count == 0) return bytes;
     if (static_cast<uint64_t>(count) > left_) {
       return absl::ResourceExhaustedError(
-          absl::StrCat("part \"", name, "\" unpacks to more than the ", max_bytes_, " bytes that are read of a file"));
+          absl::StrCat("part \"", name, "\" unpacks to more than the limit of ", max_bytes_, " bytes"));
     }
     left_ -= static_cast<uint64_t>(count);
   }

@@ -15,13 +15,13 @@ namespace latvox::client {
 
 class ZipArchive {
  public:
-  // `bytes` stay with the caller, and must outlive the archive. All entries that are read together may unpack to
-  // `max_bytes`. Errors: INVALID_ARGUMENT (no zip archive).
+  // `bytes` must outlive the archive. All entries that are read may together unpack to `max_bytes`. Errors:
+  // INVALID_ARGUMENT (not a zip archive).
   static absl::StatusOr<ZipArchive> Open(absl::string_view bytes, uint64_t max_bytes);
 
-  // The entry's bytes. No more memory is taken than the limit leaves, whatever the archive declares. Errors:
-  // INVALID_ARGUMENT, with the name: there is no such entry, it is damaged or encrypted; RESOURCE_EXHAUSTED with the
-  // limit.
+  // Returns the bytes of the entry. Takes no more memory than the limit leaves, whatever the archive declares.
+  // Errors: INVALID_ARGUMENT, with the name: there is no such entry, it is damaged or encrypted; RESOURCE_EXHAUSTED
+  // with the limit.
   absl::StatusOr<std::string> Read(const std::string& name);
 
  private:

@@ -24,7 +24,7 @@ absl::Status CannotWrite(const std::string& target, const char* why) {
   return absl::FailedPreconditionError(absl::StrCat(target, ": cannot be written (", why, ")"));
 }
 
-// False, with errno set, if not everything could be written.
+// Returns false, with errno set, if some bytes could not be written.
 bool WriteAll(int fd, std::string_view bytes, off_t at, bool append) {
   while (!bytes.empty()) {
     const ssize_t n = append ? write(fd, bytes.data(), bytes.size()) : pwrite(fd, bytes.data(), bytes.size(), at);
@@ -36,18 +36,18 @@ bool WriteAll(int fd, std::string_view bytes, off_t at, bool append) {
   return true;
 }
 
-// The file that a symbolic link leads to, or would lead to, so that replacing it keeps the link.
+// Returns the file that a symbolic link leads to, or would lead to, so that replacing it keeps the link.
 std::filesystem::path Resolve(std::filesystem::path target) {
   constexpr int kMostLinks = 40;
   std::error_code error;
   for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(target, error); ++links) {
     const auto leads_to = std::filesystem::read_symlink(target, error);
-    target = target.parent_path() / leads_to;  // which, if absolute, stands alone
+    target = target.parent_path() / leads_to;  // an absolute link replaces the parent path
   }
   return target;
 }
 
-// Those of all objects that live.
+// The temporary files of all live objects.
 struct Temporaries {
   std::mutex mu;
   std::set<std::string> paths;
@@ -66,7 +66,7 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string
   if (std::filesystem::is_directory(path, error)) {
     return CannotWrite(target, "is a directory");
   }
-  // A pipe or a device would be replaced, not written to.
+  // A pipe or device would be replaced instead of written to.
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
     return CannotWrite(target, "is not a regular file");
   }
@@ -74,8 +74,8 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::string
   for (;;) {
     const std::string name = absl::StrCat(".", path.filename().string(), ".", absl::Hex(random()), ".part");
     const std::string temporary = (path.parent_path() / name).string();
-    // Created by open, not by mkstemp, so that the file's mode follows the umask.
-    const std::lock_guard lock(AllTemporaries().mu);  // RemoveTemporaryFiles has it, or it is not there
+    // open() instead of mkstemp(), so that the mode of the file follows the umask.
+    const std::lock_guard lock(AllTemporaries().mu);  // RemoveTemporaryFiles never misses an existing file
     const int fd = open(temporary.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
     if (fd >= 0) AllTemporaries().paths.insert(temporary);
     if (fd >= 0) return std::unique_ptr<AtomicFile>(new AtomicFile(path.string(), temporary, fd));
@@ -114,7 +114,7 @@ absl::Status AtomicFile::WriteAtStart(std::string_view bytes) {
 
 absl::Status AtomicFile::Sync() {
   if (auto status = Flush(); !status.ok()) return status;
-  // By name: a library that wrote by name may have replaced the file rather than filled it.
+  // By name, because a library that writes by name may have replaced the file.
   const int fd = open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return Error(errno);
   const int result = fsync(fd), error_number = errno;

@@ -11,13 +11,13 @@
 
 namespace latvox::client {
 
-// A temporary file beside its target. Commit puts it in the target's place; without, the destructor removes it and the
-// target stays as it was. Not thread-safe. Errors:
-// FAILED_PRECONDITION, with the target and what the system says.
+// A temporary file beside its target. Commit moves it to the target. Without Commit, the destructor removes it, and the
+// target stays as it was. Not thread-safe.
+// Errors: FAILED_PRECONDITION, with the target and the message of the system.
 class AtomicFile {
  public:
-  // Errors: the directory is missing or cannot be written, the target is a directory, a pipe or
-  // whatever else is not a regular file.
+  // Errors: the directory is missing or not writable, or the target is a directory, a pipe or anything else that is not
+  // a regular file.
   static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -26,16 +26,16 @@ class AtomicFile {
   const std::string& target() const { return target_; }
   const std::string& temporary() const { return temporary_; }  // for libraries that write by name
 
-  // Appends. Buffered: an error may show in a later call.
+  // Appends bytes. They are buffered: a later call may report the error.
   absl::Status Append(std::string_view bytes);
 
-  // Overwrites the file's first bytes, which were appended before, for headers that hold a count.
+  // Overwrites the first bytes of the file, for headers that hold a count.
   absl::Status WriteAtStart(std::string_view bytes);
 
-  // To the disk.
+  // Writes everything to the disk.
   absl::Status Sync();
 
-  // Renames to the target. Precondition: Sync succeeded.
+  // Renames the file to the target. Precondition: Sync succeeded.
   absl::Status Commit();
 
  private:
@@ -48,7 +48,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-// A directory that is temporary, too: its maker removes it.
+// Marks a temporary directory. Its creator removes it.
 class TemporaryDirectoryMark {
  public:
   explicit TemporaryDirectoryMark(std::string path);
@@ -60,11 +60,11 @@ class TemporaryDirectoryMark {
   const std::string path_;
 };
 
-// Removes the temporary files of all objects that live, and directories with what is in them, for a process that ends
-// without destructors.
+// Removes the temporary files of all live objects, and marked directories with their content. It is for a process that
+// ends without destructors.
 void RemoveTemporaryFiles();
 
-// A file of these bytes in the place of the target.
+// Writes these bytes to a file at the target.
 absl::Status WriteAtomically(const std::string& target, std::string_view bytes);
 
 }  // namespace latvox::client

@@ -15,7 +15,7 @@
 namespace latvox::client {
 namespace {
 
-// All voxels first, then the file.
+// Collects all voxels, then writes the file.
 class BoxOutput : public Output {
  public:
   BoxOutput(std::unique_ptr<AtomicFile> file, int32_t most) : file_(std::move(file)), most_(most) {}
@@ -83,7 +83,7 @@ class BoxOutput : public Output {
   Vec3i low_{}, sides_{1, 1, 1};
 };
 
-// Runs of (value, length), lengths up to 255, over x, then z, then y, which runs fastest.
+// Writes runs of (value, length) with lengths up to 255, over x, then z, then y, which changes fastest.
 class BinvoxOutput final : public BoxOutput {
  public:
   explicit BinvoxOutput(std::unique_ptr<AtomicFile> file) : BoxOutput(std::move(file), 4096) {}
@@ -100,7 +100,7 @@ class BinvoxOutput final : public BoxOutput {
     if (auto status = file().Append(header); !status.ok()) return status;
     std::sort(voxels().begin(), voxels().end(),
               [](const Vec3i& v, const Vec3i& w) { return std::tie(v[0], v[2], v[1]) < std::tie(w[0], w[2], w[1]); });
-    int64_t next = 0, begin = 0;  // of the run of voxels: the cell after it, and its first
+    int64_t next = 0, begin = 0;  // the cell after the run of voxels, and its first
     for (const Vec3i& v : voxels()) {
       const int64_t cell = (v[0] * side + v[2]) * side + v[1];
       if (cell != next) {
@@ -112,7 +112,7 @@ class BinvoxOutput final : public BoxOutput {
     return AppendRuns(next - begin, side * side * side - next);
   }
 
-  // A run of voxels, then one of none.
+  // Appends a run of voxels, then a run of empty cells.
   absl::Status AppendRuns(int64_t voxels, int64_t none) {
     constexpr int64_t kMost = 255;
     for (auto [value, left] : {std::pair(char{1}, voxels), {char{0}, none}}) {
@@ -131,13 +131,14 @@ class BinvoxOutput final : public BoxOutput {
   static constexpr size_t kFlush = size_t{1} << 16;
 };
 
-// "VOX ", version 150, and a chunk MAIN of the chunks SIZE and XYZI: id, bytes, bytes of its chunks, contents.
+// Writes "VOX ", version 150, and a chunk MAIN of the chunks SIZE and XYZI. A chunk has an id, its bytes, the bytes of
+// its subchunks, and contents.
 class VoxOutput final : public BoxOutput {
  public:
   explicit VoxOutput(std::unique_ptr<AtomicFile> file) : BoxOutput(std::move(file), 256) {}
 
  private:
-  static constexpr uint8_t kColour = 1;  // of the palette that the program has by itself
+  static constexpr uint8_t kColor = 1;  // in the default palette of the program
 
   static std::string Words(std::initializer_list<size_t> words) {
     std::string bytes;
@@ -149,14 +150,14 @@ class VoxOutput final : public BoxOutput {
 
   absl::Status Write() override {
     const auto side = [&](size_t m) { return static_cast<size_t>(sides()[m]); };
-    // 256^3 voxels of four bytes are the most there can be: all lengths fit.
+    // 256^3 voxels of four bytes are the maximum: all lengths fit.
     const std::string size = "SIZE" + Words({12, 0, side(0), side(1), side(2)});
     const std::string head = "XYZI" + Words({4 + 4 * voxels().size(), 0, voxels().size()});
     const size_t children = size.size() + head.size() + 4 * voxels().size();
     std::string rows = "VOX " + Words({150}) + "MAIN" + Words({0, children}) + size + head;
     for (const Vec3i& v : voxels()) {
       for (const int32_t x : v) rows.push_back(static_cast<char>(x));
-      rows.push_back(static_cast<char>(kColour));
+      rows.push_back(static_cast<char>(kColor));
     }
     return file().Append(rows);
   }
@@ -165,7 +166,7 @@ class VoxOutput final : public BoxOutput {
 }  // namespace
 
 bool IsCubic(const Basis& basis) {
-  constexpr double kTolerance = 1e-12;  // relative: vectors of a scaled lattice are rounded
+  constexpr double kTolerance = 1e-12;  // relative; vectors of a scaled lattice are rounded
   const Vec3d axes[] = {basis.a, basis.b, basis.c};
   const double side = basis.a[0];
   for (size_t n = 0; n < 3; ++n) {

@@ -14,7 +14,7 @@ inline Vec3i Plus(const Vec3i& a, const Vec3i& b) { return {a[0] + b[0], a[1] + 
 
 inline Vec3i ShiftRight(const Vec3i& v, int by) { return {v[0] >> by, v[1] >> by, v[2] >> by}; }
 
-// Faster than any function of the library. Precondition: less than 2^20 from 0.
+// Faster than the functions of the standard library. Precondition: less than 2^20 from 0.
 inline Vec3i Rounded(const Vec3d& v) {
   constexpr int32_t kBeyond = 1 << 20;
   Vec3i out;
@@ -22,15 +22,15 @@ inline Vec3i Rounded(const Vec3d& v) {
   return out;
 }
 
-// Which of the 512 voxels of its brick a voxel is.
+// Returns the index of a voxel in its brick, 0 to 511.
 inline size_t VoxelInBrick(const Vec3i& ijk) {
   return static_cast<size_t>((ijk[0] & 7) << 6 | (ijk[1] & 7) << 3 | (ijk[2] & 7));
 }
 
-// Which of the 512 bricks of its tile a brick is.
+// Returns the index of a brick in its tile, 0 to 511.
 inline size_t BrickInTile(const Vec3i& brick_ijk) { return VoxelInBrick(brick_ijk); }
 
-// Bit (y << 3 | z) of word x: a voxel in its brick's mask.
+// Returns bit (y << 3 | z) of word x: a voxel in the mask of its brick.
 inline uint64_t BitInWord(const Vec3i& ijk) { return uint64_t{1} << ((ijk[1] & 7) << 3 | (ijk[2] & 7)); }
 inline size_t WordInBrick(const Vec3i& ijk) { return static_cast<size_t>(ijk[0] & 7); }
 

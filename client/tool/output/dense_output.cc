@@ -25,14 +25,14 @@ class DenseNpyOutput final : public Output {
     for (size_t m = 0; m < 3; ++m) {
       shape_[m] = static_cast<uint64_t>(int64_t{accepted.index_box->max[m]} - low_[m]);
     }
-    // One after the other, so that nothing overflows.
+    // Multiplies step by step, so that nothing overflows.
     size_ = 1;
     for (const uint64_t side : shape_) {
       size_ *= side;
       if (size_ <= kMost) continue;
       return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": a dense array of ",
                                                        absl::StrJoin(shape_, " x "), " elements exceeds ", kMost,
-                                                       " bytes; --region asks for less"));
+                                                       " bytes; request less with --region"));
     }
     return absl::OkStatus();
   }
@@ -70,7 +70,7 @@ class DenseNpyOutput final : public Output {
   Vec3i low_{};
   std::array<uint64_t, 3> shape_{};
   uint64_t size_ = 0;
-  std::vector<uint32_t> voxels_;  // their places in the array
+  std::vector<uint32_t> voxels_;  // their indices in the array
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Arrays with an element for every lattice point of a box.
+// Arrays with one element for every lattice point of a box.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_DENSE_OUTPUT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_DENSE_OUTPUT_H_
 
@@ -9,9 +9,9 @@
 
 namespace latvox::client {
 
-// .npy: a uint8 array in C order, of which the element [i - i0, j - j0, k - k0] is 1 if (i, j, k) is a voxel and else
-// 0, where i0 <= i < i1 and so on is the call's index box (Accepted::index_box; without one the array has shape (0, 0,
-// 0)). Memory: four bytes a voxel. Errors: RESOURCE_EXHAUSTED, before any voxel comes, for more than 2^32 elements.
+// .npy: a uint8 array in C order. Element [i - i0, j - j0, k - k0] is 1 if (i, j, k) is a voxel, otherwise 0. i0 <= i <
+// i1 and so on is the index box of the call (Accepted::index_box); without one the array has shape (0, 0, 0).
+// Memory: four bytes per voxel. Errors: RESOURCE_EXHAUSTED for more than 2^32 elements, before the first voxel.
 std::unique_ptr<Output> NewDenseNpyOutput(std::unique_ptr<AtomicFile> file);
 
 }  // namespace latvox::client

@@ -10,9 +10,8 @@
 namespace latvox::client {
 namespace {
 
-// Averages along a line, at a cost that does not depend on the radius wherever the whole neighbourhood counts: then it
-// is the difference of two sums from the line's beginning on. That it does is seen by the least and the greatest depth
-// of the blocks around.
+// Averages along a line. Where all neighbors count, the average is a difference of two prefix sums, at a cost
+// independent of the radius. The least and greatest depth of the blocks around tell whether all count.
 class LineBlur {
  public:
   LineBlur(const std::vector<float>& in, size_t first, size_t step, int count, int radius)
@@ -71,14 +70,14 @@ class LineBlur {
 
   const int radius_, count_;
   const float edge_;
-  const int shift_;  // a block is 2^shift_ samples
+  const int shift_;  // a block has 2^shift_ samples
   std::vector<float> line_;
-  std::vector<double> sums_;  // of the depths before a sample
-  std::vector<int> counts_;   // of those that there are before it
+  std::vector<double> sums_;  // sums of the depths before a sample
+  std::vector<int> counts_;   // numbers of depths before a sample
   std::vector<Block> blocks_;
 };
 
-// Along rows, or across them.
+// Blurs along rows, or along columns.
 void Blur(int wide, int radius, bool across, std::vector<float>& depth) {
   tbb::parallel_for(0, wide, [&](int n) {
     const size_t step = across ? 1 : static_cast<size_t>(wide);

@@ -24,7 +24,8 @@ class FacetRims {
     }
   }
 
-  // How far a point of the facet is from the nearest plane of another; the point is relative to the cell's centre.
+  // Returns the distance of a point on the facet from the nearest plane of another facet. The point is relative to the
+  // center of the cell.
   double Distance(const Vec3d& at, int facet) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Rim& rim : rims_[static_cast<size_t>(facet)]) {
@@ -39,7 +40,7 @@ class FacetRims {
     Vec3d slope;
   };
 
-  std::vector<std::vector<Rim>> rims_;  // of each facet
+  std::vector<std::vector<Rim>> rims_;  // for each facet
 };
 
 }  // namespace latvox::client

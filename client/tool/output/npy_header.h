@@ -12,9 +12,9 @@
 
 namespace latvox::client {
 
-// numpy.lib.format version 1.0: magic, header length, a Python dictionary padded with spaces; for one type as many
-// bytes for every shape of at most three sides. `type` is numpy's, as Python writes it: "'<i4'"; of 110 characters at
-// most.
+// Returns the header in numpy.lib.format version 1.0: magic, header length, a Python dictionary padded with spaces. For
+// one type the length is the same for every shape of at most three sides.
+//   type   as Python writes it: "'<i4'"; at most 110 characters
 inline std::string NpyHeader(absl::string_view type, std::span<const uint64_t> shape) {
   const size_t bytes = type.size() <= 46 ? 128 : 192;  // a multiple of 64
   std::string header("\x93NUMPY\x01\x00", 8);

@@ -23,12 +23,12 @@
 namespace latvox::client {
 namespace {
 
-// Grid: VoxelGrid, or DistanceGrid.
+// Grid is VoxelGrid or DistanceGrid.
 template <class Grid>
 class GridOutput final : public Output {
  public:
   using NewGrid = std::function<Grid(const GridTransform&)>;
-  using Write = std::function<absl::Status(Grid&, const std::string& path)>;  // a file of it
+  using Write = std::function<absl::Status(Grid&, const std::string& path)>;  // writes a file
 
   GridOutput(std::unique_ptr<AtomicFile> file, VoxelizeRequest request, MeshNote note, NewGrid new_grid, Write write)
       : file_(std::move(file)),
@@ -52,7 +52,7 @@ class GridOutput final : public Output {
   absl::Status Commit() override { return file_->Commit(); }
 
  private:
-  // The same error with the target before it.
+  // Returns the error with the target before it.
   absl::Status Named(const absl::Status& status) const {
     absl::Status named(status.code(), absl::StrCat(file_->target(), ": ", status.message()));
     SetErrorDetails(GetErrorDetails(status), named);
@@ -112,7 +112,7 @@ std::unique_ptr<Output> NewTable(std::unique_ptr<AtomicFile> file, const Voxeliz
   return NewTableOutput(extension, std::move(file), {request.band.has_value(), request.attributes});
 }
 
-// One that is the same whatever was asked for.
+// Returns a function that opens the same output for every request.
 template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>)>
 std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
   return new_output(std::move(file));
@@ -126,11 +126,11 @@ std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, c
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
                                               const OutputOptions&);
 
-// What opens a file of a format; null: the format cannot hold it.
+// Functions that open a file of a format. Null: the format cannot hold these values.
 struct Format {
   const char* extension;
   NewOutput of_voxels, of_band, of_attributes;
-  bool color_alone = false;  // of the attributes, it holds no others
+  bool color_alone = false;  // it holds no attributes except color
 };
 
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply";

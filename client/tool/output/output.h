@@ -1,4 +1,4 @@
-// Where voxels go: one file of one format.
+// Files of voxels.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_OUTPUT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_OUTPUT_H_
 
@@ -13,34 +13,34 @@
 
 namespace latvox::client {
 
-// Receives what a call delivers, in the same order: Begin, any number of Add, Finish, Commit. The target file changes
-// in Commit only; without it nothing is left behind. Not thread-safe. Errors: FAILED_PRECONDITION, naming
-// the file and what the system says; RESOURCE_EXHAUSTED (memory).
+// Receives the data of a call in order: Begin, any number of Add, Finish, Commit. Only Commit changes the target file.
+// Without it nothing is left behind. Not thread-safe.
+// Errors: FAILED_PRECONDITION, naming the file and the message of the system; RESOURCE_EXHAUSTED (memory).
 class Output {
  public:
   virtual ~Output() = default;
   virtual absl::Status Begin(const Accepted& accepted) = 0;
   virtual absl::Status Add(const BrickBatch& batch) = 0;
-  virtual absl::Status Finish(const Summary& summary) = 0;  // everything is on the disk afterwards
+  virtual absl::Status Finish(const Summary& summary) = 0;  // afterward everything is on the disk
   virtual absl::Status Commit() = 0;
 };
 
-// What an extension alone does not say.
+// Options of an output besides its extension.
 struct OutputOptions {
   bool dense_npy = false;
-  UpAxis picture_up = UpAxis::kY;  // which axis of the world a .png shows upwards
+  UpAxis picture_up = UpAxis::kY;  // axis of the world that points up in a .png
   MeshNote note = {};              // of the mesh, for the metadata of grids
 };
 
-// Extensions that OpenOutput knows, with the dot.
+// Returns the extensions that OpenOutput supports, with the dot.
 const std::vector<std::string>& OutputExtensions();
 
-// Those of them that a band, or voxels with attributes, can be written to: they hold the distances or attributes, but
-// for pictures.
+// Return the extensions that support a band, or voxels with attributes. Except pictures, these formats store the
+// distances or attributes.
 std::vector<std::string> DistanceExtensions();
 std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attributes);
 
-// Whether the path's is one of these.
+// Returns whether the path has one of these extensions.
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
 
 // Opens the output for the path's extension:
@@ -52,21 +52,21 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 //   .png   picture
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
-// Of a request for a band, one of DistanceExtensions is needed:
+// A request for a band needs one of DistanceExtensions:
 //   .vdb   a grid of distances, see latvox/grid/distance_grid.h
-//   .csv   a column more, distance, with 9 significant digits
+//   .csv   one more column, distance, with 9 significant digits
 //   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
-//   .ply   a property more, float distance
-//   .png   picture of the voxels that are nearest to the surface, see client/tool/output/picture_scene.h
-// Of a request for attributes, one of AttributeExtensions:
-//   .vdb   a further grid each, see latvox/grid/attribute_grids.h
+//   .ply   one more property, float distance
+//   .png   picture of the voxels nearest to the surface, see client/tool/output/picture_scene.h
+// A request for attributes needs one of AttributeExtensions:
+//   .vdb   one more grid for each, see latvox/grid/attribute_grids.h
 //   .csv   columns part, material; red, green, blue, 0 to 255
 //   .npy   structured array: fields part and material, int32; color, three uint8
 //   .ply   properties int part, material; uchar red, green, blue
-//   .png   picture of voxels in their colors; without any, in one for each material, or else part
-//   .glb   colors of the surface's vertices: color alone
+//   .png   picture of voxels in their colors, otherwise by material, otherwise by part
+//   .glb   colors of the surface's vertices; no other attributes
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, .vdb, .nvdb, dense .npy, .glb, .binvox and .vox aside. Errors: INVALID_ARGUMENT (extension);
+// voxels, except for .vdb, .nvdb, dense .npy, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT (extension);
 // FAILED_PRECONDITION (the file cannot be created).
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});

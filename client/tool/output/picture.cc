@@ -25,7 +25,7 @@ constexpr double kFilled = 0.92;  // share of the picture
 using Rgb = std::array<float, 3>;
 using Vec3f = std::array<float, 3>;
 
-constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colours here
+constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colors here
 
 float FloatDot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -36,13 +36,13 @@ Vec3f Unit(const Vec3f& v) {
 
 float Share(float x, float none, float all) { return std::clamp((x - none) / (all - none), 0.0F, 1.0F); }
 
-// A direction where y is up, turned so that another axis is: x stays on the right where z is up.
+// Turns a direction from y up to another up axis. x stays on the right if z is up.
 Vec3d Turned(const Vec3d& v, UpAxis up) {
   if (up == UpAxis::kY) return v;
   return up == UpAxis::kZ ? Vec3d{v[0], -v[2], v[1]} : Vec3d{v[1], v[2], v[0]};
 }
 
-// View frame: x to the right, y up, z towards the viewer, in samples.
+// View frame: x to the right, y up, z toward the viewer, in samples.
 class Renderer {
  public:
   Renderer(const VoxelScene& scene, const PictureOptions& options)
@@ -157,9 +157,9 @@ class Renderer {
     return Sum(Sum(right, (wide_ / 2.0 - y - 0.5) / scale_, up_), depth / scale_, towards_);
   }
 
-  // How much of an edge's line there is: 255 on it.
+  // Returns the strength of an edge's line: 255 on the edge.
   uint8_t EdgeAt(const Vec3d& point, const VoxelScene::Hit& hit) const {
-    constexpr float kLeast = 8;  // samples that a cell must be wide for its edges to show
+    constexpr float kLeast = 8;  // samples; narrower cells show no edges
     if (cell_ < kLeast) return 0;
     const Vec3d at = Sum(point, -1, scene_.CenterOf(hit.cell));
     const float distance = static_cast<float>(rims_.Distance(at, hit.facet) * scale_),
@@ -167,7 +167,7 @@ class Renderer {
     return static_cast<uint8_t>(255 * Share(distance, line + 1, line) * Share(cell_, kLeast, 3 * kLeast));
   }
 
-  // Of the smooth surface.
+  // Returns the normal of the smooth surface.
   Vec3f NormalAt(int x, int y) const {
     const float here = smooth_[At(x, y)];
     const auto slope = [&](int dx, int dy) {
@@ -181,7 +181,7 @@ class Renderer {
     return Unit({-slope(2, 0), slope(0, 2), 1});
   }
 
-  // Where to look for what hides the sky: eight directions, others for each of a pixel's samples.
+  // Chooses the taps that search for occluders of the sky: eight directions, different for each sample of a pixel.
   void MakeTaps() {
     for (int phase = 0; phase < kSamples * kSamples; ++phase) {
       for (int d = 0; d < kDirections; ++d) {
@@ -199,8 +199,8 @@ class Renderer {
 
   float HollowReach() const { return 0.07F * static_cast<float>(wide_); }
 
-  // The share of the sky that is hidden, by how far things around rise over the tangent plane. Where the surface is
-  // seen from its edge, its tangent plane is not known well enough.
+  // Returns the hidden share of the sky, by the height of the surroundings over the tangent plane. Where the surface is
+  // seen edge-on, its tangent plane is not known well enough.
   float Occlusion(int x, int y, const Vec3f& normal) const {
     const float reach = HollowReach(), here = smooth_[At(x, y)], z = std::max(normal[2], 0.3F);
     float sum = 0;
@@ -220,7 +220,7 @@ class Renderer {
     return sum / kDirections * Share(normal[2], 0.1F, 0.5F);
   }
 
-  // Whether nothing is between the sample's surface and the light. A point `raise` above the surface stands for it, so
+  // Returns whether the light reaches the surface of the sample. A point `raise` above the surface stands for it, so
   // that small cells do not shade each other.
   bool Lit(int x, int y, const Vec3f& normal, float raise) const {
     const Vec3d surface = SceneAt(static_cast<float>(x), static_cast<float>(y), depth_[At(x, y)]);
@@ -277,24 +277,24 @@ class Renderer {
   const FacetRims rims_;
   const int side_, wide_;            // pixels, samples
   Vec3d right_, up_, towards_;       // the view frame's axes in the scene
-  Vec3d eye_{};                      // before the middle of the picture
+  Vec3d eye_{};                      // in front of the middle of the picture
   double scale_ = 1;                 // samples per unit of the scene
   float cell_ = 1;                   // a cell's edge in samples
   std::array<float, 256> linear_{};  // of sRGB's levels
   Rgb color_;
   std::vector<Vec3f> normals_;         // of the cell's facets, view frame
-  std::vector<float> depth_, smooth_;  // from the eye towards the viewer; kNoDepth where no cell is; rows from the top
-  std::array<Vec3f, kSamples * kSamples> lights_;  // towards the light, for each of a pixel's samples
-  std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // towards the viewer, and each of them
+  std::vector<float> depth_, smooth_;  // from the eye toward the viewer; kNoDepth without a cell; rows from the top
+  std::array<Vec3f, kSamples * kSamples> lights_;  // toward the light, for each sample of a pixel
+  std::array<std::optional<VoxelFront>, 1 + kSamples * kSamples> fronts_;  // toward the viewer, then toward each light
   std::vector<uint8_t> facet_, edge_;
-  std::vector<uint32_t> colors_;  // of the samples; none: all are color_
+  std::vector<uint32_t> colors_;  // of the samples; empty: all are color_
   std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};
 };
 
 }  // namespace
 
 int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& options) {
-  constexpr double kLeast = 0.35;  // samples that a cell is wide, seen with its whole diagonal across the picture
+  constexpr double kLeast = 0.35;  // least width of a cell in samples, if the diagonal fills the picture
   const double samples = kFilled * options.side * kSamples * grid.voxel_size / diagonal;
   return samples < kLeast ? static_cast<int>(std::ceil(std::log2(kLeast / samples))) : 0;
 }

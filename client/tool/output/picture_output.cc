@@ -12,7 +12,7 @@
 namespace latvox::client {
 namespace {
 
-// The part of the mesh's box in which voxels can lie: with a region, less than the mesh.
+// Returns the part of the mesh's box that can hold voxels: with a region, it is smaller than the mesh.
 std::pair<Vec3d, Vec3d> Visible(const Accepted& accepted) {
   Vec3d low = accepted.mesh.min, high = accepted.mesh.max;
   if (!accepted.index_box) return {low, high};

@@ -10,8 +10,8 @@
 
 namespace latvox::client {
 
-// The voxels in their own colors, if they carry any, or by what else they carry; of a band, its skin: see
-// client/tool/output/picture_scene.h.
+// Draws the voxels in their own colors, if they have any, otherwise by their other values. For a band draws the skin:
+// see client/tool/output/picture_scene.h.
 std::unique_ptr<Output> NewPictureOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request, UpAxis up);
 
 }  // namespace latvox::client

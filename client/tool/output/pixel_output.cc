@@ -21,7 +21,7 @@ std::string ToCsv(const Pixelization& pixelization) {
       *end++ = ',';
     }
     for (size_t m = 0; m < 2; ++m) {
-      // As printf's %.17g in the C locale, whatever the locale.
+      // Equals printf's %.17g in the C locale, in any locale.
       end = std::to_chars(end, text + sizeof(text), world[m], std::chars_format::general, 17).ptr;
       *end++ = m == 1 ? '\n' : ',';
     }

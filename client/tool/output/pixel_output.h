@@ -1,4 +1,4 @@
-// Where pixels go: the bytes of one file of one format.
+// Files of pixels.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_OUTPUT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_PIXEL_OUTPUT_H_
 
@@ -11,10 +11,10 @@
 
 namespace latvox::client {
 
-// Extensions that EncodePixels knows, with the dot.
+// Returns the extensions that EncodePixels supports, with the dot.
 const std::vector<std::string>& PixelExtensions();
 
-// The file's bytes for the path's extension:
+// Returns the bytes of a file for the extension of the path:
 //   .csv   header i,j,x,y; lattice coordinates, world position with 17 significant digits; in lexicographic order
 //   .png   picture, see client/tool/output/pixel_picture.h
 // Errors: INVALID_ARGUMENT (extension), INTERNAL (libpng).

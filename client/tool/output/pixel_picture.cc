@@ -39,18 +39,18 @@ CellColor ToRgb(uint32_t color) {
 Vec2d operator-(const Vec2d& a, const Vec2d& b) { return {a[0] - b[0], a[1] - b[1]}; }
 double PlaneDot(const Vec2d& a, const Vec2d& b) { return a[0] * b[0] + a[1] * b[1]; }
 
-// Where a point of the world lies among Voronoi cells.
+// The position of a world point among Voronoi cells.
 struct CellSite {
-  Vec2i cell, neighbor;  // the cell that holds it, and the one nearest besides
-  double to_border;      // distance to the border between the two
+  Vec2i cell, neighbor;  // the cell that holds the point, and the next nearest one
+  double to_border;      // distance from the border of both
 };
 
-// Finds cells by a reduced basis u, v of the same lattice (Lagrange): it cuts every parallelogram in two triangles that
-// are not obtuse, so that the nearest lattice points are among the corners of the parallelogram around a point.
+// Finds cells by a reduced basis u, v of the same lattice (Lagrange). It cuts every parallelogram into two triangles
+// that are not obtuse. So the nearest lattice points are among the corners of the parallelogram around a point.
 class CellFinder {
  public:
   explicit CellFinder(const PlaneTransform& grid) : origin_(grid.origin), u_(grid.basis.a), v_(grid.basis.b) {
-    constexpr int kMaxSteps = 64;  // of a foreign basis; one of core's takes a few
+    constexpr int kMaxSteps = 64;  // limit for a foreign basis; bases of core take a few
     for (int step = 0; step < kMaxSteps; ++step) {
       if (PlaneDot(u_, u_) > PlaneDot(v_, v_)) {
         std::swap(u_, v_);
@@ -66,7 +66,7 @@ class CellFinder {
     det_ = u_[0] * v_[1] - u_[1] * v_[0];
   }
 
-  // No point of a cell is farther from its centre.
+  // Returns a bound on the distance of a cell's points from its center.
   double reach() const { return (std::sqrt(PlaneDot(u_, u_)) + std::sqrt(PlaneDot(v_, v_))) / 2; }
 
   CellSite Find(const Vec2d& world) const {
@@ -113,7 +113,7 @@ class PixelPicture {
     for (const PictureCell& cell : cells) cells_.emplace(cell.ij, cell);
   }
 
-  // What the picture shows of the world.
+  // Chooses the part of the world that the picture shows.
   void Frame(const Vec2d& low, const Vec2d& high, bool y_down, int longer_side) {
     const Vec2d size = high - low;
     scale_ = kCellsFilled * longer_side / std::max({size[0], size[1], grid_.pixel_size});
@@ -130,7 +130,7 @@ class PixelPicture {
     curve_.resize(static_cast<size_t>(width_) * static_cast<size_t>(height_));
   }
 
-  // No point of a cell is farther from its centre.
+  // Returns a bound on the distance of a cell's points from its center.
   double reach() const { return finder_.reach(); }
 
   void DrawCurve(const Polyline& polyline) {
@@ -170,13 +170,12 @@ class PixelPicture {
     return found == cells_.end() ? nullptr : &found->second;
   }
 
-  // Those of plain cells are blue, those of others darker than the cell.
+  // Borders of plain cells are blue, those of other cells darker than the cell.
   static CellColor BorderOf(const PictureCell& cell) {
     return cell.color == kCellColor ? kCellBorder : Mix(ToRgb(cell.color), {}, 0.35F);
   }
 
-  // Borders where cells are large enough for them, those of empty cells only where they are larger still. Contours
-  // always.
+  // Draws contours always, borders of cells if cells are large enough, and borders of empty cells only at larger sizes.
   CellColor ShadeSample(const Vec2d& world) const {
     constexpr double kLeastBordered = 5, kLeastRuled = 9;
     const CellSite site = finder_.Find(world);
@@ -202,12 +201,12 @@ class PixelPicture {
     return sum;
   }
 
-  // Line by line across the axis that it runs along, so that the cost is its length.
+  // Scans lines across the main axis of the segment, so the cost is proportional to its length.
   void DrawSegment(const Vec2d& p, const Vec2d& q) {
     const Vec2d along = q - p;
     const size_t major = std::abs(along[0]) >= std::abs(along[1]) ? 0 : 1, minor = 1 - major;
     const double radius = std::clamp(0.07 * cell_, 0.6, 1.5), square = PlaneDot(along, along);
-    const double reach = radius * std::sqrt(2) + 1;  // across, at the steepest
+    const double reach = radius * std::sqrt(2) + 1;  // across, for the steepest slope
     const std::array<int, 2> size = {width_, height_};
     const auto first = [&](double x, size_t m) { return std::clamp(static_cast<int>(std::floor(x)), 0, size[m] - 1); };
     for (int a = first(std::min(p[major], q[major]) - reach, major),
@@ -233,7 +232,7 @@ class PixelPicture {
   int width_ = 0, height_ = 0;
   double scale_ = 1, cell_ = 1, up_ = 1;  // samples per world unit; a pixel's edge in samples; -1: y is downwards
   Vec2d center_{};
-  std::vector<float> curve_;  // share of each sample that the curve covers
+  std::vector<float> curve_;  // covered share of each sample
 };
 
 }  // namespace

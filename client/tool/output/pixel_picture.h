@@ -12,21 +12,21 @@
 
 namespace latvox::client {
 
-inline constexpr int kPixelPictureSide = 1024;  // samples, of the longer one
+inline constexpr int kPixelPictureSide = 1024;  // samples of the longer side
 
-// The bytes of a PNG file, kPixelPictureSide samples on its longer side: every pixel as its Voronoi cell, a rectangle
-// or a hexagon, and the curve over it. Errors: INTERNAL (libpng).
+// Returns the bytes of a PNG file, kPixelPictureSide samples on its longer side: every pixel as its Voronoi cell, a
+// rectangle or a hexagon, under the curve. Errors: INTERNAL (libpng).
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization);
 
 inline constexpr uint32_t kCellColor = 0x99B5D9;
 
 struct PictureCell {
   Vec2i ij;
-  uint32_t color = kCellColor;  // as client/tool/output/voxel_colors.h has them
-  bool inside = false;          // a black line runs between two cells of which one is
+  uint32_t color = kCellColor;  // as in client/tool/output/voxel_colors.h
+  bool inside = false;          // a black line separates inside from outside cells
 };
 
-// The same without a curve, of another size: what is within `low` and `high`, world coordinates.
+// Draws without a curve, at another size, the part of the world within `low` and `high`.
 absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<PictureCell>& cells,
                                       const Vec2d& low, const Vec2d& high, int longer_side);
 

@@ -10,7 +10,7 @@
 
 namespace latvox::client {
 
-// The bytes of a PNG file. Errors: INTERNAL (libpng).
+// Returns the bytes of a PNG file. Errors: INTERNAL (libpng).
 //   rgb   3 * width * height bytes, rows from the top
 absl::StatusOr<std::string> EncodePng(int width, int height, const std::vector<uint8_t>& rgb);
 

@@ -1,4 +1,4 @@
-// Colors as light adds up, and as files have them.
+// Linear colors, and sRGB colors of files.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_SRGB_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_SRGB_H_
 

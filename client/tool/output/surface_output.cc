@@ -17,7 +17,7 @@
 namespace latvox::client {
 namespace {
 
-// Constants of glTF 2.0 and of its binary container: "glTF", version, length; then chunks: length, type, bytes.
+// Constants of glTF 2.0 and its binary container: "glTF", version, length, then chunks of length, type and bytes.
 constexpr uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr int kUnsignedByte = 5121, kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962,
               kElementArrayBuffer = 34963;
@@ -34,12 +34,12 @@ void AppendWords(std::initializer_list<uint32_t> words, std::string& out) {
 
 Vec3i IndexSum(const Vec3i& a, const Vec3i& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
-// Triangles, with corners of their own for each voxel.
+// Triangles. Voxels do not share corners.
 struct Surface {
   Vec3d place{};  // world
   std::vector<std::array<float, 3>> corners;
   std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<std::array<uint8_t, 4>> colors;  // of the corners, or none; red, green, blue, opacity
+  std::vector<std::array<uint8_t, 4>> colors;  // red, green, blue, opacity of the corners; or empty
 };
 
 class VoxelLookup {
@@ -55,7 +55,7 @@ class VoxelLookup {
   absl::flat_hash_map<Vec3i, decltype(Brick::mask)> masks_;
 };
 
-// `colors`: of the voxels, as Attribute has them, or none.
+// `colors` has one color per voxel, as in Attribute, or is empty.
 Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>& colors, const GridTransform& grid) {
   VoxelLookup voxels;
   for (const Brick& brick : bricks) voxels.Add(brick);
@@ -68,14 +68,14 @@ Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>&
   constexpr uint32_t kNone = UINT32_MAX;
   std::vector<uint32_t> index(cell.corners.size());
   const auto add_voxel = [&](const Vec3i& ijk) {
-    const Vec3d centre = grid.ToWorld(ijk);
+    const Vec3d center = grid.ToWorld(ijk);
     std::fill(index.begin(), index.end(), kNone);
     const auto corner = [&](int n) {
       uint32_t& known = index[static_cast<size_t>(n)];
       if (known != kNone) return known;
       const Vec3d& offset = cell.corners[static_cast<size_t>(n)];
       std::array<float, 3> position{};
-      for (size_t m = 0; m < 3; ++m) position[m] = static_cast<float>(centre[m] - surface.place[m] + offset[m]);
+      for (size_t m = 0; m < 3; ++m) position[m] = static_cast<float>(center[m] - surface.place[m] + offset[m]);
       known = static_cast<uint32_t>(surface.corners.size());
       surface.corners.push_back(position);
       return known;
@@ -100,7 +100,7 @@ Surface SurfaceOf(const std::vector<Brick>& bricks, const std::vector<uint32_t>&
   return surface;
 }
 
-// Without a voxel there is a scene, and nothing in it: glTF knows no empty meshes.
+// Without voxels the scene is empty, because glTF does not allow empty meshes.
 Json Describe(const Surface& surface, const Summary& summary) {
   Json json = {{"asset", {{"version", "2.0"}, {"generator", "latvox " + summary.certificate.version}}},
                {"scene", 0},
@@ -174,8 +174,9 @@ class GlbOutput final : public Output {
         BytesOf(surface.corners).size() + BytesOf(surface.triangles).size() + BytesOf(surface.colors).size();
     const uint64_t all = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
     if (all > UINT32_MAX) {
-      return absl::ResourceExhaustedError(
-          absl::StrCat(file_->target(), ": the surface takes ", all, " bytes, over the ", UINT32_MAX, " of a .glb"));
+      return absl::ResourceExhaustedError(absl::StrCat(file_->target(), ": the surface takes ", all,
+                                                       " bytes, which exceeds the limit of ", UINT32_MAX,
+                                                       " of a .glb"));
     }
     std::string head;
     AppendWords({kGlbMagic, kGlbVersion, static_cast<uint32_t>(all), static_cast<uint32_t>(json.size()), kJsonChunk},
@@ -195,7 +196,7 @@ class GlbOutput final : public Output {
   std::unique_ptr<AtomicFile> file_;
   GridTransform grid_;
   std::vector<Brick> bricks_;
-  std::vector<uint32_t> colors_;  // of their voxels, if these carry them
+  std::vector<uint32_t> colors_;  // of their voxels, if these have some
 };
 
 }  // namespace

@@ -9,10 +9,10 @@
 
 namespace latvox::client {
 
-// .glb (binary glTF 2.0): the facets of the voxels' Voronoi cells between a voxel and a lattice point that is none, a
-// closed surface. Positions are floats about a voxel, whose place is the node's translation; no normals, which asks
-// viewers to show facets flat. If voxels carry attributes, these are colors alone, and corners have them. Memory grows
-// with the voxels. Errors: RESOURCE_EXHAUSTED over .glb's 4 GiB.
+// .glb (binary glTF 2.0): the facets of Voronoi cells between a voxel and a lattice point that is not one, a closed
+// surface. Positions are floats relative to a voxel, whose position is the translation of the node. There are no
+// normals, which makes viewers show facets flat. Writes only the color of attributes, at the corners. Memory grows
+// with the voxels. Errors: RESOURCE_EXHAUSTED over the 4 GiB of a .glb.
 std::unique_ptr<Output> NewGlbOutput(std::unique_ptr<AtomicFile> file);
 
 }  // namespace latvox::client

@@ -16,8 +16,8 @@
 namespace latvox::client {
 namespace {
 
-// A header, then a row for each voxel. The header holds the number of rows where the format wants it, and has the same
-// length for every number, so that it can be written again when the number is known.
+// Writes a header, then one row per voxel. The header holds the number of rows if the format needs it. Its length does
+// not depend on the number, so it can be rewritten when the number is known.
 class TableOutput : public Output {
  public:
   TableOutput(std::unique_ptr<AtomicFile> file, const TableColumns& columns)
@@ -55,7 +55,7 @@ class TableOutput : public Output {
 
  private:
   virtual std::string Header(uint64_t rows) const = 0;
-  // `distance`: null unless there are distances; `numbers`: one for each attribute.
+  // `distance` is null without distances. `numbers` has one number per attribute.
   virtual void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
                          std::string& rows) const = 0;
 
@@ -70,12 +70,12 @@ void AppendBinary(const T& value, std::string& rows) {
   rows.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-// The three parts of a color.
+// Returns the three components of a color.
 std::array<uint8_t, 3> ColorOf(uint32_t number) {
   return {static_cast<uint8_t>(number >> 16), static_cast<uint8_t>(number >> 8), static_cast<uint8_t>(number)};
 }
 
-// Integers of 32 bits, and colors as three bytes.
+// Appends integers of 32 bits, and colors as three bytes.
 void AppendBinary(const std::vector<Attribute>& attributes, const uint32_t* numbers, std::string& rows) {
   for (const Attribute attribute : attributes) {
     const uint32_t number = *numbers++;
@@ -83,7 +83,7 @@ void AppendBinary(const std::vector<Attribute>& attributes, const uint32_t* numb
   }
 }
 
-// One text for each attribute.
+// Joins one text for each attribute.
 std::string ForEach(const std::vector<Attribute>& attributes, const char* of_color,
                     const std::function<std::string(const char* name)>& of_number) {
   std::string text;
@@ -113,7 +113,7 @@ class CsvOutput final : public TableOutput {
       *end++ = ',';
     }
     for (size_t m = 0; m < 3; ++m) {
-      // As printf's %.17g in the C locale, whatever the locale.
+      // Equals printf's %.17g in the C locale, in any locale.
       end = std::to_chars(end, text + sizeof(text), world[m], std::chars_format::general, 17).ptr;
       *end++ = ',';
     }
@@ -165,9 +165,9 @@ class PlyOutput final : public TableOutput {
   std::string Header(uint64_t rows) const override {
     const std::string count = absl::StrCat(rows);
     const auto property = [](const char* name) { return absl::StrCat("property int ", name, "\n"); };
-    // The comment makes up for the number's length.
+    // The comment pads for the length of the number.
     return absl::StrCat(
-        "ply\nformat binary_little_endian 1.0\ncomment latvox voxel centres", std::string(20 - count.size(), ' '),
+        "ply\nformat binary_little_endian 1.0\ncomment latvox voxel centers", std::string(20 - count.size(), ' '),
         "\nelement vertex ", count,
         "\nproperty double x\nproperty double y\nproperty double z\n"
         "property int i\nproperty int j\nproperty int k\n",

@@ -1,4 +1,4 @@
-// Outputs that list voxels one after the other: .csv, .npy, .ply.
+// Outputs that list voxels: .csv, .npy, .ply.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_TABLE_OUTPUT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_TABLE_OUTPUT_H_
 
@@ -12,13 +12,13 @@
 
 namespace latvox::client {
 
-// What a row has besides the voxel's place.
+// The columns of a row besides the position of the voxel.
 struct TableColumns {
   bool distances = false;                  // of a band, whose batches have values
-  std::vector<Attribute> attributes = {};  // that voxels carry
+  std::vector<Attribute> attributes = {};  // attributes of the voxels
 };
 
-// For the format of an extension in lower case: ".csv", ".npy" or ".ply".
+// Returns the output for an extension in lower case: ".csv", ".npy" or ".ply".
 std::unique_ptr<Output> NewTableOutput(absl::string_view extension, std::unique_ptr<AtomicFile> file,
                                        const TableColumns& columns);
 

@@ -14,7 +14,7 @@ inline Vec3d Cross(const Vec3d& a, const Vec3d& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// a + t * b.
+// Returns a + t * b.
 inline Vec3d Sum(const Vec3d& a, double t, const Vec3d& b) {
   return {a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]};
 }
@@ -23,13 +23,13 @@ inline double Length(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
 inline Vec3d Unit(const Vec3d& v) { return Sum({}, 1 / Length(v), v); }
 
-// i*a + j*b + k*c.
+// Returns i*a + j*b + k*c.
 inline Vec3d Combine(const Basis& basis, const Vec3d& ijk) {
   return Sum(Sum(Sum({}, ijk[0], basis.a), ijk[1], basis.b), ijk[2], basis.c);
 }
 
-// The vectors of which products with a world vector are its lattice coordinates. Precondition: the basis is not
-// singular.
+// Returns the dual basis: products of its vectors with a world vector are the lattice coordinates. Precondition: the
+// basis is not singular.
 inline Basis Dual(const Basis& basis) {
   const Vec3d bc = Cross(basis.b, basis.c), ca = Cross(basis.c, basis.a), ab = Cross(basis.a, basis.b);
   const double inverse = 1 / Dot(basis.a, bc);

@@ -16,8 +16,9 @@ struct LatticeVector {
   Vec3d world;
 };
 
-// The lattice vectors that may bound the cell, shortest first. The cell lies within `radius` of its point, so that no
-// longer one than twice that does; and i of such a vector is its product with a vector of the dual basis.
+// Returns the lattice vectors that may bound the cell, shortest first. The cell lies within `radius` of its point, so
+// no vector longer than 2 * radius bounds it. Coordinate i of such a vector is its product with a vector of the dual
+// basis, which bounds i.
 std::vector<LatticeVector> Candidates(const Basis& basis, double radius) {
   const Vec3d bc = Cross(basis.b, basis.c), ca = Cross(basis.c, basis.a), ab = Cross(basis.a, basis.b);
   const double volume = std::abs(Dot(basis.a, bc));
@@ -47,10 +48,10 @@ struct Facet {
   Polygon polygon;
 };
 
-// A convex body of facets, which are cut and closed again and again.
+// A convex body of facets that is cut and closed repeatedly.
 class Body {
  public:
-  // A cube about 0.
+  // Begins as a cube around 0.
   explicit Body(double half_side) : tolerance_(kTolerance * half_side) {
     for (size_t m = 0; m < 3; ++m) {
       for (const double side : {-half_side, half_side}) {
@@ -67,7 +68,7 @@ class Body {
     }
   }
 
-  // Takes away what is nearer to w than to 0.
+  // Removes the part that is nearer to w than to 0.
   void CutBy(const LatticeVector& w) {
     const double length = Length(w.world);
     const auto beyond = [&](const Vec3d& p) { return Dot(p, w.world) / length - length / 2; };
@@ -115,7 +116,7 @@ class Body {
     return static_cast<int>(index);
   }
 
-  // What of the polygon is not beyond; what of it lies on the border is added to `rim`.
+  // Returns the part of the polygon that is not beyond. Adds its points on the border to `rim`.
   template <class Beyond>
   Polygon Cut(const Polygon& polygon, const Beyond& beyond, Polygon& rim) const {
     Polygon kept;
@@ -133,7 +134,7 @@ class Body {
     return kept;
   }
 
-  // The corners of a convex polygon counter-clockwise about `axis`.
+  // Returns the corners of a convex polygon counterclockwise about `axis`.
   static Polygon Around(const Vec3d& axis, Polygon corners) {
     Vec3d middle{};
     for (const Vec3d& p : corners) middle = Sum(middle, 1.0 / static_cast<double>(corners.size()), p);
@@ -153,7 +154,7 @@ class Body {
 
 }  // namespace
 
-// Rounding to the nearest multiple of each basis vector leaves less than half their lengths' sum: that is a radius.
+// Rounding to the nearest multiple of each basis vector leaves at most half the sum of their lengths: this is a radius.
 VoronoiCell VoronoiCellOf(const Basis& basis) {
   const double radius = (Length(basis.a) + Length(basis.b) + Length(basis.c)) / 2;
   Body body(radius);

@@ -11,17 +11,17 @@
 namespace latvox::client {
 namespace {
 
-// Seven of Okabe and Ito's (all but black), then five of Tol's "muted".
+// Seven colors of Okabe and Ito (all except black), then five of Tol's "muted".
 constexpr uint32_t kPalette[] = {0xE69F00, 0x56B4E9, 0x009E73, 0xF0E442, 0x0072B2, 0xD55E00,
                                  0xCC79A7, 0x332288, 0x882255, 0x999933, 0xDDCC77, 0xAA4499};
 
-// At equal steps, from the greatest distance inside to the greatest outside; from the surface outwards.
+// Equal steps: signed from the greatest distance inside to the greatest outside, unsigned from the surface outward.
 constexpr uint32_t kRdBu[] = {0x053061, 0x2166AC, 0x4393C3, 0x92C5DE, 0xD1E5F0, 0xF7F7F7,
                               0xFDDBC7, 0xF4A582, 0xD6604D, 0xB2182B, 0x67001F};
 constexpr uint32_t kViridis[] = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
                                  0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
 
-// Between the map's colors; `at` from 0 to 1.
+// Interpolates the colors of the map; `at` is from 0 to 1.
 uint32_t Between(std::span<const uint32_t> map, double at) {
   const double place = std::clamp(at, 0.0, 1.0) * static_cast<double>(map.size() - 1);
   const size_t first = std::min(static_cast<size_t>(place), map.size() - 2);
@@ -34,7 +34,7 @@ uint32_t Between(std::span<const uint32_t> map, double at) {
   return color;
 }
 
-// Which of a voxel's numbers.
+// Returns the index among a voxel's numbers.
 std::optional<size_t> PlaceOf(ColorBy by, const std::vector<Attribute>& attributes) {
   for (size_t n = 0; n < attributes.size(); ++n) {
     if (NameOf(attributes[n]) == absl::string_view(NameOf(by))) return n;

@@ -1,4 +1,4 @@
-// Colors of voxels, by what they have besides their places.
+// Colors of voxels by their attributes and distances.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_COLORS_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_COLORS_H_
 
@@ -12,30 +12,31 @@
 
 namespace latvox::client {
 
-// A color is a number, as Attribute has it: red << 16 | green << 8 | blue, sRGB.
+// A color is a number, as in Attribute: red << 16 | green << 8 | blue, sRGB.
 enum class ColorBy { kNone, kPart, kMaterial, kColor, kDistance };
 
-// "none", "part", "material", "color" or "distance".
+// Returns "none", "part", "material", "color" or "distance".
 const char* NameOf(ColorBy by);
 
-// What voxels have; GridContent has it of a file.
+// The values that voxels have. GridContent has those of a file.
 struct VoxelTraits {
   std::vector<Attribute> attributes = {};
   std::optional<Band> band = std::nullopt;  // with its width in world units
 };
 
-// What voxels are colored by unless somebody says: their colors, else materials, else parts, else distances.
+// Returns the default: colors, otherwise materials, otherwise parts, otherwise distances.
 ColorBy DefaultColorBy(const VoxelTraits& traits);
 
-// Of parts and materials: twelve colors, which color-blind people tell apart, too; then the first again.
+// Returns the color of a part or material: one of twelve that color-blind people can tell apart, then the first again.
 uint32_t PaletteColor(uint32_t number);
 
-// Of a signed band, blue inside, white at the surface, red outside: ColorBrewer's RdBu. Of another, from dark violet at
-// the surface to yellow: viridis. Both are safe for color-blind people, and end at the band's width.
+// Returns the color of a distance. A signed band is blue inside, white at the surface, red outside: ColorBrewer's RdBu.
+// An unsigned one goes from dark violet at the surface to yellow: viridis. Both are safe for color-blind people and end
+// at the width of the band.
 uint32_t DistanceColor(float distance, const Band& band);
 
-// A color for each voxel of the batch, in the order of its numbers; none by ColorBy::kNone.
-// Errors: INVALID_ARGUMENT: the voxels have nothing of that name.
+// Returns a color for each voxel of the batch, in order; none for ColorBy::kNone. Errors: INVALID_ARGUMENT: the voxels
+// have no values of that name.
 absl::StatusOr<std::vector<uint32_t>> ColorsOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by);
 
 }  // namespace latvox::client

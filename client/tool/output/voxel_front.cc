@@ -11,7 +11,7 @@ namespace latvox::client {
 namespace {
 
 constexpr double kSquare = 2;    // edge
-constexpr double kSlack = 1e-2;  // for single precision
+constexpr double kSlack = 1e-2;  // margin for single precision
 constexpr double kFar = std::numeric_limits<double>::max();
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
@@ -22,7 +22,7 @@ int Floor(double x) { return static_cast<int>(std::floor(x)); }
 VoxelFront::VoxelFront(const VoxelScene& scene, const Vec3d& towards) : towards_(towards) {
   u_ = Unit(Cross(std::abs(towards[1]) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, towards));
   v_ = Cross(towards, u_);
-  // A cell is within a ball about its centre.
+  // A cell lies within a ball around its center.
   double radius = 0;
   for (const Vec3d& corner : scene.cell_corners()) radius = std::max(radius, Length(corner));
   const double across = radius / kSquare;

@@ -1,4 +1,4 @@
-// How far voxels reach.
+// The front of a set of voxels.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_FRONT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_FRONT_H_
 
@@ -10,19 +10,19 @@
 
 namespace latvox::client {
 
-// The voxels of a scene as seen from one direction: a bound on how near they come, found brick by brick, so that rays
-// of that direction need not be cast where nothing is. All in the scene's frame.
+// The voxels of a scene as seen from one direction: an upper bound of their height, found brick by brick. So rays of
+// that direction can skip empty space. Everything is in the frame of the scene.
 class VoxelFront {
  public:
   VoxelFront(const VoxelScene& scene, const Vec3d& towards);  // unit length
 
-  // No cell meets point + t * towards for a t above this; minus infinity: for any t.
+  // Returns a bound t: no cell meets point + s * towards for s > t. Minus infinity: no cell on the whole line.
   double Reach(const Vec3d& point) const;
 
  private:
-  // Across, in squares of the plane; along `towards`.
+  // Returns the position: two coordinates in squares of the plane, and the height along `towards`.
   Vec3d Project(const Vec3d& point) const;
-  size_t Square(int x, int y) const;  // in front_
+  size_t Square(int x, int y) const;  // index in front_
 
   Vec3d u_, v_, towards_;
   std::array<int, 2> low_{}, size_{};  // squares

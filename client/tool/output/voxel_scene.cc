@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFarthest = 8;  // bricks
 
-// Calls visit(n) for each of a mask's cells, n being which of 512.
+// Calls visit(n) for each cell of a mask, 0 <= n < 512.
 template <class Visit>
 void ForEachBit(const decltype(Brick::mask)& mask, const Visit& visit) {
   for (size_t word = 0; word < mask.size(); ++word) {
@@ -23,7 +23,7 @@ void ForEachBit(const decltype(Brick::mask)& mask, const Visit& visit) {
   }
 }
 
-// Which of a cell's voxels gives it its color, as good as by chance: the one of the lowest rank.
+// Returns a pseudorandom rank. The voxel of the lowest rank gives its cell the color.
 uint32_t RankOf(const Vec3i& ijk) {
   const auto u = [&](size_t m) { return static_cast<uint32_t>(ijk[m]); };
   return (u(0) * 73856093U ^ u(1) * 19349663U ^ u(2) * 83492791U) * 2654435761U >> 24;
@@ -51,7 +51,7 @@ VoxelScene::VoxelScene(const GridTransform& grid, int shift) : shift_(shift) {
   corners_ = std::move(cell.corners);
 }
 
-// A brick is part of a single one of the scene.
+// A brick lies within a single brick of the scene.
 void VoxelScene::Add(const Brick& brick, std::span<const uint32_t> colors) {
   Vec3i first;
   for (size_t m = 0; m < 3; ++m) first[m] = static_cast<int32_t>((int64_t{brick.brick_ijk[m]} * 8) >> shift_);
@@ -71,7 +71,7 @@ void VoxelScene::Add(const Brick& brick, std::span<const uint32_t> colors) {
   if (!colors.empty()) Paint(brick, colors, first, before, number);
 }
 
-// The mask's cells have had the colors of those that were there `before`.
+// Stores the colors of the brick. The cells of `before` already have colors.
 void VoxelScene::Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
                        size_t number) {
   std::array<uint32_t, kBricks> all;
@@ -105,8 +105,8 @@ size_t VoxelScene::Touch(const Vec3i& brick_ijk) {
   return static_cast<size_t>(number);
 }
 
-// By growing what is there by one brick in all directions, again and again. A tile's bricks and those of the tiles
-// around are 24 rows of 24 rows of 24 bits.
+// Grows the occupied bricks by one brick in all directions, again and again. The bricks of a tile and its neighbors are
+// 24 rows of 24 rows of 24 bits.
 void VoxelScene::Seal() {
   constexpr int kSide = 24;
   using Rows = std::array<std::array<uint32_t, kSide>, kSide>;
@@ -165,7 +165,7 @@ bool VoxelScene::IsDeep(const Vec3i& brick_ijk) const {
     const int32_t number = NumberOf(Plus(brick_ijk, step));
     return number >= 0 && masks_[static_cast<size_t>(number)] == full;
   };
-  if (!is_full({0, 0, 0})) return false;  // as most of a surface are
+  if (!is_full({0, 0, 0})) return false;  // the common case on a surface
   for (int n = 0; n < 27; ++n) {
     if (!is_full({n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1})) return false;
   }

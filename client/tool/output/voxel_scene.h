@@ -1,4 +1,4 @@
-// Voxels that rays are cast at.
+// A set of voxels that rays are cast at.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_SCENE_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_VOXEL_SCENE_H_
 
@@ -20,41 +20,41 @@ struct Ray {
   double reach = std::numeric_limits<double>::infinity();
 };
 
-// The voxels' Voronoi cells, exactly: polyhedra, not the cubes of lattice coordinates.
+// The voxels' exact Voronoi cells, polyhedra and not the cubes of lattice coordinates.
 //
-//   cell        a voxel's coordinates in the scene: (ijk >> shift) - (that of the scene's corner)
-//   scene frame positions: the world's, scaled to cells of volume 1, about cell 0
+//   cell          coordinates of a voxel in the scene: (ijk >> shift) - (those of the scene's corner)
+//   scene frame   positions: world positions, scaled to cells of volume 1, relative to cell 0
 //
-// With a shift, each 2^shift lattice points on every axis, of which one is a voxel, are one cell of the lattice that is
-// as much coarser: what is too small to be seen need not be kept. Memory: 64 bytes for 8^3 cells that are not empty, 2
-// KiB for 64^3; of colors, 4 bytes for each cell and 40 for 8^3. Adding is not thread-safe; everything else is.
+// With a shift, each block of 2^shift lattice points per axis that holds a voxel is one cell of a lattice that is
+// coarser by this factor. So details too small to see take no memory. Memory: 64 bytes for each 8^3 cells that are not
+// empty, 2 KiB for each 64^3. Colors take 4 bytes for each cell and 40 for each 8^3. Adding is not thread-safe;
+// everything else is.
 class VoxelScene {
  public:
   struct Hit {
     double t;
     Vec3i cell;
-    int facet;  // that the ray comes in by, of facets()
+    int facet;  // index in facets() of the one that the ray enters by
   };
 
   struct Facet {
-    Vec3i step;                      // to the neighbour behind it
-    Vec3d normal;                    // unit length, outwards
-    double distance;                 // from the cell's centre
-    std::array<double, 3> gradient;  // of normal * (position of a cell), for each of the cell's coordinates
+    Vec3i step;                      // to the neighbor behind it
+    Vec3d normal;                    // unit length, outward
+    double distance;                 // from the cell's center
+    std::array<double, 3> gradient;  // of normal * (position of a cell) by the cell's coordinates
   };
 
   VoxelScene(const GridTransform& grid, int shift);
 
-  // In any order; what is there already is no error. The scene is less than 2^20 cells long.
-  //   colors   of the brick's voxels, in lexicographic order of ijk: see client/tool/output/voxel_colors.h; or none,
-  //   for all
-  //            bricks. A cell of several voxels has the color of one of them, the same in whatever order they come.
+  // Adds the voxels of a brick, in any order and also repeatedly. The scene is less than 2^20 cells long.
+  //   colors   of the brick's voxels, in lexicographic order of ijk: see client/tool/output/voxel_colors.h; or empty
+  //            for all bricks. A cell of several voxels has the color of one of them, the same in any order of bricks.
   void Add(const Brick& brick, std::span<const uint32_t> colors = {});
 
-  // After the last Add: finds how far the next voxels are from what is empty, for rays to pass over it faster.
+  // Call it after the last Add. Computes the distance of empty bricks from voxels, so that rays can skip empty space.
   void Seal();
 
-  // The first cell along the ray. One that the ray begins in counts, with t = 0.
+  // Returns the first cell along the ray. A cell that contains the ray's beginning counts, with t = 0.
   std::optional<Hit> Cast(const Ray& ray) const;
 
   bool Has(const Vec3i& cell) const;
@@ -62,12 +62,12 @@ class VoxelScene {
   uint32_t ColorOf(const Vec3i& cell) const;  // precondition: colored(), Has(cell)
   Vec3d CenterOf(const Vec3i& cell) const;
   const std::vector<Facet>& facets() const { return facets_; }
-  double cell_size() const { return size_; }  // of a cell of volume 1, in world units
+  double cell_size() const { return size_; }  // edge of a cube with the volume of a cell, in world units
   bool empty() const { return masks_.empty(); }
-  const std::vector<Vec3d>& cell_corners() const { return corners_; }  // relative to its centre
+  const std::vector<Vec3d>& cell_corners() const { return corners_; }  // relative to its center
 
-  // Calls visit(cell) for every cell, in no particular order, but for those deep inside, of bricks that are full among
-  // bricks that are full: every line that meets a cell meets its last one, and its first, outside of these.
+  // Calls visit(cell) for every cell, in no particular order, except cells deep inside: those of full bricks surrounded
+  // by full bricks. Every line that meets a cell meets its first and last cell outside of these.
   template <class Visit>
   void ForEachOuter(const Visit& visit) const {
     ForEachBrick([&](const Brick& brick) {
@@ -75,7 +75,7 @@ class VoxelScene {
     });
   }
 
-  // Calls visit(brick) for every 8 x 8 x 8 cells of which one is there; the brick's voxels are cells.
+  // Calls visit(brick) for every 8 x 8 x 8 block with a cell. The voxels of the brick are cells.
   template <class Visit>
   void ForEachBrick(const Visit& visit) const {
     for (const auto& [tile_ijk, number] : tile_numbers_) {
@@ -89,17 +89,17 @@ class VoxelScene {
   }
 
  private:
-  static constexpr int kBricks = 512;  // of a tile
+  static constexpr int kBricks = 512;  // in a tile
   using Mask = decltype(Brick::mask);
-  using Tile = std::array<int32_t, kBricks>;  // into masks_; -d: bricks that are less than d away are empty, too
+  using Tile = std::array<int32_t, kBricks>;  // index in masks_; -d: empty, as are all bricks less than d away
   class Walk;
 
-  size_t Touch(const Vec3i& brick_ijk);            // its number in masks_
-  int32_t NumberOf(const Vec3i& brick_ijk) const;  // in masks_; below 0: it is empty
+  size_t Touch(const Vec3i& brick_ijk);            // returns its index in masks_
+  int32_t NumberOf(const Vec3i& brick_ijk) const;  // index in masks_; below 0: empty
   bool IsDeep(const Vec3i& brick_ijk) const;
   void Paint(const Brick& brick, std::span<const uint32_t> colors, const Vec3i& first, const Mask& before,
              size_t number);
-  Vec3i Nearest(const Vec3d& point, Vec3i cell) const;  // from a cell near by
+  Vec3i Nearest(const Vec3d& point, Vec3i cell) const;  // `cell` is a cell nearby
   Hit Meet(const Ray& ray, const Vec3i& cell) const;
 
   const int shift_;
@@ -108,14 +108,14 @@ class VoxelScene {
   double size_ = 1;  // world
   std::vector<Vec3d> corners_;
   std::vector<Facet> facets_;
-  std::vector<Facet> sides_;  // one of each two that are opposite
-  Vec3d reach_{};             // of a cell, in lattice coordinates
+  std::vector<Facet> sides_;  // one of each two opposite facets
+  Vec3d reach_{};             // extent of a cell from its point, in lattice coordinates
   std::optional<Vec3i> corner_;
   Vec3i low_{}, high_{};  // cells; corners of the bricks, half-open
   absl::flat_hash_map<Vec3i, int32_t> tile_numbers_;
   std::vector<Tile> tiles_;
   std::vector<Mask> masks_;
-  std::vector<std::vector<uint32_t>> colors_;  // of the cells of each mask, in their order; above them, 8 bits of rank
+  std::vector<std::vector<uint32_t>> colors_;  // of the cells of each mask, in order; the upper 8 bits are the rank
 };
 
 }  // namespace latvox::client

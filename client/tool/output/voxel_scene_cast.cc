@@ -1,4 +1,4 @@
-// How rays find their way through a scene.
+// Casts rays through a scene.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kMaxAhead = 7;  // facets that a ray can leave by: half of the 14 that a cell has at most
+constexpr int kMaxAhead = 7;  // facets that a ray can leave by: half of at most 14
 
 double Product(const Vec3i& cell, const std::array<double, 3>& v) {
   return cell[0] * v[0] + cell[1] * v[1] + cell[2] * v[2];
@@ -17,8 +17,8 @@ double Product(const Vec3i& cell, const std::array<double, 3>& v) {
 
 }  // namespace
 
-// Greedy: from any cell but the nearest, one of the facets has the point behind it, and stepping over it comes nearer.
-// Of two facets that are opposite, one is looked at.
+// Greedy: from any cell except the nearest, the point lies behind one of the facets, and the step over it comes nearer.
+// Opposite facets are tested together.
 Vec3i VoxelScene::Nearest(const Vec3d& point, Vec3i cell) const {
   constexpr double kOnFacet = 1e-9;
   for (;;) {
@@ -51,7 +51,7 @@ VoxelScene::Hit VoxelScene::Meet(const Ray& ray, const Vec3i& cell) const {
   return hit;
 }
 
-// One ray on its way: from cell to cell through the facet that it leaves by, and over what is empty at once.
+// Walks a ray from cell to cell through the facet that it leaves by, and skips empty blocks.
 class VoxelScene::Walk {
  public:
   Walk(const VoxelScene& scene, const Ray& ray)
@@ -76,7 +76,7 @@ class VoxelScene::Walk {
     t = std::max(t, 0.0);
     end = std::min(end, ray_.reach);
     if (!(t <= end)) return std::nullopt;
-    // Where nothing is near, a cell that is about right will do.
+    // In empty space an approximate cell suffices.
     Vec3i cell = Rounded(Sum(from_, t, along_));
     bool exact = false;
     while (t <= end) {
@@ -115,7 +115,7 @@ class VoxelScene::Walk {
     return {Dot(scene_.dual_.a, v), Dot(scene_.dual_.b, v), Dot(scene_.dual_.c, v)};
   }
 
-  // From which t to which the ray is in a box of lattice coordinates.
+  // Returns the interval of t in which the ray is in a box of lattice coordinates.
   std::pair<double, double> Within(const Vec3d& low, const Vec3d& high) const {
     double in = -std::numeric_limits<double>::infinity(), out = std::numeric_limits<double>::infinity();
     for (size_t m = 0; m < 3; ++m) {
@@ -130,7 +130,7 @@ class VoxelScene::Walk {
     return {in, out};
   }
 
-  // What is known to be empty around the cell. Side 0: nothing, the cell is there.
+  // Returns the known empty block around the cell. Side 0: the cell is occupied.
   Block BlockOf(const Vec3i& cell) {
     if (const Vec3i tile_ijk = ShiftRight(cell, 6); !known_ || tile_ijk != tile_ijk_) {
       const auto found = scene_.tile_numbers_.find(tile_ijk);
@@ -145,8 +145,8 @@ class VoxelScene::Walk {
     return {{(cell[0] & ~7) - around, (cell[1] & ~7) - around, (cell[2] & ~7) - around}, 8 + 2 * around};
   }
 
-  // Where the ray leaves those points of the block that are in none but its own cells; t if it is not among them. The
-  // lattice coordinates of a point differ from those of its cell by `reach_` at most.
+  // Returns where the ray leaves the points that belong only to cells of the block, or t if it is not among them. The
+  // lattice coordinates of a point differ from those of its cell by at most `reach_`.
   double Leave(const Block& block, double t) const {
     Vec3d low, high;
     for (size_t m = 0; m < 3; ++m) {

@@ -1,8 +1,8 @@
-// The panel beside the view: counts, certificate, colors, and which layers are shown. The address may end in
+// The panel beside the view: counts, certificate, colors and layers. The address may end in
 // #axis=k&layer=40&which=only&by=part&azimuth=30&elevation=22.
 "use strict";
 
-// How many voxels each layer across an axis has.
+// Returns the number of voxels of each layer across each axis.
 function countLayers(set) {
   const counts = data.low.map((low, m) => new Uint32Array(data.high[m] - low));
   set.forEach((i, j, k) => {
@@ -25,7 +25,7 @@ function fillPanel(set) {
   byId("about").open = matchMedia("(min-width: 641px)").matches;
 }
 
-// What the voxels are colored by: red, green, blue of each, or null.
+// Returns a function that returns red, green and blue of each voxel, or null.
 function usePaints(voxels, wanted) {
   const bytes = bytesOf("paints"), by = byId("by");
   byId("colors").hidden = data.paints.length === 0;
@@ -59,7 +59,7 @@ function describe({ ramp, legend }) {
   }
 }
 
-// Lattice coordinates i, j, k are what `latvox slice` calls x, y, z.
+// `latvox slice` accepts x, y, z for the lattice coordinates i, j, k.
 function useLayers(set, view, paints, wanted) {
   const axis = byId("axis"), layer = byId("layer"), which = byId("which"), counts = countLayers(set);
   const show = () => {
@@ -82,7 +82,7 @@ function useLayers(set, view, paints, wanted) {
   which.value = wanted.get("which") ?? "upto";
   axis.addEventListener("change", () => range());
   for (const each of [layer, which, byId("by")]) each.addEventListener("input", show);
-  // Of a band, what there is to see is inside.
+  // A band begins cut in the middle, because its content is inside.
   const m = axis.selectedIndex;
   range(wanted.get("layer") ?? (data.band ? Math.floor((data.low[m] + data.high[m]) / 2) : undefined));
   byId("cut").disabled = false;

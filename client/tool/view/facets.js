@@ -1,7 +1,7 @@
-// The facets of voxels' cells that there are to be seen, and points that stand for them. Needs voxels.js, no browser.
+// Visible facets of the voxels' cells, and points that stand for voxels. Needs voxels.js, no browser.
 "use strict";
 
-// Numbers of a typed array, more and more.
+// A typed array that grows.
 class Growing {
   constructor(Type) {
     this.array = new Type(1024);
@@ -25,8 +25,8 @@ class Growing {
   }
 }
 
-// Calls see(i, j, k, voxel, f) for each facet, that of steps[f], of each voxel of the set; of facets towards voxels of
-// the set for none. `outside`: the rows, by key, of what facets must lie towards; null: of all that is empty.
+// Calls see(i, j, k, voxel, f) for each facet (that of steps[f]) of each voxel of the set, except facets between two
+// voxels. The facets must face the points of `outside`, a function from keys to rows; null: all empty points.
 function forEachFacet(set, steps, outside, see) {
   const window = new Window(set, steps), turned = outside === null ? 255 : 0;
   const rowsOf = outside ?? ((key) => set.bricks.get(key)?.rows ?? NONE);
@@ -46,7 +46,7 @@ function forEachFacet(set, steps, outside, see) {
   }
 }
 
-// Directions as 16 bits: the octahedron unfolded to a square of 255 by 255 places.
+// Packs a direction into 16 bits: the octahedron unfolded to a square of 255 by 255.
 const NO_NORMAL = 65535;
 function packed(x, y, z) {
   const sum = Math.abs(x) + Math.abs(y) + Math.abs(z);
@@ -56,7 +56,8 @@ function packed(x, y, z) {
   return Math.round(127 * (1 + fold(u, v))) | (Math.round(127 * (1 + fold(v, u))) << 8);
 }
 
-// Where the surface faces at each voxel, packed: the sum of what its facets do. NO_NORMAL: none of them is seen.
+// Returns the packed normal of the surface at each voxel: the sum of its facets' normals. NO_NORMAL: no facet is
+// visible.
 function findNormals(set, facets, outside) {
   const sums = new Float32Array(3 * set.count());
   forEachFacet(set, facets.map(({ step }) => step), outside, (i, j, k, voxel, f) => {
@@ -65,8 +66,8 @@ function findNormals(set, facets, outside) {
   return Uint16Array.from({ length: sums.length / 3 }, (_, n) => packed(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]));
 }
 
-// For each step, the voxels that show the facet there: four numbers each, their coordinates from `origin` on and their
-// normals; and, if `numbered`, their numbers.
+// Returns for each step the voxels that show the facet there: four numbers each, coordinates relative to `origin` and
+// the normal. If `numbered`, returns the numbers of the voxels, too.
 function findFacets(set, steps, origin, outside, normals, numbered) {
   const cells = steps.map(() => new Growing(Uint16Array)), numbers = steps.map(() => []);
   forEachFacet(set, steps, outside, (i, j, k, voxel, f) => {
@@ -76,8 +77,8 @@ function findFacets(set, steps, origin, outside, normals, numbered) {
   return { cells: cells.map((of) => of.values()), numbers };
 }
 
-// Tells for voxels, brick after brick, the largest cubes, of 2^shift a side, of which they are the first.
-const COARSEST = 3; // a brick
+// Returns for voxels, brick by brick, the shift of the largest cube (2^shift a side) whose first voxel it is.
+const COARSEST = 3; // shift of a brick
 class Cubes {
   constructor() {
     this.taken = Array.from({ length: COARSEST + 1 }, (_, shift) => new Int32Array(512 >> (3 * shift)));
@@ -99,8 +100,9 @@ class Cubes {
   }
 }
 
-// The voxels with a normal, as findFacets has them, so that the first few stand for all: first one of each 8 x 8 x 8,
-// then of each 4 x 4 x 4 that has none yet, and so on; ends[n]: how many are of 2^n and more.
+// Returns the voxels with a normal, in the format of findFacets, ordered so that the first few represent all. One voxel
+// of each 8 x 8 x 8 comes first, then one of each remaining 4 x 4 x 4, and so on. The number of voxels of cubes of 2^n
+// and more is in ends[n].
 function scatter(set, origin, normals) {
   const cubes = new Cubes();
   const levels = Array.from({ length: COARSEST + 1 }, () => ({ found: new Growing(Uint16Array), of: [] }));
@@ -124,7 +126,7 @@ function scatter(set, origin, normals) {
   return { cells, numbers, ends };
 }
 
-// A number near the golden part of `count` that has no divisor with it: steps of it are spread evenly.
+// Returns a number near the golden section of `count` that is coprime to it. Steps of it spread evenly.
 function coprime(count) {
   const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
   let stride = Math.max(1, Math.round(0.618034 * count));

@@ -18,7 +18,7 @@
 #include "client/tool/output/voxel_walk.h"
 #include "client/tool/view/paints.h"
 
-// The files of this folder, as they are.
+// Embeds the files of this folder unchanged.
 #define LATVOX_EMBED(name, file)                                                                                       \
   asm(".pushsection .rodata\n.global " #name "\n.global " #name "_end\n" #name ":\n.incbin \"" LATVOX_VIEW_FOLDER file \
       "\"\n" #name "_end:\n.popsection\n");                                                                            \
@@ -37,7 +37,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little && sizeof(Brick::brick_ijk) + sizeof(Brick::mask) == 76);
 
 constexpr int64_t kMaxSide = 65536;
-constexpr int32_t kMaxStep = 8;  // what voxels.js reaches
+constexpr int32_t kMaxStep = 8;  // reach of voxels.js
 
 Json MetadataOf(const GridFileInfo& info) {
   Json metadata = Json::array();
@@ -48,15 +48,15 @@ Json MetadataOf(const GridFileInfo& info) {
 }
 
 absl::Status CheckSize(const GridFileInfo& info, const IndexBox& box, const std::string& title) {
-  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or less finely (--resolution, --voxel-size)";
+  constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or more coarsely (--resolution, --voxel-size)";
   if (info.active_voxels > kMaxPageVoxels) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat(title, ": ", info.active_voxels, " voxels are over the ", kMaxPageVoxels, " of a page", kRemedy));
+    return absl::ResourceExhaustedError(absl::StrCat(title, ": ", info.active_voxels, " voxels exceed the limit of ",
+                                                     kMaxPageVoxels, " of a page", kRemedy));
   }
   for (size_t m = 0; m < 3; ++m) {
     if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
       return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
-                                                       " are over the ", kMaxSide, " of a page", kRemedy));
+                                                       " exceed the limit of ", kMaxSide, " of a page", kRemedy));
     }
   }
   return absl::OkStatus();
@@ -67,8 +67,8 @@ absl::Status CheckSteps(const VoronoiCell& cell, const std::string& title) {
     for (const int32_t n : face.neighbor) {
       if (std::abs(n) <= kMaxStep) continue;
       return absl::ResourceExhaustedError(absl::StrCat(title, ": the step ", absl::StrJoin(face.neighbor, ","),
-                                                       " to a neighbour is over the ", kMaxStep,
-                                                       " of a page; a less skew basis has the same lattice"));
+                                                       " to a neighbor exceeds the limit of ", kMaxStep,
+                                                       " of a page; use a less skewed basis of the same lattice"));
     }
   }
   return absl::OkStatus();
@@ -86,7 +86,7 @@ Json FacetsOf(const VoronoiCell& cell, const Basis& basis) {
   return facets;
 }
 
-// A direction of the world as the viewer has it, y up: x stays on the right where z is up.
+// Returns a direction of the world in the view, where y is up. x stays on the right if z is up.
 Vec3d Turned(const Vec3d& v, UpAxis up) {
   if (up == UpAxis::kY) return v;
   return up == UpAxis::kZ ? Vec3d{v[0], v[2], -v[1]} : Vec3d{v[2], v[0], v[1]};
@@ -96,10 +96,10 @@ Basis TurnedBasis(const Basis& basis, UpAxis up) {
   return {Turned(basis.a, up), Turned(basis.b, up), Turned(basis.c, up)};
 }
 
-// Where the voxels are drawn: within 1 of 0.
+// Places the voxels within distance 1 of 0.
 struct Placement {
   Basis basis;
-  Vec3d middle{};  // lattice coordinates from the box's low corner on
+  Vec3d middle{};  // lattice coordinates relative to the low corner of the box
 };
 
 Placement PlacementOf(const GridFile& file, const IndexBox& box) {
@@ -170,7 +170,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
                      {"facets", FacetsOf(cell, basis)},
                      {"paints", Describe(*paints)},
                      {"band", content.band.has_value()}};
-  // No tag can begin within the JSON.
+  // Escapes "<", so that no tag can begin within the JSON.
   const std::string json =
       absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
   return absl::StrReplaceAll(Embedded(latvox_view_page, latvox_view_page_end),

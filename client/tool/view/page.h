@@ -12,18 +12,25 @@ namespace latvox::client {
 
 inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 
-// One HTML page that needs nothing else: the scripts of this folder, the library three, and the file's voxels:
+// Returns one HTML page that needs nothing else: the scripts of this folder, the library three, and the voxels of the
+// file:
 //
-//   data    JSON: title; metadata; low, high: the voxels' box, half-open; basis and middle: where a voxel is drawn,
-//           basis * (ijk - low - middle), the shape being within 1 of 0, and y up; axes: where the world's are, then;
-//           facets: of a cell, with normal, corners about its centre, and the step to the neighbour behind it
-//           paints: what voxels may be colored by: name, legend, whether that is a ramp; the first is the default;
-//           band: whether these are the voxels of one
-//   bricks  base64: brick_ijk and mask of each, 76 bytes, little-endian
-//   colors  base64: for each of the paints, red, green and blue of each voxel
+//   data     JSON, see below
+//   bricks   base64: brick_ijk and mask of each brick, 76 bytes, little-endian
+//   colors   base64: for each of the paints, red, green and blue of each voxel
 //
-// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; a basis so skew that a step
-// to a neighbour is more than 8 along an axis.
+// Fields of the JSON:
+//
+//   title, metadata   of the file
+//   low, high         the voxels' box, half-open
+//   basis, middle     a voxel is drawn at basis * (ijk - low - middle); the shape lies within 1 of 0, and y is up
+//   axes              directions of the world's axes in this frame
+//   facets            of a cell: normal, corners relative to its center, and step to the neighbor behind it
+//   paints            choices of colors: name, legend, whether the legend is a ramp; the first is the default
+//   band              whether these are the voxels of a band
+//
+// Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; a basis so skewed that a
+// step to a neighbor is more than 8 along an axis.
 absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up);
 
 }  // namespace latvox::client

@@ -10,7 +10,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr size_t kMostEntries = 24;  // of a legend
+constexpr size_t kMostEntries = 24;  // in a legend
 constexpr int kRampSteps = 32;
 
 ColorBy ByOf(Attribute attribute) {
@@ -27,7 +27,7 @@ ColorBy ByOf(Attribute attribute) {
 
 std::string Hex(uint32_t color) { return absl::StrFormat("#%06x", color); }
 
-// Ends and middle are named.
+// Labels the ends and the middle.
 void DescribeBand(const Band& band, Paint& paint) {
   paint.is_ramp = true;
   for (int n = 0; n <= kRampSteps; ++n) {
@@ -39,7 +39,7 @@ void DescribeBand(const Band& band, Paint& paint) {
   }
 }
 
-// Parts or materials, and how many voxels each has.
+// Lists parts or materials with their numbers of voxels.
 void DescribeNumbers(const GridContent& content, size_t which, Paint& paint) {
   std::map<uint32_t, uint64_t> counts;
   for (size_t n = which; n < content.numbers.size(); n += content.attributes.size()) ++counts[content.numbers[n]];

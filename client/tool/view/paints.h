@@ -1,4 +1,4 @@
-// What the voxels of a page may be colored by.
+// Choices of colors for the voxels of a page.
 #ifndef LATVOX_CLIENT_TOOL_VIEW_PAINTS_H_
 #define LATVOX_CLIENT_TOOL_VIEW_PAINTS_H_
 
@@ -13,12 +13,12 @@ namespace latvox::client {
 
 struct Paint {
   std::string name;                                         // "part", "material", "color" or "distance"
-  std::string bytes;                                        // red, green, blue of each voxel, in their order
-  bool is_ramp = false;                                     // whether the legend goes from one color to the next
-  std::vector<std::pair<std::string, std::string>> legend;  // "#rrggbb" and what it stands for, or nothing
+  std::string bytes;                                        // red, green, blue of each voxel, in order
+  bool is_ramp = false;                                     // whether the legend is a continuous ramp
+  std::vector<std::pair<std::string, std::string>> legend;  // "#rrggbb" and its meaning, or ""
 };
 
-// One for each thing that the voxels have besides their places; first what they are colored by unless somebody says.
+// Returns one paint for each attribute of the voxels, or for the distances. The default comes first.
 absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content);
 
 }  // namespace latvox::client

@@ -1,10 +1,10 @@
-// Draws cells: their facets, or a point for each, which is little work. What both show of a voxel is in a texel or a
-// vertex: its coordinates from the page's low corner on, and a packed normal.
+// Draws cells by their facets, or by one point each, which costs little. Both read a voxel from a texel or a vertex:
+// its coordinates relative to the low corner of the page, and a packed normal.
 "use strict";
 
-const LOT = 1 << 15, ROW = 2048; // facets of one call; texels of a row
+const LOT = 1 << 15, ROW = 2048; // facets per call; texels per row
 
-// Lit from above on the left of the viewer; what is plain has the color that its legend says. `normal`: of the view.
+// Light from above on the left of the viewer. Plain colors look as in the legend. `normal` is in the frame of the view.
 const LIGHT = `
   varying vec3 tone, smooth_normal;
   varying float plain;
@@ -59,8 +59,7 @@ const FACET_VERTEX = `${CELL}
     gl_Position = projectionMatrix * viewMatrix * vec4(basis * (cell.xyz - middle) + corners[corner], 1.0);
   }`;
 
-// Lines are drawn only if there are facets' middles, too. Cells that are too small to be told apart show the shape that
-// they make up.
+// Draws lines only if facets have a middle vertex. Cells too small to tell apart show the shape that they form.
 const FACET_FRAGMENT = `${LIGHT}
   uniform float lines, facets;
   varying vec3 facet_normal;
@@ -107,7 +106,8 @@ function cellUniforms(data, layer) {
   };
 }
 
-// The triangles of a lot of polygons of n corners: of the corners alone, or, for lines, more of them about a middle.
+// Returns the triangles of a lot of polygons of n corners. With lines, each polygon gets more triangles, around its
+// middle.
 const lots = new Map();
 function lotOf(n, withLines) {
   const name = `${n} ${withLines}`;
@@ -125,7 +125,7 @@ function lotOf(n, withLines) {
   return lots.get(name);
 }
 
-// Four numbers a texel; longer than `values` to fill a row.
+// Returns a texture of four numbers per texel, padded to full rows.
 function textureOf(values, format, type) {
   const rows = Math.ceil(values.length / 4 / ROW), texels = new values.constructor(4 * ROW * rows);
   texels.set(values);
@@ -134,19 +134,19 @@ function textureOf(values, format, type) {
   return texture;
 }
 
-// Red, green, blue of voxels, by their numbers; four bytes each.
+// Returns red, green and blue of the voxels with these numbers, four bytes each.
 function painted(numbers, paints) {
   const colors = new Uint8Array(4 * numbers.length);
   numbers.forEach((voxel, n) => colors.set(paints.subarray(3 * voxel, 3 * voxel + 3), 4 * n));
   return colors;
 }
 
-// The facets that findFacets tells, for each direction in lots. Vertices are made of the voxel, which a texture has,
-// and the corner: no instances, of which drawing in software makes a call each, and no vertex in memory.
+// Draws the facets of findFacets in lots for each direction. The shader computes vertices from the voxel, which is in a
+// texture, and the corner. Instances would cost a call each in software rendering, and vertices would cost memory.
 class Surface extends THREE.Group {
   //   data     the page's; see client/tool/view/page.h
   //   paints   red, green and blue of each voxel, or null
-  //   layer    of which coordinates the cells have another color: normal and offset
+  //   layer    normal and offset of the layer whose cells have another color
   constructor(data, { cells, numbers }, paints, layer) {
     super();
     this.data = data;
@@ -191,7 +191,8 @@ class Surface extends THREE.Group {
     return new THREE.ShaderMaterial({ vertexShader: FACET_VERTEX, fragmentShader: FACET_FRAGMENT, defines, uniforms });
   }
 
-  // Leaves out the facets that all cells turn away from the viewer: the shape is within 1 of 0. `pixels`: of a cell.
+  // Hides the facets that all cells turn away from the viewer. The shape lies within 1 of 0. `pixels` is the size of a
+  // cell.
   prepare(position, pixels) {
     const withLines = pixels > 8;
     this.lines.value = withLines ? 1 : 0;
@@ -212,9 +213,9 @@ class Surface extends THREE.Group {
   }
 }
 
-// The voxels that scatter tells, as points.
+// Draws the voxels of scatter as points.
 class Cloud extends THREE.Points {
-  // As of Surface.
+  // Takes the arguments of Surface.
   constructor(data, { cells, numbers, ends }, paints, layer) {
     const uniforms = { ...cellUniforms(data, layer), size: { value: 1 }, below: { value: Infinity } };
     const defines = paints === null ? {} : { PAINTED: "" };
@@ -229,17 +230,17 @@ class Cloud extends THREE.Points {
     this.ends = ends;
   }
 
-  // Shows up to `most`, large enough to stand for the others, too; `pixels`: of a cell at distance 1.
+  // Shows up to `most` points, large enough to stand for the others. `pixels` is the size of a cell at distance 1.
   prepare(most, pixels) {
     const shown = Math.min(this.count, most), level = this.ends.findIndex((end) => end <= shown);
     const coarser = level < 0 ? this.ends.length : level;
     const from = this.ends[coarser] ?? 0, to = this.ends[coarser - 1] ?? Infinity;
-    const share = (shown - from) / (to - from); // of those that are finer
+    const share = (shown - from) / (to - from); // share of the finer level
     this.geometry.setDrawRange(0, shown);
     this.material.uniforms.size.value = 1.3 * pixels * 2 ** coarser * (1 - 0.4 * share);
   }
 
-  // Leaves out the cells of which the layer's coordinate is more than this.
+  // Hides the cells beyond this layer.
   cut(below) {
     this.material.uniforms.below.value = below;
   }

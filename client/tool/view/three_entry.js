@@ -1,4 +1,4 @@
-// What view.js needs of three.js: `bundle` makes three.js of it.
+// The parts of three.js that view.js needs: `bundle` makes three.js from them.
 export {
   BufferAttribute,
   BufferGeometry,

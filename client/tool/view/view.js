@@ -1,19 +1,19 @@
-// Shows the voxels of the page: their Voronoi cells' facets, but for those that cannot be seen; while something moves,
-// and the device cannot draw them in time, a point for each voxel.
+// Shows the voxels of the page by the visible facets of their Voronoi cells. If the device is too slow while something
+// moves, shows one point per voxel.
 // The page's data: see client/tool/view/page.h.
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 const steps = data.facets.map(({ step }) => step);
-const IN_TIME = 50; // milliseconds of a frame
+const IN_TIME = 50; // milliseconds per frame
 const FEWEST = 20000; // points
 
 function bytesOf(id) {
   return Uint8Array.from(atob(byId(id).textContent), (c) => c.charCodeAt(0));
 }
 
-// Brick coordinates (int32, 3) and masks (8 words of 64 bits), little-endian, 76 bytes each.
+// Reads brick coordinates (int32, 3) and masks (8 words of 64 bits), little-endian, 76 bytes per brick.
 function readVoxels() {
   const bytes = bytesOf("masks"), view = new DataView(bytes.buffer), set = new VoxelSet(data.low, data.high);
   for (let at = 0, voxel = 0; at < bytes.length; at += 76) {
@@ -24,7 +24,7 @@ function readVoxels() {
   return set;
 }
 
-// The voxels that are shown: all, those up to a layer, or a layer.
+// The visible voxels: all, those up to a layer, or one layer.
 class Shape {
   constructor(set) {
     this.set = set;
@@ -35,7 +35,7 @@ class Shape {
     this.buildTime = 0;
   }
 
-  // `paints`: red, green and blue of each voxel, or null.
+  // `paints` has red, green and blue of each voxel, or is null.
   paint(paints) {
     this.cloud?.dispose();
     this.paints = paints;
@@ -60,7 +60,7 @@ class Shape {
     return this.surface !== null;
   }
 
-  // Of a shape that is cut, with all facets: there is no inside.
+  // A shape that is cut shows all facets, because it has no inside.
   facets() {
     if (this.surface === null) {
       const start = performance.now(), { set, all, keep, outside, normals, paints } = this;
@@ -74,7 +74,7 @@ class Shape {
 
   points() {
     if (this.layerCloud === null) {
-      const some = new Uint16Array(this.normals.length); // normals, so that none is left out
+      const some = new Uint16Array(this.normals.length); // zero normals, so that scatter keeps every voxel
       const layer = this.set.filter(this.all ? () => false : this.inLayer);
       this.layerCloud = new Cloud(data, scatter(layer, data.low, some), this.paints, this.layer);
     }
@@ -86,12 +86,12 @@ class View {
   constructor(set) {
     const canvas = document.createElement("canvas"), slow = drawsInSoftware();
     const context = canvas.getContext("webgl2", { alpha: true, antialias: !slow });
-    if (context === null) throw new Error("WebGL 2 is switched off, or this browser or its graphics driver has none");
+    if (context === null) throw new Error("WebGL 2 is switched off, or the browser or its graphics driver does not support it");
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     byId("scene").append(canvas);
     canvas.tabIndex = 0;
     canvas.setAttribute("aria-label", "the voxels; arrow keys turn them");
-    canvas.addEventListener("webglcontextlost", () => tell("The graphics device is lost; waiting until it is back."));
+    canvas.addEventListener("webglcontextlost", () => tell("The graphics device was lost; waiting for it to return."));
     canvas.addEventListener("webglcontextrestored", () => (tell(""), this.change()));
     canvas.addEventListener("keydown", (event) => this.press(event));
     this.shape = new Shape(set);
@@ -101,7 +101,7 @@ class View {
     Object.assign(this.controls, { zoomToCursor: true, minDistance: 0.02, maxDistance: 40 });
     this.controls.addEventListener("change", () => this.change());
     new ResizeObserver(() => this.resize()).observe(byId("scene"));
-    this.cost = slow ? set.count() / 400 : 0; // of drawing all facets, milliseconds
+    this.cost = slow ? set.count() / 400 : 0; // milliseconds to draw all facets
     this.most = 10 * FEWEST; // points
     this.waiting = false;
   }
@@ -112,13 +112,13 @@ class View {
     this.change();
   }
 
-  // The shape is a ball of radius 1 at most, about 0.
+  // The shape lies within radius 1 of 0.
   home(azimuth, elevation) {
     this.controls.target.set(0, 0, 0);
     this.look(azimuth, elevation, 4 / Math.min(1, this.camera.aspect));
   }
 
-  // Degrees: about the axis that points up, and above.
+  // Angles in degrees: about the up axis, and above the horizon.
   look(azimuth, elevation, distance) {
     const [a, e] = [azimuth, Math.max(-89.9, Math.min(89.9, elevation))].map((degrees) => (degrees * Math.PI) / 180);
     const towards = new THREE.Vector3(Math.cos(e) * Math.sin(a), Math.sin(e), Math.cos(e) * Math.cos(a));
@@ -150,7 +150,7 @@ class View {
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
-    if (this.drawn !== undefined) this.draw(this.drawn); // a canvas of another size is empty
+    if (this.drawn !== undefined) this.draw(this.drawn); // resizing clears the canvas
     this.change();
   }
 
@@ -167,7 +167,7 @@ class View {
     requestAnimationFrame(() => ((this.waiting = false), this.frame()));
   }
 
-  // Never more than one frame is under way, so that what is shown is not late.
+  // At most one frame is in flight, so that the picture is never late.
   frame() {
     const now = performance.now(), gl = this.renderer.getContext();
     if (this.fence) {
@@ -212,7 +212,7 @@ class View {
     this.stale = false;
   }
 
-  // About how wide a cell is at distance 1.
+  // Returns the approximate width of a cell at distance 1.
   cellPixels() {
     const [a, b, c] = data.basis.map((vector) => new THREE.Vector3(...vector));
     const perUnit = this.renderer.domElement.height / (2 * Math.tan((15 * Math.PI) / 180));
@@ -220,7 +220,7 @@ class View {
   }
 }
 
-// Whether there is no graphics device. Smooth edges would take most of the time, then.
+// Returns whether there is no graphics device. Smooth edges would then take most of the time.
 function drawsInSoftware() {
   const gl = document.createElement("canvas").getContext("webgl2");
   const info = gl?.getExtension("WEBGL_debug_renderer_info");
@@ -229,7 +229,7 @@ function drawsInSoftware() {
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
-// The world's axes, and the step from one layer to the next.
+// Draws the world's axes, and the step from one layer to the next.
 function showAxes(camera, axis) {
   const arrows = [...data.axes.map((to, m) => ["axis", "xyz"[m], to]), ["step", "ijk"[axis], data.basis[axis]]];
   byId("axes").innerHTML = arrows.map(([kind, name, vector]) => {

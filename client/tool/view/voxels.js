@@ -1,21 +1,21 @@
-// Sets of voxels, and what is outside of them. Needs no browser.
+// Sets of voxels, and the space outside of them. Needs no browser.
 //
 //   brick   8 x 8 x 8 lattice points as 64 rows, bytes: bit z of row x << 3 | y
-//   key     of a brick: its place in the box of all bricks, which has one more on every side, all empty
-//   step    from a lattice point to the neighbour behind a facet of its cell
+//   key     index of a brick in the box of all bricks, which has a margin of one empty brick on every side
+//   step    from a lattice point to the neighbor behind a facet of its cell
 "use strict";
 
 const NONE = new Uint8Array(64), ALL = new Uint8Array(64).fill(255);
 const BITS = Uint8Array.from({ length: 256 }, (_, byte) => [...byte.toString(2)].filter((bit) => bit === "1").length);
-const MOST_BRICKS = 1 << 24; // of the box, for what is outside to be found
+const MOST_BRICKS = 1 << 24; // largest box in which the outside is computed
 
 class VoxelSet {
-  // Of lattice points from `low` to below `high`.
+  // Holds lattice points from `low` to below `high`.
   constructor(low, high) {
     this.first = low.map((n) => (n >> 3) - 1); // brick of key 0
     this.size = high.map((n, m) => ((n - 1) >> 3) - this.first[m] + 2);
     this.strides = [this.size[1] * this.size[2], this.size[2], 1];
-    this.bricks = new Map(); // key -> { corner, rows, voxel, all }; voxel: the number of the first of `all`
+    this.bricks = new Map(); // key -> { corner, rows, voxel, all }; voxel: number of the first voxel of `all`
   }
 
   keyOf(i, j, k) {
@@ -28,7 +28,7 @@ class VoxelSet {
     return [Math.floor(key / far), Math.floor((key % far) / side), key % side];
   }
 
-  // `voxel`: the number of its first voxel; they are counted in the order of rows and bits.
+  // `voxel` is the number of its first voxel. Voxels are counted in the order of rows and bits.
   addBrick(corner, rows, voxel) {
     this.bricks.set(this.keyOf(...corner), { corner, rows, voxel });
   }
@@ -50,7 +50,7 @@ class VoxelSet {
     }
   }
 
-  // The voxels for which keep(i, j, k), with their numbers here.
+  // Returns the voxels with keep(i, j, k). They keep their numbers.
   filter(keep) {
     const kept = Object.assign(new VoxelSet([0, 0, 0], [0, 0, 0]), this, { bricks: new Map() });
     for (const [key, { corner, rows, voxel }] of this.bricks) {
@@ -73,24 +73,24 @@ class VoxelSet {
   }
 }
 
-// The rows about a brick, and how to look along a step in them: the row where a step leads is `along[f]` farther on,
-// and shifted by `bits[f]` to the right its bit z is what the step from z leads to.
+// The rows around a brick, and the offsets of steps in them. Step f leads to the row `along[f]` farther on. That row,
+// shifted right by `bits[f]`, has in bit z the end of the step from z.
 class Window {
   constructor(set, steps) {
     this.set = set;
-    this.reach = Math.max(...steps.flat().map(Math.abs)); // 8 at most
+    this.reach = Math.max(...steps.flat().map(Math.abs)); // at most 8
     this.side = 8 + 2 * this.reach;
     this.along = steps.map(([x, y]) => x * this.side + y);
     this.bits = steps.map(([, , z]) => z + this.reach);
     this.rows = new Uint32Array(this.side * this.side);
   }
 
-  // Where row (0, 0) of the brick is.
+  // Returns the index of row (0, 0) of the brick.
   get middle() {
     return this.reach * this.side + this.reach;
   }
 
-  // rowsOf(key): of each brick.
+  // Fills the window around a brick. rowsOf(key) returns the rows of a brick.
   fill(key, rowsOf) {
     const { reach, side, rows } = this, [farX, farY] = this.set.strides, mask = (1 << reach) - 1;
     const near = [];
@@ -111,9 +111,9 @@ class Window {
   }
 }
 
-// What is empty and can be reached from outside, through facets: rowsOf(key).
+// The empty points that are reachable from outside through facets. rowsOf(key) returns them.
 class Outside {
-  // Null if the box is too large for it to be found.
+  // Returns null if the box is too large.
   static of(set, steps) {
     return set.size[0] * set.strides[0] > MOST_BRICKS ? null : new Outside(set, steps);
   }
@@ -121,13 +121,13 @@ class Outside {
   constructor(set, steps) {
     this.set = set;
     this.window = new Window(set, steps);
-    this.open = new Uint8Array(set.size[0] * set.strides[0]); // bricks without a voxel that are outside
-    this.reached = new Map([...set.bricks.keys()].map((key) => [key, new Uint8Array(64)])); // of the others
+    this.open = new Uint8Array(set.size[0] * set.strides[0]); // empty bricks that are outside
+    this.reached = new Map([...set.bricks.keys()].map((key) => [key, new Uint8Array(64)])); // reached points of the other bricks
     this.rowsOf = (key) => this.reached.get(key) ?? (this.open[key] === 1 ? ALL : NONE);
     this.spread();
   }
 
-  // From the corner on; empty bricks first, which cost least.
+  // Spreads from the corner. Empty bricks come first, because they cost least.
   spread() {
     const waiting = new Uint8Array(this.open.length), empty = [], others = [];
     const wake = (key) => this.forEachNear(key, (next) => {
@@ -156,7 +156,7 @@ class Outside {
     }
   }
 
-  // Whether an empty brick is outside: it is as a whole if any of it is.
+  // Tests whether an empty brick is outside. It is outside as a whole if any of its points is.
   enter(key) {
     const place = this.set.placeOf(key), rim = place.some((n, m) => n === 0 || n === this.set.size[m] - 1);
     const beside = this.set.strides.some((far) => this.open[key - far] === 1 || this.open[key + far] === 1);
@@ -170,7 +170,7 @@ class Outside {
     return true;
   }
 
-  // The points of a row from which some step leads to what is reached.
+  // Returns the points of a row with a step to a reached point.
   reachedFrom(row) {
     const { rows, along, bits, side, middle } = this.window;
     const at = middle + (row >> 3) * side + (row & 7);
@@ -179,7 +179,7 @@ class Outside {
     return found & 255;
   }
 
-  // Whether more of a brick with voxels is reached than was known.
+  // Extends the reached points of a brick with voxels. Returns whether there are new ones.
   grow(key) {
     const reached = this.reached.get(key), full = this.set.bricks.get(key).rows;
     this.window.fill(key, this.rowsOf);

@@ -46,8 +46,8 @@ BrickMask With(int x, int y, int z, BrickMask mask = {}) {
   return mask;
 }
 
-// The contract's octree, straight from its definition: whether the cube of `side` at (x, y, z) holds a cell, and, in
-// levels[0..2], a byte for each node that does. Bytes of one level come in Morton order by the order of the recursion.
+// The contract's octree by its definition. Returns whether the cube of `side` at (x, y, z) holds a cell. Adds to
+// levels[0..2] a byte for each node with a cell. The recursion brings the bytes of a level in Morton order.
 bool AddOctree(const BrickMask& mask, int side, int x, int y, int z, std::string* levels) {
   if (side == 1) return Has(mask, x, y, z);
   int byte = 0;
@@ -68,7 +68,7 @@ std::string OctreeOf(const BrickMask& mask) {
   return levels[0] + levels[1] + levels[2];
 }
 
-// A tile of bricks at the places `which`, all with this mask.
+// Returns a tile with bricks at the places `which`, all with this mask.
 TileBricks TileWith(const Vec3i& tile_ijk, const BrickMask& which, const BrickMask& mask) {
   TileBricks tile{tile_ijk, {}};
   for (int n = 0; n < 512; ++n) {
@@ -98,7 +98,7 @@ void ExpectSame(const std::vector<client::Brick>& bricks, const std::vector<Tile
   ASSERT_EQ(n, bricks.size());
 }
 
-// By all kernels: the bytes that the format wants, and back.
+// Every kernel packs the tiles to the bytes of the format, and unpacks these to the tiles.
 void ExpectRoundTrip(const std::vector<TileBricks>& tiles) {
   std::string wanted;
   for (const TileBricks& tile : tiles) {
@@ -119,7 +119,7 @@ void ExpectRoundTrip(const std::vector<TileBricks>& tiles) {
   }
 }
 
-// What the first tile of a request might be: a curved surface through 512 bricks or fewer.
+// Returns a tile like the first one of a request: a curved surface through at most 512 bricks.
 TileBricks CurvedTile() {
   TileBricks tile{{3, -7, 11}, {}};
   for (int n = 0; n < 512; ++n) {
@@ -187,7 +187,7 @@ TEST(PackedFormat, HoldsEachRowOfEightAtEachPlaceAlongEachAxis) {
   }
 }
 
-TEST(PackedFormat, HoldsWhateverTheDensity) {
+TEST(PackedFormat, HoldsBricksOfEveryDensity) {
   std::mt19937_64 random(20261120);
   for (const int percent : {1, 3, 10, 30, 50, 80, 97, 100}) {
     const auto mask = [&] {
@@ -225,7 +225,6 @@ TEST(PackedFormat, HoldsEveryTileOfLatticeCoordinatesAndNoOther) {
   }
 }
 
-// Where it ends makes no difference to how well it is read: the last octrees are read with less room behind them.
 TEST(Bricks, AreCountedFromNoVoxelToAll) {
   client::Brick brick;
   brick.mask = {};
@@ -237,11 +236,12 @@ TEST(Bricks, AreCountedFromNoVoxelToAll) {
   EXPECT_EQ(client::CountVoxels(brick), 512);
 }
 
-TEST(Unpack, RefusesWhatEndsEarlyAndReadsNothingBeyond) {
+// The fast kernel leaves the last octrees, with less room behind them, to the portable code.
+TEST(Unpack, RefusesTruncatedBytesAndReadsNothingBeyondThem) {
   const std::string whole = Pack({TileWith({0, 0, 0}, With(1, 2, 3), With(3, 2, 1)), CurvedTile()});
   const size_t first = 12 + 3 + 3;
   for (size_t size = 0; size < whole.size(); ++size) {
-    const std::vector<char> part(whole.begin(), whole.begin() + size);  // a sanitizer sees its end
+    const std::vector<char> part(whole.begin(), whole.begin() + size);  // a vector, so that a sanitizer sees its end
     for (const UnpackKernel kernel : UnpackKernels()) {
       std::vector<client::Brick> bricks;
       const absl::Status status = UnpackBricks({part.data(), part.size()}, bricks, kernel);
@@ -259,7 +259,7 @@ TEST(Unpack, RefusesNodesWithoutCells) {
   for (const Brick& brick : tile.bricks) {
     which = With(brick.brick_ijk[0] & 7, brick.brick_ijk[1] & 7, brick.brick_ijk[2] & 7, which);
   }
-  std::set<size_t> roots = {12};  // where a byte 0 stands for all cells
+  std::set<size_t> roots = {12};  // places where a byte 0 stands for all cells
   size_t end = 12 + OctreeOf(which).size();
   for (const Brick& brick : tile.bricks) {
     roots.insert(end);
@@ -277,7 +277,7 @@ TEST(Unpack, RefusesNodesWithoutCells) {
   }
 }
 
-// Bricks as tiles, where no tile follows upon itself.
+// Groups bricks into tiles. Precondition: no tile comes twice in a row.
 std::vector<TileBricks> TilesOf(const std::vector<client::Brick>& bricks) {
   std::vector<TileBricks> tiles;
   for (const client::Brick& brick : bricks) {
@@ -288,8 +288,8 @@ std::vector<TileBricks> TilesOf(const std::vector<client::Brick>& bricks) {
   return tiles;
 }
 
-// What is read from anything is the same by every kernel, and packs to the very bytes it came from.
-TEST(Unpack, MakesSenseOfAnythingOrRefusesIt) {
+// All kernels decode arbitrary bytes alike; bricks that were decoded pack to the same bytes again.
+TEST(Unpack, DecodesOrRefusesArbitraryBytes) {
   const std::string whole = Pack({CurvedTile(), TileWith({1, 1, 1}, With(0, 0, 0, With(7, 7, 7)), With(1, 1, 1))});
   std::mt19937_64 random(7);
   int accepted = 0, refused = 0;
@@ -298,7 +298,7 @@ TEST(Unpack, MakesSenseOfAnythingOrRefusesIt) {
     for (uint64_t changes = random() % 3; changes > 0; --changes) {
       const size_t n = random() % bad.size();
       const auto byte = static_cast<uint8_t>(bad[n]);
-      bad[n] = static_cast<char>(random() % 4 == 0 ? random() : std::rotl(byte, 1));  // as many nodes as before
+      bad[n] = static_cast<char>(random() % 4 == 0 ? random() : std::rotl(byte, 1));  // keeps the number of nodes
     }
     std::vector<client::Brick> bricks, others;
     const absl::Status status = UnpackBricks(bad, bricks, UnpackKernel::kPortable);
@@ -368,7 +368,7 @@ TEST(Zstd, RefusesFramesThatAreNotWhatTheySay) {
   EXPECT_LE(out.capacity(), 2u << 20);
 }
 
-// All of a job's bricks through batches of this encoding, held against what the job gave.
+// Passes all bricks of a job through batches of this encoding, and compares them with those of the job.
 void ExpectWholeJob(NamedLattice name, int separability, BrickEncoding encoding) {
   TriangleMesh mesh{{{0, 0, 0}, {90, 13, 31}, {7, 88, -20}, {35, 23, 97}},
                     {{{0, 1, 2}}, {{0, 3, 1}}, {{1, 3, 2}}, {{0, 2, 3}}}};
@@ -433,7 +433,7 @@ TEST(PackedBatches, BeginSmallAndThenHaveAQuarterToOneMebibyte) {
   }
 }
 
-// Tiles of a megabyte of values each.
+// Each tile has a megabyte of values.
 TEST(Batches, HoldTheValuesOfTheirBricksAndEndBeforeTheirLimit) {
   BrickMask full;
   full.fill(~uint64_t{0});

@@ -1,4 +1,4 @@
-// The tables of named lattices: the core's, the SDK's and the protocol's are one.
+// The core, the SDK and the protocol have the same tables of named lattices.
 #include <gtest/gtest.h>
 
 #include <string>

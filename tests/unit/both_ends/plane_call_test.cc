@@ -1,4 +1,4 @@
-// Pixelize: the SDK against the server itself, and against servers that answer what they like.
+// Pixelize: the SDK against the server itself, and against servers with arbitrary answers.
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 
@@ -28,7 +28,7 @@ using testing::HasSubstr;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A spiral and a triangle that it crosses.
+// Returns a spiral and a triangle that it crosses.
 std::vector<client::Polyline> Curves() {
   client::Polyline spiral;
   for (int n = 0; n < 200; ++n) spiral.points.push_back({n * std::cos(0.2 * n), n * std::sin(0.2 * n)});
@@ -63,7 +63,7 @@ class PixelizeCall : public client::FilesTest {
   std::optional<Client> client_;
 };
 
-TEST_F(PixelizeCall, AnswersWhatCoreComputes) {
+TEST_F(PixelizeCall, ReturnsThePixelsOfCore) {
   Start();
   std::vector<Polyline> polylines;
   for (const client::Polyline& polyline : Curves()) polylines.push_back({polyline.points, polyline.closed});
@@ -95,7 +95,7 @@ TEST_F(PixelizeCall, AnswersWhatCoreComputes) {
   }
 }
 
-TEST_F(PixelizeCall, EveryAlgorithmSaysItsName) {
+TEST_F(PixelizeCall, EveryAlgorithmReturnsItsName) {
   Start();
   client::PixelizeRequest request = Request();
   request.lattice = client::NamedPlaneLattice::kHexagonal;
@@ -195,7 +195,7 @@ TEST_F(PixelizeCall, EndsWithTheCallersCancellationAndDeadline) {
   client::CallOptions late;
   late.deadline = absl::Now() - absl::Seconds(1);
   EXPECT_EQ(client_->Pixelize(Request(), late).status().code(), absl::StatusCode::kDeadlineExceeded);
-  // While it is computed, at any moment.
+  // Cancellation at any moment of the computation.
   client::PixelizeRequest heavy = Request();
   heavy.resolution = 12000;
   for (int n = 0; n < 30; ++n) {
@@ -231,7 +231,7 @@ v1::PixelizeRequest GoodProto() {
   return request;
 }
 
-// With a budget of its own.
+// Pixelizes with its own memory budget.
 absl::StatusOr<v1::PixelizeResponse> PixelizeAlone(const v1::PixelizeRequest& request, PixelizationFacts& facts,
                                                    StopSignal stop = {}) {
   MemoryBudget budget(Limits().memory_budget_bytes);
@@ -293,7 +293,7 @@ TEST(PixelizePolylines, NamesTheFieldOfEveryBadRequest) {
   }
 }
 
-TEST(PixelizePolylines, HoldsLongCurvesAgainstTheLimitBeforeItDigitizes) {
+TEST(PixelizePolylines, ChecksLongCurvesAgainstTheLimitBeforeItDigitizes) {
   v1::PixelizeRequest request = GoodProto();
   for (int n = 0; n < 1000; ++n) {
     request.mutable_polylines(0)->add_xy(n % 2 == 0 ? 0 : 60000);
@@ -306,7 +306,7 @@ TEST(PixelizePolylines, HoldsLongCurvesAgainstTheLimitBeforeItDigitizes) {
   EXPECT_LT(facts.pixelize_ms, 1000);
 }
 
-TEST(PixelizePolylines, ReservesWhatItTakesBeforeItTakesIt) {
+TEST(PixelizePolylines, ReservesMemoryBeforeItUsesIt) {
   v1::PixelizeRequest request = GoodProto();
   request.mutable_polylines(0)->set_xy(2, 50000);
   PixelizationFacts facts;
@@ -339,7 +339,7 @@ TEST(PixelizePolylines, IsCancelledBeforeItDigitizes) {
   EXPECT_EQ(PixelizeAlone(GoodProto(), facts, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
 }
 
-// Answers with what it is made with.
+// Always answers with the response of its constructor.
 class Forger final : public v1::Voxelizer::Service {
  public:
   explicit Forger(v1::PixelizeResponse response) : response_(std::move(response)) {}

@@ -1,4 +1,4 @@
-// Every pair of options of a request: what the server, the SDK and the tool answer is what the one table of rules says.
+// Server, SDK and tool follow the one table of rules for every pair of options of a request.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -29,7 +29,7 @@ namespace {
 using client::Client;
 using testing::HasSubstr;
 
-// One option as each layer has it. `name` is that of the table.
+// One option in the form of each layer. `name` is that of the table.
 struct Spelling {
   std::string name;
   std::function<void(VoxelizeOptions&)> in_core;
@@ -150,7 +150,7 @@ std::vector<Spelling> Spellings() {
   return all;
 }
 
-// Message, field and other of a refusal; nothing if there is none.
+// Message, field and other of a refusal; empty texts if there is none.
 struct Answer {
   std::string message, field, other;
   bool operator==(const Answer&) const = default;
@@ -194,12 +194,12 @@ class RequestRules : public client::FilesTest {
     request.resolution = 9;
     const absl::Status status = client_->Voxelize(request, drc_, {}).status();
     const client::ErrorDetails details = client::GetErrorDetails(status);
-    // The mesh has no attributes, which is another error: only what is wrong with the request counts.
+    // Only errors of the request count. The mesh has no attributes, which is another error.
     if (status.ok() || details.reason != "BAD_SPEC") return {};
     return {std::string{status.message()}, details.field, details.other};
   }
 
-  // The tool's exit status and its line on standard error.
+  // Returns the tool's exit status and its line on standard error.
   std::pair<int, std::string> OfTool(const std::vector<std::string>& options) {
     const std::string command =
         absl::StrCat(LATVOX, " voxelize ", Path("part.obj"), " --resolution 9 -o ", Path("out.csv"),
@@ -250,7 +250,7 @@ TEST_F(RequestRules, AreTheSameForServerSdkAndTool) {
     }
   }
   EXPECT_EQ(refused,
-            Exclusions().size() + 4);  // both are refused, too, where one of them excludes what the other implies
+            Exclusions().size() + 4);  // four more pairs: one option excludes something that the other one implies
 }
 
 TEST(Spellings, NameEveryOptionOfTheTable) {

@@ -1,4 +1,4 @@
-// A server that answers what a test likes, and answers that keep the protocol.
+// A server with the answers of a test, and a set of answers that keep the protocol.
 #ifndef LATVOX_TESTS_UNIT_CLIENT_FAKE_SERVER_H_
 #define LATVOX_TESTS_UNIT_CLIENT_FAKE_SERVER_H_
 
@@ -21,12 +21,12 @@
 namespace latvox::client {
 
 using Stream = grpc::ServerReaderWriter<v1::VoxelizeResponse, v1::VoxelizeRequest>;
-using Behaviour = std::function<grpc::Status(grpc::ServerContext*, Stream*)>;
+using Behavior = std::function<grpc::Status(grpc::ServerContext*, Stream*)>;
 
 class FakeService final : public v1::Voxelizer::Service {
  public:
-  explicit FakeService(Behaviour behaviour) : behaviour_(std::move(behaviour)) {}
-  grpc::Status Voxelize(grpc::ServerContext* context, Stream* stream) override { return behaviour_(context, stream); }
+  explicit FakeService(Behavior behavior) : behavior_(std::move(behavior)) {}
+  grpc::Status Voxelize(grpc::ServerContext* context, Stream* stream) override { return behavior_(context, stream); }
   grpc::Status GetLimits(grpc::ServerContext*, const v1::GetLimitsRequest*, v1::GetLimitsResponse* response) override {
     response->set_max_extent(65536);
     response->set_version("fake");
@@ -34,13 +34,13 @@ class FakeService final : public v1::Voxelizer::Service {
   }
 
  private:
-  Behaviour behaviour_;
+  Behavior behavior_;
 };
 
 // A server in this process, with a client connected to it.
 class Fake {
  public:
-  explicit Fake(Behaviour behaviour) : service_(std::move(behaviour)) {
+  explicit Fake(Behavior behavior) : service_(std::move(behavior)) {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::ServerBuilder builder;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
@@ -107,7 +107,7 @@ struct Answers {
 inline const std::string kMesh(3000000, 'm');
 
 // Reads everything, then sends these answers.
-inline Behaviour Send(const std::vector<v1::VoxelizeResponse>& answers) {
+inline Behavior Send(const std::vector<v1::VoxelizeResponse>& answers) {
   return [answers](grpc::ServerContext*, Stream* stream) {
     for (v1::VoxelizeRequest request; stream->Read(&request);) continue;
     for (const auto& answer : answers) stream->Write(answer);

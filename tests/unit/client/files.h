@@ -42,7 +42,7 @@ class FilesTest : public testing::Test {
   TemporaryDirectory directory_;
 };
 
-// The bytes of a value as it lies in memory.
+// Returns the bytes of a value in memory.
 template <class T>
 std::string Bytes(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof(value)};

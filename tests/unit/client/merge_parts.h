@@ -20,12 +20,12 @@ class MergeTest : public FilesTest {
   using Bricks = std::vector<Brick>;
   using Edit = std::function<void(openvdb::BoolGrid&)>;
 
-  // Not orthogonal, and nowhere near the world's origin.
+  // Not orthogonal, and far from the world's origin.
   static GridTransform MakeTransform() {
     return {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1000, -2, 3e-5}, 0.15874010519681994};
   }
 
-  // Some voxels, others in each brick.
+  // Every brick has other voxels.
   static Brick MakeBrick(const Vec3i& brick_ijk) {
     Brick brick{brick_ijk, {}};
     const auto [i, j, k] = brick_ijk;
@@ -50,7 +50,7 @@ class MergeTest : public FilesTest {
     return certificate;
   }
 
-  // The path of a file as `latvox voxelize` writes it, but for `edit`.
+  // Writes a file like that of `latvox voxelize`, after `edit`. Returns its path.
   std::string Part(
       const std::string& name, const Bricks& bricks, const Edit& edit = [](openvdb::BoolGrid&) {}) const {
     VoxelGrid grid(MakeTransform());
@@ -69,7 +69,7 @@ class MergeTest : public FilesTest {
     return MergeParts(parts, Path("merged.vdb"), Cancellation(), [](double, uint64_t) {});
   }
 
-  // A file's bytes but for its random identity, which stands behind magic number, versions and flag.
+  // Returns a file's bytes without its random identity, which follows magic number, versions and flag.
   std::string Content(const std::string& name) const { return Read(name).replace(21, 36, ""); }
 };
 

@@ -106,7 +106,7 @@ class ModelServer::Run {
   }
 
  private:
-  // Whether the fault is here; then status_ is its status.
+  // Returns whether the fault is here; then status_ is its status.
   bool Hit(Fault::At at, int batch = 0) {
     if (fault_.at != at || fault_.batch != batch) return false;
     status_ = fault_.status;
@@ -200,7 +200,7 @@ grpc::Status ModelServer::Refusal() {
   return refusals_ == 0 ? grpc::Status::OK : (--refusals_, refusal_);
 }
 
-// With mutex_ held.
+// Precondition: the caller holds mutex_.
 grpc::Status ModelServer::Keep(const std::string& sha256, const std::string& mesh) {
   if (Sha256(mesh) != sha256) return ServerSays(grpc::StatusCode::INVALID_ARGUMENT, "mesh_sha256 is another");
   meshes_[sha256] = mesh;

@@ -1,5 +1,5 @@
-// A server in the test's process that keeps the protocol, meshes and resumption included, but for the faults that it is
-// told to commit.
+// A server in the test's process that keeps the protocol, meshes and resumption included, except for the faults that a
+// test sets.
 #ifndef LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
 #define LATVOX_TESTS_UNIT_CLIENT_MODEL_SERVER_H_
 
@@ -18,34 +18,34 @@
 
 namespace latvox::client {
 
-// What one call does instead of ending well.
+// The fault of one call.
 struct Fault {
   enum class At { kNever, kStart, kUpload, kAccepted, kBatch, kSummary, kEnd };
 
-  At at = At::kNever;         // before it: the spec, the mesh's second piece, Accepted, a batch, Summary, the good end
-  int batch = 0;              // which one; 0: the first of this call
-  grpc::Status status = {};   // the call ends with this; OK: it hangs until it is over for other reasons
+  At at = At::kNever;         // the fault comes before the spec, the mesh's second piece, Accepted, ..., the good end
+  int batch = 0;              // for kBatch: its number in this call, from 0
+  grpc::Status status = {};   // the end of the call; OK: it hangs until the call is over for another reason
   std::string pushback = {};  // if given: the trailer grpc-retry-pushback-ms
-  std::function<void(v1::VoxelizeResponse&)> change = {};  // every answer before that, as it is sent
+  std::function<void(v1::VoxelizeResponse&)> change = {};  // changes every answer before the fault
 };
 
-// The status of a connection that broke, as gRPC tells it.
+// Returns gRPC's status of a broken connection.
 grpc::Status BrokenConnection();
 
-// A status that a latvox server sets by itself, with ErrorInfo and perhaps RetryInfo.
+// Returns a status of a latvox server itself, with ErrorInfo, and with RetryInfo if `retry_after` is finite.
 grpc::Status ServerSays(grpc::StatusCode code, const std::string& message,
                         absl::Duration retry_after = absl::InfiniteDuration());
 
-// What a call asked for.
+// The input of one call.
 struct SeenCall {
   v1::VoxelizeSpec spec;
-  std::string mesh;  // what of it came
+  std::string mesh;  // the bytes that arrived
 };
 
 class ModelServer final : public v1::Voxelizer::Service {
  public:
-  // The result has so many tiles, one to a batch: tile 0,0,n has n + 1 voxels. Fault n is that of call n; calls without
-  // one end well.
+  // The result has `tiles` tiles, one in each batch: tile 0,0,n has n + 1 voxels. Fault n is that of call n; calls
+  // without one end well.
   explicit ModelServer(std::deque<Fault> faults = {}, int tiles = 4, const std::string& address = "127.0.0.1:0");
   ~ModelServer() override;
 
@@ -55,10 +55,10 @@ class ModelServer final : public v1::Voxelizer::Service {
   std::vector<SeenCall> calls() const;
   uint64_t mesh_bytes_received() const;
   void DropMeshes();
-  // So many of the next calls but Voxelize end with this.
+  // The next `calls` calls other than Voxelize end with `status`.
   void Refuse(int calls, const grpc::Status& status);
   int refusals_left() const;
-  void Stop();  // and no more connections
+  void Stop();  // also refuses new connections
 
   grpc::Status Voxelize(grpc::ServerContext* context,
                         grpc::ServerReaderWriter<v1::VoxelizeResponse, v1::VoxelizeRequest>* stream) override;

@@ -9,7 +9,7 @@
 
 namespace latvox::client {
 
-// Listens on a port of 127.0.0.1 and passes on to another of its ports.
+// Listens on a port of 127.0.0.1, and passes bytes on to another port of it.
 class Relay {
  public:
   explicit Relay(const std::string& server);  // "127.0.0.1:PORT"
@@ -19,7 +19,7 @@ class Relay {
 
   const std::string& address() const { return address_; }
 
-  // What is connected now is reset, or passes no more bytes but stays open. Connections made later are not concerned.
+  // Cut resets the present connections. Freeze keeps them open, but passes no more bytes. Later connections are intact.
   void Cut() { cut_ = true; }
   void Freeze() { freeze_ = true; }
 
@@ -37,7 +37,7 @@ class Relay {
 
   std::string address_;
   int server_port_, listener_;
-  std::vector<Pair> pairs_;  // of the thread
+  std::vector<Pair> pairs_;  // used by the thread only
   std::atomic<bool> cut_ = false, freeze_ = false, stop_ = false;
   std::thread thread_;
 };

@@ -1,5 +1,5 @@
-// An exact, slow statement of what a digitized curve must contain, for the plane: as tests/oracle, and with nothing of
-// the core's. Every edge near a segment is met with it by Cramer's rule in rationals; the tie-breaking shift is a
+// An exact, slow statement of the content of a digitized curve, for the plane. Like tests/oracle, it shares no code
+// with core. Every edge near a segment is met with it by Cramer's rule in rationals; the tie-breaking shift is a
 // polynomial in an infinitesimal. Curves are in lattice coordinates, in units of 1/256 pixel.
 #ifndef LATVOX_TESTS_UNIT_CORE_PLANE_ORACLE_H_
 #define LATVOX_TESTS_UNIT_CORE_PLANE_ORACLE_H_
@@ -166,7 +166,7 @@ inline Contour RandomContour(std::mt19937& random, size_t points, int64_t unit, 
   return contour;
 }
 
-// What is most likely to go wrong. Deterministic in the seed.
+// Curves that are most likely to cause errors. Deterministic in the seed.
 inline std::vector<NamedDrawing> AdversarialDrawings(unsigned seed, const std::vector<Int2>& directions) {
   std::mt19937 random(seed);
   std::vector<NamedDrawing> all;

@@ -81,9 +81,8 @@ inline std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size
   return triangles;
 }
 
-// Large, and nearly all of their lattice lines are hard to round: planes that are parallel to axes or all but that,
-// next to where depths are ties; and slivers of an area of 3/2 lattice units, with a lattice point on their longest
-// edge.
+// Large triangles. Nearly all of their lattice lines are hard to round: planes that are parallel to axes, or nearly so,
+// next to ties of depths; and slivers with an area of 3/2 lattice units, and a lattice point on their longest edge.
 inline std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
   std::mt19937 random(kSeed);
   const auto among = [&](int32_t least, int32_t most) {

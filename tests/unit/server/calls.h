@@ -134,7 +134,7 @@ inline Answer Voxelize(v1::Voxelizer::Stub& stub, const v1::VoxelizeSpec& spec, 
   return call.HalfCloseAndReceive();
 }
 
-// A request for some 60 MB of bricks, of which the client has read Accepted.
+// A request for some 60 MB of bricks, after the client has read Accepted.
 inline void StartBigJob(VoxelizeCall& call) {
   v1::VoxelizeSpec spec = Spec(3000);
   spec.set_minimal(false);

@@ -1,4 +1,4 @@
-// What calls share, for tests that have no whole server.
+// The environment of calls, for tests without a whole server.
 #ifndef LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 #define LATVOX_TESTS_UNIT_SERVER_ENVIRONMENT_H_
 

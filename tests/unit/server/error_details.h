@@ -1,4 +1,4 @@
-// What errors carry on the wire.
+// The details of errors on the wire.
 #ifndef LATVOX_TESTS_UNIT_SERVER_ERROR_DETAILS_H_
 #define LATVOX_TESTS_UNIT_SERVER_ERROR_DETAILS_H_
 

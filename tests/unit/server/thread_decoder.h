@@ -1,4 +1,4 @@
-// Decoding in this process, on a thread for each decode: no protection from what the bytes make a codec do.
+// Decodes in this process, on a thread for each decode, without protection from hostile bytes.
 #ifndef LATVOX_TESTS_UNIT_SERVER_THREAD_DECODER_H_
 #define LATVOX_TESTS_UNIT_SERVER_THREAD_DECODER_H_
 

@@ -5,8 +5,8 @@
 //   active voxels                        the band
 //   values                               the distances, world units; the width (the background) elsewhere
 //
-// A signed band of a whole mesh, at least as wide as each basis vector is long, is a level set: OpenVDB's grid class
-// says so, and points inside beyond the band have the value -width.
+// A signed band of a whole mesh is a level set if it is at least as wide as each basis vector is long. Then OpenVDB's
+// grid class says so, and points inside beyond the band have the value -width.
 #ifndef LATVOX_LATVOX_GRID_DISTANCE_GRID_H_
 #define LATVOX_LATVOX_GRID_DISTANCE_GRID_H_
 

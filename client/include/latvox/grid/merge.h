@@ -27,14 +27,19 @@ struct MergedGrid {
 // in two parts.
 //
 // Memory: 64 KiB for each part, 1 MiB for the whole, and 4 KiB for each block of 4096^3 voxels that the whole meets
-// (147 MB at most), however many bricks there are. The parts are read three times, and kept open: one file each.
+// (147 MB at most). It does not depend on the number of bricks. The parts are read three times, and kept open: one file
+// each.
 //
 // `progress`, if any, gets the share of the work done, 0 to 1, and the number of bricks written so far, from time to
 // time.
 //
-// Errors: INVALID_ARGUMENT or NOT_FOUND, with the file: it is not a whole file of latvox; the parts do not belong to
-// one whole, with field and values; a part is given twice; shards are missing. RESOURCE_EXHAUSTED: open files. UNKNOWN:
-// `path` cannot be written. CANCELLED.
+// Errors:
+//   NOT_FOUND            there is no such file; the message names it
+//   INVALID_ARGUMENT     with the file: it is not a whole file of latvox, or is given twice, or does not belong to one
+//                        whole with the others (with field and values); shards are missing
+//   RESOURCE_EXHAUSTED   too many open files
+//   UNKNOWN              `path` cannot be written
+//   CANCELLED            by `cancellation`
 LATVOX_EXPORT absl::StatusOr<MergedGrid> MergeParts(const std::vector<std::string>& parts, const std::string& path,
                                                     const Cancellation& cancellation,
                                                     const std::function<void(double, uint64_t)>& progress);

@@ -3,7 +3,7 @@
 //
 //   index space     lattice coordinates ijk, on every lattice
 //   world space     the grid's affine transform: origin + i*a + j*b + k*c
-//   active voxels   the voxel set; values true there, and false (the background) elsewhere
+//   active voxels   the voxel set; the value is true there, and false (the background) elsewhere
 //   metadata        latvox_lattice, latvox_separability, latvox_minimal, latvox_whole_minimal, latvox_cover,
 //                   latvox_closed, latvox_digest, latvox_voxel_size, latvox_basis (9 numbers), latvox_origin,
 //                   latvox_version, ...; of a solid latvox_fill ("solid"), latvox_interior_rule, latvox_surface,
@@ -49,7 +49,7 @@ class LATVOX_EXPORT VoxelGrid {
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);
 
-  // The number of voxels added. Looks at each leaf.
+  // Returns the number of voxels added. Visits each leaf.
   uint64_t CountActiveVoxels() const;
 
   // Writes a .vdb file to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path and OpenVDB's
@@ -87,9 +87,9 @@ struct GridFile {
   std::vector<Brick> bricks;  // none is empty
 };
 
-// Memory: 230 bytes for each brick while it reads, 80 afterwards. Active tiles, which latvox does not write, are read
-// as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31 voxels; a transform with
-// numbers that are not finite.
+// Reads the file's voxels. Memory: 230 bytes for each brick while it reads, 80 afterwards. Active tiles, which latvox
+// does not write, are read as bricks. Errors: as above; a grid that is not boolean, or has tiles of more than 2^31
+// voxels; a transform with numbers that are not finite.
 LATVOX_EXPORT absl::StatusOr<GridFile> ReadGridFile(const std::string& path);
 
 // Returns the metadata latvox_digest of a .vdb file's first grid, or an empty text. Reads no voxel. Errors: as above.

@@ -24,7 +24,7 @@ const GridTransform kBcc = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, -2,
 const GridTransform kSkew = {{{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}}, {0.1, 0.2, 0.3}, 0.39};
 const GridTransform kCubes = {{{0.25, 0, 0}, {0, 0.25, 0}, {0, 0, 0.25}}, {-1, 0, 1}, 0.25};
 
-// Each of the 512 voxels of a brick alone.
+// Each of the 512 voxels alone in a brick.
 TEST_F(Grid, EveryBitOfAMaskIsTheVoxelThatTheContractSays) {
   for (int x = 0; x < 8; ++x) {
     for (int y = 0; y < 8; ++y) {
@@ -177,7 +177,7 @@ TEST_F(Grid, AGridWithoutACertificateHasNoDigest) {
   EXPECT_EQ(*digest, "");
 }
 
-TEST_F(Grid, WhatIsNoGridFileIsAnErrorThatNamesIt) {
+TEST_F(Grid, AFileThatIsNoGridFileIsAnErrorThatNamesIt) {
   EXPECT_EQ(ReadGridFileInfo(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(ReadGridFileDigest(Path("none.vdb")).status().code(), absl::StatusCode::kNotFound);
   for (const std::string& bytes : {std::string(), std::string("this is no grid"), std::string(1000, '\0')}) {
@@ -199,7 +199,7 @@ TEST_F(Grid, AFullDiskIsAnErrorThatNamesThePath) {
   EXPECT_THAT(std::string(status.message()), testing::AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
 }
 
-// On both sides of the limit, for a scale, which OpenVDB tests by itself, and for other matrices.
+// Both sides of the limit, for a scale, which OpenVDB checks itself, and for other matrices.
 TEST_F(Grid, VoxelsTooSmallForATransformAreAnErrorAndOthersAreWritten) {
   for (const GridTransform& unit : {kBcc, kSkew, kCubes}) {
     for (const double size : {1.43e-5, 1.45e-5, 1e-7, 1e-3}) {
@@ -244,7 +244,7 @@ TEST_F(Grid, FilesAreReadBackBrickByBrick) {
   EXPECT_NEAR(file->info.transform.basis.c[2], 0.5, 1e-15);
 }
 
-TEST_F(Grid, OtherThanBooleanVoxelsAreRefused) {
+TEST_F(Grid, VoxelsThatAreNotBooleanAreRefused) {
   openvdb::initialize();
   const auto refusal = [&](const openvdb::GridBase::Ptr& grid) {
     openvdb::io::File(Path("o.vdb")).write({grid});

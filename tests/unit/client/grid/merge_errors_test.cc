@@ -1,4 +1,4 @@
-// What cannot be merged, and what is said about it.
+// Parts that cannot be merged, and their errors.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -24,7 +24,7 @@ class MergeErrors : public MergeTest {
     EXPECT_THAT(std::string(merged.status().message()), says);
   }
 
-  // The first part's file, where its leaves begin, and how long they are.
+  // The first part's file; the length of a leaf; the place of the first leaf.
   std::string Bytes() const { return Read("a.vdb"); }
   static constexpr size_t kLeaf = 140;
   size_t Leaves() const { return Bytes().size() - 2 * kLeaf; }
@@ -150,7 +150,7 @@ TEST_F(MergeErrors, LeavesThatAreNotAsTheyWereWritten) {
   swapped.replace(Leaves(), kLeaf, whole, Leaves() + kLeaf, kLeaf);
   swapped.replace(Leaves() + kLeaf, kLeaf, whole, Leaves(), kLeaf);
   Refuses({Write("bad.vdb", swapped)}, HasSubstr("bad.vdb: is damaged: brick 2 of 2"));
-  // Of each byte of the leaves, the lowest and the highest bit.
+  // The lowest and the highest bit of each byte of the leaves.
   for (size_t at = Leaves(); at < whole.size(); ++at) {
     for (const int bit : {0, 7}) {
       std::string bad = whole;
@@ -158,18 +158,18 @@ TEST_F(MergeErrors, LeavesThatAreNotAsTheyWereWritten) {
       Refuses({Write("bad.vdb", bad)}, HasSubstr("bad.vdb: is damaged"));
     }
   }
-  // A voxel more, as mask and as value.
+  // One more voxel, in the mask and in the values.
   std::string more = whole;
   for (const size_t at : {Leaves(), Leaves() + 76}) more[at] = static_cast<char>(more[at] ^ 1);
   Refuses({Write("bad.vdb", more)}, AllOf(HasSubstr("its voxels have digest"), HasSubstr("but latvox_digest is")));
 }
 
-// Before the leaves, a change is found, or does not matter to the voxels. Lengths and counts stay as they are: OpenVDB
-// believes them, and takes gigabytes for what is not there.
+// A change before the leaves is an error, or leaves the voxels as they are. Lengths and counts are not changed here,
+// because OpenVDB trusts them, and would allocate gigabytes.
 TEST_F(MergeErrors, NoChangedByteOfTheMetadataChangesTheVoxels) {
   Part("a.vdb", First());
   const std::string whole = Bytes(), digest = MakeCertificate(First()).digest;
-  const size_t positions = whole.find("Tree_bool_5_4_3") + 15 + 4 + 8;  // of leaves and end, 8 bytes each
+  const size_t positions = whole.find("Tree_bool_5_4_3") + 15 + 4 + 8;  // of the leaves and the end, 8 bytes each
   for (size_t at = 0; at < Leaves(); at += at < 2000 ? 1 : 997) {
     const bool is_position = at >= positions && at < positions + 16;
     if (!is_position && whole[at] < ' ') continue;

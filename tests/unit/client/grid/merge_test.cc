@@ -1,4 +1,4 @@
-// Merged files: the same bytes as OpenVDB writes of the whole.
+// Merged files equal, byte for byte, the files that OpenVDB writes of the whole.
 #include <gmock/gmock.h>
 
 #include <bit>
@@ -15,7 +15,7 @@ using testing::Pair;
 
 class Merge : public MergeTest {
  protected:
-  // Merges `parts` and holds the file against the one that holds all `bricks`.
+  // Merges `parts`, and compares the file with the one of all `bricks`.
   void Check(
       const std::vector<std::string>& parts, const Bricks& bricks, const Edit& edit = [](openvdb::BoolGrid&) {}) {
     const auto merged = MergeTest::Merge(parts);
@@ -34,7 +34,7 @@ class Merge : public MergeTest {
     EXPECT_EQ(merged->digest, MakeCertificate(bricks).digest);
   }
 
-  // Merges the bricks in `count` parts, of which `part` says which one a brick is in.
+  // Splits the bricks into `count` parts, and merges them. `part` returns the part of a brick.
   void CheckSplit(const Bricks& bricks, size_t count, const std::function<size_t(size_t)>& part) {
     std::vector<Bricks> split(count);
     for (size_t n = 0; n < bricks.size(); ++n) split[part(n)].push_back(bricks[n]);
@@ -44,8 +44,8 @@ class Merge : public MergeTest {
   }
 };
 
-// A node of the tree begins at brick 0, 16 and 512 of every axis: pairs of bricks with every such border between them,
-// and with none, in either part.
+// Nodes of the tree begin at bricks 0, 16 and 512 of every axis. So there are pairs of bricks with every such border
+// between them, and pairs without one, in both orders.
 TEST_F(Merge, BricksOnBothSidesOfEveryBorderOfNodes) {
   for (const int32_t border : {-512, -16, 0, 16, 512}) {
     for (int n = 0; n < 27; ++n) {
@@ -54,7 +54,7 @@ TEST_F(Merge, BricksOnBothSidesOfEveryBorderOfNodes) {
       const Bricks pair = {MakeBrick({border, border, border}),
                            MakeBrick({border + step[0], border + step[1], border + step[2]})};
       CheckSplit(pair, 2, [](size_t brick) { return brick; });
-      if (HasFatalFailure()) FAIL() << "border " << border << ", neighbour " << n;
+      if (HasFatalFailure()) FAIL() << "border " << border << ", neighbor " << n;
     }
   }
 }
@@ -104,7 +104,7 @@ TEST_F(Merge, OverlappingPartsAreAUnion) {
   EXPECT_EQ(merged->shared_bricks, 2u);
 }
 
-TEST_F(Merge, ShardsLoseTheirNamesAndAnyOrderDoes) {
+TEST_F(Merge, ShardsMergeInAnyOrderAndLoseTheirNames) {
   const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({8, 0, 0}), MakeBrick({16, 0, 0})};
   const std::string a = Part("a.vdb", {bricks[0]}, Shard("0/4")), b = Part("b.vdb", {bricks[1]}, Shard("1/4"));
   const std::string c = Part("c.vdb", {bricks[2]}, Shard("2/4")), d = Part("d.vdb", {}, Shard("3/4"));
@@ -114,7 +114,7 @@ TEST_F(Merge, ShardsLoseTheirNamesAndAnyOrderDoes) {
   Check({Part("only.vdb", bricks, Shard("0/1"))}, bricks);
 }
 
-TEST_F(Merge, WhatIsTrueOfEachPartIsTrueOfTheWholeButVerificationIsNot) {
+TEST_F(Merge, FactsOfEveryPartHoldForTheWholeExceptVerification) {
   const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({1, 0, 0})};
   const auto set = [](const char* name, bool value) {
     return [=](openvdb::BoolGrid& grid) { grid.insertMeta(name, openvdb::BoolMetadata(value)); };
@@ -147,7 +147,7 @@ TEST_F(Merge, ShardsAreMinimalTogetherIfTheWholeIsAndOtherPartsMayNotBeAll) {
   }
 }
 
-TEST_F(Merge, WhatIsCutOutOfTheWholeIsToldOfAllPartsAndTheRequestIfItIsTheSame) {
+TEST_F(Merge, TheWholeHasTheBoxesOfAllPartsAndTheRequestIfItIsTheSame) {
   const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({1, 0, 0})};
   const auto with = [](const std::string& region, const std::string& request) {
     return [=](openvdb::BoolGrid& grid) {

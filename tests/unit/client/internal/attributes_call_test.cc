@@ -1,4 +1,4 @@
-// Attributes, against servers that answer what they like.
+// Attributes, against servers with arbitrary answers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::string DigestOfSecond() {
   return digest.ToHex();
 }
 
-// Answers with two numbers for each of the six voxels.
+// Returns answers with two numbers for each of the six voxels.
 Answers AttributeAnswers() {
   Answers answers(kMesh.size());
   SetAttributes(kFirst, *answers.first.mutable_bricks());
@@ -48,7 +48,7 @@ absl::StatusOr<Voxelization> CallForAttributes(const std::vector<Attribute>& ask
   return Fake(Send(answers.All())).client().VoxelizeAll(request, kMesh);
 }
 
-TEST(AttributesCall, HandsOnWhatAllVoxelsCarryInTheirOrder) {
+TEST(AttributesCall, PassesOnTheAttributesOfAllVoxelsInTheirOrder) {
   const auto all = CallForAttributes(kAsked, AttributeAnswers());
   ASSERT_TRUE(all.ok()) << all.status();
   EXPECT_THAT(all->attributes, testing::ElementsAre(0xFFFFFF, 0x7FFFFFFF, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
@@ -82,7 +82,7 @@ TEST(AttributesCall, EveryWrongNumberIsDataLossThatNamesIt) {
   breach([](Answers&) {}, {}, "attributes has 8 bytes for 0 each of 1 voxels, not 0");
 }
 
-// The first stream breaks after its first tile; the second brings the rest, and the digest of that alone.
+// The first stream breaks after its first tile. The second one brings the rest, and a digest of the rest alone.
 TEST(AttributesCall, AResumedStreamsDigestIsThatOfAll) {
   const Answers answers = AttributeAnswers();
   std::atomic<int> calls = 0;

@@ -1,4 +1,4 @@
-// Bands, against servers that answer what they like.
+// Bands, against servers with arbitrary answers.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ void SetValues(const std::vector<float>& values, v1::BrickBatch& batch) {
   batch.set_values(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
 }
 
-// Answers with a distance for each of the six voxels.
+// Returns answers with a distance for each of the six voxels.
 Answers BandAnswers() {
   Answers answers(kMesh.size());
   const std::vector<float> first{-2}, second{0, 1, 2, -0.5F, 1.5F};
@@ -47,11 +47,11 @@ absl::Status CallForBand(const Band& band, const Answers& answers, std::vector<f
   return Fake(Send(answers.All())).client().Voxelize(request, kMesh, handlers).status();
 }
 
-TEST(BandCall, HandsOnTheDistancesOfAllVoxelsInTheirOrder) {
+TEST(BandCall, PassesOnTheDistancesOfAllVoxelsInTheirOrder) {
   std::vector<float> values;
   EXPECT_EQ(CallForBand(kSignedBand, BandAnswers(), &values), absl::OkStatus());
   EXPECT_THAT(values, testing::ElementsAre(-2, 0, 1, 2, -0.5F, 1.5F));
-  // The width in voxels is that of the grid that the server reports.
+  // A width in voxels refers to the grid that the server reports.
   EXPECT_EQ(CallForBand({.width = 2, .in_voxels = true, .is_signed = true}, BandAnswers()), absl::OkStatus());
 }
 
@@ -84,7 +84,8 @@ TEST(BandCall, EveryWrongValueIsDataLossThatNamesIt) {
   breach(certify([](v1::Certificate& c) { c.mutable_band()->set_is_signed(false); }), kSignedBand, "not signed");
 }
 
-// The first stream breaks after its first tile; the second brings the rest, and counts and digests of that alone.
+// The first stream breaks after its first tile. The second one brings the rest, and counts and digests of the rest
+// alone.
 TEST(BandCall, AResumedStreamsDigestIsThatOfAllValues) {
   const Answers answers = BandAnswers();
   std::atomic<int> calls = 0;
@@ -123,7 +124,7 @@ TEST(BandCall, AResumedStreamsDigestIsThatOfAllValues) {
   EXPECT_EQ(summary->certificate.band->digest, answers.summary.summary().certificate().band().digest());
 }
 
-TEST(BandCall, ValuesThatNobodyAskedForAreRefused) {
+TEST(BandCall, ValuesWithoutARequestForThemAreRefused) {
   EXPECT_THAT(std::string(CallWith(BandAnswers().All()).message()),
               HasSubstr("values has 4 bytes for 1 voxels without a band"));
 }

@@ -1,4 +1,4 @@
-// How calls end: errors and their details, cancelling, deadlines, servers that go away.
+// The ends of calls: errors and their details, cancellation, deadlines, servers that go away.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -62,7 +62,7 @@ TEST(Call, AnEarlyErrorEndsALargeUpload) {
   const Fake fake([](grpc::ServerContext*, Stream* stream) {
     v1::VoxelizeRequest request;
     stream->Read(&request);
-    return Detailed();  // with 200 MB not read
+    return Detailed();  // leaves 200 MB unread
   });
   const std::string mesh(200000000, 'm');
   const absl::Time start = absl::Now();
@@ -71,7 +71,7 @@ TEST(Call, AnEarlyErrorEndsALargeUpload) {
 }
 
 TEST(Call, AnswersAreReadWhileTheUploadStillRuns) {
-  // This server takes no further piece before its answers have been taken: 40 MB, more than any window.
+  // This server reads no further piece before the client has read its answers. 40 MB exceed any window.
   const std::string mesh(40000000, 'm');
   std::atomic<int> batches = 0;
   const Fake fake([&](grpc::ServerContext*, Stream* stream) {

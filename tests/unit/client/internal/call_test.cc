@@ -1,4 +1,4 @@
-// The SDK against servers that answer what they like.
+// The SDK against servers with arbitrary answers.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Call, DeliversWhatTheServerSends) {
+TEST(Call, DeliversTheServersAnswers) {
   const Fake fake(Send(Answers(kMesh.size()).All()));
   std::vector<Brick> bricks;
   int accepted = 0;
@@ -38,7 +38,7 @@ TEST(Call, DeliversWhatTheServerSends) {
   EXPECT_GT(summary->bytes_received, 3u * 76);
 }
 
-// As of a server that does not know the field.
+// A server that does not know the field leaves `cover` empty.
 TEST(Call, TakesNoSeparatingSetForASupercover) {
   VoxelizeRequest request;
   request.cover = Cover::kSupercover;
@@ -52,7 +52,7 @@ TEST(Call, TakesNoSeparatingSetForASupercover) {
   EXPECT_TRUE(known.client().Voxelize(request, kMesh, {}).ok());
 }
 
-// The metadata that a call with these options brings to the server.
+// Returns the metadata that the server receives from a call with these options.
 std::multimap<std::string, std::string> MetadataOf(const CallOptions& options) {
   std::multimap<std::string, std::string> seen;
   const Fake fake([&seen](grpc::ServerContext* context, Stream*) {
@@ -65,7 +65,7 @@ std::multimap<std::string, std::string> MetadataOf(const CallOptions& options) {
   return seen;
 }
 
-TEST(Call, CarriesTheTraceThatItBelongsTo) {
+TEST(Call, CarriesItsTrace) {
   CallOptions options;
   for (const char* good : {"00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01",
                            "cc-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-00-what the future will be like"}) {
@@ -159,7 +159,7 @@ TEST(Call, SendsTheSpecFirstThenTheMeshInPiecesOfAtMostOneMebibyte) {
   EXPECT_EQ(spec.mesh_bytes(), kMesh.size());
 }
 
-// What a broken server sends, and what the error must say about it.
+// A fault of a server's answers, and a part of the error's message.
 struct Breach {
   const char* name;
   std::function<void(std::vector<v1::VoxelizeResponse>&)> commit;
@@ -228,15 +228,14 @@ std::vector<Breach> Breaches() {
   };
 }
 
-// Tile (-1, 0, 0) with its brick (7, 0, 0), of which (0, 0, 0), and tile (0, 0, 0), which has two bricks: what Answers
-// has.
+// The bricks of Answers: voxel (0, 0, 0) of brick (7, 0, 0) in tile (-1, 0, 0), and two bricks in tile (0, 0, 0).
 TEST(Call, TakesPackedBricksAsWell) {
   Answers answers(kMesh.size());
   Packed(answers.first.mutable_bricks(), "\xFF\xFF\xFF\xFF" + std::string(8, '\0') + "\x10\x10\x10\1\1\1");
   const std::string second = std::string(12, '\0') + "\5\1\4\1\x08" + "\2\3\3\3" + "\1\1\2";
   Packed(answers.second.mutable_bricks(), second);
   EXPECT_EQ(CallWith(answers.All()), absl::OkStatus());
-  // The same as a zstd frame: its magic number, a header that has the size in a byte, one raw block.
+  // The same as a zstd frame: magic number, header with the size in one byte, one raw block.
   Packed(answers.second.mutable_bricks(), std::string("\x28\xB5\x2F\xFD\x20\x18\xC1\0\0", 9) + second);
   answers.second.mutable_bricks()->set_packed_bytes(24);
   EXPECT_EQ(CallWith(answers.All()), absl::OkStatus());

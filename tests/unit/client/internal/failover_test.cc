@@ -1,4 +1,4 @@
-// The SDK and real servers that die: kill -9, SIGTERM, another one in their place.
+// The SDK and real servers that die: SIGKILL, SIGTERM, and another server in their place.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -13,13 +13,13 @@
 namespace latvox::client {
 namespace {
 
-// A server on a socket of its own, which stays the same when it is started again.
+// A server on its own socket. A restart keeps the address.
 class Server {
  public:
   explicit Server(std::vector<std::string> options = {}) : options_(std::move(options)) { Start(); }
 
   void Start() {
-    // What was killed leaves its socket behind.
+    // A killed server leaves its socket behind.
     unlink(path_.c_str());
     std::vector<std::string> arguments = {"--listen", address()};
     arguments.insert(arguments.end(), options_.begin(), options_.end());
@@ -37,7 +37,7 @@ class Server {
   std::unique_ptr<Process> process_;
 };
 
-// What is far more than gRPC and sockets hold back: a server that dies in the midst has not sent it all.
+// The result is far larger than the buffers of gRPC and sockets. So a server that dies midway has not sent all of it.
 VoxelizeRequest Large() {
   VoxelizeRequest request;
   request.lattice = NamedLattice::kBcc;
@@ -56,7 +56,7 @@ Client ConnectTo(const std::string& addresses) {
   return *std::move(client);
 }
 
-// After so many bricks were handed on, once, `act`.
+// Returns handlers that call `act` once, after `bricks` bricks.
 VoxelizeHandlers After(uint64_t bricks, std::function<void()> act) {
   VoxelizeHandlers handlers;
   auto left = std::make_shared<int64_t>(static_cast<int64_t>(bricks));
@@ -121,7 +121,7 @@ TEST(Failover, AServerThatIsStartedAgainGoesOn) {
   ExpectLikeUndisturbed(summary, 1);
 }
 
-TEST(Failover, AServerThatIsKilledAgainAndAgainIsNoHindrance) {
+TEST(Failover, ACallSurvivesAServerThatIsKilledAgainAndAgain) {
   Server one, other;
   Server* const both[] = {&one, &other};
   const Client client = ConnectTo(one.address() + "," + other.address());
@@ -164,7 +164,7 @@ TEST(Failover, AServerThatDrainsTellsItsCallsToGoOnElsewhere) {
   EXPECT_EQ(first.Wait(), 0);
 }
 
-// Here, not with a model server: one in the same process would poll the client's connection, too.
+// This needs a real server: a model server in the same process would poll the client's connection, too.
 TEST(Failover, AHandlerThatTakesItsTimeIsNotTakenForADeadServer) {
   Server server;
   ConnectionOptions options;
@@ -190,7 +190,7 @@ TEST(Failover, ManyCallsWithOneMeshUploadItOnce) {
     EXPECT_EQ(again->certificate.digest, first->certificate.digest);
     EXPECT_EQ(again->mesh_bytes, Mesh().size());
   }
-  // Others find it, too; and after a restart it is gone.
+  // Other clients find the mesh, too. After a restart it is gone.
   const auto id = MeshIdOf(Mesh());
   EXPECT_TRUE(ConnectTo(server.address()).Voxelize(small, *id, {}).ok());
   EXPECT_TRUE(client.PutMesh(Mesh()).ok());

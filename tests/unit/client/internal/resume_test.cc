@@ -1,4 +1,4 @@
-// Streams that break, and what the SDK makes of them: the caller sees one stream, whole, once.
+// Streams that break: the SDK joins them, so the caller sees one whole stream.
 #include <gmock/gmock.h>
 
 #include <set>
@@ -25,7 +25,7 @@ CallOptions Fast(int retries = 5) {
   return options;
 }
 
-// What the handlers of one call saw.
+// Records the calls of one call's handlers.
 struct Seen {
   int accepted = 0;
   std::vector<int> tiles;
@@ -97,7 +97,7 @@ TEST(Resume, AStreamThatBreaksAnywhereEndsWhole) {
   }
 }
 
-TEST(Resume, GoesOnAfterTheLastTileThatWasHandedOn) {
+TEST(Resume, GoesOnAfterTheLastTileThatWasPassedOn) {
   ModelServer server(
       {{At::kBatch, 2, BrokenConnection()}, {At::kBatch, 0, BrokenConnection()}, {At::kBatch, 1, BrokenConnection()}});
   Seen seen;
@@ -141,7 +141,7 @@ TEST(Resume, AnotherServerGoesOn) {
   ModelServer first({{At::kBatch, 2}, {At::kBatch, 2}, {At::kBatch, 2}}), second;  // the first one hangs
   const Client client = ConnectTo(first.address() + "," + second.address());
   Seen seen;
-  // Until the first one's turn has come.
+  // Calls take turns: repeats until the first server has had one.
   for (int n = 0; n < 3 && seen.resumptions.empty(); ++n) {
     seen = {};
     VoxelizeHandlers handlers = seen.Handlers();
@@ -182,7 +182,7 @@ TEST(Resume, AnAnswerThatDiffersIsDataLossThatNamesIt) {
   }
 }
 
-TEST(Resume, WhatOnlyTheRequestIdTellsApartIsTheSame) {
+TEST(Resume, AnswersThatDifferOnlyInTheRequestIdAreTheSame) {
   const auto name = [](const char* id) {
     return [id](v1::VoxelizeResponse& response) {
       if (response.has_accepted()) response.mutable_accepted()->set_request_id(id);
@@ -206,10 +206,10 @@ TEST(Resume, ATileThatCameBeforeIsDataLoss) {
   EXPECT_THAT(seen.tiles, ElementsAre(0, 1)) << "a handler never sees a tile twice";
 }
 
-TEST(Resume, TheSummaryIsHeldAgainstWhatItsOwnStreamDelivered) {
+TEST(Resume, TheSummaryMustMatchItsOwnStream) {
   Fault wrong;
   wrong.change = [](v1::VoxelizeResponse& response) {
-    if (response.has_summary()) response.mutable_summary()->set_voxels(10);  // of the whole
+    if (response.has_summary()) response.mutable_summary()->set_voxels(10);  // the count of the whole
   };
   ModelServer server({{At::kBatch, 2, BrokenConnection()}, wrong});
   const auto status = ConnectTo(server.address()).Voxelize({}, kMesh, {}, Fast()).status();
@@ -253,7 +253,7 @@ TEST(Resume, WithoutProgressItGivesUp) {
     ModelServer server(std::deque<Fault>(20, Fault{At::kBatch, 0, BrokenConnection()}));
     const auto status = ConnectTo(server.address()).Voxelize({}, kMesh, {}, Fast(retries)).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
-    // That the mesh was accepted is progress, once.
+    // Accepted counts as progress only once.
     EXPECT_EQ(server.calls().size(), size_t(retries) + 1);
   }
 }

@@ -1,4 +1,4 @@
-// Which calls are tried again, when, where, and when no more; and meshes that servers keep.
+// Retries of calls: when, where, and until when; and meshes that servers store.
 #include <gmock/gmock.h>
 
 #include <thread>
@@ -142,7 +142,7 @@ TEST(Servers, CallsTakeTurns) {
   ModelServer one, other;
   const Client client = ConnectTo(one.address() + "," + other.address());
   EXPECT_TRUE(client.GetLimits().ok());
-  // Connect waits for the first of them only.
+  // Connect waits for only one of them.
   for (int n = 0; n < 100 && other.calls().empty(); ++n) {
     EXPECT_TRUE(client.Voxelize({}, kMesh, {}).ok());
     absl::SleepFor(absl::Milliseconds(10));
@@ -154,7 +154,7 @@ TEST(Servers, CallsTakeTurns) {
   EXPECT_EQ(one.calls().size() + other.calls().size(), calls + 10);
 }
 
-TEST(Servers, OneThatIsDownIsDoneWithout) {
+TEST(Servers, OneThatIsDownIsSkipped) {
   ModelServer up;
   for (const std::string& addresses : {"127.0.0.1:1," + up.address(), up.address() + ",127.0.0.1:1"}) {
     const Client client = ConnectTo(addresses);
@@ -232,7 +232,7 @@ TEST(Meshes, TheServerThatHasItIsAsked) {
   ASSERT_TRUE(id.ok());
   for (int n = 0; n < 6; ++n) EXPECT_TRUE(client.Voxelize({}, *id, {}, Fast(1)).ok());
   EXPECT_EQ(one.calls().size() + other.calls().size(), 6u);
-  // A client that does not know asks all.
+  // A client that does not know which server has the mesh asks all.
   const Client stranger = ConnectTo(one.address() + "," + other.address());
   for (int n = 0; n < 6; ++n) EXPECT_TRUE(stranger.Voxelize({}, *id, {}, Fast(1)).ok());
 }

@@ -1,4 +1,4 @@
-// The SDK's other styles than handlers, BrickStream and VoxelizeAll, and the seam below them, VoxelService.
+// The SDK's styles without handlers, BrickStream and VoxelizeAll, and the interface below them, VoxelService.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -33,15 +33,15 @@ CallOptions Fast() {
 BrickStream StreamFrom(const ModelServer& server, const CallOptions& options = Fast()) {
   const absl::StatusOr<Client> client = Client::Connect(server.address());
   EXPECT_TRUE(client.ok()) << client.status();
-  return client->Stream({}, kMesh, options);  // which outlives this client
+  return client->Stream({}, kMesh, options);  // the stream outlives this client
 }
 
-// Which of the model server's tiles, of one brick each, a batch has.
+// Appends the numbers of the batch's tiles. Tiles of the model server have one brick each.
 void Append(const BrickBatch& batch, std::vector<int>& tiles) {
   for (const Brick& brick : batch.bricks) tiles.push_back(brick.brick_ijk[2] / 8);
 }
 
-// Takes batches until there is none, or an error.
+// Takes batches until the end, or an error.
 absl::Status Drain(BrickStream& stream, std::vector<int>& tiles) {
   for (;;) {
     const absl::StatusOr<std::optional<BrickBatch>> batch = stream.Next();
@@ -113,7 +113,7 @@ TEST(BrickStream, AStreamThatBreaksBelowItGoesOnUnnoticed) {
   EXPECT_EQ(stream.summary()->certificate.digest, ModelServer::DigestOfAll());
 }
 
-// Of several handles the fastest, as the machine does other things, too.
+// The fastest of several handles counts, because the machine is shared.
 TEST(BrickStream, AHandleThatGoesCancelsWithin50Milliseconds) {
   const ModelServer server(std::deque<Fault>(5, Fault{At::kBatch, 2}));  // hangs after two batches
   absl::Duration fastest = absl::InfiniteDuration();
@@ -127,8 +127,8 @@ TEST(BrickStream, AHandleThatGoesCancelsWithin50Milliseconds) {
   EXPECT_LT(fastest, absl::Milliseconds(50));
 }
 
-TEST(BrickStream, AHandleThatIsAssignedToCancelsWhatItHad) {
-  const ModelServer server({{At::kBatch, 1}});  // the first hangs, and would for ever
+TEST(BrickStream, AssignmentToAHandleCancelsItsOldCall) {
+  const ModelServer server({{At::kBatch, 1}});  // the first call hangs forever
   BrickStream stream = StreamFrom(server);
   ASSERT_TRUE(stream.Next().ok());
   stream = StreamFrom(server);
@@ -165,7 +165,7 @@ TEST(BrickStream, TheDeadlineEndsAWait) {
   EXPECT_EQ(Drain(stream, tiles).code(), absl::StatusCode::kDeadlineExceeded);
 }
 
-// Offers many batches, and counts.
+// Offers many batches, and counts them.
 class Offering final : public VoxelService {
  public:
   static constexpr int kBatches = 100;
@@ -179,7 +179,7 @@ class Offering final : public VoxelService {
     return Summary{};
   }
 
-  std::atomic<int> begun = 0;  // batches that were taken from it
+  std::atomic<int> begun = 0;  // batches taken from it
 };
 
 TEST(BrickStream, ASlowConsumerHoldsFourBatchesAndTheServerBack) {
@@ -188,7 +188,7 @@ TEST(BrickStream, ASlowConsumerHoldsFourBatchesAndTheServerBack) {
   for (int taken = 1; taken <= Offering::kBatches; ++taken) {
     const absl::StatusOr<std::optional<BrickBatch>> batch = stream.Next();
     ASSERT_TRUE(batch.ok() && *batch);
-    // It reads ahead so far, and no further.
+    // It reads three batches ahead, and no more.
     const int ahead = std::min(taken + 3, Offering::kBatches);
     for (const absl::Time end = absl::Now() + absl::Seconds(10); service->begun < ahead && absl::Now() < end;) {
       absl::SleepFor(absl::Microseconds(100));
@@ -205,7 +205,7 @@ TEST(BrickStream, AServiceThatNeverAcceptsIsAnError) {
   EXPECT_EQ(stream.AwaitAccepted().status().code(), absl::StatusCode::kInternal);
 }
 
-TEST(VoxelizeAll, HasWhatHandlersAreTold) {
+TEST(VoxelizeAll, ReturnsAllThatHandlersReceive) {
   const ModelServer server({{At::kBatch, 2, BrokenConnection()}});
   const absl::StatusOr<Client> client = Client::Connect(server.address());
   ASSERT_TRUE(client.ok());
@@ -219,7 +219,7 @@ TEST(VoxelizeAll, HasWhatHandlersAreTold) {
   EXPECT_EQ(client->VoxelizeAll({}, MeshId()).status().code(), absl::StatusCode::kNotFound);
 }
 
-TEST(VoxelService, WhatAStandInDoesNotOfferIsUnimplementedAndNamed) {
+TEST(VoxelService, AMethodThatAStandInLacksIsUnimplementedAndNamed) {
   const Client client(std::make_shared<VoxelService>());
   const CallOptions options;
   const std::pair<const char*, absl::Status> ends[] = {
@@ -237,7 +237,7 @@ TEST(VoxelService, WhatAStandInDoesNotOfferIsUnimplementedAndNamed) {
   }
 }
 
-// What a client passes down.
+// Returns the arguments of its calls, as errors.
 class Recording final : public VoxelService {
  public:
   absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_drc, const CallOptions&) override {
@@ -265,7 +265,7 @@ TEST(VoxelService, SeesRequestMeshAndOptions) {
   EXPECT_EQ(client.VoxelizeAll(request, id, options).status(), absl::DataLossError("7 5 0 t"));
 }
 
-TEST(VoxelService, SeesNoMeshOfNoBytesAndNoTwoDensities) {
+TEST(VoxelService, SeesNoEmptyMeshAndNoRequestWithTwoSamplings) {
   const Client client(std::make_shared<Recording>());
   VoxelizeRequest request;
   request.resolution = 7;

@@ -1,4 +1,4 @@
-// What meshes bring along for voxels to carry: as files have it, joined, and encoded.
+// Attributes of meshes: as read from files, joined, and encoded.
 #include <draco/compression/decode.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
 
-// Of each triangle's first corner.
+// Returns the numbers of all triangles' first corners.
 std::vector<uint32_t> NumbersOf(const Mesh& mesh, Attribute attribute) {
   EXPECT_EQ(CheckHas({attribute}, mesh), absl::OkStatus());
   std::vector<uint32_t> numbers;
@@ -42,19 +42,19 @@ constexpr char kObj[] =
     "v 0 0 0 1 0 0\nv 1 0 0 0 0.5 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\n"
     "o nothing\no one\nusemtl wood\nf 1 2 3\nusemtl iron\nf 2 3 4\no two\nf 3 4 1\nusemtl wood\nf 4 1 2\n";
 
-TEST(FieldList, OfObjAreItsObjectsMaterialsAndVertexColors) {
+TEST(MeshAttributes, OfObjAreItsObjectsMaterialsAndVertexColors) {
   const Mesh mesh = ParseObj(kObj).value();
   EXPECT_THAT(NumbersOf(mesh, Attribute::kPart), ElementsAre(0, 0, 1, 1));
   EXPECT_THAT(NumbersOf(mesh, Attribute::kMaterial), ElementsAre(0, 1, 1, 0));
   EXPECT_THAT(NumbersOf(mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x008000, 0x0000FF, 0xFFFFFF));
 }
 
-TEST(FieldList, ThatSomeOfAnObjLacksAreMissed) {
+TEST(MeshAttributes, ThatSomeOfAnObjLacksAreMissed) {
   const Mesh late = ParseObj("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nusemtl a\nf 3 2 1\n").value();
   EXPECT_THAT(Refusal(Attribute::kColor, late), HasSubstr("has no color"));
   EXPECT_THAT(Refusal(Attribute::kMaterial, late), HasSubstr("has no material"));
   EXPECT_THAT(NumbersOf(late, Attribute::kPart), ElementsAre(0, 0));
-  // A weight, numbers up to 255, and a comment are no colors.
+  // A weight, numbers up to 255, and a comment are not colors.
   for (const char* more : {" 1", " 255 0 0", " # 1 1 1", " 1 1", " 1 1 x"}) {
     const std::string v = std::string(more) + "\n";
     const auto mesh = ParseObj("v 0 0 0" + v + "v 1 0 0" + v + "v 0 1 0" + v + "f 1 2 3\n");
@@ -63,7 +63,7 @@ TEST(FieldList, ThatSomeOfAnObjLacksAreMissed) {
   }
 }
 
-// Three vertices, whose colors stand among and behind their coordinates.
+// Returns a mesh of three vertices with colors between and after their coordinates.
 absl::StatusOr<Mesh> ColoredPly(const std::string& type, const std::array<std::string, 3>& names,
                                 const std::array<std::string, 3>& first, const std::string& more = "") {
   const auto property = [&](size_t n) { return "property " + type + " " + names[n] + "\n"; };
@@ -73,7 +73,7 @@ absl::StatusOr<Mesh> ColoredPly(const std::string& type, const std::array<std::s
                   " 0 0 " + first[1] + " " + first[2] + "\n1 0 0 0 1 0\n0 1 1 0 0 1\n3 0 1 2 9 9 9\n");
 }
 
-TEST(FieldList, OfPlyAreColorsAsBytesWhateverTheirType) {
+TEST(MeshAttributes, OfPlyAreColorsAsBytesWhateverTheirType) {
   const std::array<std::string, 3> plain{"red", "green", "blue"},
       diffuse{"diffuse_red", "diffuse_green", "diffuse_blue"};
   for (const auto& names : {plain, diffuse}) {
@@ -91,7 +91,7 @@ TEST(FieldList, OfPlyAreColorsAsBytesWhateverTheirType) {
   }
 }
 
-TEST(FieldList, OfPlyThatAreNoColorsAreMissedForAReason) {
+TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
   const auto refusal = [](const std::string& type, const std::array<std::string, 3>& names,
                           const std::array<std::string, 3>& first, const std::string& more = "") {
     const auto mesh = ColoredPly(type, names, first, more);
@@ -110,7 +110,7 @@ TEST(FieldList, OfPlyThatAreNoColorsAreMissedForAReason) {
               HasSubstr("(colors of faces are not read"));
 }
 
-TEST(FieldList, OfStlAreItsSolids) {
+TEST(MeshAttributes, OfStlAreItsSolids) {
   const std::string facet = "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
   const auto mesh = ParseStl("solid a\n" + facet + facet + "endsolid a\nsolid b\n" + facet + "endsolid b\n");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
@@ -118,7 +118,7 @@ TEST(FieldList, OfStlAreItsSolids) {
 }
 
 // Two nodes with one mesh of two primitives, and vertex colors as floats.
-TEST(FieldList, OfGltfAreNodesMaterialsAndVertexColors) {
+TEST(MeshAttributes, OfGltfAreNodesMaterialsAndVertexColors) {
   const std::string buffer =  // (0,0,0) (1,0,0) (0,1,0) as positions; the same as colors
       "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
   const std::string primitive = R"({"attributes": {"POSITION": 0, "COLOR_0": 0}, "material": )";
@@ -139,7 +139,7 @@ TEST(FieldList, OfGltfAreNodesMaterialsAndVertexColors) {
   EXPECT_EQ(mesh->colors[2], (Color{0, 255, 0}));
 }
 
-TEST(FieldList, OfSeveralMeshesAreNumberedOn) {
+TEST(MeshAttributes, OfSeveralMeshesAreNumberedOn) {
   const Mesh obj = ParseObj(kObj).value();
   const Mesh plain = ParseObj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").value();
   Mesh joined;
@@ -153,8 +153,8 @@ TEST(FieldList, OfSeveralMeshesAreNumberedOn) {
   EXPECT_EQ(NumbersOf(both, Attribute::kColor)[6], 0x0000FFU);
 }
 
-// What Draco's decoder finds: of each part that a position has, its colors.
-TEST(EncodedAttributes, AreTheMeshsAndSplitNoMoreThanTheyMust) {
+// Draco's decoder finds each part with its six corners, and only colors of the mesh.
+TEST(EncodedAttributes, EqualThoseOfTheMeshAndSplitNoPointNeedlessly) {
   const Mesh mesh = ParseObj(kObj).value();
   for (const int bits : {0, 14}) {
     const auto encoded = EncodeMesh(mesh, bits, {Attribute::kColor, Attribute::kPart, Attribute::kMaterial});
@@ -182,7 +182,7 @@ TEST(EncodedAttributes, AreTheMeshsAndSplitNoMoreThanTheyMust) {
       }
     }
     EXPECT_EQ(corners, (std::map<uint32_t, int>{{0, 6}, {1, 6}}));
-    EXPECT_EQ(decoded->num_points(), 12U);  // each of these triangles is of a part and a material of its own
+    EXPECT_EQ(decoded->num_points(), 12U);  // no two triangles share both part and material
   }
   const auto plain = EncodeMesh(mesh, 0);
   ASSERT_TRUE(plain.ok()) << plain.status();

@@ -68,7 +68,7 @@ Mesh Sheet(uint32_t side) {
   return mesh;
 }
 
-// Triangles between random vertices of a few: edges of many triangles, duplicates, both senses, corners that coincide.
+// Triangles between a few random vertices: edges of many triangles, duplicates, both orientations, equal corners.
 Mesh Tangle(uint32_t seed) {
   std::mt19937 random(seed);
   const auto below = [&random](uint32_t n) { return std::uniform_int_distribution<uint32_t>(0, n - 1)(random); };
@@ -131,7 +131,7 @@ TEST(MeshEncoder, JoinsEqualVerticesAndLeavesOutUnusedOnes) {
   EXPECT_EQ(Decode(*encoded).positions.size(), 4u);
 }
 
-TEST(MeshEncoder, RefusesWhatFloatCannotSpan) {
+TEST(MeshEncoder, RefusesAnExtentBeyondFloat) {
   const float big = std::numeric_limits<float>::max();
   const Mesh mesh = {{{-big, 0, 0}, {big, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, 0};
   EXPECT_EQ(EncodeMesh(mesh, 11).status().code(), absl::StatusCode::kInvalidArgument);

@@ -43,7 +43,7 @@ Carried CarriedBy(const Result& result, size_t count) {
   return carried;
 }
 
-// What a voxel is to carry, and whether more than one value was the nearest.
+// The expected attributes of a voxel, and whether more than one value was the nearest.
 struct Answer {
   std::vector<uint32_t> values;
   bool tied = false;

@@ -47,7 +47,7 @@ openvdb::FloatGrid::Ptr BandOf(const TriangleMesh& mesh) {
 TEST(SignedBand, IsOpenVdbsNarrowBandOnCubes) {
   const TriangleMesh mesh = Sphere(24, 40);
   const auto ours = BandOf(mesh), theirs = LevelSetOf(mesh);
-  // What snapping moves, in voxels, and the rounding of floats.
+  // The effect of snapping, in voxels, and of the rounding of floats.
   constexpr double kSlack = kSnapErrorMax * 2 + 1e-3;
   // Away from the surface OpenVDB looks only at the triangles that a voxel's neighbors found nearest, so that a few of
   // its distances are too long, or over the width; none is too short. Next to it, it takes a few voxels to be on the

@@ -61,7 +61,7 @@ TEST(HugePages, AreKeptByDefault) {
 TEST(HugePages, AreGivenBackWholeWhereNoneAreKept) {
   KeepPages(0);
   for (const size_t bytes : {size_t{1}, kHugePage, kHugePage + 1}) {
-    std::vector<void*> arrays;  // some of which happen to follow each other
+    std::vector<void*> arrays;  // some happen to follow each other
     for (int n = 0; n < 8; ++n) arrays.push_back(AllocatePages(bytes));
     for (void* const array : arrays) std::memset(array, 1, bytes);
     for (void* const array : arrays) {

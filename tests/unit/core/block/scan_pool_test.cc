@@ -1,4 +1,4 @@
-// What jobs leave to later ones.
+// The memory that jobs leave to later ones.
 #include "core/block/scan_pool.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ TEST_F(ScanPoolTest, LeavesScansUpToALimit) {
   EXPECT_EQ(UsedBefore<Sized<1>>(4), 0);
 }
 
-// Of other lattices, neighbors, finenesses and kinds; and of jobs that are cancelled midway.
+// The jobs differ in lattice, neighbors, fineness and kind, and some are cancelled midway.
 TEST_F(ScanPoolTest, JobsGiveTheSameTilesWithWhatEarlierJobsHaveLeft) {
   struct Case {
     TriangleMesh mesh;

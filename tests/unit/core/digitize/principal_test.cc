@@ -31,7 +31,7 @@ std::set<Ends> CrossingsOf(const Triangle& triangle, const Frame& frame, const I
   return crossings;
 }
 
-// What a principal scan with stars finds: all nearer ends in the box.
+// The result of a principal scan with stars: all nearer ends in the box.
 std::set<Vec3i> PrincipalVoxels(const Triangle& triangle, const std::vector<ScanFrame>& frames, const IndexBox& box) {
   std::set<Vec3i> voxels;
   const OrientedTriangle oriented(triangle);

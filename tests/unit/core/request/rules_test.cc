@@ -24,7 +24,7 @@ std::string Payload(const absl::Status& status, const char* url) {
   return std::string{status.GetPayload(url).value_or(absl::Cord())};
 }
 
-// Message, field, value and limit of what MakeRequest refuses.
+// Message, field, value and limit of an error of MakeRequest.
 std::vector<std::string> RefusalOf(const VoxelizeOptions& options) {
   const absl::Status status = MakeRequest(options).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);

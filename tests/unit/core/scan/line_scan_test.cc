@@ -14,7 +14,7 @@
 namespace latvox {
 namespace {
 
-// What is known of one line.
+// The expected values of one line.
 struct LineFacts {
   bool candidate, inside, in_doubt;
   int64_t depth;

@@ -27,7 +27,7 @@ struct LineFill {
   uint64_t unbalanced = 0;  // lines
 };
 
-// What lines along q say, one by one, of the lattice points between their crossings.
+// The inside of lattice points by lines along q, line by line, between crossings.
 LineFill FillAlong(const oracle::Mesh& mesh, const Int3& q, InteriorRule rule) {
   const size_t axis = q[0] != 0 ? 0 : q[1] != 0 ? 1 : 2;
   std::map<Int3, std::map<int64_t, int>> lines;  // representative -> lowest step above a crossing -> signs
@@ -271,7 +271,7 @@ TriangleMesh MeshOf(const Part& part, float radius) {
   return mesh;
 }
 
-// Also of regions, in the middle of which no triangle comes near.
+// This also holds for regions without a triangle near their middle.
 TEST(Solids, AreTheUnionOfTheirParts) {
   for (const Part& part : kParts) {
     const TriangleMesh mesh = MeshOf(part, 130);

@@ -243,8 +243,8 @@ TEST(Supercover, CountsCellsThatTouchAtFacetsEdgesAndCorners) {
   EXPECT_EQ(count(NamedLattice::kCartesian, point(128, 0, 0)), 2U);
   EXPECT_EQ(count(NamedLattice::kCartesian, point(128, 128, 0)), 4U);
   EXPECT_EQ(count(NamedLattice::kCartesian, point(128, 128, 128)), 8U);
-  // Half a voxel above a layer, its corners those of cells: in both layers it touches 4 x 4, but for the three beyond
-  // the middle of the hypotenuse.
+  // Half a voxel above a layer, with corners at those of cells, it touches 4 x 4 cells in both layers, except the three
+  // beyond the middle of the hypotenuse.
   EXPECT_EQ(count(NamedLattice::kCartesian, {{{128, 128, 128}, {640, 128, 128}, {128, 640, 128}}}), 2U * 13U);
   // BCC: center of a square and of a hexagonal facet, a corner, where four truncated octahedra meet.
   EXPECT_EQ(count(NamedLattice::kBcc, point(128, 0, 0)), 2U);

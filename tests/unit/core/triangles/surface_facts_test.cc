@@ -15,7 +15,7 @@
 namespace latvox {
 namespace {
 
-// What a mesh is made of.
+// The parts of a mesh.
 struct Surface {
   PaddedVector<Vec3i> vertices_lat;
   std::vector<std::array<uint32_t, 3>> triangles;

@@ -180,7 +180,7 @@ TEST(BruteForce, HasNoTunnelInTheTetrahedronAsGiven) {
   }
 }
 
-// What section 4.5 is for: the triangles alone leak along their edges.
+// The purpose of section 4.5: the triangles alone leak along their edges.
 TEST(Seams, AreNeeded) {
   uint64_t tunnels = 0;
   for (const Experiment& experiment : Experiments(24)) {
@@ -208,7 +208,7 @@ TEST(Incremental, HasNoTunnelInRoundedAdversarialMeshesNorBruteForceInGivenOnes)
     for (int k : Dose<std::vector<int>>({0, 1, 2}, {0})) {
       if (k > 0 && l.lattice.frames(k).size() == l.lattice.frames(k - 1).size()) continue;
       for (const auto& mesh : oracle::AdversarialMeshes(kSeed, Directions(l.lattice.frames(k)))) {
-        if (mesh.box) continue;  // far larger than what is looked at
+        if (mesh.box) continue;  // far larger than the tested part
         const Experiment experiment{l.name, Unscaled(l.lattice), k, {}, 0};
         const TriangleMesh world = ToWorld(mesh.triangles, l.lattice);
         const SnappedMesh snapped = *Snap(world, l.lattice, {}, {2, 2, 2});

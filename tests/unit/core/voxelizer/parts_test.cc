@@ -1,4 +1,4 @@
-// What a job delivers of the whole: regions, what is left after a tile, and shards.
+// The parts of the whole that a job delivers: regions, the rest after a tile, and shards.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST(Regions, ArePartsOfTheWholeAndTheirDigestsAddUpOnBrickBorders) {
   EXPECT_EQ(sum, Voxelize(mesh, grid, {}).totals.digest);
 }
 
-// What is left after each tile, alone or with the region of the first, on one thread and on three, is the stream's end.
+// The rest after each tile, alone or with the region of the first, on one thread and on three, is the stream's end.
 TEST(Resume, GoesOnAfterAnyTileExactly) {
   const TriangleMesh mesh = Sphere(30, 170);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));

@@ -1,4 +1,4 @@
-// What the pipeline promises of covers, order, threads, parts and cancellation.
+// The pipeline's promises about covers, order, threads, parts and cancellation.
 #include "core/voxelizer/voxelizer.h"
 
 #include <gtest/gtest.h>
@@ -243,7 +243,7 @@ TEST(VoxelizeJob, CreateIsCancelledAtOnceAndMidway) {
   StopSource stopped;
   stopped.Stop();
   EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {}, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
-  // What is not valid has not been looked at by then.
+  // Invalid parts have not been checked by then.
   const TriangleMesh no_vertices{.vertices = {}, .triangles = {{0, 0, 0}}};
   EXPECT_EQ(VoxelizeJob::Create(no_vertices, grid, {}, stopped.Signal()).status().code(), absl::StatusCode::kCancelled);
   EXPECT_EQ(VoxelizeJob::Create(mesh, grid, {.algorithm = Algorithm::kIncremental}, stopped.Signal()).status().code(),

@@ -1,4 +1,4 @@
-// Who may call, and what a call tells of itself before its first message.
+// Access control, and the facts of a call before its first message.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

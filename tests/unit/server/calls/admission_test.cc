@@ -1,4 +1,4 @@
-// Who may work when, with how much memory, on which meshes.
+// Admission: turns, memory, and stored meshes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

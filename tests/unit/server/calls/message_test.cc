@@ -67,7 +67,7 @@ TEST_F(MessageTest, LargerIsRefusedByNameAndSoCounted) {
   grpc::ClientContext context;
   ExpectTooLarge(stub_->Pixelize(&context, drawing, &response), drawing.ByteSizeLong());
 
-  // What even gRPC does not receive is not taken for a half-close.
+  // A message that gRPC itself refuses does not count as a half-close.
   const std::string huge(options_.limits.received_message_bytes() + 1, 'x');
   VoxelizeCall other(*stub_);
   EXPECT_EQ(other.Send(SpecMessage(Spec(9))).Send(PieceMessage(huge)).Receive().status.error_code(),
@@ -83,6 +83,26 @@ TEST_F(MessageTest, LargerIsRefusedByNameAndSoCounted) {
     EXPECT_THAT(text, HasSubstr(absl::StrCat("{code=\"CANCELLED\",method=\"", method, "\"} 1\n")));
   }
   EXPECT_THAT(text, HasSubstr("{reason=\"LIMIT_EXCEEDED\"} 3\n"));
+}
+
+TEST_F(MessageTest, ThatExceedsTheDeclaredLengthIsCountedByVoxelizeAndNotByPutMesh) {
+  options_.metrics_listen = "127.0.0.1:0";
+  Start();
+  const std::string piece(1000, 'x');
+  v1::VoxelizeSpec spec = Spec(9);
+  spec.set_mesh_bytes(1500);
+  VoxelizeCall call(*stub_);
+  const Answer answer = call.Send(SpecMessage(spec)).Send(PieceMessage(piece)).Send(PieceMessage(piece)).Receive();
+  std::vector<v1::PutMeshRequest> messages = {PutSpec(std::string(32, 'x'), 1500)};
+  for (int n = 0; n < 2; ++n) messages.emplace_back().set_mesh_piece(piece);
+  v1::PutMeshResponse response;
+  for (const grpc::Status& status : {answer.status, PutMesh(*stub_, messages, response)}) {
+    EXPECT_EQ(status.error_message(), "mesh_bytes 1500 was declared, but at least 2000 bytes came");
+  }
+  ASSERT_TRUE(Eventually([&] { return server_->calls() == 0; }));
+  const std::string text = Fetch(server_->metrics_address(), "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(text, HasSubstr("latvox_received_bytes_total{method=\"Voxelize\"} 2000\n"));
+  EXPECT_THAT(text, HasSubstr("latvox_received_bytes_total{method=\"PutMesh\"} 1000\n"));
 }
 
 // Sends messages as their bytes on the wire, and no half-close; returns how the call ends.
@@ -112,7 +132,7 @@ grpc::Status SendRaw(const std::string& address, const std::string& method, cons
   return status;
 }
 
-// What a megabyte may unpack to fits into no budget.
+// A megabyte may unpack to more than any budget.
 TEST_F(MessageTest, ThatIsCompressedIsRefused) {
   options_.health_listen = "127.0.0.1:0";
   Start();

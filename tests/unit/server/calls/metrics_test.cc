@@ -1,4 +1,4 @@
-// What is counted, and how Prometheus gets it.
+// The metrics, and the way in which Prometheus gets them.
 #include "server/calls/metrics.h"
 
 #include <gmock/gmock.h>

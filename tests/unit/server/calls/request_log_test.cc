@@ -1,4 +1,4 @@
-// What the log tells of a request.
+// The log's line for a request.
 #include "server/calls/request_log.h"
 
 #include <gmock/gmock.h>

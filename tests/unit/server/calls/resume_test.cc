@@ -191,7 +191,7 @@ TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
   EXPECT_THAT(large.status.error_message(), HasSubstr("memory 943718400 exceeds "));
   EXPECT_EQ(large.trailer("grpc-retry-pushback-ms"), "-1");
 
-  // What is declared is not reserved, what has come is.
+  // Announced bytes are not reserved; received bytes are.
   constexpr uint64_t kPiece = 1 << 20, kSent = 59 * kPiece;
   VoxelizeCall holder(*stub_), other(*stub_);
   spec.set_mesh_bytes(kSent + 1);
@@ -199,7 +199,7 @@ TEST_F(ResumeTest, HoldsAJobAgainstTheMemoryBudget) {
   other.Send(SpecMessage(spec));
   ASSERT_TRUE(Eventually([&] { return server_->calls() == 2; }));
   EXPECT_EQ(server_->reserved_memory(), 0);
-  // Piece by piece: of what has come and is not read, gRPC holds little with such a budget.
+  // Piece by piece, because gRPC holds few received bytes with such a budget.
   const auto send = [&](VoxelizeCall& call, uint64_t before) {
     for (uint64_t sent = kPiece; sent <= kSent && server_->calls() == 2; sent += kPiece) {
       call.Send(PieceMessage(std::string(kPiece, 'x')));

@@ -257,7 +257,7 @@ TEST_F(DecoderPoolTest, AProcessKilledInADecodeLosesNothing) {
   EXPECT_EQ(pool_->facts().crashes, 0);
 }
 
-// The process is killed when it has begun to send the mesh, of which a socket does not hold all.
+// The process is killed after it has begun to send the mesh, which is too large for a socket's buffer.
 TEST_F(DecoderPoolTest, AMeshWhoseProcessesAreAlwaysKilledIsGivenUp) {
   options_.processes = 1;
   Start();

@@ -1,4 +1,4 @@
-// What a decoder process may say: a mesh, an error, or nonsense, which is found out.
+// The messages of a decoder process: a mesh, an error, or invalid ones, which are found out.
 #include "server/decode/decoder_protocol.h"
 
 #include <gmock/gmock.h>

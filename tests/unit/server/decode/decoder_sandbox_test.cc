@@ -1,4 +1,5 @@
-// What a confined process can not do. Each attempt is made by a process of its own, which it costs its life.
+// The actions that a confined process cannot take. Each attempt is made by a process of its own, which it costs its
+// life.
 #include "server/decode/decoder_sandbox.h"
 
 #include <fcntl.h>

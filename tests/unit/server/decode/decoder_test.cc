@@ -54,7 +54,7 @@ std::vector<std::array<Vec3f, 3>> TriangleSoup(const TriangleMesh& mesh) {
   return soup;
 }
 
-// What a status may look like, whatever the bytes.
+// The properties of a status, whatever the bytes.
 void ExpectClean(const absl::StatusOr<DecodedMesh>& result) {
   if (result.ok()) {
     EXPECT_TRUE(CheckMesh(result->mesh).ok()) << CheckMesh(result->mesh);

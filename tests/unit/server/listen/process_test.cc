@@ -301,7 +301,7 @@ TEST(Latvoxd, LowersThePriorityOfLargeJobsUnlessItIsPrivate) {
   }
 }
 
-// Whoever inherits an orphan need not have buried it.
+// The process that inherits an orphan need not have reaped it.
 bool IsAlive(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/status");
   const std::string status(std::istreambuf_iterator<char>(file), {});

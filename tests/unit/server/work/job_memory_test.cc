@@ -20,7 +20,7 @@ constexpr uint64_t kPlenty = uint64_t{1} << 62;
 constexpr int kThreads = 3;
 constexpr uint64_t kTriangles = 1000, kVertices = 600;
 
-// Of a job with that mesh, before anything is known about its voxels.
+// The memory of a job with that mesh, before anything is known about its voxels.
 constexpr uint64_t kOfMesh = 8 * kMebibyte + 3 * 6 * kMebibyte + 1000 * 48 + 600 * 24;
 
 // So many blocks of 128^3 voxels in the mesh's box: 2 x 3 x 1, though its third side is shorter than a block.
@@ -31,7 +31,7 @@ VoxelRequest Thinned() { return {}; }
 VoxelRequest NotThinned() { return {.set = SurfaceSet{.minimal = false}}; }
 VoxelRequest Filled(bool force_open) { return {.set = SolidSet{{.force_open = force_open}, {.minimal = false}}}; }
 
-// What a request has reserved at the end of ReserveMesh.
+// The reservation of a request at the end of ReserveMesh.
 uint64_t ReservedForMesh(const VoxelRequest& request, int threads, uint64_t triangles, uint64_t vertices) {
   MemoryBudget budget(kPlenty);
   JobMemory memory(request, threads, budget);
@@ -39,7 +39,7 @@ uint64_t ReservedForMesh(const VoxelRequest& request, int threads, uint64_t tria
   return budget.reserved();
 }
 
-// What ReserveJob adds to that.
+// The addition of ReserveJob.
 uint64_t AddedForJob(const VoxelRequest& request, const JobEstimate& estimate) {
   MemoryBudget budget(kPlenty);
   JobMemory memory(request, kThreads, budget);

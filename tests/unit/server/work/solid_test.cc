@@ -67,7 +67,7 @@ TEST(Fill, IsRefusedByItsField) {
   EXPECT_EQ(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); }), "BAD_SPEC fill.mode");
 }
 
-// Of the whole computation: its status, its messages, and the memory that it held before its bricks.
+// The facts of the whole computation: its status, its messages, and the memory that it held before its bricks.
 struct Outcome {
   absl::Status status;
   std::vector<v1::VoxelizeResponse> messages;
@@ -147,7 +147,7 @@ TEST(Fill, CountsAgainstTheLimitOfVoxels) {
   EXPECT_TRUE(Compute(proto, Sphere(20), {.max_visited_points = limit}).status.ok());
 }
 
-// A solid's bricks are full, but for those at its surface. They take the bytes that the format's description tells.
+// A solid's bricks are full, except those at its surface. They take the bytes that the format's description tells.
 TEST(Fill, PacksFullBricks) {
   v1::VoxelizeSpec proto = SolidSpec();
   proto.set_resolution(400);

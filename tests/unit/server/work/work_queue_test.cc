@@ -30,7 +30,7 @@ struct Seen {
   std::set<int> niceness;
 };
 
-// The threads of a parallel algorithm within a task, of which each part waits until as many have come as the queue has.
+// The threads of a parallel algorithm within a task. Each part waits until as many have come as the queue has.
 Seen SeeParallelTask(WorkQueue& queue) {
   std::promise<Seen> promise;
   queue.Enqueue([&] {

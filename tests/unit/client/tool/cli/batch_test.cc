@@ -1,4 +1,4 @@
-// Which jobs of a batch are a worker's, and what a later run can go on from.
+// The jobs of a worker, and resuming a batch.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-// With an environment that names no engine, whatever runs the test.
+// Clears the variables of engines from the environment.
 class Workers : public testing::Test {
  protected:
   Workers() {
@@ -318,7 +318,7 @@ TEST_F(Results, AJobsDigestIsOfRequestOutputsAndMesh) {
   };
   const std::string out = R"("out": "m.vdb", )", plain = digest(out + R"("mesh": "m.obj", "resolution": 8)");
   EXPECT_EQ(plain.size(), 64u);
-  // The same in other words.
+  // The same job, written differently.
   EXPECT_EQ(digest(R"("mesh": "copy.obj", "resolution": 8, "id": "x", "out": "./m.vdb")"), plain);
   EXPECT_EQ(digest(out + R"("mesh": "m.obj", "resolution": 8, "lattice": "cartesian", "minimal": true)"), plain);
   EXPECT_EQ(digest(out + R"("mesh": "m.obj", "resolution": 8, "separability": 26, "encoding": "masks")"), plain);

@@ -66,7 +66,7 @@ TEST(CompareVoxels, CountsWhatSetsOfPointsSay) {
   }
 }
 
-// Voxels that stand at other places among those of their file.
+// Voxels at different indices in their files.
 TEST(CompareValues, HoldsTheSameVoxelsAgainstEachOther) {
   const std::set<Vec3i> voxels_a = {{0, 0, 0}, {0, 0, 1}, {9, 0, 0}, {20, 3, 3}},
                         voxels_b = {{-9, 0, 0}, {0, 0, 1}, {9, 0, 0}, {9, 1, 0}, {20, 3, 3}};
@@ -115,7 +115,7 @@ TEST(CompareFields, TellsWhatOneSaysAndTheOtherDoesNot) {
   EXPECT_EQ(fields[2].b, "0,0,0.10000000000000001");
 }
 
-// Distances within the plane are those of the world.
+// Distances within the plane equal those of the world.
 TEST(LayerOf, IsTheLatticeWithinThePlane) {
   const GridTransform grids[] = {{{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, -2, 3}, 0.16},
                                  {{{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}}, {0.1, 0.2, 0.3}, 0.39}};

@@ -132,28 +132,29 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
       {R"("resolution": 8.5)", "resolution: \"8.5\" is not a whole number"},
       {R"("resolution": "8")", "resolution: \"8\" is not a number"},
       {R"("resolution": 8, "voxel_size": 1)", "voxel_size excludes resolution"},
-      {R"("resolution": 8, "resolution": 9)", "resolution: stands twice"},
-      {R"("resolutoin": 8)", "resolutoin: no such field; there are mesh, out, id, lattice, "},
-      {R"("voxel_size": [1, 2])", "voxel_size: \"1,2\" is not one number or three"},
+      {R"("resolution": 8, "resolution": 9)", "resolution: is given twice"},
+      {R"("resolutoin": 8)", "resolutoin: unknown field; the fields are mesh, out, id, lattice, "},
+      {R"("voxel_size": [1, 2])", "voxel_size: \"1,2\" is not one or three finite numbers above 0"},
       {R"("voxel_size": "1")", "voxel_size: \"1\" is not a number or an array of numbers"},
       {R"("align": "g.vdb", "resolution": 8)", "resolution excludes align"},
-      {R"("align": 5)", "align: 5 is not a text"},
+      {R"("align": 5)", "align: 5 is not a non-empty string"},
       {R"("voxel_size": -1)", "voxel_size: \"-1\" is not a finite number above 0"},
-      {R"("voxel_size": 1e999)", "no JSON: "},
-      {R"("lattice": "cubic", "resolution": 8)", "lattice: cubic not in {cartesian,bcc,fcc,hexagonal}"},
+      {R"("voxel_size": 1e999)", "not JSON: "},
+      {R"("lattice": "cubic", "resolution": 8)", R"(lattice: "cubic" is not one of cartesian, bcc, fcc, hexagonal)"},
       {R"("lattice": "bcc")", "voxel_size or resolution is required"},
-      {R"("lattice": "", "resolution": 8)", "lattice: \"\" is not a text that is not empty"},
+      {R"("lattice": "", "resolution": 8)", "lattice: \"\" is not a non-empty string"},
       {R"("lattice": "--json", "resolution": 8)", "lattice: --json not in"},
       {R"("basis": [1,0,0,0,1,0,0,0])", "basis: \"1,0,0,0,1,0,0,0\" is not 9 finite numbers"},
-      {R"("basis": [[1,0,0],[0,1,0],[0,0,1]])", "an array or object stands within a field's array"},
+      {R"("basis": [[1,0,0],[0,1,0],[0,0,1]])", "arrays and objects cannot be nested within a field"},
       {R"("basis": "1,0,0,0,1,0,0,0,1")", "basis: \"1,0,0,0,1,0,0,0,1\" is not an array of numbers"},
       {R"("origin": [1,2,"3"], "resolution": 8)", "origin: [1,2,\"3\"] is not an array of numbers"},
       {R"("minimal": 1, "resolution": 8)", "minimal: 1 is not true or false"},
       {R"("region": [0,0,0,0,1,1], "resolution": 8)", "region: \"0,0,0,0,1,1\" is empty"},
-      {R"("quantization": 31, "resolution": 8)", "quantization: \"31\" is not auto or a whole number from 0 to 30"},
+      {R"("quantization": 31, "resolution": 8)",
+       "quantization: \"31\" is neither auto nor a whole number from 0 to 30"},
       {R"("shard": "3/3", "resolution": 8)", "shard: \"3/3\" is not I/N with 0 <= I < N"},
-      {R"("id": "", "resolution": 8)", "id: \"\" is not a text"},
-      {R"("id": null, "resolution": 8)", "id: null is not a text"},
+      {R"("id": "", "resolution": 8)", "id: \"\" is not a non-empty string"},
+      {R"("id": null, "resolution": 8)", "id: null is not a non-empty string"},
       {R"("out": [], "resolution": 8)", "out: [] is not a file name"},
       {R"("out": 5, "resolution": 8)", "out: 5 is not a file name"},
       {R"("out": "a.xyz", "resolution": 8)", "out: \"a.xyz\": extension \".xyz\" is not one of .vdb"},
@@ -169,8 +170,8 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
   EXPECT_THAT(Refusal(R"({"mesh": [], "resolution": 8})"), StartsWith("mesh: [] is not a path"));
   EXPECT_THAT(Refusal(R"({"mesh": ["m", 3], "resolution": 8})"), StartsWith("mesh: [\"m\",3] is not a path"));
   EXPECT_THAT(Refusal("[1]"), StartsWith("[1] is not a JSON object"));
-  EXPECT_THAT(Refusal("# comment"), StartsWith("no JSON: column 1: "));
-  EXPECT_THAT(Refusal(R"({"mesh": "m.obj", "resolution": 8} x)"), StartsWith("no JSON: column 36: "));
+  EXPECT_THAT(Refusal("# comment"), StartsWith("not JSON: column 1: "));
+  EXPECT_THAT(Refusal(R"({"mesh": "m.obj", "resolution": 8} x)"), StartsWith("not JSON: column 36: "));
   EXPECT_THAT(Refusal(std::string(100000, '[') + std::string(100000, ']')), StartsWith("an array or object"));
   EXPECT_LT(Refusal("[\"" + std::string(100000, 'x') + "\"]").size(), 200u);
 }
@@ -253,9 +254,9 @@ TEST_F(JobFileTest, EveryWrongLineIsNamedWhosesoeverItIs) {
   const std::string path = Path("jobs.jsonl");
   EXPECT_EQ(file.wrong, 7u);
   EXPECT_THAT(file.errors, ElementsAre(StartsWith(path + ":1: resolution: \"1\""),
-                                       path + ":3: out: \"b.vdb\" is that of line 2 already",
-                                       path + ":4: id: \"x\" is that of line 2 already",
-                                       path + ":7: out: \"g.vdb\" is that of line 7 already",
+                                       path + ":3: out: \"b.vdb\" is already used by line 2",
+                                       path + ":4: id: \"x\" is already used by line 2",
+                                       path + ":7: out: \"g.vdb\" is already used by line 7",
                                        AllOf(StartsWith(path + ":5: mesh: "), HasSubstr("an output of line 6")),
                                        AllOf(StartsWith(path + ":8: mesh: "), HasSubstr("an output of line 8")),
                                        AllOf(StartsWith(path + ":9: align: "), HasSubstr("an output of line 2"))));
@@ -291,7 +292,7 @@ TEST_F(JobFileTest, AFileWithoutAJobIsAnError) {
   };
   EXPECT_EQ(read(Path("missing")).code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(read(Path("")).code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(read(Write("blank", " \n\n")).message()), HasSubstr("holds no job"));
+  EXPECT_THAT(std::string(read(Write("blank", " \n\n")).message()), HasSubstr("contains no job"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The command line: what options mean, and which are refused.
+// The command line: the meaning of options, and refusals.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Parses as the tool does. Throws what it throws.
+// Parses like the tool. Throws the same exceptions.
 VoxelizeOptions Parse(std::vector<std::string> arguments) {
   CommandParser parser;
   VoxelizeWords words;
@@ -167,7 +167,7 @@ TEST(Options, APrivateServerThatDiesIsNotAskedAgain) {
   EXPECT_EQ(MakeCallOptions(choice, {}).retry.max_retries, 7);
 }
 
-TEST(Options, NeighbourCountsNameSeparabilitiesOnTheCartesianLatticeOnly) {
+TEST(Options, NeighborCountsNameSeparabilitiesOnTheCartesianLatticeOnly) {
   EXPECT_EQ(Parse({"--resolution", "9", "--separability", "26"}).request.separability, 0u);
   EXPECT_EQ(Parse({"--resolution", "9", "--separability", "18"}).request.separability, 1u);
   EXPECT_EQ(Parse({"--resolution", "9", "--separability", "6"}).request.separability, 2u);
@@ -180,7 +180,7 @@ TEST(Options, ABasisNeedsNoDensityButANamedLatticeDoes) {
   EXPECT_THAT(Refusal({"--lattice", "bcc"}), HasSubstr("--voxel-size or --resolution is required"));
 }
 
-// The refusal of the arguments holds each text: the option, its value or its limit.
+// Expects that the refusal of the arguments contains each text: the option, its value or its limit.
 void Refuses(const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
   for (const std::string& text : texts) EXPECT_THAT(Refusal(arguments), HasSubstr(text));
 }
@@ -192,7 +192,7 @@ TEST(Options, RefusalsOfLatticesNameOptionValueAndLimit) {
   Refuses({"--resolution", "8.5"}, {"--resolution", "8.5"});
   Refuses({"--resolution", "8", "--voxel-size", "1"}, {"--resolution", "--voxel-size"});
   Refuses({"--voxel-size", "0"}, {"--voxel-size", "above 0"});
-  Refuses({"--voxel-size", "1,2"}, {"--voxel-size", "one number or three"});
+  Refuses({"--voxel-size", "1,2"}, {"--voxel-size", "one or three finite numbers"});
   Refuses({"--voxel-size", "1,2,-3"}, {"--voxel-size", "above 0"});
   Refuses({"--voxel-size", "1,2,3", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--voxel-size", "--basis", "1,2,3"});
   Refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
@@ -253,7 +253,7 @@ TEST(Options, RefusalsOfRunsNameOptionValueAndLimit) {
   Refuses({"--resolution", "9", "--frobnicate"}, {"--frobnicate"});
 }
 
-// Else a mesh that follows would be written over.
+// Otherwise a mesh that follows would be overwritten.
 TEST(Options, AnOutputIsOneWord) {
   const VoxelizeOptions options = Parse({"-o", "b.csv", "b.obj", "--out", "c.csv", "c.obj", "--resolution", "9"});
   EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv", "c.csv"));

@@ -1,4 +1,4 @@
-// The command line tool: what it says, how it ends.
+// The command line tool: its messages and its end.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -151,7 +151,7 @@ TEST_F(Command, ACancelledOneStopsBeforeTheServerIsNeeded) {
   EXPECT_THAT(Names(), ElementsAre("m.obj"));
 }
 
-// Puts a program in latvoxd's place, and the private directory where it can be seen.
+// Replaces latvoxd with a program, and puts the private directory in a visible place.
 class Private : public FilesTest {
  protected:
   void Be(const std::string& script) const {
@@ -235,7 +235,7 @@ TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {
   EXPECT_EQ(DoAbandonably(work, cancelled).status(), absl::CancelledError("cancelled"));
   canceller.join();
   EXPECT_TRUE(AnyAbandoned());
-  // What is late or cancelled before does not begin.
+  // Work that is late or cancelled does not begin.
   EXPECT_EQ(DoAbandonably(work, late).status().code(), absl::StatusCode::kDeadlineExceeded);
   EXPECT_EQ(DoAbandonably(work, cancelled).status().code(), absl::StatusCode::kCancelled);
   EXPECT_EQ(begun, 2);
@@ -243,7 +243,7 @@ TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {
   while (ended < begun) absl::SleepFor(absl::Milliseconds(1));
 }
 
-// As OpenSSL does with what it keeps for a thread, which it frees while the process ends, too.
+// Imitates OpenSSL, which frees thread-local data also while the process ends.
 TEST(AbandonedWork, HasLeftItsThreadOnceItIsWaitedFor) {
   static std::atomic<bool> ended;
   struct AtEnd {

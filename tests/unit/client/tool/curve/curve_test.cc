@@ -1,4 +1,4 @@
-// Drawings: what is read, exactly, and what is refused, by name.
+// Reading of drawings: exact results, and errors that name their place.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -136,7 +136,7 @@ TEST(SvgCurves, RefusalsNameLineAndElement) {
   EXPECT_THAT(SvgError(deep), HasSubstr("the limit is 256"));
 }
 
-// Distance of p from the segment a, b.
+// Returns the distance of p from the segment a, b.
 double Distance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
   const double x = b[0] - a[0], y = b[1] - a[1], square = x * x + y * y;
   const double t = square == 0 ? 0 : std::clamp(((p[0] - a[0]) * x + (p[1] - a[1]) * y) / square, 0.0, 1.0);

@@ -1,4 +1,4 @@
-// glTF as it may legally be, and as it may not.
+// glTF that is legal, and glTF that is not.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ std::string Uri(absl::string_view bytes) {
   return absl::StrCat("data:application/octet-stream;base64,", absl::Base64Escape(bytes));
 }
 
-// A square as two triangles, in one buffer with what an accessor at 2 has: positions, indices, `more`.
+// A square as two triangles in one buffer: positions, indices, and `more`, the content of accessor 2.
 Json Document(const std::string& more = "") {
   const std::string bytes =
       BytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}) + BytesOf<uint16_t>({0, 1, 2, 2, 1, 3}) + more;
@@ -59,7 +59,7 @@ std::string BufferOf(const Json& document) {
 
 absl::StatusOr<Mesh> Parse(const Json& document) { return ParseGltf(document.dump(), ""); }
 
-// The document with what stands at a place replaced.
+// Returns the document with the value at a path replaced.
 Json With(Json document, const char* place, const Json& value) {
   document[Json::json_pointer(place)] = value;
   return document;
@@ -202,7 +202,7 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
   says("/accessors/0/count", 4294967296, "accessors[0]: count 4294967296 exceeds 4294967295");
   says("/accessors/1/componentType", 5126, "accessors[1]: ");
   says("/accessors/1/componentType", 5122, "indices are \"SCALAR\" of componentType 5122");
-  says("/bufferViews/0/byteStride", 8, "byteStride 8 is not within 12, which an element takes, and 252");
+  says("/bufferViews/0/byteStride", 8, "byteStride 8 is not within 12, the size of an element, and 252");
   says("/bufferViews/1/byteOffset", 50, "bufferViews[1] ends at byte 62 of buffer 0, which has 60");
   says("/bufferViews/1/buffer", 3, "bufferViews[1]: buffer 3 is not among the 1 buffers");
   says("/buffers/0/byteLength", 99, "buffers[0] has 60 bytes, not 99");
@@ -211,7 +211,7 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
   says("/nodes/0/scale", {1e39, 1, 1}, "meshes[0].primitives[0]: vertex 1 is not finite (inf)");
 }
 
-// A few bytes place a mesh many times, or name a primitive many times.
+// A few bytes may place a mesh many times, or name a primitive many times.
 TEST(GltfFile, ScenesAreOnlySoLarge) {
   Json placed = Document();
   placed["nodes"].push_back({{"mesh", 0}});
@@ -228,7 +228,7 @@ TEST(GltfFile, ScenesAreOnlySoLarge) {
   EXPECT_TRUE(ParseGltf(repeated.dump(), "", 8).ok());
   EXPECT_EQ(ParseGltf(repeated.dump(), "", 7).status().code(), absl::StatusCode::kResourceExhausted);
 
-  // What has no triangles counts for nothing, and is not kept.
+  // Meshes without triangles do not count and are not kept.
   Json points = With(repeated, "/meshes/0/primitives/0/mode", 0);
   EXPECT_TRUE(ParseGltf(points.dump(), "", 4).ok());
 }
@@ -267,7 +267,7 @@ TEST(GltfFile, ContainersHaveOneBinaryChunkAndMayHaveOthers) {
               HasSubstr("version 1 of the container is not 2"));
 }
 
-// Positions and colors by the ids that the stream has for them, which are their places in it.
+// Positions and colors have the ids of the stream, which are their indices in it.
 TEST(GltfFile, DracoStreamsAreDecoded) {
   const Mesh quad = ParseObj("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 0\nf 1 2 3\nf 3 2 4\n").value();
   const std::string drc = EncodeMesh(quad, 0, {Attribute::kColor}).value().drc;
@@ -286,7 +286,7 @@ TEST(GltfFile, DracoStreamsAreDecoded) {
     EXPECT_EQ(mesh->colors[v], quad.colors[static_cast<size_t>(found - quad.positions.begin())]);
   }
   EXPECT_THAT(Refusal(With(document, "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/bufferView", 0)),
-              StartsWith("meshes[0].primitives[0]: KHR_draco_mesh_compression: is no Draco mesh"));
+              StartsWith("meshes[0].primitives[0]: KHR_draco_mesh_compression: is not a Draco mesh"));
 }
 
 }  // namespace

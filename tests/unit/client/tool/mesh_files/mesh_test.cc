@@ -25,7 +25,7 @@ using Triangle = std::array<uint32_t, 3>;
 
 std::string Message(const absl::Status& status) { return std::string(status.message()); }
 
-// Signed area, seen from +z.
+// Returns the signed area as seen from +z.
 double Area(const Mesh& mesh, const Triangle& t) {
   const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
   return ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
@@ -50,7 +50,7 @@ TEST(ObjFile, ConcavePentagonIsCutInsideFromEveryCornerOn) {
     ASSERT_EQ(mesh->triangles.size(), 3u);
     double area = 0;
     for (const Triangle& t : mesh->triangles) {
-      EXPECT_GT(Area(*mesh, t), 0);  // none is turned over, so none lies outside
+      EXPECT_GT(Area(*mesh, t), 0);  // no triangle is turned over, so none lies outside
       area += Area(*mesh, t);
     }
     EXPECT_DOUBLE_EQ(area, 2.5);
@@ -245,10 +245,10 @@ TEST(StlFile, ErrorsNameLineOrTriangle) {
   says(head + "vertex 0 1e99 0\n", "line 6: coordinate \"1e99\"");
   says(head + "vertex 0 1", "line 6: coordinate \"\"");
   says(head + "endloop\n", "line 6: a facet has 2 vertices, not 3");
-  says(head + "vortex 0 1 0\n", "line 6: \"vortex\" is not understood");
+  says(head + "vortex 0 1 0\n", "line 6: \"vortex\" is not an STL keyword");
   says(head, "ends within a facet");
   says(BinaryStl(2).substr(0, 150), "ends within triangle 1 of 2");
-  says(BinaryStl(2).substr(0, 83), "is no STL file");
+  says(BinaryStl(2).substr(0, 83), "is not an STL file");
   const std::string solid = "solid" + BinaryStl(2).substr(5);
   says(solid.substr(0, 150), "ends within triangle 1 of 2");
   EXPECT_EQ(ParseStl(solid + "more")->triangles.size(), 2u);
@@ -301,7 +301,7 @@ TEST_F(MeshFile, ErrorsNameTheFile) {
   EXPECT_EQ(ReadMeshFile(Path("")).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-// Whoever only asks for the end of such a file takes it for empty, or for whole.
+// A reader that checks only for the end of such a file would take it for empty, or for complete.
 TEST_F(MeshFile, WhatFailsToBeReadIsNoShortFile) {
   const auto bytes = ReadBytes("/proc/self/mem");
   EXPECT_EQ(bytes.status().code(), absl::StatusCode::kFailedPrecondition);

@@ -19,7 +19,7 @@ using testing::IsEmpty;
 class Content : public FilesTest {};
 
 const GridTransform kBcc = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, -2, 3}, 0.15874010519681994};
-// Not in the order in which a file has them.
+// The order differs from that of files.
 const std::vector<Brick> kBricks = {{{3, 0, 0}, {5, 0, 0, 0, 0, 0, 0, 1}}, {{-600, 0, 7}, {0, 0, 0, 2, 0, 0, 0, 0}}};
 
 TEST_F(Content, NumbersStandByTheirVoxels) {
@@ -82,7 +82,7 @@ TEST_F(Content, GridsOfOtherVoxelsAreRefused) {
   EXPECT_THAT(refusal(colors), HasSubstr("no colors from 0 to 1"));
 }
 
-// The maps' ends and middle are the published ones.
+// The ends and middle of the maps are the published colors.
 TEST(VoxelColors, DistancesRunOverTheWholeMap) {
   const Band with_sign = {2, false, true}, without = {2, false, false};
   const auto colors = [](const Band& band, const std::vector<float>& distances) {

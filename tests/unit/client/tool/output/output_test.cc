@@ -18,7 +18,7 @@ using testing::StartsWith;
 
 class OutputFile : public FilesTest {
  protected:
-  // BCC, so that axes are not orthogonal; two bricks, one of negative coordinates; voxels (0,0,0), (7,7,7), (-8,2,3).
+  // BCC, so that axes are not orthogonal. Two bricks, one with negative coordinates; voxels (0,0,0), (7,7,7), (-8,2,3).
   static Accepted MakeAccepted() {
     Accepted accepted;
     accepted.grid = {{{0.2, 0, 0}, {0, 0.2, 0}, {0.1, 0.1, 0.1}}, {1, 2, 3}, 0.15874010519681994};
@@ -36,7 +36,7 @@ class OutputFile : public FilesTest {
     return {low, high};
   }
 
-  // Everything but Commit.
+  // Runs everything except Commit.
   std::unique_ptr<Output> Fill(const std::string& name) const {
     auto output = OpenOutput(Path(name));
     EXPECT_TRUE(output.ok()) << output.status();

@@ -25,10 +25,10 @@ const Basis kLattices[] = {
     {{1, 1, 0}, {1, 0, 1}, {0, 1, 1}},                    // FCC
     {{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0, 0, 1.1}},  // hexagonal
     {{0.3, 0.01, -0.02}, {0.05, 0.4, 0.03}, {-0.1, 0.07, 0.5}},
-    {{1, 0, 0}, {3, 1, 0}, {2, 2, 1}},  // cubes again, by a skew basis
+    {{1, 0, 0}, {3, 1, 0}, {2, 2, 1}},  // cubes again, in a skewed basis
 };
 
-// Voxels here and there, so that rays pass over empty bricks and tiles, too.
+// Scattered voxels, so that rays skip empty bricks and tiles.
 std::vector<Brick> Scattered(std::mt19937& chance, int bricks) {
   std::vector<Brick> out;
   for (int n = 0; n < bricks; ++n) {
@@ -45,7 +45,7 @@ void ForEachCell(const VoxelScene& scene, const Visit& visit) {
   scene.ForEachBrick([&](const Brick& brick) { ForEachVoxel(brick, visit); });
 }
 
-// Where the ray enters the nearest cell of all, by cutting it with every facet of every cell.
+// Returns where the ray enters the nearest cell, by cutting it with every facet of every cell.
 std::optional<double> NearestByBruteForce(const VoxelScene& scene, const VoronoiCell& cell, const Basis& basis,
                                           const Ray& ray) {
   std::optional<double> nearest;
@@ -126,7 +126,7 @@ TEST(VoxelScene, ShiftedCellsAreThoseThatHoldAVoxel) {
   }
 }
 
-// A cell has the color of one of its voxels, the same in whatever order bricks come; without a shift, there is but one.
+// A cell has the color of one of its voxels, the same in any order of bricks. Without a shift it has only one voxel.
 TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
   std::mt19937 chance(13);
   std::vector<Brick> bricks = Scattered(chance, 30);
@@ -146,7 +146,7 @@ TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
       });
       scene.Add(brick, colors);
     };
-    add(bricks[0], one);  // the first decides where cell 0 is
+    add(bricks[0], one);  // the first brick decides the position of cell 0
     add(bricks[0], other);
     for (size_t n = 0; n < bricks.size(); ++n) {
       add(bricks[n], one);
@@ -162,7 +162,8 @@ TEST(VoxelScene, CellsHaveTheColorsOfTheirVoxels) {
   }
 }
 
-// Cubes of full bricks around tiles' corners, 5 bricks long, but for the last voxel of the second brick of a row.
+// Cubes of full bricks around the corners of tiles, 5 bricks long, except for the last voxel of the second brick of a
+// row.
 std::vector<Brick> Solid() {
   std::vector<Brick> out;
   for (int32_t n = 0; n < 125; ++n) {
@@ -180,7 +181,7 @@ TEST(VoxelScene, CellsThatAreNotDeepInsideAreOuter) {
   ForEachCell(scene, [&](const Vec3i& cell) { deep.insert(cell); });
   EXPECT_EQ(deep.size(), 125 * 512 - 1U);
   scene.ForEachOuter([&](const Vec3i& cell) { EXPECT_EQ(deep.erase(cell), 1U); });
-  // Inside of the layer of bricks around, without the two that meet the brick that is not full.
+  // Bricks inside the outermost layer, except the two that touch the brick that is not full.
   EXPECT_EQ(deep.size(), (27 - 2) * 512U);
 }
 
@@ -245,7 +246,7 @@ TEST(Picture, ScenesHoldNoMoreThanThePictureTells) {
   EXPECT_EQ(ShiftFor(grid, 60000, {.side = 2048}), shift - 1);
 }
 
-// Against the sums as they are defined, where windows lie over nothing, steps and edges of the picture.
+// Compares with the sums of the definition, where windows cover empty samples, steps and edges of the picture.
 TEST(SmoothDepth, AveragesWhatIsNearInDepth) {
   constexpr int kWide = 61;
   std::mt19937 chance(7);
