@@ -56,7 +56,9 @@ async function show() {
   results.hidden = words.length === 0;
   if (results.hidden) return;
   await load();
-  const found = SECTIONS.map((section) => [score(section, words), section]).filter(([sum]) => sum > 0);
+  // SECTIONS begins with the pages for users, which count up to twice as much as those at its end.
+  const weighed = SECTIONS.map((section, n) => [score(section, words) * (1 - n / SECTIONS.length / 2), section]);
+  const found = weighed.filter(([sum]) => sum > 0);
   found.sort(([a], [b]) => b - a);
   results.replaceChildren(...found.slice(0, MOST).map(([, section]) => row(section, words)));
   if (found.length === 0) results.textContent = "Nothing found.";

@@ -24,8 +24,13 @@ def resolved(items):
     return found
 
 
-def holds(items, file):
-    return any(file == part if isinstance(part, str) else holds(part, file) for _, part in items)
+def files(items):
+    """Yields the files that the items name, in order."""
+    for _, part in items:
+        if isinstance(part, str):
+            yield part
+        else:
+            yield from files(part)
 
 
 def tree(items, file, known):
@@ -36,7 +41,7 @@ def tree(items, file, known):
         if isinstance(part, str):
             out.append(f'<li><a href="{part}"{" aria-current=page" * (part == file)}>{title}</a></li>')
         else:
-            here = holds(part, file) or (not known and holds(part, SDK))
+            here = (file if known else SDK) in files(part)
             out.append(f"<li><details{' open' * here}><summary>{title}</summary>{tree(part, file, known)}</details></li>")
     return "".join([*out, "</ul>"])
 
@@ -91,10 +96,11 @@ def completed(text):
 def finish(out):
     """Completes the pages in the folder."""
     items = resolved(contents.contents())
+    order = {file: n for n, file in enumerate(files(items))}
     index = []
-    for path in sorted(pathlib.Path(out).glob("*.html")):
+    for path in sorted(pathlib.Path(out).glob("*.html"), key=lambda path: (order.get(path.name, order[SDK]), path.name)):
         text = completed(path.read_text())
-        navigation = tree(items, path.name, holds(items, path.name))
+        navigation = tree(items, path.name, path.name in order)
         text = text.replace('<nav id="navigation"></nav>', f'<nav id="navigation">{navigation}</nav>')
         path.write_text(text)
         if not LISTS.search(path.name):
