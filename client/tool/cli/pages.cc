@@ -74,6 +74,7 @@ std::string Introduction() {
          "\n"
          "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o chooses\n"
          "the output format.\n"
+         "\n"
          "All commands: latvox --help. Options of a command: latvox voxelize --help. Everything: man latvox.\n";
 }
 
