@@ -152,7 +152,7 @@ def layout():
 
     groups = "".join(
         f"<tab type='usergroup' title='{group}'>"
-        + "".join(tab(name, title_of(path) if path else "The protocol, message by message") for path, name in pages.items())
+        + "".join(tab(name, title_of(path) if path else "Protocol reference") for path, name in pages.items())
         + ("<tab type='classlist' title='SDK: classes'/><tab type='namespacelist' title='SDK: names'/>"
            "<tab type='filelist' title='SDK: headers'/><tab type='examples' title='SDK: examples'/>"
            if group == "Program" else "")
