@@ -133,7 +133,7 @@ class Bounds(Case):
         (self.dir / "jobs.jsonl").write_text(
             json.dumps({"mesh": "octahedron.obj", "voxel_size": 1, "bounds": [9, 9, 9, 10, 10, 10], "out": "a.csv"}))
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
-        self.assertIn("latvox: a.csv: no voxel lies in --bounds 9,9,9,10,10,10, where", done.stderr)
+        self.assertIn("latvox: a.csv: no voxel lies in --bounds 9,9,9,10,10,10 (the mesh", done.stderr)
 
     def test_bad_bounds_are_refused(self):
         for bounds, says in (("0,0,0,1,1", "6 finite numbers"), ("0,0,1,1,1,0", "0 is below 1 on axis 2")):

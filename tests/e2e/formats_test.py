@@ -170,7 +170,7 @@ class Formats(Case):
     def test_a_box_that_is_too_large_is_refused_before_anything_is_done(self):
         done = latvox("voxelize", BUNNY, "-o", self.dir / "a.npy", "--npy", "dense", "--resolution", 3000)
         self.assertEqual(done.returncode, 5, done.stderr)
-        self.assertRegex(done.stderr, r"a.npy: .* \d+ x \d+ x \d+ elements exceeds 4294967296 bytes; --region")
+        self.assertRegex(done.stderr, r"a.npy: .* \d+ x \d+ x \d+ elements exceeds 4294967296 bytes; request less with --region")
         self.assertEqual(list(self.dir.iterdir()), [])
 
     def test_meshio_reads_the_points(self):

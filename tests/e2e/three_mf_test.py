@@ -87,7 +87,7 @@ class ThreeMf(InputCase):
     def test_missing_properties_are_reported_if_requested(self):
         for says, attributes in (
             ("$", ""),
-            ('3dmodel.model, line 7: <triangle>: pid="9" is no group', 'pid="9" p1="0"'),
+            ('3dmodel.model, line 7: <triangle>: pid="9" is not a group', 'pid="9" p1="0"'),
             ('line 7: <triangle>: p1="3" is not within the 3 of <basematerials> 5', 'pid="5" p1="3"'),
             ('line 7: <triangle>: p1="" is not within', 'pid="5"'),
             ('line 7: <triangle>: p2="-1" is not within the 2 of <colorgroup> 6', 'pid="6" p1="0" p2="-1"'),

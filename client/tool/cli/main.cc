@@ -183,7 +183,7 @@ class Program {
   // Commands that print facts.
   void AddQuestions() {
     Add("info", "Print facts about a .vdb file", [this] { return Print(RunInfo(info_path_, json_)); })
-        .Add({{.names = "file", .target = &info_path_, .help = "OpenVDB file", .value = "OUT.vdb", .required = true},
+        .Add({{.names = "file", .target = &info_path_, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
               JsonRow("Print a JSON object", json_)});
     const auto add_call = [this](const char* name, const char* description, auto run) -> CommandParser& {
       CommandParser& command = Add(name, description, [run] {

@@ -74,6 +74,7 @@ std::string Introduction() {
          "\n"
          "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o chooses\n"
          "the output format.\n"
+         "\n"
          "All commands: latvox --help. Options of a command: latvox voxelize --help. Everything: man latvox.\n";
 }
 
@@ -103,10 +104,10 @@ ManPage Page() {
       {"ENVIRONMENT",
        "If NO_COLOR is not empty, terminals get no colors. Files and pipes never get colors.\n"
        "\n"
-       "LATVOX_LATVOXD is the program of a private server, in place of the latvoxd beside latvox.\n"
-       "LATVOX_THREADS, LATVOX_MEMORY_BUDGET and the other variables of latvoxd(8) apply to it as well, except\n"
-       "those of its configuration file, addresses, TLS and tokens. Its socket is in XDG_RUNTIME_DIR, or in /tmp\n"
-       "if that is not set.\n"
+       "A private server is the program LATVOX_LATVOXD, or else the latvoxd beside latvox. The variables of\n"
+       "latvoxd(8), such as LATVOX_THREADS and LATVOX_MEMORY_BUDGET, apply to it as well. Exceptions are those of\n"
+       "its configuration file, addresses, TLS and tokens. Its socket is in XDG_RUNTIME_DIR, or in /tmp if that is\n"
+       "not set.\n"
        "\n"
        "JOB_COMPLETION_INDEX with LATVOX_WORKER_COUNT, or SLURM_ARRAY_TASK_ID with its companions, number the\n"
        "worker of latvox batch.\n"

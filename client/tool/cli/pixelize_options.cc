@@ -59,7 +59,7 @@ std::vector<OptionRow> PixelRows(PixelizeWords& words) {
            .standard = "0"},
           {.names = "--minimal,!--no-minimal",
            .target = &request.minimal,
-           .help = "Remove every pixel that separation does not need, the default; or keep them"},
+           .help = "Remove every pixel that separation does not need (default), or keep them"},
           {.names = "--algorithm",
            .target = &words.algorithm,
            .help = "Algorithm; the others exist for comparison",

@@ -116,7 +116,7 @@ Rows SurfaceRows(VoxelizeWords& words) {
            .standard = "0"},
           {.names = "--minimal,!--no-minimal",
            .target = &words.minimal,
-           .help = "Remove every voxel that separation does not need, the default; or keep them"},
+           .help = "Remove every voxel that separation does not need (default), or keep them"},
           {.names = "--algorithm",
            .target = &words.algorithm,
            .help = "Algorithm; the others exist for comparison",

@@ -15,8 +15,10 @@ bool IsBinaryStl(absl::string_view bytes);
 // contains a zero byte, or has no word of facets. Bytes after the last triangle are ignored.
 // Each solid is a part. Each triangle has its own vertices. Positions are the float32 of the file, or the nearest to
 // its decimal text. Normals are ignored.
-// Errors: INVALID_ARGUMENT naming the line, or the triangle counted from 0, and the fault: too few bytes for the
-// declared count, an unexpected word, a coordinate that is not a finite number, a facet without exactly three vertices.
+// Errors: INVALID_ARGUMENT naming the line, or the triangle counted from 0, and the fault:
+//   too few bytes for the declared count, or an unexpected word
+//   a coordinate that is not a finite number
+//   a facet without exactly three vertices
 absl::StatusOr<Mesh> ParseStl(absl::string_view bytes);
 
 }  // namespace latvox::client

@@ -94,7 +94,7 @@ TEST_F(Workers, WhatIsIncompleteOrOutOfRangeIsRefused) {
                        {"SLURM_ARRAY_TASK_COUNT", "3"},
                        {"SLURM_ARRAY_TASK_MIN", "1"},
                        {"SLURM_ARRAY_TASK_STEP", "2"}}),
-              HasSubstr("steps of 2"));
+              HasSubstr("a multiple of 2"));
   EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_WORKER_COUNT", "1"}, {"SLURM_ARRAY_TASK_ID", "0"}}),
               HasSubstr("both set"));
   EXPECT_THAT(Refusal({{"JOB_COMPLETION_INDEX", "0"}, {"LATVOX_WORKER_COUNT", "1048577"}}),

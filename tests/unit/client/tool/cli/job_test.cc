@@ -143,7 +143,7 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
       {R"("lattice": "cubic", "resolution": 8)", R"(lattice: "cubic" is not one of cartesian, bcc, fcc, hexagonal)"},
       {R"("lattice": "bcc")", "voxel_size or resolution is required"},
       {R"("lattice": "", "resolution": 8)", "lattice: \"\" is not a non-empty string"},
-      {R"("lattice": "--json", "resolution": 8)", "lattice: --json not in"},
+      {R"("lattice": "--json", "resolution": 8)", "lattice: \"--json\" is not one of"},
       {R"("basis": [1,0,0,0,1,0,0,0])", "basis: \"1,0,0,0,1,0,0,0\" is not 9 finite numbers"},
       {R"("basis": [[1,0,0],[0,1,0],[0,0,1]])", "arrays and objects cannot be nested within a field"},
       {R"("basis": "1,0,0,0,1,0,0,0,1")", "basis: \"1,0,0,0,1,0,0,0,1\" is not an array of numbers"},
@@ -172,7 +172,7 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
   EXPECT_THAT(Refusal("[1]"), StartsWith("[1] is not a JSON object"));
   EXPECT_THAT(Refusal("# comment"), StartsWith("not JSON: column 1: "));
   EXPECT_THAT(Refusal(R"({"mesh": "m.obj", "resolution": 8} x)"), StartsWith("not JSON: column 36: "));
-  EXPECT_THAT(Refusal(std::string(100000, '[') + std::string(100000, ']')), StartsWith("an array or object"));
+  EXPECT_THAT(Refusal(std::string(100000, '[') + std::string(100000, ']')), StartsWith("arrays and objects"));
   EXPECT_LT(Refusal("[\"" + std::string(100000, 'x') + "\"]").size(), 200u);
 }
 

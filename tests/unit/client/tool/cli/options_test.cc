@@ -197,7 +197,7 @@ TEST(Options, RefusalsOfLatticesNameOptionValueAndLimit) {
   Refuses({"--voxel-size", "1,2,3", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--voxel-size", "--basis", "1,2,3"});
   Refuses({"--voxel-size", "inf"}, {"--voxel-size", "inf"});
   Refuses({"--voxel-size", "1e999"}, {"--voxel-size", "1e999"});
-  Refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0,1,2,26,18,6"});
+  Refuses({"--resolution", "9", "--separability", "5"}, {"--separability", "5", "0, 1, 2, 26, 18, 6"});
   Refuses({"--resolution", "9", "--lattice", "cubic"}, {"--lattice", "cubic", "hexagonal"});
   Refuses({"--lattice", "bcc", "--basis", "1,0,0,0,1,0,0,0,1"}, {"--basis", "--lattice"});
   Refuses({"--basis", "1,0,0,0,1,0,0,0"}, {"--basis", "9 finite numbers"});
@@ -229,7 +229,7 @@ TEST(Options, RefusalsOfSetsNameOptionValueAndLimit) {
 }
 
 TEST(Options, RefusalsOfFilesNameOptionValueAndLimit) {
-  Refuses({"--resolution", "9", "--up-axis", "w"}, {"--up-axis", "w", "x,y"});
+  Refuses({"--resolution", "9", "--up-axis", "w"}, {"--up-axis", "w", "x, y"});
   Refuses({"--resolution", "9", "--scale", "-1"}, {"--scale", "-1", "above 0"});
   Refuses({"--resolution", "9", "--input-format", "fbx"}, {"--input-format", "fbx", "3mf"});
   Refuses({"--resolution", "9", "--npy", "sparse"}, {"--npy", "sparse", "dense"});

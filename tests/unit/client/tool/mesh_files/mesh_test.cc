@@ -355,7 +355,7 @@ TEST(ZipArchive, UnpacksNoMoreThanTheLimit) {
   EXPECT_EQ(wide->Read("a").status().code(), absl::StatusCode::kResourceExhausted);  // of all entries together
   auto narrow = ZipArchive::Open(bytes, 999);
   ASSERT_TRUE(narrow.ok());
-  EXPECT_THAT(Message(narrow->Read("a").status()), HasSubstr("\"a\" unpacks to more than the 999 bytes"));
+  EXPECT_THAT(Message(narrow->Read("a").status()), HasSubstr("\"a\" unpacks to more than the limit of 999 bytes"));
   EXPECT_THAT(Message(narrow->Read("b").status()), HasSubstr("\"b\""));
   EXPECT_EQ(ZipArchive::Open("PK", 1000).status().code(), absl::StatusCode::kInvalidArgument);
 }
