@@ -85,7 +85,7 @@ def title_of(path):
 def slugs(text):
     """Returns the headings' names on a repository's host, in order. Code blocks have no headings."""
     seen, found = {}, []
-    for heading in re.findall(r"^#+ +(.*?) *$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M):
+    for heading in re.findall(r"^#+ +(.*?) *$", re.sub(r"^ *```.*?^ *```$", "", text, flags=re.M | re.S), re.M):
         slug = re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
         seen[slug] = seen.get(slug, -1) + 1
         found.append(f"{slug}-{seen[slug]}" if seen[slug] else slug)
@@ -121,27 +121,35 @@ def in_a_table(line):
     )
 
 
+def with_links(path, text):
+    """Replaces the links of a text without code blocks. A link may stand in the text, but not in code. Its own text may
+    hold code, and go on in the next line; then the link stays in as many lines."""
+
+    def replaced(found):
+        if found["code"]:
+            return found["code"]
+        return link(found["text"].replace("\n", " "), found["target"], path) + "\n" * found["text"].count("\n")
+
+    return re.sub(r"(?<!!)\[(?P<text>[^\[\]]+)\]\((?P<target>[^)\s:]+)\)|(?P<code>`[^`\n]*`)", replaced, text)
+
+
 def filtered(path, text):
     """Returns the page's text for Doxygen, with as many lines as it has."""
-    names, lines, fence = iter(slugs(text)), [], False
-    for line in text.split("\n"):
-        is_fence = line.lstrip().startswith("```")
-        fence ^= is_fence
-        if not fence and not is_fence:
-            if re.match(r"#+ ", line):
-                slug, is_title = next(names), line.startswith("# ")
-                name = NAMES.get(path, "mainpage") if is_title else section_name(path, slug)
-                line = re.sub(r"^# `(.*)`$", r"# \1", line) + f" {{#{name}}}"
-            # A link may stand in the text, but not in code.
-            pieces = re.split(r"(`[^`]*`)(?![^\[\]]*\]\()", line)
-            line = "".join(
-                piece if n % 2 else re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s:]+)\)", lambda l: link(l[1], l[2], path), piece)
-                for n, piece in enumerate(pieces)
-            )
-            if line.startswith("|"):
-                line = in_a_table(line)
-        lines.append(line)
-    return "\n".join(lines)
+    names, out = iter(slugs(text)), []
+
+    def named(heading):
+        slug, is_title = next(names), heading[1] == "#"
+        name = NAMES.get(path, "mainpage") if is_title else section_name(path, slug)
+        return f"{heading[1]} {heading[2].replace('`', '') if is_title else heading[2]} {{#{name}}}"
+
+    # Odd pieces are code blocks.
+    for n, piece in enumerate(re.split(r"(^ *```.*?^ *```$)", text, flags=re.M | re.S)):
+        if n % 2 == 0:
+            piece = re.sub(r"^(#+) +(.*?) *$", named, piece, flags=re.M)
+            piece = with_links(path, piece)
+            piece = re.sub(r"^\|.*$", lambda row: in_a_table(row[0]), piece, flags=re.M)
+        out.append(piece)
+    return "".join(out)
 
 
 def layout():

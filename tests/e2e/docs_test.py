@@ -129,8 +129,8 @@ class Docs(Case):
         self.assertEqual(dead_links(self.dir), (dead, 8))
 
     def test_pages_become_pages_of_doxygen(self):
-        page = "# Sets\n\n[a](choosing.md#k), `[b](c.md)`, [d](../../LICENSE), [e](../examples/hello.cc)\n\n| `x\\|y` |\n\n```\n# f\n```\n## `g` h\n"
-        became = "# Sets {#sets}\n\n[a](#choosing_k), `[b](c.md)`, d (`LICENSE`), \\ref hello.cc \"e\"\n\n"
+        page = "# Sets\n\n[a\nb](choosing.md#k) and\n`[x]` [a](choosing.md#k), `[b](c.md)`, [d](../../LICENSE), [e](../examples/hello.cc)\n\n| `x\\|y` |\n\n```\n# f\n```\n## `g` h\n"
+        became = "# Sets {#sets}\n\n[a b](#choosing_k)\n and\n`[x]` [a](#choosing_k), `[b](c.md)`, d (`LICENSE`), \\ref hello.cc \"e\"\n\n"
         became += "| <code>x&#124;y</code> |\n\n```\n# f\n```\n## `g` h {#sets_g_h}\n"
         self.assertEqual(pages.filtered("client/docs/sets.md", page), became)
         self.assertEqual(pages.slugs("# A\n## B c\n## B c\n"), ["a", "b-c", "b-c-1"])
