@@ -138,8 +138,8 @@ void AttributeScan::ForEachCandidate(const AttributeContext& context, const Vec3
   }
 }
 
-// It matters only for triangles with different values which of them is nearest. Mostly they have the same values,
-// because they are neighbors with a common corner or edge.
+// Which triangle is nearest matters only if their values differ. Mostly they have the same values, because they are
+// neighbors with a common corner or edge.
 AttributeScan::Corner AttributeScan::Decide(const AttributeContext& context, const Vec3i& point, size_t voxel) const {
   std::optional<Corner> first;
   bool agree = true;

@@ -1,10 +1,10 @@
 // The numbers of the mesh that voxels carry.
 //
-// Each vertex has some numbers. A voxel gets those of the nearest corner of the nearest triangle. Ties go to the
-// smallest value: among all triangles at the smallest distance from the lattice point, and among all their corners at
-// the smallest distance from it, the smallest value of each number by itself. Distances are compared exactly, in
-// integers (core/band/metric.h). So a voxel's numbers depend on the mesh as a set of triangles alone: not on their
-// order, on tiles or on regions.
+// Each vertex has some numbers. A voxel gets those of the nearest corner of the nearest triangle. Several triangles may
+// be at the smallest distance from the lattice point, and several of their corners may be nearest to it. Then the voxel
+// gets the smallest value of each number, number by number. Distances are compared exactly, in integers
+// (core/band/metric.h). So a voxel's numbers depend on the mesh as a set of triangles alone: not on their order, on
+// tiles or on regions.
 #ifndef LATVOX_CORE_ATTRIBUTES_ATTRIBUTES_H_
 #define LATVOX_CORE_ATTRIBUTES_ATTRIBUTES_H_
 

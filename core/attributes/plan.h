@@ -27,9 +27,10 @@ struct CarriedAttributes {
   std::vector<uint32_t> of_vertices;  // as TriangleMesh::attributes
 };
 
-// For separating voxels, which are ends of links along the frames that the mesh crosses in their nearer half; or for a
-// supercover, with cells that meet the mesh. Cells reach no farther than half the diagonal of a box with sides as long
-// as the basis vectors, because the nearest plane method finds a lattice point within that distance of any point.
+// For separating voxels: each is an end of a link along a frame, and the mesh crosses the nearer half of that link. Or
+// for a supercover, with cells that meet the mesh. A cell reaches no farther than half the diagonal of a box with sides
+// as long as the basis vectors. The reason is that the nearest plane method finds a lattice point within that distance
+// of any point.
 // Errors: INVALID_ARGUMENT as MakeMetric, MarginOf.
 absl::StatusOr<AttributePlan> MakeAttributePlan(const Lattice& lattice, const std::vector<Frame>& frames,
                                                 bool supercover);

@@ -26,7 +26,7 @@ inline void KeepJobMemory(size_t bytes) {
   kept_scan_bytes = bytes;
 }
 
-// For the main functions of programs whose heap is used by jobs alone; core itself leaves the host's heap as it is. The
+// For the main functions of programs in which only jobs use the heap. Core itself leaves the host's heap as it is. The
 // C library's heap keeps so many freed bytes, and more where several threads free memory. By default it returns them to
 // the system, and a job must fetch and clear them again, page by page.
 inline void KeepHeap(int bytes) {

@@ -31,6 +31,13 @@ struct ScannedSurface {
   PairMemory& memory;
 };
 
+// The set is exact, because it is a union over triangles. Each triangle adds the nearer ends of the links that it
+// crosses, or its supercover, whatever the others add. All these nearer ends are among the triangle's candidates
+// (core/digitize/principal_scan.h); those of tiny triangles come from the links in the context. A candidate of a rim
+// that is a member already is not tested again, which does not change the union. So neither the order of triangles nor
+// their division into parts affects the set. Only the links in `rim_only` depend on the order; the thinner's result
+// does not.
+//
 // Reuses the memory of one node for the next.
 class SurfaceScan {
  public:

@@ -4,8 +4,8 @@
 // that it crosses. So every crossed link has an end in the set: that is k-separation, for any surface. On a plane, the
 // set is exactly { z : -t < n.z + D <= t } of the thesis's Theorems 1-7.
 //
-// Frames (core/lattice/frame.h): a lattice line along q is the point (a, b) of the projection along q, voxels on it are
-// counted by c. This is the thesis's project, scan-convert and lift (section 4.3), once a direction and exact.
+// Frames (core/lattice/frame.h): a lattice line along q is the point (a, b) of the projection along q, and c counts the
+// voxels on it. This is the thesis's project, scan-convert and lift (section 4.3), once per direction, and exactly.
 //
 // Ties. The result is that of the surface shifted by the infinitesimal (e, e^2, e^3) in lattice coordinates, the same
 // for every direction (simulation of simplicity). Two triangles with a common edge never both claim, nor both miss, a

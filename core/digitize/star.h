@@ -29,8 +29,8 @@ struct OrientedTriangle {
 };
 
 // The star of a voxel: the links z -> z +- q for all k-neighbors q, tested against one triangle. It gives the same
-// result for each link as ForEachCrossing, without a projection. The line through z along q passes on the inner side of
-// the triangle's edge A -> B iff u . ((B-A) x (z-A)) > 0, where u is the one of q and -q that goes up the normal. The
+// result for each link as ForEachCrossing, without a projection. Let u be the one of q and -q that goes up the normal.
+// The line through z along q passes on the inner side of the triangle's edge A -> B iff u . ((B-A) x (z-A)) > 0. The
 // cross products are the same for all q.
 //
 // Ties. A shift of the triangle by s = (e, e^2, e^3) adds s . ((B-A) x u) to that product. With d = n . (z - A) and D =

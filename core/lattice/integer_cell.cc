@@ -117,8 +117,8 @@ void IntegerCell::SetZones(std::vector<CellZone> zones) {
 // absolute entries <= kMaxDirection) or 0, and their products with e_u are 0 or +-1. So entries of directions_ have 2 *
 // 30 + 4 + 3 bits, and 121 with a covector. The determinant, a sum over 16 spanning trees (Kirchhoff), has 94. M /
 // determinant is twice the vertex on the covector's side. covector . M has more than 128 bits, but doubles estimate the
-// quotient well enough to find the rest modulo 2^128: the vertex's entries are below 2^6, so the estimate is wrong by
-// less than 2^20, and the rest is below 2^116 in size.
+// quotient well enough to find the remainder modulo 2^128. The vertex's entries are below 2^6, so the estimate is wrong
+// by less than 2^20. The remainder is then below 2^116 in size.
 __int128 IntegerCell::Support(const Vec<int64_t, 3>& covector, int32_t scale) const {
   using Modular = unsigned __int128;
   Vec<Wide, 3> vertex{};

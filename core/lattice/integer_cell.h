@@ -38,8 +38,8 @@ struct CellZone {
 // counts as equal are equal here, so its neighbors' cells meet the cell.
 class IntegerCell {
  public:
-  // Errors: INVALID_ARGUMENT if the lattice is so flat or long that this rounding would matter (its shortest vector is
-  // below about 1/512 of its longest superbase vector), or too skewed for kMaxZoneEntry.
+  // Errors: INVALID_ARGUMENT if the lattice is too skewed for kMaxZoneEntry, or so flat or long that this rounding
+  // would matter: its shortest vector is below about 1/512 of its longest superbase vector.
   static absl::StatusOr<IntegerCell> Of(const Lattice& lattice);
 
   const std::vector<CellZone>& zones() const { return zones_; }

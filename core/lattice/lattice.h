@@ -36,8 +36,8 @@ class BasicLattice {
   const Mat<double, D>& inverse() const { return inverse_; }  // V^-1, by columns
 
   // The name of a named lattice, or "basis". In space, a given basis also has a name if it is the basis of a named
-  // lattice up to scale, or that name with "stretched-" if the scales along the axes differ. Bases are compared as they
-  // are, within kSymmetryTolerance: another basis of the same lattice, or a rotated one, is "basis".
+  // lattice up to scale. If the scales along the axes differ, "stretched-" precedes the name. Bases are compared as
+  // they are, within kSymmetryTolerance: another basis of the same lattice, or a rotated one, is "basis".
   std::string_view name() const { return name_; }
 
   // |det V|^(1/3): edge of a cube with a cell's volume, eq. 5.2.

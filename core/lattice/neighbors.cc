@@ -189,7 +189,8 @@ absl::StatusOr<std::vector<Neighbor<D>>> FindNeighbors(const Mat<double, D>& bas
     if (parity != 0) cosets[parity].push_back({w, m, Dot(v, v)});
   });
 
-  double least = std::numeric_limits<double>::infinity();  // length of a vector but 0, which is in no coset of 2L
+  // The length of the shortest vector other than 0. That vector is never in 2L, so some coset here has it.
+  double least = std::numeric_limits<double>::infinity();
   for (const auto& coset : cosets) {
     for (const auto& c : coset) least = std::min(least, std::sqrt(c.length2));
   }

@@ -23,7 +23,7 @@ uint32_t IndexOf(const std::vector<Vec2i>& pixels, const Vec2i& ij) {
   return found != pixels.end() && *found == ij ? static_cast<uint32_t>(found - pixels.begin()) : kOutside;
 }
 
-// By pixel. Edges without an end in the set are counted instead.
+// Returns the incidences sorted by pixel. Counts links without an end in the set in `uncovered` instead.
 std::vector<Incidence> IncidencesOf(const std::vector<PlaneLink>& links, const std::vector<Vec2i>& pixels,
                                     uint64_t& uncovered, StopSignal stop) {
   std::vector<Incidence> incidences;

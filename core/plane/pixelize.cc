@@ -22,7 +22,7 @@ absl::Status CheckBruteForceCost(const std::vector<Segment>& segments, const Pla
       absl::StrFormat("algorithm: brute force would test %d pixels, the limit is %d", pixels, kMaxBruteForcePixels));
 }
 
-// Not thinned. Precondition: the points are pixels if the algorithm wants that.
+// Returns pixels that are not thinned. Precondition: the points are pixels if the algorithm requires that.
 std::vector<Vec2i> Digitize(const std::vector<Segment>& segments, const PlaneLattice& lattice,
                             const PixelizeOptions& options, StopSignal stop, std::vector<Vec2i> nearer) {
   switch (options.algorithm) {

@@ -30,8 +30,9 @@ std::vector<Vec2i> BruteForceLines(const std::vector<Segment>& segments, const P
 // The number of pixels that BruteForceLines will test.
 uint64_t BruteForceCost(const std::vector<Segment>& segments, const PlaneLattice& lattice, int k);
 
-// The incremental form (sections 4.3, 4.4). On every lattice line along the principal direction C, from one end's to
-// the other's, it finds the one pixel with -t < n.z + D <= t by adding delta k. A segment of length zero is its pixel.
+// The incremental form (sections 4.3, 4.4). It visits the lattice lines along the principal direction C, from that of
+// one end to that of the other. On each, it finds the one pixel with -t < n.z + D <= t by adding delta k. A segment of
+// length zero is its pixel.
 //   (1) exactly one pixel on each lattice line along C
 //   (2) k-separating, also at seams between segments, without the rule of section 4.5. For |r[0].q| <= 1, a link along
 //       q that crosses the segment has both ends on lattice lines from one end's to the other's. So its nearer end is

@@ -27,8 +27,8 @@ constexpr std::string_view NameOf(Algorithm algorithm) {
 
 // The voxels that the exact algorithm finds: a separating set, or all voxels whose closed Voronoi cell meets the
 // surface (core/supercover/supercover.h). The second set contains every separating set of the first kind, thinned or
-// not, and separates for every k. Where the surface meets a lattice link z -> z+q, it meets the cell of z or that of
-// z+q, because these meet in the middle of the link and are convex.
+// not, and separates for every k. Let the surface meet a lattice link z -> z+q. The cells of z and z+q are convex and
+// meet in the middle of the link, so they cover it. So the surface meets one of the two cells.
 enum class Cover { kSeparating, kSupercover };
 
 constexpr std::string_view NameOf(Cover cover) { return cover == Cover::kSupercover ? "supercover" : "separating"; }

@@ -12,8 +12,9 @@ namespace latvox {
 struct Band {
   double width = 0;        // finite, at least 1/8192 of a voxel size
   bool in_voxels = false;  // width counts voxel sizes; otherwise world units
-  bool is_signed = false;  // distances are negative inside, that is where lines to the outside cross an odd number of
-                           // times; the mesh must be closed
+  // Whether distances are negative inside: where a line to the outside crosses the mesh an odd number of times. The
+  // mesh must be closed.
+  bool is_signed = false;
 };
 
 // The largest reach of a band along each lattice axis, in voxels.

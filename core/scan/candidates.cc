@@ -122,7 +122,7 @@ struct SomeTriangles {
     }
   }
 
-  // An estimate of the number of lines along both sides of their box, in less time than LineBoxes takes: the extents
+  // Estimates the number of lines along both sides of their box, in less time than LineBoxes takes. It uses the extents
   // along the two axes that are farther from the normal.
   struct BoxSides {
     Ints longer, shorter;

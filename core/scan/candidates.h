@@ -40,7 +40,7 @@ struct Candidates {
 
   // Links along principal directions that a triangle crosses, from nearer[n], a voxel of the surface, to farther[n].
   NumberList nearer, farther;
-  // Voxels on lattice lines that pass a triangle closely. It is open whether the triangle contributes them.
+  // Voxels on lattice lines that pass a triangle closely. A star decides whether the triangle contributes them.
   NumberList rim;
   std::vector<Run> runs;
   std::vector<uint32_t> triangles;  // the triangles' numbers, in the order of the runs
@@ -70,7 +70,7 @@ struct Candidates {
 };
 
 // Appends the candidates in `box`, which lies in `layout`, of the triangles. Every voxel in the box that one of them
-// contributes is there with that triangle, and few others are. The order is open.
+// contributes is there with that triangle, and few others are. They come in any order.
 //   enough   once there are so many candidates in all, the current triangles, up to 256, are the last
 // Returns the number of triangles done, from the first on, at least one. Once the job is cancelled, returns early with
 // a meaningless result.

@@ -12,7 +12,7 @@
 //
 // Larger triangles fit, too, as far as the lines of one box are concerned (Narrow). If all of these lines are on the
 // inner side of an edge, a constant replaces it. E' of another edge comes as close to 0 as its rim somewhere among the
-// lines, so it is at most the rim and the sum of the steps, which nearly always fits. Only the remainder of M counts,
+// lines. So it is at most the sum of the rim and the steps, which nearly always fits. Only the remainder of M counts,
 // so M and `along` may be scaled to along = 2^kScaledBits, and rounded. Then remainders are wrong by less than one for
 // each step from the first line. Depths and ends are right wherever the remainder is not that close to a multiple of
 // along/2. Few lines are that close, except on planes that few integers describe, such as those of a box's sides. There

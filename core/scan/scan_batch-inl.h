@@ -1,4 +1,12 @@
 // Scans triangles with few lattice lines each, one for each lane: line after line of all, or only lines within rims.
+//
+// The candidates are those of a scan line by line. A step adds exact integers to a lane's edges, remainder, number and
+// counter. The remainders of line and step are both below `along`, so one carry is enough. So each line gets the values
+// of core/scan/line_scan.h, whichever way leads to it. Floats only estimate quotients, which integers correct (Divide),
+// or find spans within proved bounds (RowSpans). A lane whose rows have ended adds nothing, because its counter has a
+// sign set (PackedCounter). Lanes that a counter or exact spans cannot hold are left to the caller, which scans them
+// one by one with the same result. So neither the order of triangles nor the other triangles of a batch affect a
+// triangle's candidates.
 #if defined(LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_
 #undef LATVOX_CORE_SCAN_SCAN_BATCH_INL_H_

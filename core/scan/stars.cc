@@ -206,8 +206,8 @@ HWY_INLINE void ExactStars(const std::vector<ScanFrame>& frames, int32_t reach, 
   const V distance = Distance(normal, {hn::Neg(v[0][0]), hn::Neg(v[0][1]), hn::Neg(v[0][2])});
   const auto below = hn::Not(hn::Gt(distance, zero));
 
-  // Whether the shift moves the line through the voxel along u, which is q if `up`, else -q, to the inner side of the
-  // triangle's edge n: s . (edge x u) > 0.
+  // Returns whether the shift moves the line through the voxel along u to the inner side of the triangle's edge n, that
+  // is, whether s . (edge x u) > 0. Here u is q if `up`, else -q.
   const auto tie_is_inside = [&](size_t n, const Vec3i& q, hn::Mask<decltype(d)> up) HWY_ATTR {
     V3 edge = Minus(v[(n + 1) % 3], v[n]);
     turn(edge);

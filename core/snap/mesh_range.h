@@ -8,7 +8,7 @@
 
 namespace latvox {
 
-// The range of the vertices that triangles use; once cancelled, it means nothing. Precondition: CheckMesh(mesh), unless
+// The range of the vertices that triangles use; meaningless once cancelled. Precondition: CheckMesh(mesh), unless
 // cancelled.
 LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, StopSignal stop);
 

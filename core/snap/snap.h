@@ -67,8 +67,8 @@ struct SnappedMesh {
 // evaluated in doubles, which adds less than 2^-20 voxels for coordinates below 2^20.)
 inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 
-// Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes the mesh over, for its
-// memory: vertices are rounded where they are; or shares its triangles. Once cancelled, what it returns means nothing.
+// Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes over the mesh and rounds its
+// vertices in place; or, for a shared mesh, shares its triangles. Once cancelled, the result is meaningless.
 //   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
 // Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
 // Precondition: CheckMesh(mesh).

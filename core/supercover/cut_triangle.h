@@ -78,8 +78,9 @@ inline IndexBox VoxelsNear(const Triangle& triangle, const Vec3i& margin, const 
   return Intersection(box, within);
 }
 
-// Calls f(i, j, first, end) for rows of such a box. k = first .. end - 1 contains all of the row that comes within the
-// margin of the triangle itself, and little else. For a triangle that is short beside the margin, it is the whole row.
+// Calls f(i, j, first, end) for rows of such a box. The range k = first .. end - 1 contains each voxel of the row
+// within the margin of the triangle itself, and few others. For a triangle that is short beside the margin, it is the
+// whole row.
 template <class F>
 void ForEachRowNear(const Triangle& triangle, const Vec3i& margin, const IndexBox& box, F&& f) {
   if (IsEmpty(box)) return;

@@ -1,12 +1,13 @@
 // The supercover of one triangle: all lattice points whose closed Voronoi cell meets it.
 //
 // The cell of c meets the triangle T iff c lies in the Minkowski sum of T and the cell of 0, which is centrally
-// symmetric. The sum is a convex polytope. Each of its facets is the sum of two faces: a facet of the cell and a corner
-// of T; or a zone (edge direction) of the cell and an edge of T; or T itself and a face of the cell. So
+// symmetric. The sum is a convex polytope. Each of its facets is the sum of a face of the cell and a face of T. There
+// are three kinds: a facet of the cell and a corner of T; a zone (edge direction) of the cell and an edge of T; a face
+// of the cell and T itself. So
 //   c is in iff normal . c <= room for each of these normals,
 // which are the separating axes of T and the cell. Along a row of lattice points, the answer is one interval. Touching
-// counts: cells and triangles are closed. No shift breaks ties here (core/digitize/crossing.h), because there are none.
-// So the result depends on the set of points of the surface alone.
+// counts: cells and triangles are closed. Unlike in core/digitize/crossing.h, no shift is needed, because there are no
+// ties. So the result depends on the set of points of the surface alone.
 //
 // In integers (core/lattice/integer_cell.h: lengths p <= 2^b, covectors e with absolute sum <= 2^3; corners v in
 // lattice units from a voxel near T, below 2^D), for c in voxels, U = kLatticeUnit:

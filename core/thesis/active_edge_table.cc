@@ -7,7 +7,7 @@
 
 namespace latvox {
 
-// A horizontal edge needs no entry: its ends are the ends of the other two.
+// A horizontal edge needs no entry, because its ends are the ends of the other two.
 ActiveEdgeTable::ActiveEdgeTable(const std::array<Point, 3>& vertices) {
   for (size_t n = 0; n < 3; ++n) {
     Point low = vertices[n], high = vertices[(n + 1) % 3];

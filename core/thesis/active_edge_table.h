@@ -10,8 +10,8 @@
 
 namespace latvox {
 
-// The scan lines j of a triangle with integer points (i, j) as vertices, in ascending order, each with the integer
-// points i in first() .. last() that lie inside the triangle or on its border. A row may have none (first() > last()).
+// The scan lines j of a triangle whose vertices are integer points (i, j), in ascending order. The integer points i in
+// first() .. last() of a line lie inside the triangle or on its border. A row may have none (first() > last()).
 //
 // Because vertices are integer points, an edge advances from row to row by a quotient and a remainder, and nothing is
 // rounded.

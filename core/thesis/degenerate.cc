@@ -14,8 +14,8 @@ double ErrorOf(const Vec3d& point, const Vec3d& line) {
 
 }  // namespace
 
-// Every direction has three k-neighbors that span the lattice: the Delaunay cells around a lattice point have facet
-// neighbors as edges, and their tetrahedra have the smallest possible volume (always in three dimensions).
+// Every direction lies in a cone of three k-neighbors that span the lattice. The Delaunay cells around a lattice point
+// have facet neighbors as edges. In three dimensions, their tetrahedra always have the smallest possible volume.
 LineTracer::LineTracer(const Neighborhood& neighborhood) : basis_(neighborhood.lattice.basis()) {
   for (const Frame& frame : neighborhood.frames) {
     neighbors_.push_back(frame.q);

@@ -16,8 +16,8 @@ class LineTracer {
  public:
   explicit LineTracer(const Neighborhood& neighborhood);
 
-  // Emits a line that is connected by the neighborhood's steps: it goes from one end to the other, and each voxel is a
-  // k-neighbor of the one before. b - a is written as c1*q1 + c2*q2 + c3*q3, c >= 0, with k-neighbors q that span the
+  // Emits a line that the neighborhood's steps connect. It goes from one end to the other, and each voxel is a
+  // k-neighbor of the one before. It writes b - a as c1*q1 + c2*q2 + c3*q3, c >= 0, with k-neighbors q that span the
   // lattice. Among these sums, it takes the one with the fewest steps, and then the one with the shortest steps. The
   // walk takes each q its c times, at each step the one whose end lies nearest to the line. The line from b to a is the
   // same.

@@ -62,7 +62,7 @@ double DistanceSquared(const Mat3d& basis, const Vec3d& point, const Vec3i& z) {
 }  // namespace
 
 // A lattice point is nearest iff none of its facet neighbors is nearer (the point then lies in its Voronoi cell), so
-// descent ends there. Points as near are among all of N_0.
+// descent ends there. All other points at the same distance are its neighbors in N_0.
 Vec3i NearestLatticePoint(const Lattice& lattice, const Vec3d& point) {
   const Mat3d& basis = lattice.basis();
   Vec3i nearest;

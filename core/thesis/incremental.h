@@ -23,8 +23,8 @@ Vec3i NearestLatticePoint(const Lattice& lattice, const Vec3d& point);
 // if the triangle has no area.
 Vec<int64_t, 3> NormalOf(const VoxelTriangle& triangle);
 
-// Emits one voxel for each lattice line along the principal direction that meets the triangle or its border: the voxel
-// nearest to the plane (eqs 4.4-4.7), which is Theorem 4's voxel with -t < d <= t. Halves go to the end with d = +t.
+// Emits one voxel for each lattice line along the principal direction that meets the triangle or its border. It is the
+// voxel nearest to the plane (eqs 4.4-4.7): Theorem 4's voxel with -t < d <= t. Halves go to the end with d = +t.
 //   frames   of N_k
 // Ends early once stopped. Precondition: the triangle has an area.
 void IncrementalTriangle(const VoxelTriangle& triangle, const std::vector<Frame>& frames, StopSignal stop,

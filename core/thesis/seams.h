@@ -15,7 +15,7 @@
 //   - vertices need nothing of their own: the way from p to p' always leaves through an edge;
 //   - an edge with more than two triangles needs only what lies in all of their slabs;
 //   - an edge with one triangle (a border, or a T-junction made by rounding) has no B: A's slab alone decides, which
-//     keeps open meshes tunnel-free too. The thesis has no word on them.
+//     keeps open meshes tunnel-free too. The thesis does not mention them.
 #ifndef LATVOX_CORE_THESIS_SEAMS_H_
 #define LATVOX_CORE_THESIS_SEAMS_H_
 

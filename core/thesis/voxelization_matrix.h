@@ -11,7 +11,8 @@ namespace latvox {
 //   m   world units: two base-plane directions and, last, the principal direction (eq. 4.1)
 //   n   the same in lattice coordinates, V^-1 * M
 // (1) |det N| = 1: the columns of M span the lattice   (2) the last column of N is frame.q
-// The thesis finds M by exhaustive search and lists it in tables; here N is the frame's U, found for any lattice. M is
+//
+// The thesis finds M by exhaustive search and lists it in tables. Here N is the frame's U, found for any lattice. M is
 // not unique, so the thesis's tables and these differ; both are valid.
 struct VoxelizationMatrix {
   Mat3d m;

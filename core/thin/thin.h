@@ -29,8 +29,7 @@ namespace latvox {
 //             have their other end inside; each once, in any order
 //   doubted   these, and other voxels that may be doubtful; all others stay
 //   links     all crossed links between two doubtful voxels; within `known`, also those between a doubtful voxel and
-//   one
-//             that may be doubtful; others do no harm. Marks of doubtful voxels are set
+//             one that may be doubtful; others do no harm. Marks of doubtful voxels are set
 //   known     local voxels; doubtful ones outside may have further links
 //   wanted    local voxels, within `known`; `doubtful` has all of these that may be doubtful
 // Once cancelled, it returns true soon, with a meaningless set.

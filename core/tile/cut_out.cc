@@ -22,7 +22,7 @@ constexpr int32_t kBricks = kTileSide / kBrickSide;  // along a side
 using Column = std::array<std::array<uint64_t, kBricks>, kBrickSide>;
 
 // rows: where row (x, y) = (0, 0) begins, and the bytes from one x to the next, from one y to the next. Returns which
-// bricks have any voxel, bit n for brick n; without any, `column` means nothing.
+// bricks have any voxel, bit n for brick n; if none has, `column` is meaningless.
 uint32_t ScalarColumn(const uint8_t* rows, size_t step_x, size_t step_y, Column& column) {
   uint64_t any = 0;
   for (size_t x = 0; x < kBrickSide; ++x) {

@@ -66,10 +66,10 @@ class ChunkPass {
 }  // namespace
 
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, StopSignal stop, TileLinks& edges,
+                          const IndexBox& box, StopSignal stop, TileLinks& links,
                           UninitializedVector<uint8_t>* is_tiny) {
   const size_t count = mesh.triangles.size();
-  const Vec3i origin = TinyCrossings::Origin(edges);
+  const Vec3i origin = TinyCrossings::Origin(links);
   bool find_tiny = fineness.most_tiny && !SimdIsScalar() && TileCubeLevel(mesh.box) <= kPackedTileBits;
   // The box consists of voxels with a half-link to the mesh, so it may begin one voxel above it.
   for (size_t m = 0; m < 3; ++m) find_tiny &= mesh.box.max[m] - origin[m] < CornerList::kVoxels;
@@ -82,13 +82,13 @@ FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>&
   std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, chunks.size()), [&](const auto& numbers) {
     std::optional<TinyCrossings> tiny;
-    if (find_tiny) tiny.emplace(frames, box, edges);
+    if (find_tiny) tiny.emplace(frames, box, links);
     ChunkPass pass(mesh, forms, fineness.few_touch, origin, tiny ? &*tiny : nullptr, marks);
     for (size_t n = numbers.begin(); n < numbers.end() && !stop.Stopped(); ++n) {
       chunks[n] = pass.Do(n * kChunk, std::min((n + 1) * kChunk, count));
     }
   });
-  edges.Finish();
+  links.Finish();
 
   SurfaceSums sums;
   size_t size = 0;

@@ -20,15 +20,15 @@ struct FineTriangles {
   SurfaceFacts facts;
 };
 
-// Goes through the mesh with all threads of the arena. `fineness` decides which triangles are left to be digitized: all
-// except those that no lattice line can meet (core/tiny/touching.h); all except tiny ones, with links that go to
-// `edges` (core/tiny/tiny.h); or all.
+// Goes through the mesh with all threads of the arena. `fineness` decides which triangles are left to be digitized one
+// by one. It leaves out those that no lattice line can meet (core/tiny/touching.h), or tiny ones, whose links go to
+// `links` (core/tiny/tiny.h), or none.
 //   box       local voxels; links with a nearer end outside are not wanted
-//   is_tiny   if not null and most are tiny, sized and set for all triangles: 0 for those to be digitized one by one;
-//             then tiny ones that lines may meet are kept, too, as by Sift
+//   is_tiny   if not null and most are tiny, it is sized and set for all triangles: 0 for those to be digitized one by
+//             one. Then tiny ones that lines may meet are kept, too, as by Sift
 // Once the job is cancelled, parts are missing.
 FineTriangles SortOutFine(const SnappedMesh& mesh, const std::vector<ScanFrame>& frames, const Fineness& fineness,
-                          const IndexBox& box, StopSignal stop, TileLinks& edges,
+                          const IndexBox& box, StopSignal stop, TileLinks& links,
                           UninitializedVector<uint8_t>* is_tiny);
 
 }  // namespace latvox

@@ -10,9 +10,9 @@
 // Ties (core/digitize/crossing.h). The shift s = (t, t^2, t^3), with infinitesimal t, moves (x, y) by (f.s, g.s), f and
 // g being the forms. So it moves e[n] by
 //   f.s * (y[n+1] - y[n]) - g.s * (x[n+1] - x[n]) = sum_m s[m] * (f[m] * dy - g[m] * dx).
-// If that is 0 for the first m with (f[m], g[m]) != 0, (dx, dy) is parallel to these, and the next m with an
-// (f[m], g[m]) that is not parallel decides. So two of the entries are enough: the first gets a weight that outweighs
-// the second. Ties are rare, and are computed only where there is one.
+// The first m with (f[m], g[m]) != 0 decides, unless that term is 0. Then (dx, dy) is parallel to (f[m], g[m]), and the
+// next m with an (f[m], g[m]) that is not parallel decides. So two of the entries are enough: the first gets a weight
+// that outweighs the second. Ties are rare, and are computed only where there is one.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/tiny/tiny.cc"
 #define HWY_WANT_AVX3_DL  // for compressing lanes of 16 bits
@@ -94,7 +94,7 @@ namespace latvox {
 namespace HWY_NAMESPACE {
 namespace {
 
-#if HWY_TARGET == HWY_SCALAR  // which takes no triangle for tiny
+#if HWY_TARGET == HWY_SCALAR  // which treats no triangle as tiny
 void CrossAll(const Scene&, const CornerList&, const SiftedLines&, uint16_t*, PackedLinks&) {}
 #else
 
@@ -261,24 +261,24 @@ HWY_EXPORT(CrossAll);
 
 struct TinyCrossings::State {
   Scene scene;
-  TileLinks& edges;
+  TileLinks& links;
   std::unique_ptr<TileLinks::Part> part;
   SiftedLines lines = {};
   uint16_t list[SiftedLines::kMost + SiftedLines::kSlack] = {};
   PackedLinks found = {};
 };
 
-TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges)
-    : state_(new State{Scene(frames, box, Origin(edges)), edges, edges.ReservePart()}) {}
+TinyCrossings::TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& links)
+    : state_(new State{Scene(frames, box, Origin(links)), links, links.ReservePart()}) {}
 
-TinyCrossings::~TinyCrossings() { state_->edges.ReleasePart(std::move(state_->part)); }
+TinyCrossings::~TinyCrossings() { state_->links.ReleasePart(std::move(state_->part)); }
 
 void TinyCrossings::Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny) {
-  auto& [scene, edges, part, lines, list, found] = *state_;
+  auto& [scene, links, part, lines, list, found] = *state_;
   Sift(triangles, scene.all, lines, kept, is_tiny);
   if (lines.size == 0) return;
   HWY_DYNAMIC_DISPATCH(CrossAll)(scene, triangles, lines, list, found);
-  part->Move(found, edges.margin());
+  part->Move(found, links.margin());
 }
 
 }  // namespace latvox

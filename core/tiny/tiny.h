@@ -20,12 +20,12 @@ namespace latvox {
 class TinyCrossings {
  public:
   //   box    local voxels; links with a nearer end outside are not wanted
-  //   edges  has the results once this object is destroyed, which must be before edges.Finish()
-  TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& edges);
+  //   links  has the results once this object is destroyed, which must be before links.Finish()
+  TinyCrossings(const std::vector<ScanFrame>& frames, const IndexBox& box, TileLinks& links);
   ~TinyCrossings();
 
   // The origin (core/triangles/corner_list.h) that lists of triangles must have.
-  static Vec3i Origin(const TileLinks& edges) { return edges.first_tile() * kTileSide; }
+  static Vec3i Origin(const TileLinks& links) { return links.first_tile() * kTileSide; }
 
   // Finds all links, in all directions, that the tiny triangles cross. Other triangles go to `kept`, as in Sift.
   void Find(const CornerList& triangles, std::vector<uint32_t>& kept, uint8_t* is_tiny);

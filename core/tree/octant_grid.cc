@@ -23,8 +23,8 @@ struct OctantBox {
   Vec3i min, max;
 };
 
-OctantBox CellsMet(const OctantGrid::Bounds& bounds, const OctantGrid::Margin& margin, const Vec3i& low,
-                   const Vec3i& high) {
+OctantBox OctantsMet(const OctantGrid::Bounds& bounds, const OctantGrid::Margin& margin, const Vec3i& low,
+                     const Vec3i& high) {
   OctantBox box;
   for (size_t m = 0; m < 3; ++m) {
     box.min[m] = std::max((low[m] - margin.below[m]) >> bounds.shift, bounds.lowest[m]);
@@ -52,7 +52,7 @@ void PlainEncode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, std:
       low[m] = std::min({a[m], b[m], c[m]});
       high[m] = std::max({a[m], b[m], c[m]});
     }
-    const OctantBox near = CellsMet(bounds, bounds.near, low, high), far = CellsMet(bounds, bounds.far, low, high);
+    const OctantBox near = OctantsMet(bounds, bounds.near, low, high), far = OctantsMet(bounds, bounds.far, low, high);
     OctantGrid::Code& code = out.of[n] = {};
     bool is_long = false, several = false, three = false, none = false;
     for (size_t m = 0; m < 3; ++m) {
@@ -148,7 +148,7 @@ void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const Pad
             std::span<const uint32_t> triangles, OctantGrid::Codes& out) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> du;
-  const Ints almost_a_cell = Fill((1 << bounds.shift) - 1);
+  const Ints almost_an_octant = Fill((1 << bounds.shift) - 1);
   const auto octant = [&](Ints v) HWY_ATTR { return hn::ShiftRightSame(v, bounds.shift); };
   const auto bit_if_negative = [&](Ints v) HWY_ATTR { return hn::BitCast(d, hn::ShiftRight<31>(hn::BitCast(du, v))); };
   // See HitPart. Octants have four bits: 3210 -> 32....10 -> 3..2..1..0. Two at a time, side by side.
@@ -177,7 +177,7 @@ void Encode(const OctantGrid::Bounds& bounds, const SnappedMesh& mesh, const Pad
                         hn::Or(fringe(far_min), hn::ShiftLeft<16>(fringe(far_max))));
       const Ints more = hn::Sub(far_max, far_min);
       two = hn::Or(hn::Add(two, two), more);
-      is_long = hn::Or(is_long, hn::Sub(almost_a_cell, hn::Sub(high, low)));
+      is_long = hn::Or(is_long, hn::Sub(almost_an_octant, hn::Sub(high, low)));
       several = hn::Or(several, hn::Sub(first, last));
       three = hn::Or(three, hn::Sub(Fill(1), more));
       none = hn::Or(none, more);
@@ -353,7 +353,8 @@ std::vector<OctantHit> OctantGrid::ManyHits(const std::array<Vec3i, 3>& corners)
     low[m] = std::min({corners[0][m], corners[1][m], corners[2][m]});
     high[m] = std::max({corners[0][m], corners[1][m], corners[2][m]});
   }
-  const OctantBox near = CellsMet(bounds_, bounds_.near, low, high), far = CellsMet(bounds_, bounds_.far, low, high);
+  const OctantBox near = OctantsMet(bounds_, bounds_.near, low, high),
+                  far = OctantsMet(bounds_, bounds_.far, low, high);
   std::vector<OctantHit> hits;
   LongTriangle(*this, corners).Descend(far, near, hits);
   return hits;

@@ -25,6 +25,10 @@ inline constexpr OctantHit kLastHit = 1 << 15;
 static_assert(2 << 3 * kMaxGridLevels < kLastHit);
 
 // A cube of tiles, divided into 2^levels octants a side. Octants that do not meet a region do not count.
+//
+// No hit is missing. A triangle lacks a hit only where its bounding box, or a separating axis with room for rounding,
+// shows that it misses the octant's margin. An extra hit does no harm: a scan of more triangles finds the same voxels.
+// The hits of a triangle depend on that triangle alone, so neither the order of triangles nor threads matter.
 class OctantGrid {
  public:
   //   tile_ijk, level   the cube: its lowest tile, local, and the log2 of its side in tiles

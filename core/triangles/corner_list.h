@@ -30,9 +30,8 @@ struct CornerList {
   alignas(64) Row third_and_voxel[kMost + kSlack];  // third corner; voxel of the first corner, counted from the origin
 
   // Sets the corners at a place.
-  //   origin   local voxel. The first corner's voxel is one of kVoxels per axis, from the one before the origin on;
-  //   else
-  //            its number is meaningless
+  //   origin   local voxel. The first corner's voxel has a number if it is one of kVoxels per axis, from the one before
+  //            the origin on; else its number is meaningless
   void SetCorners(size_t place, const std::array<Vec3i, 3>& v, const Vec3i& origin);
 
   bool IsNear(size_t place) const;

@@ -209,8 +209,8 @@ class Sums {
   hn::Vec<Hashes> first_, second_, corners_;
 };
 
-// Prefetches the vertices that are needed some triangles later, and, before those, the numbers of their vertices,
-// because processors with a prefetcher of their own stop it at the end of each page.
+// Prefetches the vertices that are needed some triangles later. Prefetches the numbers of vertices even earlier,
+// because a processor's own prefetcher stops at the end of each page.
 void AddInLanes(const SnappedMesh& mesh, size_t first, size_t count, const Vec3i& origin, CornerList* list,
                 SurfaceSums& sums) {
   constexpr size_t kVerticesAhead = 256, kNumbersAhead = 512;  // triangles

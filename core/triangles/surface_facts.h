@@ -35,8 +35,8 @@ struct SurfaceSums {
 };
 
 // `closed` welds by position, so duplicated vertices of codecs do not matter. A closed mesh is always found closed.
-// Another mesh is taken for closed with a probability of at most 2^-126, as far as hashes of positions are random. The
-// hashes are fixed, so a mesh could be constructed to be taken for closed.
+// Another mesh is mistaken for a closed one with a probability of at most 2^-126, as far as hashes of positions are
+// random. The hashes are fixed, so a mesh could be constructed that is mistaken for a closed one.
 SurfaceFacts FactsOf(const SnappedMesh& mesh, StopSignal stop = {});
 
 }  // namespace latvox

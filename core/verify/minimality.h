@@ -31,9 +31,8 @@ struct Minimality {
 
 // Checks each voxel against Theorem 8. The planes of a voxel decide on the exclusions:
 //   case 1   the voxel has two planes or more: it lies where they meet
-//   case 2   a neighbor along C has another plane. (A neighbor that has only the voxel's own plane is no excuse: a
-//   plane
-//            has one voxel on each line along C.)
+//   case 2   a neighbor along C has another plane. (A neighbor that has only the voxel's own plane does not count,
+//            because a plane has one voxel on each line along C.)
 //   voxels   each once for every plane that it is in, in any order
 //   flood    of the same voxels, in a volume that contains all of them; beyond it there is water
 Minimality MeasureMinimality(std::vector<PlaneVoxel> voxels, const Flood& flood);

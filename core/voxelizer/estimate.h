@@ -24,8 +24,8 @@ MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 // A surface of area A has between A / h^2 and 2 A / h^2 voxels, with the voxel size h, for all common lattices and
 // every k. The estimate is the upper bound, limited by the volume of the region and the bounds; a shard gets its part
 // of that. A supercover also has some voxels for every triangle, however small. The interior of a solid counts as large
-// as possible: a ball with that surface, or the mesh's bounding box, which is the only bound for a mesh that is not
-// closed. The thesis's algorithms also have some voxels along the edges of triangles without area, whatever the region.
+// as possible: a ball with that surface, or the mesh's bounding box. For a mesh that is not closed, the box is the only
+// bound. The thesis's algorithms also have some voxels along the edges of triangles without area, whatever the region.
 //
 // Takes up to one pass over the triangles. Precondition: CheckMesh(mesh) is OK.
 //   extent   the mesh's

@@ -30,8 +30,8 @@ void SetMargins(ExactPlan& plan) {
   plan.far_margin = Largest(plan.far_margin, input.attributes->plan.reach);
 }
 
-// The interior asks lines along an axis. And a triangle that meets no line may still be the nearest one to a voxel,
-// which then has its attributes.
+// The interior needs the crossings of lines along an axis. For attributes, a triangle that meets no line along a frame
+// may still be the nearest one to a voxel.
 bool NeedsAllTriangles(const ExactPlan& plan) {
   return (plan.solid && !HasAxes(plan.input.frames)) || plan.input.attributes;
 }

@@ -30,14 +30,19 @@ namespace latvox {
 struct ExactInput {
   SnappedMesh mesh;
   std::vector<Frame> frames;  // for the request's separability
-  std::unique_ptr<const Supercover>
-      supercover;  // this and the next two are null and nullopt unless the request needs them
+  // The next three are null or nullopt unless the request needs them.
+  std::unique_ptr<const Supercover> supercover;
   std::optional<BandPlan> band;
   std::optional<CarriedAttributes> attributes;
   IndexBox region;                 // local voxels to deliver, within mesh.box
   std::optional<WorldBox> bounds;  // deliver only voxels of `region` within these
 };
 
+// Why any thread can compute tiles in any grouping: a tile needs only the plan, the interior of a solid, and the
+// triangles within its far margin. That margin covers all voxels that can affect thinning in the tile (kThinHalo
+// steps), and one more step for the triangles that reach these. A block that is thinned within the near margin reports
+// whether that was enough (core/thin/thin.h). `kept` leaves out only triangles that cross no lattice line, and tiny
+// ones, whose links are in `links`. No tile changes the plan.
 struct ExactPlan {
   ExactInput input;
   std::vector<ScanFrame> scan_frames;

@@ -28,8 +28,8 @@ int BlockLevel(int tree_level) {
   return tree_level > 0 && (threads == 1 || 2 << 2 * (tree_level - 1) >= kBlocksPerThread * threads) ? 1 : 0;
 }
 
-// No thread may be busy with the last unit while others have nothing to do: guided self-scheduling [Polychronopoulos
-// and Kuck 1987]. Units have up to twice a thread's part of the rest, because single tiles take longer.
+// Guided self-scheduling [Polychronopoulos and Kuck 1987]: no thread may be busy with the last unit while others have
+// nothing to do. Units have up to twice a thread's part of the rest, because single tiles take longer.
 bool IsSmall(const TileNode& node) {
   constexpr double kRounding = 1e-9;  // of the shares and their sums
   const int threads = oneapi::tbb::this_task_arena::max_concurrency();

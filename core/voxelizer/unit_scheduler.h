@@ -16,7 +16,7 @@ namespace latvox {
 
 // Returns units in the canonical order of their tiles. The units are disjoint subtrees, and each subtree is either a
 // unit, left out as a whole, or replaced by its children in order. So every tile of the part comes once, whatever the
-// number of threads.
+// number of threads. The number of threads decides which tiles form a unit, but not their voxels: see ExactPlan.
 //
 // Threads: Next and AddInterior, one at a time; the rest, any thread.
 class UnitScheduler {

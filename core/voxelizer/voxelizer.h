@@ -58,7 +58,7 @@ class VoxelizeJob {
   // `stop` is stopped, which does not stop the job.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> Create(TriangleMesh mesh, const Grid& grid,
                                                              const VoxelizeOptions& options, StopSignal stop = {});
-  // Does the same with a request that keeps all rules, and a mesh that was checked while it came: CheckMesh takes a
+  // Does the same with a request that keeps all rules, and a mesh that was checked while it arrived. CheckMesh takes a
   // tenth of the time of a job with fine triangles. The job takes the mesh, to use its memory; or it shares the mesh
   // with others, and copies only its attributes. Precondition: CheckMesh(mesh) is OK, unless stopped.
   static absl::StatusOr<std::unique_ptr<VoxelizeJob>> CreateFromValid(TriangleMesh mesh, const Grid& grid,

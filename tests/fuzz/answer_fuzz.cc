@@ -1,4 +1,4 @@
-// A foreign server's answers, as the SDK takes them: of a surface, of a band, and of voxels with attributes.
+// A foreign server's answers, as the SDK receives them: for a surface, for a band, and for voxels with attributes.
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace {
 
-// Answers, each behind its length in two bytes. The length 0xFFFF has no answer: the stream broke, and another
-// one goes on.
-void Take(const uint8_t* data, size_t size, const std::optional<latvox::client::Band>& band,
-          const std::vector<latvox::client::Attribute>& attributes) {
+// Input: answers, each after its length in two bytes. The length 0xFFFF has no answer: the stream broke, and a new one
+// continues.
+void Receive(const uint8_t* data, size_t size, const std::optional<latvox::client::Band>& band,
+             const std::vector<latvox::client::Attribute>& attributes) {
   latvox::client::VoxelizeHandlers handlers;
   handlers.on_bricks = [](const latvox::client::BrickBatch&) { return absl::OkStatus(); };
   latvox::client::AnswerCheck check(handlers, 1, band, attributes);
@@ -36,8 +36,8 @@ void Take(const uint8_t* data, size_t size, const std::optional<latvox::client::
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  Take(data, size, std::nullopt, {});
-  Take(data, size, latvox::client::Band{.width = 1, .is_signed = true}, {});
-  Take(data, size, std::nullopt, {latvox::client::Attribute::kColor, latvox::client::Attribute::kPart});
+  Receive(data, size, std::nullopt, {});
+  Receive(data, size, latvox::client::Band{.width = 1, .is_signed = true}, {});
+  Receive(data, size, std::nullopt, {latvox::client::Attribute::kColor, latvox::client::Attribute::kPart});
   return 0;
 }

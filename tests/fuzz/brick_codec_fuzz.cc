@@ -1,4 +1,5 @@
-// A foreign server's packed bricks: what is read is the same by every kernel, and packs to what reads the same again.
+// A foreign server's packed bricks. Every kernel unpacks the same bricks, and they are the same again after packing and
+// unpacking.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -51,7 +52,7 @@ void Check(std::string_view packed) {
   if (!status.ok()) return;
   Require(Same(bricks, others));
   const std::string repacked = Repack(bricks);
-  Require(repacked.size() <= packed.size());  // less where a tile follows upon itself
+  Require(repacked.size() <= packed.size());  // smaller if a tile occurs twice in a row
   Require(UnpackBricks(repacked, others).ok() && Same(bricks, others));
 }
 

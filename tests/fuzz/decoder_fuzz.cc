@@ -1,4 +1,4 @@
-// Foreign bytes -> mesh: whatever comes, a clean status or a mesh that core accepts.
+// Foreign bytes to a mesh. Every input gives a clean status, or a mesh that core accepts.
 #include <cstdint>
 #include <cstdlib>
 

@@ -1,4 +1,4 @@
-// Foreign drawings: whatever comes, a clean status, or finite polylines.
+// Foreign drawings. Every input gives a clean status, or finite polylines.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

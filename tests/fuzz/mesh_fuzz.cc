@@ -1,4 +1,4 @@
-// Foreign meshes: whatever comes, a clean status, or finite positions with triangles among them.
+// Foreign meshes. Every input gives a clean status, or finite positions and triangles between them.
 #include <zip.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A whole Pixelize request, from its bytes to pixels: whatever comes, a clean status, or pixels without tunnels.
+// A whole Pixelize request, from its bytes to pixels. Every input gives a clean status, or pixels without tunnels.
 #include <cstdint>
 #include <cstdlib>
 

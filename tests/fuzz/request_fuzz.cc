@@ -40,13 +40,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   if (!proto.ParseFromString(rest)) return 0;
   const auto spec = latvox::JobSpecFromProto(proto, latvox::Limits());
   if (!spec.ok() || !latvox::CheckMesh(mesh).ok()) return 0;
-  // The others promise neither separation nor a first tile soon.
+  // The other algorithms promise neither separation nor an early first tile.
   if (spec->request.algorithm() != latvox::Algorithm::kExact) return 0;
   const auto grid =
       latvox::ResolveGrid(spec->grid.lattice, spec->grid.sampling, spec->grid.origin, latvox::BoundsOf(mesh));
   if (!grid.ok()) return 0;
   const latvox::Solid* const solid = spec->request.solid();
-  // Before the first tile, all lines of a mesh that is not closed are looked at.
+  // Before the first tile, the job counts the crossings of all lines of a mesh that is not closed.
   constexpr double kManyVoxels = 1e6;
   if (solid != nullptr && latvox::EstimateVoxels(mesh, latvox::ExtentOf(mesh), *grid, spec->request) > kManyVoxels)
     return 0;

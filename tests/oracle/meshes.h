@@ -1,6 +1,6 @@
-// Meshes that provoke errors: lattice points on vertices and edges, depths exactly halfway, slivers, duplicates, zero
-// areas, sheets closer than a voxel, shells in shells and inside out, and triangles much larger or smaller than a
-// voxel.
+// Meshes that provoke errors. They have lattice points on vertices and edges, depths exactly halfway, slivers,
+// duplicates and zero areas. Others are sheets closer than a voxel, nested and inverted shells, or triangles much
+// larger or smaller than a voxel.
 #ifndef LATVOX_TESTS_ORACLE_MESHES_H_
 #define LATVOX_TESTS_ORACLE_MESHES_H_
 
@@ -25,9 +25,9 @@ struct NamedMesh {
 // them.
 std::vector<NamedMesh> AdversarialMeshes(uint64_t seed, const std::vector<Int3>& directions);
 
-// A quad (two triangles) in the plane { x : normal . x = offset } (mesh units), around the plane's point nearest the
-// origin along one axis, reaching `half_width` mesh units each way along the two axes that span it. Requires a normal
-// with a component ±1.
+// Returns a quad (two triangles) in the plane { x : normal . x = offset } (mesh units). Its center is the plane's point
+// nearest the origin along one axis. It reaches `half_width` mesh units each way along the two axes that span it.
+// Requires a normal with a component ±1.
 Mesh PlaneQuad(const Int3& normal, int64_t offset, int64_t half_width);
 
 }  // namespace latvox::oracle

@@ -154,7 +154,8 @@ class LineHitter {
   bool parallel() const { return sgn(determinant_) == 0; }
   int orientation() const { return orientation_; }
 
-  // If the line through z meets the triangle: the whole part of s, and whether s is nearer to it than to the next.
+  // If the line through z meets the triangle: the integer part of s, and whether s is nearer to it than to the next
+  // integer.
   struct Hit {
     int64_t floor;
     bool floor_is_nearer;

@@ -1,7 +1,7 @@
-// An exact, slow statement of the content of a voxelization: neighbors, crossings, covers, planes. It shares no
-// code with the core and none of its methods: no projection, no unimodular completion, no edge functions. Every
-// number is an integer or a rational of unlimited size, and the tie-breaking shift is a polynomial in an
-// infinitesimal. A disagreement between the core and this file is a defect of one of them.
+// An exact, slow definition of a voxelization: neighbors, crossings, covers, planes. It shares no code with the core
+// and none of its methods: no projection, no unimodular completion, no edge functions. Every number is an integer or a
+// rational of unlimited size, and the tie-breaking shift is a polynomial in an infinitesimal. A disagreement between
+// the core and this file is a defect of one of them.
 //
 // Frames:
 //   voxel      Int3, integer lattice coordinates ijk of a lattice point
@@ -51,9 +51,9 @@ template <size_t D>
 Gram<D> GramOf(const std::array<std::array<double, D>, D>& columns);
 
 // Every lattice vector w != 0 (coefficients in the basis) whose Voronoi cell meets the origin's, with the dimension of
-// the face that they share: D-1 facet, ..., 0 vertex. A vector that is not a key shares nothing.
-// Method: the cell's vertices, from bisector planes that are added until no lattice point is nearer to any vertex than
-// the origin; a face's dimension is the affine rank of the vertices on w's bisector. Any basis, reduced or not.
+// the face that they share: D-1 facet, ..., 0 vertex. A vector that is not a key shares nothing. Method: it computes
+// the cell's vertices, and adds bisector planes until no lattice point is nearer to any vertex than the origin. A
+// face's dimension is the affine rank of the vertices on w's bisector. Any basis, reduced or not.
 template <size_t D>
 std::map<std::array<int64_t, D>, int> VoronoiNeighbors(const Gram<D>& gram);
 
@@ -105,8 +105,8 @@ size_t Tunnels(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 // How many voxels could leave, each alone, without a tunnel. A voxel without a crossed edge is one of them.
 size_t Redundant(const std::set<Int3>& voxels, const std::set<Edge>& crossed);
 
-// Tells which voxels' closed Voronoi cells meet a mesh. Method: each triangle is clipped at the bisectors between a
-// voxel and its neighbors; the two meet iff anything is left.
+// Finds the voxels whose closed Voronoi cells meet a mesh. Method: it clips each triangle at the bisectors between a
+// voxel and its neighbors. The two meet iff anything is left.
 class CellClipper {
  public:
   explicit CellClipper(const Gram<3>& gram);
@@ -127,7 +127,8 @@ class CellClipper {
   static bool Meets(const Triangle& triangle, const Int3& voxel, const std::vector<HalfSpace<T>>& cell);
 
   std::vector<HalfSpace<mpq_class>> exact_;
-  // The same cell in doubles, larger and smaller by far more than their rounding: where the two agree, they save time.
+  // The same cell in doubles, enlarged and shrunk by far more than their rounding error. Where both agree, no exact
+  // test is needed.
   std::vector<HalfSpace<double>> loose_, tight_;
   Int3 margin_;  // per axis, voxels: no cell extends farther
 };

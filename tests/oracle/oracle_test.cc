@@ -82,8 +82,8 @@ TEST(VoronoiNeighbors, HaveTheKnownCountsAndAreClosedUnderNegation) {
   for (const auto& lattice : Lattices2()) ExpectCountsAndSymmetry(lattice);
 }
 
-// A second way to the same neighbors: w meets the origin's cell iff it is shortest in its coset of twice the lattice,
-// and the face's dimension is 3 less the rank of the shortest vectors there.
+// A second way to the same neighbors. The cell of w meets the origin's iff w is shortest in its coset of twice the
+// lattice. The face's dimension is 3 minus the rank of the shortest vectors there.
 TEST(VoronoiNeighbors, AreTheShortestVectorsOfTheirCosets) {
   for (const auto& lattice : Lattices3()) {
     if (lattice.name == "generic_skew" || lattice.name == "fcc_unreduced") continue;  // need a larger range
@@ -187,8 +187,8 @@ TEST(Crossings, EnterAnOutwardOrientedSolidThenLeaveIt) {
   EXPECT_GT(lines, 1000u);
 }
 
-// The shift is one for all directions: then which voxels are inside a closed mesh, by the parity of one direction's
-// crossings, says how often every other direction's edges are crossed.
+// The shift is the same for all directions. So the parity of one direction's crossings tells which voxels are inside a
+// closed mesh. That determines the parity of crossings of every other direction's edges.
 TEST(Crossings, OfAllDirectionsAgreeOnTheInteriorOfAClosedMesh) {
   const auto directions = CartesianDirections();
   const Box box{{-14, -14, -14}, {14, 14, 14}};
@@ -222,7 +222,7 @@ TEST(Crossings, OfAllDirectionsAgreeOnTheInteriorOfAClosedMesh) {
   }
 }
 
-// The polynomials against a shift by small rational numbers, all lines against all triangles.
+// Compares the polynomials with a shift by small rational numbers, for all lines and all triangles.
 TEST(Crossings, EqualThoseOfAnActualTinyShift) {
   using Point = std::array<mpq_class, 3>;
   const auto determinant = [](const Point& a, const Point& b, const Point& c) -> mpq_class {
@@ -353,7 +353,7 @@ TEST(Digitize, OfAPlaneIsThePlaneSetThinnedOrNot) {
   }
 }
 
-// Fact: a plane's voxels hold exactly one voxel of every line along the direction that attains t.
+// A plane has exactly one voxel on every line along the direction that attains t.
 TEST(PlaneSet, HoldsOneVoxelOfEveryPrincipalLine) {
   const auto directions = CartesianDirections();
   const auto voxels = PlaneSet({1, 1, 1}, 128, directions, {{-6, -6, -6}, {6, 6, 6}});

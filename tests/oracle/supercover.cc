@@ -12,8 +12,8 @@ using Point = std::array<T, 3>;
 
 int64_t FloorDiv(int64_t n, int64_t d) { return n / d - (n % d < 0 ? 1 : 0); }
 
-// No point is farther from the lattice than half the sum of the lengths of a basis, so that a cell lies in a ball of
-// that radius; and |x_i|^2 <= |x|^2 (G^-1)_ii.
+// No point is farther from the lattice than half the sum of the lengths of a basis. So a cell lies in a ball of that
+// radius. By Cauchy-Schwarz, |x_i|^2 <= |x|^2 (G^-1)_ii.
 Int3 MarginOf(const Gram<3>& gram) {
   double radius = 0;
   for (size_t i = 0; i < 3; ++i) radius += std::sqrt(gram[i][i].get_d()) / 2;

@@ -170,7 +170,7 @@ Vectors<D> AtLeastAsNear(const Gram<D>& gram, const Point<D>& inverse_diagonal, 
 }
 
 // Shortens the basis vectors by multiples of each other until none gets shorter; column i of the result is the new i-th
-// vector in the old basis. Needed only so that the cell found first is not so long that it holds millions of points.
+// vector in the old basis. Without it, the cell found first might be so long that it holds millions of points.
 template <size_t D>
 std::array<LatticeVector<D>, D> ShorterBasis(const Gram<D>& gram) {
   std::array<LatticeVector<D>, D> basis{};

@@ -26,7 +26,7 @@ inline Rational Inner(const Mat<int64_t, 3>& g, const RationalVec& u, const Rati
 
 inline RationalVec Difference(const Vec3i& a, const Vec3i& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-// By the nearest point a + s e + t f: of the plane if it lies in the triangle, else of one of the edges.
+// Uses the nearest point a + s e + t f: that of the plane if it lies in the triangle, else that of one of the edges.
 inline Rational SquareTo(const Mat<int64_t, 3>& g, const Vec3i& point, const Triangle& triangle) {
   const RationalVec e = Difference(triangle[1], triangle[0]), f = Difference(triangle[2], triangle[0]);
   const RationalVec d = Difference(point, triangle[0]);

@@ -27,8 +27,8 @@ struct ExactLattice {
   Lattice lattice;
 };
 
-// Integer bases with a determinant that is a power of two: lattice coordinates in 1/256 voxel survive the way through
-// world coordinates in floats without rounding.
+// Integer bases whose determinant is a power of two. Lattice coordinates in 1/256 voxel are converted to world
+// coordinates in floats, and back, without rounding.
 inline std::vector<ExactLattice> ExactLattices() {
   const auto make = [](const char* name, const Mat3d& basis) {
     return ExactLattice{name, Lattice::FromBasis(basis).value()};

@@ -1,4 +1,4 @@
-// Jobs of every kind, for tests of the promises that all of them make.
+// Jobs of every kind, for tests of their common promises.
 #ifndef LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
 #define LATVOX_TESTS_UNIT_CORE_JOB_KINDS_H_
 

@@ -1,5 +1,5 @@
-// The main program of core's tests: GoogleTest's, but that LATVOX_SIMD chooses the kernels, as it does for latvoxd.
-// Status 77, which ctest takes for skipped, if this processor does not have them.
+// The main program of core's tests. It is GoogleTest's, except that LATVOX_SIMD chooses the kernels, as it does for
+// latvoxd. Exits with status 77, which ctest counts as skipped, if this processor lacks them.
 #include <gtest/gtest.h>
 
 #include <cstdio>

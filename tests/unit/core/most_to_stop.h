@@ -1,4 +1,4 @@
-// Measures the time that work goes on after it is cancelled, for tests of work that promises to end soon.
+// Measures how long work continues after it is cancelled, for tests of work that promises to end soon.
 #ifndef LATVOX_TESTS_UNIT_CORE_MOST_TO_STOP_H_
 #define LATVOX_TESTS_UNIT_CORE_MOST_TO_STOP_H_
 
@@ -30,7 +30,7 @@ inline double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_P
 
 // Returns the longest time from a cancel to the end of the work, of cancels at five points of it.
 //   size         doubled until the work takes long enough, so that a faster machine tests as much
-//   input(size)  returns what the work is about
+//   input(size)  returns the input of the work
 //   make(input)  returns a pointer to work with Run(), on one thread, and Cancel()
 template <class Input, class Make>
 double MostToStop(uint32_t size, const Input& input, const Make& make) {
@@ -55,7 +55,7 @@ double MostToStop(uint32_t size, const Input& input, const Make& make) {
     std::thread canceller([&, start = CpuSeconds()] {
       while (CpuSeconds() - start < part * whole && !over) std::this_thread::sleep_for(std::chrono::milliseconds(1));
       work->Cancel();
-      cancelled = CpuSeconds();  // not before, lest this thread be kept waiting in between
+      cancelled = CpuSeconds();  // not earlier, because this thread may have to wait in between
     });
     work->Run();
     const double end = CpuSeconds();

@@ -16,8 +16,8 @@ struct TestPlaneLattice {
   PlaneLattice lattice;
 };
 
-// Points in 1/256 pixel survive the way through world coordinates on all of them: snapping undoes an error far below
-// half a unit.
+// Points in 1/256 pixel are converted to world coordinates and back exactly on all of them, because snapping removes
+// errors far below half a unit.
 inline const std::vector<TestPlaneLattice>& PlaneLattices() {
   const auto make = [](const char* name, const Mat2d& basis) {
     return TestPlaneLattice{name, PlaneLattice::FromBasis(basis).value()};

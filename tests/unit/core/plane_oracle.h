@@ -1,6 +1,6 @@
-// An exact, slow statement of the content of a digitized curve, for the plane. Like tests/oracle, it shares no code
-// with core. Every edge near a segment is met with it by Cramer's rule in rationals; the tie-breaking shift is a
-// polynomial in an infinitesimal. Curves are in lattice coordinates, in units of 1/256 pixel.
+// An exact, slow definition of a digitized curve in the plane. Like tests/oracle, it shares no code with core. It
+// intersects every link near a segment with it by Cramer's rule in rationals. The tie-breaking shift is a polynomial in
+// an infinitesimal. Curves are in lattice coordinates, in units of 1/256 pixel.
 #ifndef LATVOX_TESTS_UNIT_CORE_PLANE_ORACLE_H_
 #define LATVOX_TESTS_UNIT_CORE_PLANE_ORACLE_H_
 
@@ -24,7 +24,7 @@ namespace latvox::plane_oracle {
 using Int2 = std::array<int64_t, 2>;
 using Line = std::array<Int2, 2>;  // a segment
 using Curve = std::vector<Line>;
-using Ends = std::pair<Int2, Int2>;  // nearer, farther; as an edge: lower, upper
+using Ends = std::pair<Int2, Int2>;  // nearer, farther; as a link: lower, upper
 using Edges = std::set<Ends>;
 
 struct Box {
@@ -49,7 +49,7 @@ inline Polynomial Affine(Polynomial p, const mpq_class& a, const mpq_class& b) {
   return p;
 }
 
-// Meets the segment a -> b, shifted by (eps, eps^2), with the edge z -> z + q.
+// Intersects the segment a -> b, shifted by (eps, eps^2), with the link z -> z + q.
 inline std::optional<Ends> Meet(const Line& line, const Int2& z, const Int2& q) {
   const Int2 d{line[1][0] - line[0][0], line[1][1] - line[0][1]};
   const Int2 step{256 * q[0], 256 * q[1]};
@@ -69,11 +69,12 @@ inline std::optional<Ends> Meet(const Line& line, const Int2& z, const Int2& q) 
   return Sign(Affine(s, mpq_class(1, 2), 1)) < 0 ? Ends{z, next} : Ends{next, z};
 }
 
-// All crossings with edges along q, with how many segments make them; with a window, those with the nearer end in it.
+// All crossings with links along q, with the number of segments that make each. With a window, those with the nearer
+// end in it.
 inline std::map<Ends, int> Crossings(const Curve& curve, const Int2& q, const std::optional<Box>& window = {}) {
   std::map<Ends, int> crossings;
   for (const Line& line : curve) {
-    Box box;  // of z such that the edge's closed rectangle can touch the segment's
+    Box box;  // of z such that the link's closed rectangle can touch the segment's
     for (size_t m = 0; m < 2; ++m) {
       const auto [low, high] = std::minmax({line[0][m], line[1][m]});
       box.lo[m] = (low >> 8) - std::max<int64_t>(q[m], 0);

@@ -57,8 +57,8 @@ inline Vec3i ReachOf(const std::vector<ScanFrame>& frames) {
   return reach;
 }
 
-// Triangles of a given size around a tile, a third of them with corners on multiples of a quarter voxel, where ties
-// are.
+// Triangles of a given size around a tile. A third of them have corners on multiples of a quarter voxel, where ties
+// occur.
 inline std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size, size_t count) {
   std::mt19937 random(kSeed);
   std::uniform_int_distribution<int32_t> place(-8 * kLatticeUnit, 72 * kLatticeUnit), side(-size, size);
@@ -81,8 +81,9 @@ inline std::vector<Triangle> TrianglesAround(const Vec3i& tile_min, int32_t size
   return triangles;
 }
 
-// Large triangles. Nearly all of their lattice lines are hard to round: planes that are parallel to axes, or nearly so,
-// next to ties of depths; and slivers with an area of 3/2 lattice units, and a lattice point on their longest edge.
+// Large triangles. Nearly all of their lattice lines are hard to round. Some have planes that are parallel to axes, or
+// nearly so, next to ties of depths. Others are slivers with an area of 3/2 lattice units and a lattice point on their
+// longest edge.
 inline std::vector<Triangle> LargeAndClose(const Vec3i& tile_min) {
   std::mt19937 random(kSeed);
   const auto among = [&](int32_t least, int32_t most) {

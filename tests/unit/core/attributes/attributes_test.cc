@@ -1,4 +1,4 @@
-// Attributes of voxels, against rational distances to all triangles.
+// Attributes of voxels, compared with rational distances to all triangles.
 #include "core/attributes/attributes.h"
 
 #include <gmock/gmock.h>
@@ -75,7 +75,7 @@ class Oracle {
     for (const auto& vertices : mesh_.triangles) least = std::min(least, Distance(point, At(vertices[0])));
     for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const auto& vertices = mesh_.triangles[t];
-      if (Distance(point, At(vertices[0])) - longest_[t] > 1.001 * least) continue;  // saves time alone
+      if (Distance(point, At(vertices[0])) - longest_[t] > 1.001 * least) continue;  // only saves time
       const Triangle triangle{At(vertices[0]), At(vertices[1]), At(vertices[2])};
       const Rational square = SquareTo(g_, point, triangle);
       if (nearest >= 0 && square > nearest) continue;
@@ -169,7 +169,7 @@ TEST(Attributes, AreThoseOfTheNearestCornerOfTheNearestTriangle) {
   EXPECT_GT(tied, 10U);
 }
 
-// A box with its faces between lattice points, each of a value of its own: ties along edges and diagonals.
+// A box with faces between lattice points. Each face has its own value, so there are ties along edges and diagonals.
 TEST(Attributes, OfTiesAreTheLeast) {
   for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
     const Lattice lattice = Lattice::Named(name);
@@ -195,7 +195,8 @@ TEST(Attributes, OfTiesAreTheLeast) {
   }
 }
 
-// So many that they are settled again and again. Copies of a triangle are as near: the least of their values counts.
+// There are so many triangles that offers are settled repeatedly. Copies of a triangle are at the same distance, so the
+// smallest of their values counts.
 TEST(Attributes, OfManyTrianglesInOnePlace) {
   constexpr uint32_t kCopies = 900;
   std::mt19937 random(11);
@@ -224,7 +225,7 @@ TEST(Attributes, OfManyTrianglesInOnePlace) {
             CarriedBy(Voxelize(once, Unscaled(lattice), options), 2));
 }
 
-// So many that those which meet no lattice line would be left out, were they nothing to attributes.
+// There are so many triangles that a job without attributes would leave out those that meet no lattice line.
 TEST(Attributes, OfTrianglesFarSmallerThanVoxels) {
   TriangleMesh mesh = Sphere(64, 2.3F);
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) mesh.attributes.push_back(v / 4);

@@ -1,4 +1,4 @@
-// The band on the Cartesian lattice beside OpenVDB's meshToVolume of the same mesh.
+// Compares the band on the Cartesian lattice with OpenVDB's meshToVolume of the same mesh.
 #include <gtest/gtest.h>
 #include <openvdb/tools/MeshToVolume.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kWidth = 3;
 
-// Without what smooths the values afterwards, so that they are distances.
+// Leaves out the smoothing of values, so that they stay distances.
 openvdb::FloatGrid::Ptr LevelSetOf(const TriangleMesh& mesh) {
   openvdb::initialize();
   std::vector<openvdb::Vec3s> points;
@@ -49,9 +49,9 @@ TEST(SignedBand, IsOpenVdbsNarrowBandOnCubes) {
   const auto ours = BandOf(mesh), theirs = LevelSetOf(mesh);
   // The effect of snapping, in voxels, and of the rounding of floats.
   constexpr double kSlack = kSnapErrorMax * 2 + 1e-3;
-  // Away from the surface OpenVDB looks only at the triangles that a voxel's neighbors found nearest, so that a few of
-  // its distances are too long, or over the width; none is too short. Next to it, it takes a few voxels to be on the
-  // other side.
+  // Away from the surface, OpenVDB only considers the triangles that a voxel's neighbors found nearest. So a few of its
+  // distances are too long, or exceed the width; none is too short. Next to the surface, it puts a few voxels on the
+  // wrong side.
   ASSERT_GT(ours->activeVoxelCount(), 50000U);
   size_t theirs_off = 0;
   for (auto value = ours->cbeginValueOn(); value; ++value) {

@@ -1,4 +1,4 @@
-// The band against rational arithmetic that shares nothing with it but the metric: which points, how far, which side.
+// The points, distances and signs of a band, compared with rational arithmetic that shares only the metric with it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ Values ValuesOf(const Result& result) {
   return values;
 }
 
-// Small triangles, and those that go wrong: in a lattice plane, with equal corners, on a line, slivers.
+// Small triangles, and kinds that provoke errors: in a lattice plane, with equal corners, on a line, slivers.
 std::vector<oracle::Mesh> SmallMeshes(unsigned seed) {
   std::mt19937 random(seed);
   const auto corner = [&](int64_t step) {
@@ -102,7 +102,7 @@ TEST(Band, HoldsExactlyThePointsWithinTheWidthWithTheirDistances) {
   }
 }
 
-// Long triangles through many tiles, and a band wider than a tile's margin usually is.
+// Long triangles through many tiles, and a band wider than a tile's usual margin.
 TEST(Band, IsExactFarFromATrianglesCorners) {
   const Lattice lattice = Lattice::FromBasis({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}).value();
   const oracle::Mesh mesh{{oracle::Int3{0, 0, 0}, oracle::Int3{70 * 256 + 1, 5, 130}, oracle::Int3{40 * 256, 3, 131}}};
@@ -124,7 +124,7 @@ TEST(Band, MeasuresByProductsOfTheBasis) {
   }
 }
 
-// Vectors that are equally long by other products, and widths that are their lengths.
+// Pairs of vectors with equal lengths from different products, and bands with these lengths as widths.
 TEST(Band, MeasuresEqualLengthsAsEqual) {
   struct Case {
     Mat3d basis;
@@ -153,7 +153,7 @@ TEST(Band, MeasuresEqualLengthsAsEqual) {
   }
 }
 
-// A plane of voxels at 0 and others at whole multiples of a voxel size that no double is equal to.
+// The plane lies at 0, and planes of voxels at multiples of a voxel size that no double equals.
 TEST(Band, IsClosedAndTiesAreIn) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian).Scaled(0.1).value();
   const oracle::Mesh mesh{{oracle::Int3{0, 0, 0}, oracle::Int3{2048, 0, 0}, oracle::Int3{0, 2048, 0}}};
@@ -170,7 +170,7 @@ TEST(Band, IsClosedAndTiesAreIn) {
   EXPECT_EQ(below.count({2, 2, 3}), 0U);
 }
 
-// Lattices whose products have no small common denominator; lengths that no double is.
+// Lattices whose products have no small common denominator, and lengths that no double equals.
 TEST(Band, WhatLiesAtTheWidthIsInOnAnyLattice) {
   const oracle::Mesh point{{oracle::Int3{0, 0, 0}, oracle::Int3{0, 0, 0}, oracle::Int3{0, 0, 0}}};
   for (const Mat3d& basis : {Mat3d{{{0.75, 0, 0}, {0, 0.75, 0}, {0, 0, 4.57}}},
@@ -236,7 +236,7 @@ TEST(SignedBand, IsNegativeWhereLinesOutCrossAnOddNumberOfTimes) {
   }
 }
 
-// Moeller and Trumbore, in doubles and along a line that meets nothing but insides of triangles.
+// Moeller and Trumbore, in doubles, along a line that meets triangles only in their insides.
 bool IsInside(const TriangleMesh& mesh, const Vec3d& point) {
   const Vec3d direction{0.5377, 0.7312, 0.4211};
   bool inside = false;

@@ -1,4 +1,4 @@
-// Sorting is that of the library, and ends soon once stopped.
+// Sorting gives the standard library's result, and ends soon once stopped.
 #include "core/base/sort.h"
 
 #include <gtest/gtest.h>

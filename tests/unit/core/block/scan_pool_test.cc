@@ -31,7 +31,8 @@ struct Sized {
   size_t Bytes() const { return 10; }
 };
 
-// Has a job use so many scans at a time, and leave them; returns how many had been used before.
+// Runs a job that uses so many scans at a time, and leaves them to later jobs. Returns the number of scans that had
+// been used before.
 template <class Scan>
 int UsedBefore(int count) {
   ScanPool<Scan> pool;

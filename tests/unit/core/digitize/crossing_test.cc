@@ -1,4 +1,4 @@
-// Tier: scalar = exact oracle. And the theorems, ties included.
+// The crossing rule equals the exact oracle, and the thesis's theorems hold, ties included.
 #include "core/digitize/crossing.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The two shortcuts of the pipeline, held against the plain scan in every direction.
+// The two shortcuts of the pipeline, compared with the plain scan in every direction.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,4 +1,4 @@
-// Lattices: neighbors against the table and against exact Voronoi cells, frames, scaling, rejection.
+// Lattices: neighbors, compared with the table and with exact Voronoi cells; frames, scaling, errors.
 #include "core/lattice/lattice.h"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST(Neighbors, EqualExactVoronoiCellsOfRandomBases) {
 
 // Products of two entries of their neighbors do not fit 32 bits.
 TEST(Neighbors, OfSkewBasesAreThoseOfTheLattice) {
-  const Mat3d skew{{{1, 0, 0}, {0x1p9, 1, 0}, {0, 0x1p11, 1}}};  // of the integers
+  const Mat3d skew{{{1, 0, 0}, {0x1p9, 1, 0}, {0, 0x1p11, 1}}};  // a basis of the integer lattice
   const auto neighbors = FindNeighbors<3>(skew);
   ASSERT_TRUE(neighbors.ok()) << neighbors.status();
   EXPECT_EQ(Counts(*neighbors), (std::array<size_t, 3>{26, 18, 6}));
@@ -159,8 +159,8 @@ TEST(Neighbors, AreClosedUnderNegationSortedAndNeverOddlyEqualModuloTwo) {
   }
 }
 
-// Lengths of a coset differ by little of themselves, and bound faces that are 1/100 and more of the lattice's short
-// vectors wide.
+// Lengths in a coset differ relatively little, but bound faces that are at least 1/100 as wide as the lattice's short
+// vectors.
 TEST(Neighbors, OfLongLatticesKeepTheirFaces) {
   const auto facets = [](const Mat3d& basis) {
     std::set<Vec3i> found;
@@ -251,7 +251,7 @@ TEST(Lattice, NamedOnesHaveUnitCellsAndScaleToAnyOther) {
     const auto scaled = lattice.Scaled(0.37);
     ASSERT_TRUE(scaled.ok());
     EXPECT_NEAR(scaled->voxel_size(), 0.37, 1e-12);
-    // The size that is told may be asked for: it does not drift.
+    // Scaling to the reported size does not change it.
     EXPECT_EQ(lattice.Scaled(scaled->voxel_size())->voxel_size(), scaled->voxel_size());
     EXPECT_EQ(scaled->name(), named.name);
     for (size_t column = 0; column < 3; ++column) {

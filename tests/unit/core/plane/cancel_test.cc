@@ -1,4 +1,4 @@
-// Curves that are cancelled end soon, with every algorithm.
+// Cancelled curves end soon, with every algorithm.
 #include <gtest/gtest.h>
 
 #include <cstdint>

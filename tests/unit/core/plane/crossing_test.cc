@@ -1,4 +1,4 @@
-// The plane's lattices, its one rounding, and its crossing rule against the exact oracle and the theorems.
+// The plane's lattices, its one rounding, and its crossing rule, compared with the exact oracle and the theorems.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -139,8 +139,8 @@ std::vector<Shape> Shapes() {
   return {{"circle", {Circle({0.3, -0.2}, 1, 200)}}, {"star", {Star()}}, {"text", Text()}};
 }
 
-// Whether p is in the even-odd inside of the drawing, in units of 1/256 pixel, shifted by the infinitesimal: counts
-// crossings with the ray from p along +i. Every term is a product of at most 2^20 each.
+// Returns whether p is in the even-odd inside of the drawing, in units of 1/256 pixel, shifted by the infinitesimal.
+// Counts crossings with the ray from p along +i. Every term is a product of two factors of at most 2^20.
 bool Inside(const std::vector<Segment>& segments, const Vec2i& ij) {
   const int64_t x = int64_t{ij[0]} * kLatticeUnit, y = int64_t{ij[1]} * kLatticeUnit;
   bool inside = false;

@@ -1,4 +1,4 @@
-// The thesis's algorithms in the plane: lines, discs, and what they leave to thin.
+// The thesis's algorithms in the plane: lines, discs, and the redundant pixels that they leave.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The rules of a request: what each one refuses, and in which words.
+// The rules of a request: the options that each one refuses, and its message.
 #include "core/request/rules.h"
 
 #include <gmock/gmock.h>

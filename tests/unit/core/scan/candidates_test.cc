@@ -1,4 +1,4 @@
-// Candidates of one triangle or many, held against the crossing rule in every direction.
+// Candidates of one triangle or many, compared with the crossing rule in every direction.
 #include "core/scan/candidates.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ Found Expected(const std::vector<Triangle>& triangles, const std::vector<ScanFra
   return found;
 }
 
-// Adds the same from candidates, and from their stars; checks the crossed edges on the way.
+// Adds the same from candidates and their stars. Also checks the crossed links.
 void AddFound(const Candidates& candidates, const SnappedMesh& mesh, const std::vector<Triangle>& triangles,
               const std::vector<ScanFrame>& frames, const IndexBox& box, const BitsLayout& layout, Found& found) {
   std::vector<VoxelTriangle> pairs;
@@ -119,7 +119,7 @@ TEST(Candidates, AndStarsFindTheVoxelsOfEveryDirectionOnEachKernel) {
   }
 }
 
-// Small triangles and large ones in turns: so many that they are sorted, window by window.
+// Small and large triangles in turn, so many that they are sorted window by window.
 TEST(Candidates, OfTrianglesOfAllSizesAreFoundInPartsOnEachKernel) {
   const Vec3i tile_min{128, 64, 192};
   for (const ExactLattice& l : ExactLattices()) {
@@ -143,7 +143,8 @@ TEST(Candidates, OfTrianglesOfAllSizesAreFoundInPartsOnEachKernel) {
   }
 }
 
-// A voxel is at most half a step from where its edge meets the triangle. And the largest box that bytes hold.
+// A voxel is at most half a step from the point where its link meets the triangle. The box is the largest that bytes
+// hold.
 TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) {
   const Vec3i tile_min{128, 64, 192};
   for (const ExactLattice& l : ExactLattices()) {
@@ -198,7 +199,7 @@ TEST(Candidates, HaveBoxesByWhichTheLargeTrianglesOfVoxelsAreFoundOnEachKernel) 
   }
 }
 
-// Not where there are but few candidates of a triangle, nor where bytes do not hold them.
+// There are no boxes where triangles have few candidates, or where bytes do not hold the coordinates.
 TEST(Candidates, HaveNoBoxesWhereThesePayNotOrDoNotFitOnEachKernel) {
   const auto frames = MakeScanFrames(Lattice::Named(NamedLattice::kCartesian).frames(0));
   const auto boxes = [&](const std::vector<Triangle>& triangles, int32_t side) {
@@ -258,7 +259,7 @@ TEST(Candidates, OfLargeTrianglesWithDepthsThatAreHardToRoundOnEachKernel) {
   }
 }
 
-// So that some lines have their voxels in the box and others beyond.
+// Some lines have their voxels in the box, others beyond.
 TEST(Candidates, OfTrianglesAlongTheSidesOfTheBoxOnEachKernel) {
   const Vec3i tile_min{64, 0, 128};
   for (const ExactLattice& l : ExactLattices()) {
@@ -289,7 +290,7 @@ TEST(Candidates, OfTrianglesAlongTheSidesOfTheBoxOnEachKernel) {
   }
 }
 
-// Where edges of triangles are longer, an edge function exceeds 32 bits in the last of the box's rows.
+// With longer edges of triangles, an edge function would exceed 32 bits in the box's last row.
 TEST(Candidates, OfEdgesAboutAsLongAs32BitsHoldAreThoseOfThePlainScanOnEachKernel) {
   constexpr int32_t kSide = 2 * kTileSide, kLow = 1 << 15;
   const Vec3i tile_min{kLow, kLow, kLow}, low = tile_min * kLatticeUnit;
@@ -312,7 +313,7 @@ TEST(Candidates, OfEdgesAboutAsLongAs32BitsHoldAreThoseOfThePlainScanOnEachKerne
   }
 }
 
-// Edges through lattice points: there the edge function is as close to 0 as it can be without being it.
+// Near a lattice point on an edge, the edge function is as close to 0 as it can be without being 0.
 TEST(Candidates, OfEdgesThroughLatticePointsOnEachKernel) {
   const Vec3i tile_min{0, 0, 0};
   for (const ExactLattice& l : ExactLattices()) {

@@ -1,4 +1,4 @@
-// The kernels, each on its own, held against plain C++; candidates have a test of their own.
+// Each kernel by itself, compared with plain C++. candidates_test.cc tests candidates.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
       const auto frames = MakeScanFrames(l.lattice.frames(k));
       for (const int32_t size : {8, 40, 300, CornerList::kNear + 100}) {
         auto triangles = TrianglesAround(tile_min, size, size > CornerList::kNear ? 101 : 1001);
-        for (size_t n = 0; n < triangles.size(); n += 50) {  // slivers with a corner that 16 bits do not hold
+        for (size_t n = 0; n < triangles.size(); n += 50) {  // slivers with a corner that does not fit 16 bits
           triangles[n][1] = triangles[n][0] + Vec3i{1 << 16, 1 << 16, 3};
           triangles[n][2] = triangles[n][0] + Vec3i{40, 60, 5};
         }
@@ -61,7 +61,7 @@ TEST(Touching, LeavesOutOnlyTrianglesWithoutCrossingsAndMostOfThoseOnEachKernel)
   }
 }
 
-// Corners up to where the list cannot tell them, and lists that end within a vector.
+// Corners up to and beyond the range of a list, and lists that end within a vector.
 TEST(CornerList, HoldsCornersFromTheFirstOnesVoxelOnEachKernel) {
   constexpr int32_t kFar = (kMaxExtent + kTileSide) * kLatticeUnit - 1;
   std::mt19937 random(kSeed);
@@ -114,12 +114,12 @@ TEST(CornerList, HoldsCornersFromTheFirstOnesVoxelOnEachKernel) {
   EXPECT_TRUE(one_below);
 }
 
-// Expects of each pair what the star says; returns how many have edges.
+// Expects the result of Star for each pair. Returns the number of pairs with links.
 size_t ExpectStars(const std::vector<Triangle>& triangles, const std::vector<ScanFrame>& frames,
                    const BitsLayout& layout, const std::vector<VoxelTriangle>& pairs, const std::string& what) {
   std::vector<StarLinks> stars(pairs.size());
   FindStarLinks(MeshOf(triangles), frames, layout, pairs, stars.data());
-  size_t with_edges = 0;
+  size_t with_links = 0;
   for (size_t n = 0; n < pairs.size(); ++n) {
     const OrientedTriangle oriented(triangles[pairs[n].triangle]);
     const Star star(oriented, layout.VoxelAt(pairs[n].voxel));
@@ -133,9 +133,9 @@ size_t ExpectStars(const std::vector<Triangle>& triangles, const std::vector<Sca
     }
     EXPECT_EQ(stars[n].nearer, expected.nearer) << what << " pair " << n << " " << SimdInUse();
     EXPECT_EQ(stars[n].forward, expected.forward) << what << " pair " << n << " " << SimdInUse();
-    with_edges += expected.nearer != 0 ? 1 : 0;
+    with_links += expected.nearer != 0 ? 1 : 0;
   }
-  return with_edges;
+  return with_links;
 }
 
 TEST(StarLinks, SayOfEachPairWhatTheStarSaysOnEachKernel) {
@@ -171,8 +171,8 @@ TEST(StarLinks, SayOfEachPairWhatTheStarSaysOnEachKernel) {
   }
 }
 
-// Planes all but parallel to a direction, all but through the voxel: whatever floats say of them is within their
-// errors.
+// Planes nearly parallel to a direction, and nearly through the voxel. All results of floats are within their error
+// bounds.
 TEST(StarLinks, OfPlanesAlongDirectionsAreWhatTheStarSaysOnEachKernel) {
   const BitsLayout layout({0, 0, 0}, {8, 8, 8});
   const Vec3i voxel{31, 17, 44};
@@ -240,7 +240,7 @@ TEST(TileBits, FindAndSeparateAreWhatTestSaysOnEachKernel) {
       EXPECT_EQ(list(first), in) << SimdInUse();
       bits.Find(numbers, false, first);
       EXPECT_EQ(list(first), out) << SimdInUse();
-      NumberList in_numbers, in_places, out_places;  // of places as the others; what is there stays
+      NumberList in_numbers, in_places, out_places;  // of places, as the others; earlier entries stay
       out_places.Reserve(1);
       out_places.Add(7);
       bits.Separate(numbers, Iota(size), in_numbers, in_places, out_places);
@@ -306,7 +306,7 @@ TEST(TileBits, FindFewIsFindForSetsOfAnySizeOnEachKernel) {
     for (const Simd simd : SimdHere()) {
       const ForcedSimd forced(simd);
       found.Reserve(1);
-      found.Add(1);  // what is there already goes
+      found.Add(1);  // earlier entries are removed
       bits.FindFew(numbers, given, found);
       EXPECT_EQ(std::vector<uint32_t>(found.view().begin(), found.view().end()), in) << SimdInUse() << " " << members;
     }

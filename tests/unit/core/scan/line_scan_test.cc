@@ -1,4 +1,4 @@
-// The scan of a triangle's lines in integers that are linear over them: in fewer bits it is the same as in 64.
+// The scan of a triangle's lines in integers that are linear over them gives the same result in fewer bits as in 64.
 #include "core/scan/line_scan.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST(LineScan, IsTheSameInFewerBitsWhereItIsNotInDoubt) {
             ASSERT_EQ(got.candidate, want.candidate) << l.name << " triangle " << t << " line " << a << " " << b;
             if (!want.candidate) continue;
             ASSERT_EQ(got.inside, want.inside) << l.name << " triangle " << t << " line " << a << " " << b;
-            if (rounded) {  // how far remainders are wrong, not only whether that matters here
+            if (rounded) {  // tests the size of the error, even where it has no effect
               const auto truth = __int128{lines.remainder} + __int128{lines.level_a} * a + __int128{lines.level_b} * b;
               const auto scaled =
                   __int128{narrow.remainder} + __int128{narrow.level_a} * a + __int128{narrow.level_b} * b;

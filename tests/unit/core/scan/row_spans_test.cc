@@ -1,4 +1,4 @@
-// Which lines of a row are within rims and edges, held against each line's edge functions in integers.
+// The lines of a row within rims and edges, compared with each line's edge functions in integers.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/unit/core/scan/row_spans_test.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -15,7 +15,7 @@ namespace latvox {
 #define LATVOX_TESTS_UNIT_CORE_ROW_SPANS_TEST_CC_ONCE
 namespace {
 
-// A row, and what RowSpans says of it.
+// A row, and the result of RowSpans for it.
 struct Row {
   std::array<int32_t, 3> edge, step, rim;
   int32_t lines;
@@ -92,7 +92,7 @@ HWY_EXPORT(AskRowSpans);
 
 constexpr int32_t kMostStep = (1 << 15) - 1, kMostRim = (1 << 18) - 1, kMostLines = 64;
 
-// Whether no edge function is negative on a line, `rims` or none of them added.
+// Returns whether no edge function is negative on a line, with or without `rims` added.
 bool IsWithin(const Row& row, int32_t line, bool rims) {
   bool is_within = true;
   for (size_t m = 0; m < 3; ++m) {
@@ -124,7 +124,7 @@ void ExpectRight(std::vector<Row> rows) {
   }
 }
 
-// Each edge function, with its rim or without, is next to 0 on a line, or on one a little beyond the row.
+// Each edge function, with or without its rim, is next to 0 on a line of the row or a little beyond.
 TEST(RowSpans, AreRightWhereEdgesPassLinesCloselyOnEachKernel) {
   std::mt19937 random(kSeed);
   const auto any = [&](int32_t low, int32_t high) { return std::uniform_int_distribution(low, high)(random); };

@@ -121,7 +121,7 @@ TEST(Snap, RefusesPositionsThatOverflow) {
   const auto snapped = Snap(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1}), Cartesian(), {0, 0, -1e10}, {1, 1, 1});
   EXPECT_EQ(snapped.status().message(),
             "origin: it puts the mesh at lattice coordinate 1e+10 on axis k, the limit is 536870912");
-  // Where no origin would help, it is not what is wrong.
+  // The mesh is too large as well, and no origin would help. So the error blames the voxel size.
   const auto fine =
       Snap(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1}), Cartesian().Scaled(0x1p-30).value(), {0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(
@@ -163,7 +163,7 @@ TEST(Snap, EveryKernelRoundsAsTheOneExpressionDoes) {
           ASSERT_EQ(GlobalUnits(*snapped, n)[m], static_cast<int32_t>(std::nearbyint(v * kLatticeUnit))) << kSeed;
         }
       }
-      // A mesh that others keep is rounded to other memory.
+      // A mesh with other owners is rounded into new memory.
       const auto kept = std::make_shared<const TriangleMesh>(mesh);
       const auto shared = Snap(kept, lattice, origin, {1, 1, 1});
       ASSERT_TRUE(shared.ok()) << shared.status();
@@ -181,7 +181,7 @@ TEST(Snap, TakesTheMemoryOfAMeshThatIsHandedOver) {
   ASSERT_TRUE(snapped.ok());
   EXPECT_EQ(snapped->vertices_lat.data(), vertices);
   EXPECT_EQ(snapped->triangles.data(), triangles);
-  // Either keeps it.
+  // A copy of the array keeps the memory.
   const auto vertices_lat = snapped->vertices_lat;
   *snapped = {};
   EXPECT_EQ(vertices_lat[1], (Vec3i{69, 64, 64}) * kLatticeUnit);

@@ -1,4 +1,5 @@
-// Tier: solids = exact oracle, along directions that the core does not go by; and what can be counted by hand.
+// Solids equal the exact oracle, along directions that the core does not use. Some have volumes that can be counted by
+// hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -113,7 +114,7 @@ class SolidOnLattice : public testing::TestWithParam<ExactLattice> {};
 INSTANTIATE_TEST_SUITE_P(Exact, SolidOnLattice, testing::ValuesIn(ExactLattices()),
                          [](const auto& lattice) { return lattice.param.name; });
 
-// With tile borders through the middle, or not; on one thread, which has blocks of tiles, and on two.
+// With and without tile borders through the middle; on one thread, which digitizes blocks of tiles, and on two.
 TEST_P(SolidOnLattice, EqualsTheOracleAlongEveryDirection) {
   const Lattice& lattice = GetParam().lattice;
   for (const oracle::Mesh& mesh : RandomSolids()) {
@@ -157,7 +158,7 @@ TEST_P(SolidOnLattice, FillsMeshesThatAreNotClosedLineByLineIfForced) {
   }
 }
 
-// By the half-open rule of the shift, on every lattice: faces through lattice points have them on one side.
+// The shift makes the rule half open on every lattice: a face through lattice points has all of them on one side.
 TEST_P(SolidOnLattice, OfACubeHasItsVolumeInVoxels) {
   const Lattice& lattice = GetParam().lattice;
   for (const int64_t n : {1, 7, 64, 70}) {
@@ -194,7 +195,7 @@ TEST(Balance, CountsLinesThroughHoles) {
     EXPECT_EQ(CountUnbalancedLines(Snapped(cube, lattice), rule), 0U);
     EXPECT_EQ(CountUnbalancedLines(without(0), rule), 10000U);
     EXPECT_EQ(CountUnbalancedLines(without(1), rule), 10000U);
-    EXPECT_EQ(CountUnbalancedLines(without(2), rule), 0U);  // beside the lines along k
+    EXPECT_EQ(CountUnbalancedLines(without(2), rule), 0U);  // this face is parallel to the lines along k
     EXPECT_FALSE(FactsOf(without(2)).closed);
   }
   EXPECT_TRUE(IsOriented(Snapped(cube, lattice)));
@@ -205,7 +206,8 @@ TEST(Balance, CountsLinesThroughHoles) {
 TEST(Balance, OfOneTriangleTheOtherWayRoundIsThatOfParityAlone) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   oracle::Mesh mesh = Cube(10);
-  std::swap(mesh[0][0], mesh[0][1]);  // of the face below: half of the lines, by the shift without the diagonal or with
+  // A triangle of the lower face: half of the lines. The shift decides whether those of the diagonal are among them.
+  std::swap(mesh[0][0], mesh[0][1]);
   const SnappedMesh snapped = Snapped(mesh, lattice);
   EXPECT_TRUE(FactsOf(snapped).closed);
   EXPECT_FALSE(IsOriented(snapped));
@@ -234,7 +236,7 @@ TEST(Solids, OfMeshesThatAreNotClosedAreRefused) {
                    .ok());
 }
 
-// Both ways to find the interior, on tiles with and without surface.
+// Tests both ways to find the interior, on tiles with and without surface.
 TEST(Interiors, OfClosedMeshesAreTheSameLineByLine) {
   const Lattice lattice = Lattice::Named(NamedLattice::kBcc);
   const SnappedMesh mesh = *Snap(Sphere(30, 200), lattice, {0, 0, 0}, ReachOf(lattice.frames(0)));
@@ -331,7 +333,7 @@ TEST(Solids, OfASmallRegionDeepInsideAreAllOfIt) {
 TEST(Solids, MayHaveASupercoverForSurface) {
   for (const Part& part : kParts) {
     const Grid grid = Unscaled(Lattice::Named(part.lattice));
-    if (!part.solid.surface) continue;  // no rule lets these have a cover
+    if (!part.solid.surface) continue;  // the rules of a request exclude a cover here
     Solid interior = part.solid;
     interior.surface = false;
     auto both = VoxelsOf(Voxelize(MeshOf(part, 45), grid, {.solid = interior}));
@@ -372,7 +374,7 @@ TEST(Solids, ComeInCanonicalOrderWithProgress) {
             20);
 }
 
-// No solid has more voxels than the estimate tells, and it is not far off.
+// No solid has more voxels than estimated, and the estimate is not far off.
 TEST(Solids, AreEstimated) {
   for (const NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc}) {
     const Grid grid = Unscaled(Lattice::Named(name));

@@ -1,4 +1,4 @@
-// The supercover of single triangles = exact clipping, and the pipeline's = that of its triangles.
+// The supercover of a single triangle equals exact clipping. The supercover of a mesh is the union over its triangles.
 #include "core/supercover/supercover.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ struct CoveredLattice {
   oracle::Gram<3> gram;
 };
 
-// Bases of integers, then the hexagonal lattice, which has none, and two that are rounded to 30 bits.
+// Integer bases; the hexagonal lattice, which has no integer basis; and two that are rounded to 30 bits.
 std::vector<CoveredLattice> Lattices() {
   std::vector<CoveredLattice> lattices;
   for (const ExactLattice& l : ExactLattices()) {
@@ -49,7 +49,7 @@ Triangle FromOracle(const oracle::Triangle& triangle) {
   return out;
 }
 
-// Runs must not repeat a row nor leave the order.
+// Runs must neither repeat a row nor come out of order.
 std::set<Int3> Covered(const Supercover& supercover, const Triangle& triangle, const IndexBox& box = kEverywhere) {
   std::set<Int3> voxels;
   std::optional<std::array<int32_t, 2>> row;
@@ -100,7 +100,7 @@ TEST_P(SupercoverOnLattice, EqualsExactClippingForEveryKindOfTriangle) {
   EXPECT_GT(flat, 30U);
 }
 
-// Numbers of all widths: the largest triangles that there are, looked at in a few places.
+// Integers of all widths, up to the largest possible triangles, tested in a few places.
 TEST_P(SupercoverOnLattice, EqualsExactClippingForHugeTriangles) {
   const auto cell = IntegerCell::Of(GetParam().lattice);
   ASSERT_TRUE(cell.ok()) << cell.status();
@@ -112,7 +112,7 @@ TEST_P(SupercoverOnLattice, EqualsExactClippingForHugeTriangles) {
       for (Int3& v : triangle) {
         for (int64_t& x : v) x = static_cast<int64_t>(random() % static_cast<uint64_t>(extent));
       }
-      // Around a corner, the middle of an edge, and one within.
+      // Around a corner, the middle of an edge, and a point inside.
       for (const std::array<int64_t, 3>& weights : {std::array<int64_t, 3>{4, 0, 0}, {2, 2, 0}, {1, 2, 1}}) {
         IndexBox box;
         oracle::Box same;
@@ -243,8 +243,8 @@ TEST(Supercover, CountsCellsThatTouchAtFacetsEdgesAndCorners) {
   EXPECT_EQ(count(NamedLattice::kCartesian, point(128, 0, 0)), 2U);
   EXPECT_EQ(count(NamedLattice::kCartesian, point(128, 128, 0)), 4U);
   EXPECT_EQ(count(NamedLattice::kCartesian, point(128, 128, 128)), 8U);
-  // Half a voxel above a layer, with corners at those of cells, it touches 4 x 4 cells in both layers, except the three
-  // beyond the middle of the hypotenuse.
+  // The triangle lies half a voxel above a layer, with its corners at corners of cells. It touches 4 x 4 cells in both
+  // layers, except the three beyond the middle of the hypotenuse.
   EXPECT_EQ(count(NamedLattice::kCartesian, {{{128, 128, 128}, {640, 128, 128}, {128, 640, 128}}}), 2U * 13U);
   // BCC: center of a square and of a hexagonal facet, a corner, where four truncated octahedra meet.
   EXPECT_EQ(count(NamedLattice::kBcc, point(128, 0, 0)), 2U);

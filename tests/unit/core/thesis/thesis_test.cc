@@ -1,4 +1,4 @@
-// The thesis's algorithms triangle by triangle: against its theorems and the exact oracle's planes.
+// The thesis's algorithms triangle by triangle, compared with its theorems and the exact oracle's planes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ std::vector<int> DistinctK(const Lattice& lattice) {
   return ks;
 }
 
-// Every kind of lattice, those that floats cannot hold exactly too.
+// Every kind of lattice, including those that floats cannot hold exactly.
 std::vector<ExactLattice> AllLattices() {
   std::vector<ExactLattice> all = ExactLattices();
   for (NamedLattice name :

@@ -1,5 +1,5 @@
-// Meshes of triangles smaller than voxels, which go their own way through the pipeline: their voxels are those of plain
-// C++, which takes no triangle for tiny.
+// Meshes of triangles smaller than voxels take another path through the pipeline. Their voxels equal those of plain
+// C++, which treats no triangle as tiny.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 
 TriangleMesh FineSphere() { return Sphere(120, 28); }
 
-// A sphere of small triangles, many more in heaps on borders of tiles, where thinning has most to do, and a few large
-// ones through all of it.
+// A sphere of small triangles, heaps of many more on borders of tiles, where thinning is hardest, and a few large
+// triangles through all of it.
 TriangleMesh FineMesh(size_t heaped) {
   TriangleMesh mesh = FineSphere();
   std::mt19937 random(11);
@@ -112,7 +112,8 @@ TEST(FineMeshes, AreThoseWithManyTrianglesInEachTile) {
   }
 }
 
-// The lowest corner is just below a tile, which no voxel is that a line leads from to the mesh: tiles begin above it.
+// The lowest corner lies just below a tile, but every voxel with a half-link to the mesh lies above. So the tiles begin
+// above the corner.
 TEST(FineMeshes, MayBeginBelowTheirFirstTileOnEachKernel) {
   TriangleMesh mesh = FineSphere();
   Vec3f low = mesh.vertices.front();

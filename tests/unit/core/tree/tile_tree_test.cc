@@ -1,4 +1,4 @@
-// Which triangles concern which tile, against every triangle with every tile.
+// The triangles that concern each tile, compared with a test of every triangle and tile.
 #include "core/tree/tile_tree.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ bool BoundsMeet(const Corners& v, const Box& box) {
   return true;
 }
 
-// Exactly: a triangle and a box are apart iff one of 13 axes separates them.
+// Exact: a triangle and a box are apart iff one of 13 axes separates them.
 bool Meet(const Corners& v, const Box& box) {
   using Wide = std::array<__int128, 3>;
   const auto wide = [](const Vec3i& a) { return Wide{a[0], a[1], a[2]}; };
@@ -116,7 +116,7 @@ bool IsLong(const Corners& v) {
   return false;
 }
 
-// All tiles, in the order in which they come.
+// Returns all tiles, in their order of delivery.
 std::vector<TileNode> Tiles(const TileTree& tree) {
   std::vector<TileNode> tiles, todo = tree.Top();
   std::reverse(todo.begin(), todo.end());
@@ -163,7 +163,7 @@ void ExpectSame(const std::vector<TileNode>& a, const std::vector<TileNode>& b) 
   }
 }
 
-// Every tile, with every triangle.
+// Tests every triangle against every tile.
 void ExpectExact(const std::vector<Corners>& triangles, const Margins& margins, const IndexBox& region,
                  const SnappedMesh& mesh, const std::vector<TileNode>& tiles) {
   Vec3i low, high;
@@ -249,7 +249,7 @@ TEST(TileTree, LeavesOutTilesOutsideOfARegion) {
   EXPECT_TRUE(Tiles(mesh, kMargins[1], {{5000, 0, 0}, {5001, 900, 900}}).empty());
 }
 
-// So many triangles that chunks of them are sorted in parallel, in the whole and in a part of it with a fringe.
+// There are enough triangles that chunks are sorted in parallel, in the whole mesh and in a part with a fringe.
 TEST(TileTree, LargeNodesAreTheSameForAnyNumberOfThreads) {
   constexpr unsigned kSeed = 31;
   std::mt19937 random(kSeed);
@@ -272,7 +272,7 @@ TEST(TileTree, EveryKernelGivesTheSame) {
   for (const int32_t side : {700, 9000, 90000}) {
     for (const Margins& margins : kMargins) {
       const SnappedMesh mesh = MeshOf(RandomTriangles(random, Dose(4000, 800), side, 1500));
-      std::optional<std::vector<TileNode>> expected;  // by plain C++, which is first
+      std::optional<std::vector<TileNode>> expected;  // by plain C++, which comes first
       for (const Simd simd : SimdHere()) {
         const ForcedSimd forced(simd);
         SCOPED_TRACE(SimdInUse());
@@ -284,7 +284,7 @@ TEST(TileTree, EveryKernelGivesTheSame) {
   }
 }
 
-// Two triangles as large as a lattice can be meet more than a million tiles, of eight billion.
+// Two triangles as large as the lattice allows meet more than a million of eight billion tiles.
 TEST(TileTree, HoldsOnePathOfALargeLattice) {
   constexpr int32_t kMost = kMaxExtent * kLatticeUnit - 1;
   const SnappedMesh mesh =

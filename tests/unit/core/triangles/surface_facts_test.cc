@@ -1,4 +1,4 @@
-// Closedness and degenerate triangles, against a table of all edges.
+// Closedness and degenerate triangles, compared with a table of all edges.
 #include "core/triangles/surface_facts.h"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ TEST(SurfaceFacts, AgreeWithATableOfAllEdges) {
 }
 
 TEST(SurfaceFacts, OneTriangleMoreOrLessOpensALargeClosedMesh) {
-  Surface mesh;  // a closed tube of quads, round and round
+  Surface mesh;  // a torus of quads
   constexpr uint32_t kSide = 150;
   for (uint32_t n = 0; n < kSide * kSide; ++n) {
     mesh.vertices_lat.push_back({static_cast<int32_t>(n / kSide * 97), static_cast<int32_t>(n % kSide * 31),
@@ -181,7 +181,7 @@ TEST(SurfaceFacts, ClosedIsByPositionNotByIndex) {
   TriangleMesh open = mesh;
   open.triangles.pop_back();
   EXPECT_FALSE(facts(open).closed);
-  TriangleMesh degenerate = mesh;  // collapses to an edge, which takes nothing from being closed
+  TriangleMesh degenerate = mesh;  // one more triangle, an edge; the mesh stays closed
   degenerate.triangles.push_back({0, 1, 1});
   EXPECT_TRUE(facts(degenerate).closed);
   EXPECT_EQ(facts(degenerate).degenerate_triangles, 1U);

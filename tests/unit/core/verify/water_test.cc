@@ -1,4 +1,4 @@
-// The thesis's validation (chapter 5): water, minimality, and what they say of its algorithms on its tetrahedron.
+// The thesis's validation (chapter 5): water, minimality, and their results for its algorithms on its tetrahedron.
 #include "core/verify/water.h"
 
 #include <gtest/gtest.h>
@@ -200,7 +200,7 @@ TEST(Seams, AreNeeded) {
   EXPECT_GT(tunnels, 0U);
 }
 
-// Among them open surfaces, whose rims have no second triangle, duplicates, slivers and triangles without area.
+// The meshes include open surfaces, whose rims have no second triangle, duplicates, slivers and triangles without area.
 TEST(Incremental, HasNoTunnelInRoundedAdversarialMeshesNorBruteForceInGivenOnes) {
   constexpr unsigned kSeed = 77;
   uint64_t optimized = 0;

@@ -1,4 +1,4 @@
-// Boxes of the world = the whole, filtered with rationals.
+// A job within a box of the world delivers the whole, filtered with rational arithmetic.
 #include <gmpxx.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,8 @@ struct Case {
   Grid grid;
 };
 
-// The named lattices, where positions are no doubles, one of short numbers, and skew ones; origins near and far.
+// The named lattices, whose positions are not doubles, a lattice of short numbers, and skewed ones; origins near and
+// far.
 std::vector<Case> Cases() {
   std::vector<Case> cases;
   for (const auto& [name, text] :
@@ -205,7 +206,7 @@ TEST(Bounds, NarrowTheIndexBoxOnEveryBasis) {
     const auto facts = FactsFor(mesh, grid, bounds);
     ASSERT_TRUE(facts.ok() && facts->index_box) << name << facts.status();
     EXPECT_TRUE(facts->cut_by_bounds);
-    // A point of the box lies within 7 * sqrt(3) of another one, however the basis lies.
+    // Two points of the box lie within 7 * sqrt(3) of each other, whatever the basis.
     for (size_t m = 0; m < 3; ++m) {
       double row = 0;
       for (const Vec3d& column : grid.lattice.inverse()) row += column[m] * column[m];

@@ -1,4 +1,4 @@
-// Jobs that are cancelled end soon, wherever they are: also where very many triangles, or lines, meet.
+// Cancelled jobs end soon at every stage, even where very many triangles or lines meet.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/task_arena.h>
 

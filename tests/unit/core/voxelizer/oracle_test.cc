@@ -1,4 +1,4 @@
-// Tier: pipeline = exact oracle, on every kind of lattice.
+// The pipeline equals the exact oracle, on every kind of lattice.
 #include <gtest/gtest.h>
 
 #include "core/voxelizer/voxelizer.h"
@@ -7,7 +7,7 @@
 namespace latvox {
 namespace {
 
-// One thread digitizes tiles by blocks, more threads such few tiles one by one.
+// One thread digitizes tiles in blocks. Several threads digitize so few tiles one by one.
 int Threads(Simd simd) { return simd == Simd::kScalar || simd == Simd::kAvx2 ? 2 : 1; }
 
 class PipelineOnLattice : public testing::TestWithParam<ExactLattice> {};
@@ -42,7 +42,8 @@ TEST_P(PipelineOnLattice, EqualsTheOracleOnAdversarialMeshes) {
   }
 }
 
-// Moving by whole voxels moves the result, wherever tile borders come to lie; even steps keep the parity classes.
+// A move of the mesh by whole voxels moves the result with it, wherever tile borders lie. Even steps keep the parity
+// classes.
 TEST_P(PipelineOnLattice, DoesNotDependOnWhereTileBordersLie) {
   const ExactLattice& l = GetParam();
   const auto directions = Directions(l.lattice.frames(0));

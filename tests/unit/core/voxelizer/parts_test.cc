@@ -45,7 +45,7 @@ TEST(Regions, ArePartsOfTheWholeAndTheirDigestsAddUpOnBrickBorders) {
   EXPECT_EQ(sum, Voxelize(mesh, grid, {}).totals.digest);
 }
 
-// The rest after each tile, alone or with the region of the first, on one thread and on three, is the stream's end.
+// The rest after each tile is the stream's end: alone or with the region of the first, on one thread and on three.
 TEST(Resume, GoesOnAfterAnyTileExactly) {
   const TriangleMesh mesh = Sphere(30, 170);
   const Grid grid = Unscaled(Lattice::Named(NamedLattice::kBcc));
@@ -176,7 +176,7 @@ TEST(Shards, ResumeLikeTheWhole) {
   }
 }
 
-// Lattices of up to 2^11 tiles a side, where shards are made of cells of several tiles.
+// Lattices of up to 2^11 tiles a side, where shards are made of octants of several tiles.
 TEST(Shards, CostAboutTheSame) {
   const Lattice cartesian = Lattice::Named(NamedLattice::kCartesian);
   for (const auto& [name, mesh, least] :

@@ -1,4 +1,4 @@
-// The thesis's algorithms as jobs: the same promises as the exact one, and how they compare on the bunny.
+// The thesis's algorithms as jobs. They keep the promises of exact jobs, and are compared on the bunny.
 #include "core/voxelizer/thesis_job.h"
 
 #include <gtest/gtest.h>

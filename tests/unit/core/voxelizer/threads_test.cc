@@ -1,5 +1,5 @@
-// Every kind of job on several threads: the same result, and an end once cancelled. Meshes are so large that each
-// parallel loop has several parts, so that the thread sanitizer sees them all.
+// Every kind of job gives the same result on several threads, and ends once cancelled. Meshes are large enough that
+// each parallel loop has several parts. So the thread sanitizer sees all of them.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
@@ -58,7 +58,7 @@ TEST(Threads, GiveTheSameAndEndOnceCancelledForEveryKindOfJob) {
     const Tiles four = TilesOf(*kind.Job(heap), 4);
     ASSERT_TRUE(four.done.ok() && *four.done) << four.done.status();
     ExpectSame(one, four);
-    // Wherever it is when it is cancelled: results of work that was cut short are not to be trusted.
+    // Cancels at different stages: no result of interrupted work may be used.
     for (const int part : {0, 1, 3, 5}) {
       const auto job = kind.Job(heap);
       std::thread canceller([&] {

@@ -49,8 +49,8 @@ TEST(Pipeline, CoversEveryCrossedEdgeAndKeepsNoRedundantVoxelOnSoups) {
   }
 }
 
-// Some 100,000 triangles in few tiles, with sides of a fourth or half of a voxel: most are left out before they are
-// scanned, or are tiny.
+// Some 100,000 triangles in few tiles, with sides of a quarter or half of a voxel. Most are left out before the scan,
+// or are tiny.
 TEST(Pipeline, MeshesMuchFinerThanTheLatticeAreCoveredAndMinimalOnEachKernel) {
   const Grid grid = Unscaled(ExactLattices().front().lattice);
   for (const float radius : {14.0F, 26.0F}) {
@@ -180,7 +180,7 @@ TEST(Pipeline, PausesAndGoesOnWithoutLosingOrRepeatingATile) {
   EXPECT_EQ(job->totals().digest, whole.totals.digest);
 }
 
-// Triangles from side to side of a tile: more candidates than are held at a time.
+// Triangles across a whole tile: more candidates than one part holds.
 TEST(Pipeline, TanglesOfLargeTrianglesAreCoveredAndMinimal) {
   constexpr unsigned kSeed = 7;
   std::mt19937 random(kSeed);
