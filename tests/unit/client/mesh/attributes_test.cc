@@ -99,8 +99,9 @@ TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
   };
   const std::array<std::string, 3> names{"red", "green", "blue"};
   EXPECT_THAT(refusal("float", names, {"0", "128", "0"}),
-              HasSubstr("(green 128 of vertex 0 is not within 0 and 1, as "));
-  EXPECT_THAT(refusal("float", names, {"nan", "1", "0"}), HasSubstr("(red nan of vertex 0 is not within 0 and 1, as "));
+              HasSubstr("(green 128 of vertex 0 is not within 0 and 1, the range of type float)"));
+  EXPECT_THAT(refusal("float", names, {"nan", "1", "0"}),
+              HasSubstr("(red nan of vertex 0 is not within 0 and 1, the range of type float)"));
   EXPECT_THAT(refusal("uchar", names, {"-1", "1", "0"}), HasSubstr("(red -1 of vertex 0 is not within 0 and 255"));
   EXPECT_THAT(refusal("int", names, {"0", "0", "0"}),
               HasSubstr("(vertices have red as int, which is not one of uchar"));
