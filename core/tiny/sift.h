@@ -29,7 +29,7 @@ struct SiftedLines {
   uint16_t directions[kMost + kSlack];  // after the last entry, those of a vector's lanes are 0
 };
 static_assert(SiftedLines::kPlaceBits + 2 <= 15, "entries are not negative");
-static_assert(kMaxPairs < 16, "directions have a bit each in 16, of which one is a sign");
+static_assert(kMaxPairs < 16, "each direction has a bit of 16 bits; one bit is the sign");
 
 // Finds all lines that meet tiny triangles of the list, and few others. Appends the numbers of triangles that are not
 // tiny to `kept`, in their order.

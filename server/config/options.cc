@@ -59,16 +59,15 @@ Rows DecoderRows(ServerOptions& server) {
   OptionRow unconfined = Switch("--allow-unconfined-decoders", decoder.may_be_unconfined,
                                 "Start even if the system does not allow confining decoder processes (seccomp)");
   unconfined.standard = "";
-  return {
-      NumberTo(64, "--decoder-processes", decoder.processes,
-               "Processes that decode meshes; 0 takes one per thread, at most 4"),
-      Bytes("--decoder-memory", decoder.memory,
-            "Maximum memory for decoding one mesh, 2GiB for example; 0 takes the need of --max-triangles, but for all "
-            "processes together at most a third of the default of --memory-budget"),
-      Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Maximum CPU time for decoding one mesh"),
-      Switch("--decode-always", server.decode_always,
-             "Decode the mesh of every request, even if it was decoded before"),
-      std::move(unconfined)};
+  return {NumberTo(64, "--decoder-processes", decoder.processes,
+                   "Processes that decode meshes; 0 takes one per thread, at most 4"),
+          Bytes("--decoder-memory", decoder.memory,
+                "Maximum memory for decoding one mesh, for example 2GiB. 0: the memory that --max-triangles needs; all "
+                "processes together get at most a third of the default of --memory-budget"),
+          Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Maximum CPU time for decoding one mesh"),
+          Switch("--decode-always", server.decode_always,
+                 "Decode the mesh of every request, even if it was decoded before"),
+          std::move(unconfined)};
 }
 
 Rows ConnectionRows(ProgramOptions& options) {
