@@ -137,6 +137,14 @@ def marked_comments(text, mark):
             yield text.count("\n", 0, found.start()) + 1, bool(before.strip()), found["text"].removeprefix(" ")
 
 
+def messages(text):
+    """The strings of C++, adjacent ones joined, as paragraphs. Comments are skipped, because quotes in them open no string."""
+    for found in re.finditer(rf'//[^\n]*|R"(\w*)\(.*?\)\1"|(?P<text>(?:(?:{STRINGS})\s*)+)', text, re.S):
+        if found["text"]:
+            parts = re.findall(STRINGS, found["text"])
+            yield text.count("\n", 0, found.start()) + 1, "".join(part[1:-1] for part in parts)
+
+
 def comments_of_python(text):
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT and not token.string.startswith("#!"):
@@ -228,6 +236,9 @@ def read(path, text):
         if sentence.words > LONGEST:
             file.findings.append((sentence.line, f"{sentence.words} words in a sentence, {LONGEST} are allowed: {sentence.text}"))
         file.findings += [(sentence.line, f"habit: {name}: {sentence.text}") for name in habits_of(sentence)]
+    if pathlib.Path(path).suffix in (".h", ".cc"):
+        said = [sentence for message in messages(text) for sentence in sentences(message)]
+        file.findings += [(each.line, f"habit: {name}: {each.text}") for each in said for name in habits_of(each)]
     fenced = False
     for number, line in enumerate(text.splitlines(), 1):
         for word in BRITISH.findall(AMERICAN_AS_WELL.sub("", line)):

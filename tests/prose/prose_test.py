@@ -1,4 +1,4 @@
-"""The English of pages and comments keeps the limits of prose.py, which finds what is beyond them."""
+"""The English of pages, comments and messages keeps the limits of prose.py, which finds what is beyond them."""
 
 import unittest
 
@@ -32,6 +32,12 @@ class TheRules(unittest.TestCase):
             with self.subTest(habit):
                 self.assertEqual([each.split(": ")[1] for each in messages("a.md", bad)], [habit])
                 self.assertEqual(messages("a.md", plain), [])
+
+    def test_habits_are_found_in_messages_of_programs(self):
+        text = '// "quoted\nFail("All tests pass "\n     "but for the slow ones.");\n'
+        self.assertEqual(
+            prose.read("a.cc", text).findings, [(2, "habit: 'but for': All tests pass but for the slow ones.")]
+        )
 
     def test_british_words_are_found_with_their_line(self):
         text = "One line.\n\nThe colours of neighbouring cells.\n"
