@@ -71,8 +71,8 @@ class AttributeScan {
   std::vector<double> least_;            // by the voxels' numbers: the smallest square so far
   std::vector<uint32_t> last_;           // by the voxels' numbers: the last offer, or kNone
   std::vector<Offer> offers_;
-  std::vector<Candidate>
-      settled_;  // by the voxels' numbers, if there are any: the nearest of earlier, dropped offers, or kNone
+  // By the voxels' numbers, if there are any: the nearest of earlier, dropped offers, or kNone.
+  std::vector<Candidate> settled_;
 };
 
 }  // namespace latvox

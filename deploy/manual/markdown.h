@@ -9,9 +9,8 @@
 
 namespace latvox {
 
-// Returns a page in Markdown, its lines of text within 120 characters: a section for each command, then `page.after`.
-// A section has
-// usage, options by group and examples. --help stands only at the top.
+// Returns a page in Markdown: a section for each command, then `page.after`. Lines of text have at most 120 characters.
+// A section has usage, options by group and examples. --help stands only at the top.
 std::string ToMarkdown(const CommandFacts& program, const ManPage& page);
 
 }  // namespace latvox

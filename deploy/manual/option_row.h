@@ -32,8 +32,8 @@ using OptionTarget =
                  std::string*, std::vector<std::string>*, std::function<void(const std::string&)>>;
 
 struct OptionCheck {
-  std::function<std::string(const std::string&)>
-      wrong;               // returns the error of a word, without the option's name; or ""
+  // Returns the error of a word, without the option's name; or "".
+  std::function<std::string(const std::string&)> wrong;
   std::string range = {};  // of values, for help: "2 to 65536"; or ""
 };
 

@@ -10,7 +10,8 @@ namespace latvox::client {
 namespace {
 
 constexpr char kExitStatus[] =
-    "0 done; 1 other error; 2 wrong usage; 3 bad input; 4 server not reached; 5 refused; 6 cancelled or timed out";
+    "0 done; 1 other error; 2 wrong usage; 3 bad input; 4 server not reached;\n"
+    "5 refused; 6 cancelled or timed out";
 
 // Examples of each command. The tests run them in this order in a directory with bunny.obj.
 constexpr std::pair<const char*, const char*> kExamples[] = {
@@ -57,43 +58,6 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
     {"man", "Examples:\n  latvox man > latvox.1\n"},
 };
 
-}  // namespace
-
-std::string Introduction() {
-  return "latvox turns triangle meshes into sparse voxels, exactly, on the Cartesian, BCC, FCC, hexagonal or any\n"
-         "other three-dimensional lattice. It starts a private server for each call by itself.\n"
-         "\n"
-         "A mesh to begin with:\n"
-         "  cp /usr/share/glmark2/models/bunny.obj .\n"
-         "Its voxels on the body-centered lattice, 128 along its longest side, as OpenVDB grid and as picture:\n"
-         "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
-         "Facts about the grid:\n"
-         "  latvox info bunny.vdb\n"
-         "Cubes of a given size as a table of coordinates. --verify counts tunnels and redundant voxels:\n"
-         "  latvox voxelize bunny.obj --voxel-size 0.05 -o bunny.csv --verify\n"
-         "\n"
-         "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o chooses\n"
-         "the output format.\n"
-         "\n"
-         "All commands: latvox --help. Options of a command: latvox voxelize --help. Everything: man latvox.\n";
-}
-
-std::string Footer() {
-  return absl::StrCat(
-      "Options of a command: latvox COMMAND --help. Introduction: latvox without a command.\n"
-      "Exit status: 0 done; 1 other error; 2 wrong usage; 3 bad input; 4 server not reached;\n"
-      "5 refused; 6 cancelled or timed out\n");
-}
-
-std::string FooterOf(const std::string& command) {
-  for (const auto& [name, examples] : kExamples) {
-    if (name == command) return examples;
-  }
-  return "";
-}
-
-namespace {
-
 ManPage Page() {
   ManPage page;
   page.version = LATVOX_VERSION;
@@ -119,6 +83,39 @@ ManPage Page() {
 }
 
 }  // namespace
+
+std::string Introduction() {
+  return "latvox turns triangle meshes into sparse voxels, exactly, on the Cartesian, BCC, FCC, hexagonal or any\n"
+         "other three-dimensional lattice. It starts a private server for each call by itself.\n"
+         "\n"
+         "A mesh to begin with:\n"
+         "  cp /usr/share/glmark2/models/bunny.obj .\n"
+         "Its voxels on the body-centered lattice, 128 along its longest side, as OpenVDB grid and as picture:\n"
+         "  latvox voxelize bunny.obj --lattice bcc --resolution 128 -o bunny.vdb -o bunny.png\n"
+         "Facts about the grid:\n"
+         "  latvox info bunny.vdb\n"
+         "Cubes of a given size as a table of coordinates. --verify counts tunnels and redundant voxels:\n"
+         "  latvox voxelize bunny.obj --voxel-size 0.05 -o bunny.csv --verify\n"
+         "\n"
+         "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o chooses\n"
+         "the output format.\n"
+         "\n"
+         "All commands: latvox --help. Options of a command: latvox voxelize --help. Everything: man latvox.\n";
+}
+
+std::string Footer() {
+  return absl::StrCat(
+      "Options of a command: latvox COMMAND --help. Introduction: latvox without a command.\n"
+      "Exit status: ",
+      kExitStatus, "\n");
+}
+
+std::string FooterOf(const std::string& command) {
+  for (const auto& [name, examples] : kExamples) {
+    if (name == command) return examples;
+  }
+  return "";
+}
 
 std::string ManPageOf(CommandFacts facts) {
   facts.description = "exact sparse voxels of triangle meshes on any lattice";

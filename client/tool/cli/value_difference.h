@@ -21,8 +21,8 @@ struct DistanceDifference {
 // Compares the voxels that both files have.
 struct ValueDifference {
   std::optional<DistanceDifference> distances;  // if both are bands
-  std::vector<std::pair<Attribute, uint64_t>>
-      attributes;  // attributes of both files, with the number of voxels that differ
+  // Attributes of both files, with the number of voxels that differ.
+  std::vector<std::pair<Attribute, uint64_t>> attributes;
 
   bool equal() const;
 };

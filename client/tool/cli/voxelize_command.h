@@ -21,8 +21,8 @@ absl::Status Align(VoxelizeOptions& options);
 
 // Calls of a job to the command that runs it, on the thread of the job.
 struct JobHooks {
-  std::function<absl::StatusOr<const Client*>()>
-      connect;  // called once, when the mesh is ready; valid until the job has ended
+  // Called once, when the mesh is ready. The client is valid until the job has ended.
+  std::function<absl::StatusOr<const Client*>()> connect;
   std::function<void(const std::string& stage)> on_stage;  // called when a stage begins
   std::function<void(double share, uint64_t bricks)> on_progress;
   std::function<void(const std::string& line)> say;  // prints a line for people
