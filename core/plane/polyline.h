@@ -53,7 +53,8 @@ struct SnappedPolylines {
 
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit: no point moves by more than
 // kSnapErrorMax in either lattice coordinate. A polyline of one point becomes one segment of length zero.
-// Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
+// Errors: RESOURCE_EXHAUSTED if the extent along an axis exceeds kMaxExtent; INVALID_ARGUMENT if the position exceeds
+// 2^kPositionBits.
 // Precondition: CheckPolylines(polylines).
 absl::StatusOr<SnappedPolylines> Snap(const std::vector<Polyline>& polylines, const PlaneLattice& lattice,
                                       const Vec2d& origin);

@@ -19,9 +19,9 @@ struct RangeWords {
   const char* points;      // "voxels"
 };
 
-// Errors: INVALID_ARGUMENT, with value and limit, if the closed range min .. max of unrounded lattice coordinates is
-// longer than kMaxExtent or reaches beyond 2^kPositionBits. The extent comes first: a shape that is too large may also
-// lie too far away, and then no origin would help.
+// Checks the closed range min .. max of unrounded lattice coordinates. Errors, with value and limit: RESOURCE_EXHAUSTED
+// if it is longer than kMaxExtent; INVALID_ARGUMENT if it reaches beyond 2^kPositionBits. The extent comes first: a
+// shape that is too large may also lie too far away, and then no origin would help.
 //   size   the voxel or pixel size, for the message
 template <size_t D>
 absl::Status CheckRange(const Vec<double, D>& min, const Vec<double, D>& max, double size, const RangeWords& words) {
@@ -30,7 +30,7 @@ absl::Status CheckRange(const Vec<double, D>& min, const Vec<double, D>& max, do
   for (size_t m = 0; m < D; ++m) {
     const double extent = std::floor(max[m]) - std::floor(min[m]) + 1;
     if (extent > kMaxExtent) {
-      return WithValue(absl::InvalidArgumentError(absl::StrFormat(
+      return WithValue(absl::ResourceExhaustedError(absl::StrFormat(
                            "%s: at %g %s over %.0f %s on lattice axis %c, the limit is %d", words.size_field, size,
                            words.extends, extent, words.points, kAxisName[m], kMaxExtent)),
                        extent, kMaxExtent);

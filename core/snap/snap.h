@@ -70,7 +70,8 @@ inline constexpr double kSnapErrorMax = 0.5 / kLatticeUnit;
 // Maps p to V^-1 (p - origin), rounded half to even to multiples of 1/kLatticeUnit. Takes over the mesh and rounds its
 // vertices in place; or, for a shared mesh, shares its triangles. Once cancelled, the result is meaningless.
 //   reach   per axis, the largest |q| of the frames in use, or twice what a cell extends by, for `box`
-// Errors: INVALID_ARGUMENT if the extent along an axis exceeds kMaxExtent, or the position 2^kPositionBits.
+// Errors: RESOURCE_EXHAUSTED if the extent along an axis exceeds kMaxExtent; INVALID_ARGUMENT if the position exceeds
+// 2^kPositionBits.
 // Precondition: CheckMesh(mesh).
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  StopSignal stop = {});

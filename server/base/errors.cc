@@ -131,17 +131,19 @@ std::string ReasonOf(const absl::Status& status) {
 }
 
 absl::Status WithCauseOfCore(absl::Status status, const RequestFields& fields) {
-  if (status.code() != absl::StatusCode::kInvalidArgument) return status;
+  const bool exceeds = status.code() == absl::StatusCode::kResourceExhausted;
+  if (!exceeds && status.code() != absl::StatusCode::kInvalidArgument) return status;
   const auto payload = [&](const char* url) { return std::string{status.GetPayload(url).value_or(absl::Cord())}; };
   std::string field = payload(kRefusedField);
   if (field.empty()) field = std::string{status.message().substr(0, status.message().find(':'))};
-  ErrorCause cause{field == "mesh" ? "BAD_MESH" : "BAD_SPEC", field, payload(kRefusedValue), payload(kRefusedLimit)};
+  const char* const reason = exceeds ? "LIMIT_EXCEEDED" : field == "mesh" ? "BAD_MESH" : "BAD_SPEC";
+  ErrorCause cause{reason, field, payload(kRefusedValue), payload(kRefusedLimit)};
   cause.other = payload(kRefusedOther);
   if (field == "basis") cause.field = "lattice.basis";
   if (field == "band" && !cause.value.empty()) cause.field = fields.band;
   if (field == "voxel_size" || field == "pixel_size") {
     cause.field = fields.sampling;
-    if (!cause.limit.empty()) cause.limit_name = "max_extent";
+    if (exceeds) cause.limit_name = "max_extent";
   }
   return WithCause(std::move(status), cause);
 }

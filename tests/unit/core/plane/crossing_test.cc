@@ -135,9 +135,11 @@ TEST(PolylineSnap, AcceptsTheLargestExtentAndRefusesOneMoreAndPositionsThatOverf
   EXPECT_TRUE(to(kMaxExtent - 1, {0, 0}).ok());
   EXPECT_EQ(to(kMaxExtent, {0, 0}).message(),
             "pixel_size: at 1 the polylines extend over 131073 pixels on lattice axis j, the limit is 131072");
+  EXPECT_EQ(to(kMaxExtent, {0, 0}).code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(to(1, {-1e10, 0}).message(),
             "origin: it puts the polylines at lattice coordinate 1e+10 on axis i, the limit is 536870912");
-  EXPECT_EQ(to(1e308, {0, -1e308}).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(to(1, {-1e10, 0}).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(to(1e308, {0, -1e308}).code(), absl::StatusCode::kResourceExhausted);
 }
 
 Segment ToCore(const plane_oracle::Line& line) {

@@ -115,12 +115,14 @@ TEST(Snap, AcceptsTheLargestExtentAndRefusesOneMore) {
   const auto refused = at(kMaxExtent);
   EXPECT_EQ(refused.status().message(),
             "voxel_size: at 1 the mesh extends over 131073 voxels on lattice axis j, the limit is 131072");
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted);
 }
 
 TEST(Snap, RefusesPositionsThatOverflow) {
   const auto snapped = Snap(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1}), Cartesian(), {0, 0, -1e10}, {1, 1, 1});
   EXPECT_EQ(snapped.status().message(),
             "origin: it puts the mesh at lattice coordinate 1e+10 on axis k, the limit is 536870912");
+  EXPECT_EQ(snapped.status().code(), absl::StatusCode::kInvalidArgument);
   // The mesh is too large as well, and no origin would help. So the error blames the voxel size.
   const auto fine =
       Snap(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1}), Cartesian().Scaled(0x1p-30).value(), {0, 0, 0}, {1, 1, 1});

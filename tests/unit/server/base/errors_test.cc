@@ -85,15 +85,15 @@ TEST(ErrorTable, NamesWhatCoreHasUnderTheNamesOfTheRequest) {
   const RequestFields fields{"resolution", "band.voxels"};
   const auto cause = [&](const absl::Status& status) { return CauseOf(WithCauseOfCore(status, fields)).value(); };
   const auto error = [](const char* message) { return absl::InvalidArgumentError(message); };
-  EXPECT_EQ(cause(WithValue(error("voxel_size: too fine"), 7, 6)),
-            (ErrorCause{"BAD_SPEC", "resolution", "7", "6", "max_extent"}));
+  const absl::Status too_fine = WithValue(absl::ResourceExhaustedError("voxel_size: too fine"), 7, 6);
+  EXPECT_EQ(cause(too_fine), (ErrorCause{"LIMIT_EXCEEDED", "resolution", "7", "6", "max_extent"}));
   EXPECT_EQ(cause(WithValue(error("voxel_size: at 1e-300, basis: underflows"), "1e-300")),
             (ErrorCause{"BAD_SPEC", "resolution", "1e-300", ""}));
   EXPECT_EQ(cause(WithValue(error("band: too wide"), 257, 256)), (ErrorCause{"BAD_SPEC", "band.voxels", "257", "256"}));
   EXPECT_EQ(cause(error("band: not together with solid")), (ErrorCause{"BAD_SPEC", "band", "", ""}));
   EXPECT_EQ(cause(error("basis: too skew")), (ErrorCause{"BAD_SPEC", "lattice.basis", "", ""}));
   EXPECT_EQ(cause(error("mesh: it is not closed")), (ErrorCause{"BAD_MESH", "mesh", "", ""}));
-  EXPECT_EQ(CauseOf(WithCauseOfCore(WithValue(error("voxel_size: too fine"), 7, 6)))->field, "lattice.basis");
+  EXPECT_EQ(CauseOf(WithCauseOfCore(too_fine))->field, "lattice.basis");
 }
 
 TEST(ErrorTable, KeepsTheFirstCause) {

@@ -305,8 +305,8 @@ TEST(Computation, NamesTheFieldOfWhatCoreRefuses) {
   Computation computation(*JobSpecFromProto(proto, {}), "id", environment.shared());
   ASSERT_TRUE(Decode(computation, EncodeDraco(Sphere(20), {})).ok());
   const absl::Status status = computation.Start([](v1::VoxelizeResponse&&) { return true; });
-  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(CauseOf(status)->reason, "BAD_SPEC");
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(CauseOf(status)->reason, "LIMIT_EXCEEDED");
   EXPECT_EQ(CauseOf(status)->field, "voxel_size");
   EXPECT_EQ(CauseOf(status)->limit, "131072");
   EXPECT_EQ(CauseOf(status)->limit_name, "max_extent");
