@@ -8,9 +8,10 @@
 namespace latvox {
 
 struct OptionFacts {
-  std::vector<std::string> names;    // "-o", "--out"; empty for a positional option
-  std::string value;                 // placeholder of its value: "FILE", "N", "a|b"; empty for a flag
-  std::vector<std::string> choices;  // all words that it accepts; empty if there are too many to list
+  std::vector<std::string> names;        // "-o", "--out"; empty for a positional option
+  std::string value;                     // placeholder of its value: "FILE", "N", "a|b"; empty for a flag
+  std::vector<std::string> choices;      // all words that it accepts; empty if there are too many to list
+  std::vector<std::string> choice_help;  // of each of `choices`
   std::string description, group, environment;
   std::string range;                  // of its value: "2 to 65536"; or empty
   std::string standard;               // default value; empty if there is none

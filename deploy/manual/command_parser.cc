@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -17,6 +18,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "deploy/manual/help.h"
+#include "deploy/manual/nearest_word.h"
 
 namespace latvox {
 namespace {
@@ -40,13 +42,17 @@ class FileBelow : public CLI::ConfigTOML {
   const std::function<bool(const std::string&)> is_above_;
 };
 
+std::string AllNames(const OptionRow& row) {
+  return absl::StrCat(row.names, row.aliases.empty() ? "" : ",", row.aliases);
+}
+
 // Adds the option that writes a target. All types share one call, because each instance of the library's templates
 // costs a second of compilation.
 struct Adder {
   CLI::App& app;
   const OptionRow& row;
 
-  CLI::Option* operator()(bool* target) const { return app.add_flag(row.names, *target, row.help); }
+  CLI::Option* operator()(bool* target) const { return app.add_flag(AllNames(row), *target, row.help); }
 
   CLI::Option* operator()(std::optional<bool>* target) const {
     return app.add_flag(row.names)
@@ -80,7 +86,7 @@ struct Adder {
     return Take([function](const Words& words) { return function(words[0]), true; });
   }
 
-  CLI::Option* Take(CLI::callback_t take) const { return app.add_option(row.names, std::move(take), row.help); }
+  CLI::Option* Take(CLI::callback_t take) const { return app.add_option(AllNames(row), std::move(take), row.help); }
 };
 
 // Returns the placeholder of a value that has neither a name nor a list of words.
@@ -100,18 +106,22 @@ CLI::Validator Checked(const OptionCheck& check) {
   return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word); }, "");
 }
 
-OptionCheck OneOf(const Words& words) {
-  return {[words](const std::string& word) -> std::string {
-    if (std::find(words.begin(), words.end(), word) != words.end()) return "";
+// Replaces a word in upper case, such as BCC, with the one of the list.
+CLI::Validator OneOf(const Words& words) {
+  const auto choose = [words](std::string& word) -> std::string {
+    for (const std::string& known : words) {
+      if (absl::EqualsIgnoreCase(word, known)) return word = known, "";
+    }
     return absl::StrCat("\"", word, "\" is not one of ", absl::StrJoin(words, ", "));
-  }};
+  };
+  return CLI::Validator(choose, "");
 }
 
 CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {
   CLI::Option* option = std::visit(Adder{app, row}, row.target);
   if (row.required) option->required();
   if (row.delimiter != 0) option->delimiter(row.delimiter);
-  if (!row.words.empty()) option->check(Checked(OneOf(row.words)));
+  if (!row.words.empty()) option->transform(OneOf(row.words));
   // Transforms run in the reverse order of their addition.
   if (row.is_size) option->transform(CLI::AsSizeValue(false));
   if (row.is_size && !row.checks.empty()) option->transform(Checked(row.checks.front()));
@@ -154,6 +164,7 @@ std::string StandardOf(const OptionRow& row) {
 
 void DescribeValue(const OptionRow& row, OptionFacts& facts) {
   facts.choices = row.words;
+  facts.choice_help = row.word_help;
   facts.value = !row.words.empty()   ? absl::StrJoin(row.words, "|")
                 : !row.value.empty() ? row.value
                 : row.is_size        ? "SIZE"
@@ -166,8 +177,12 @@ void DescribeValue(const OptionRow& row, OptionFacts& facts) {
 
 OptionFacts DescribeOption(const CLI::App& app, const CLI::Option& option, const OptionRow* row) {
   OptionFacts facts;
-  for (const std::string& name : option.get_snames()) facts.names.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) facts.names.push_back("--" + name);
+  const Words aliases = row == nullptr ? Words() : absl::StrSplit(row->aliases, ',');
+  const auto add = [&](const std::string& name) {
+    if (std::find(aliases.begin(), aliases.end(), name) == aliases.end()) facts.names.push_back(name);
+  };
+  for (const std::string& name : option.get_snames()) add("-" + name);
+  for (const std::string& name : option.get_lnames()) add("--" + name);
   const bool flag = option.get_items_expected_max() == 0;
   if (row != nullptr && !flag) DescribeValue(*row, facts);
   if (row == nullptr && !flag) facts.value = option.get_type_name();
@@ -186,6 +201,22 @@ Words ValuesOf(const CLI::Option& option) {
   const std::string text = option.get_default_str();
   if (text.size() < 2 || text.front() != '[') return {text};
   return absl::StrSplit(text.substr(1, text.size() - 2), ',');
+}
+
+Words LongNames(const CommandFacts& command) {
+  Words names;
+  for (const OptionFacts& option : command.options) {
+    for (const std::string& name : option.names) {
+      if (absl::StartsWith(name, "--")) names.push_back(name.substr(2));
+    }
+  }
+  return names;
+}
+
+Words CommandNames(const CommandFacts& program) {
+  Words names;
+  for (const CommandFacts& command : program.commands) names.push_back(command.name);
+  return names;
 }
 
 OptionState::Source SourceOf(const CLI::App& app, const CLI::Option& option) {
@@ -239,7 +270,7 @@ void CommandParser::Need(const OptionPairs& pairs) {
 void CommandParser::SetFooter(const std::string& text) { library_->app.footer(text); }
 
 void CommandParser::SetVersion(const std::string& text) {
-  library_->app.set_version_flag("--version", text, "Print the version and exit");
+  library_->app.set_version_flag("-V,--version", text, "Print the version and exit");
 }
 
 void CommandParser::ReadFile(const std::string& option, const std::string& path, const std::string& help,
@@ -260,19 +291,58 @@ CommandParser& CommandParser::AddCommand(const std::string& name, const std::str
   return *commands_.back();
 }
 
+const CommandParser* CommandParser::GivenCommand() const {
+  for (const auto& command : commands_) {
+    if (command->was_given()) return command.get();
+  }
+  return nullptr;
+}
+
+std::string CommandParser::PathOf(const CommandParser* command) const {
+  const std::string& name = library_->app.get_name();
+  return command == nullptr ? name : absl::StrCat(name, " ", command->library_->app.get_name());
+}
+
+// The library notices a missing option before an unknown one, which may be the missing one misspelled.
+void CommandParser::RefuseUnknownWord() const {
+  const CommandParser* const command = GivenCommand();
+  const Words before = library_->app.remaining();
+  const Words unknown = library_->app.remaining(/*recurse=*/true);
+  if (unknown.empty()) return;
+  const std::string word = unknown[0].substr(0, unknown[0].find('='));
+  const bool is_option = absl::StartsWith(word, "-");
+  const std::string quoted = absl::StrCat("\"", word, "\"");
+  if (command != nullptr && !before.empty()) {
+    throw UsageError(
+        absl::StrCat(quoted, " stands before the command; options follow it, see ", PathOf(command), " --help"));
+  }
+  const bool is_command = !is_option && command == nullptr && !commands_.empty();
+  const CommandFacts facts = command == nullptr ? Describe() : command->Describe();
+  const auto nearest =
+      NearestWord(absl::StripPrefix(absl::StripPrefix(word, "-"), "-"), is_option    ? LongNames(facts)
+                                                                        : is_command ? CommandNames(facts)
+                                                                                     : Words());
+  throw UsageError(absl::StrCat(is_option    ? "unknown option "
+                                : is_command ? "unknown command "
+                                             : "unexpected argument ",
+                                quoted, "; ",
+                                nearest ? absl::StrCat("did you mean ", is_option ? "--" : "", *nearest, "?")
+                                        : absl::StrCat("see ", PathOf(command), " --help")));
+}
+
 std::string CommandParser::Parse(std::vector<std::string> words) try {
   std::reverse(words.begin(), words.end());  // as the library wants vectors
   library_->app.parse(std::move(words));
   return "";
 } catch (const CLI::CallForHelp&) {
-  return Help();
+  if (GivenCommand() == nullptr) RefuseUnknownWord();
+  return ToHelp(PathOf(GivenCommand()), GivenCommand() == nullptr ? Describe() : GivenCommand()->Describe());
 } catch (const CLI::Success& wanted) {
   std::ostringstream page;
   library_->app.exit(wanted, page, page);
   return page.str();
-} catch (const CLI::ExtrasError& error) {
-  throw UsageError(error.what(), /*is_unknown_word=*/true);
 } catch (const CLI::ParseError& error) {
+  RefuseUnknownWord();
   throw UsageError(error.what());
 }
 
@@ -317,15 +387,6 @@ CommandFacts CommandParser::Describe() const {
   }
   for (const auto& command : commands_) facts.commands.push_back(command->Describe());
   return facts;
-}
-
-std::string CommandParser::Help() const {
-  const std::string& name = library_->app.get_name();
-  for (const auto& command : commands_) {
-    if (command->was_given())
-      return ToHelp(absl::StrCat(name, " ", command->library_->app.get_name()), command->Describe());
-  }
-  return ToHelp(name, Describe());
 }
 
 }  // namespace latvox

@@ -46,7 +46,7 @@ class CommandParser {
   CommandParser& AddCommand(const std::string& name, const std::string& description);
 
   // Parses the words that follow the program's name. Returns the page that --help or --version asks for, or "".
-  // Throws UsageError.
+  // Throws UsageError. Unknown words come first, in the order typed, with the nearest known one.
   std::string Parse(std::vector<std::string> words);
 
   // After Parse.
@@ -61,7 +61,10 @@ class CommandParser {
  private:
   struct Library;
   explicit CommandParser(std::unique_ptr<Library> library);
-  std::string Help() const;  // of the command that was given, or of the program
+  const CommandParser* GivenCommand() const;               // after Parse; null: none
+  std::string PathOf(const CommandParser* command) const;  // "latvox voxelize", or "latvox" if null
+  // Throws UsageError for the first word that the command line has and the tables do not.
+  void RefuseUnknownWord() const;
 
   std::unique_ptr<Library> library_;
   std::vector<std::unique_ptr<CommandParser>> commands_;

@@ -75,8 +75,14 @@ std::string ZshText(absl::string_view text) {
 
 std::string ZshAction(const OptionFacts& option) {
   switch (WantsOf(option)) {
-    case Wants::kWords:
-      return absl::StrCat("(", absl::StrJoin(option.choices, " "), ")");
+    case Wants::kWords: {
+      std::string words;
+      for (size_t n = 0; n < option.choices.size(); ++n) {
+        const std::string help = n < option.choice_help.size() ? ZshText(option.choice_help[n]) : "";
+        absl::StrAppend(&words, n == 0 ? "" : " ", option.choices[n], "\\:\"", help, "\"");
+      }
+      return absl::StrCat("((", words, "))");
+    }
     case Wants::kFile:
       return "_files";
     case Wants::kDirectory:
@@ -105,6 +111,20 @@ std::string ZshCommand(const CommandFacts& command) {
   return absl::StrCat("      ", command.name, ")\n        _arguments", lines, " ;;\n");
 }
 
+// Quotes the text as one word for fish, which knows \' in quotes.
+std::string FishQuoted(absl::string_view text) {
+  return absl::StrCat("'", absl::StrReplaceAll(text, {{"\\", "\\\\"}, {"'", "\\'"}}), "'");
+}
+
+// Returns the words for fish, which expands them like a command line: each with its help after a tab.
+std::string FishWords(const OptionFacts& option) {
+  std::vector<std::string> words = option.choices;
+  for (size_t n = 0; n < option.choice_help.size(); ++n) {
+    absl::StrAppend(&words[n], R"(\t)", "\"", option.choice_help[n], "\"");
+  }
+  return FishQuoted(absl::StrJoin(words, " "));
+}
+
 std::string FishOption(const std::string& start, const OptionFacts& option) {
   std::string line = start;
   for (const std::string& name : option.names) {
@@ -113,7 +133,7 @@ std::string FishOption(const std::string& start, const OptionFacts& option) {
   }
   switch (WantsOf(option)) {
     case Wants::kWords:
-      absl::StrAppend(&line, " -x -a ", Quoted(absl::StrJoin(option.choices, " ")));
+      absl::StrAppend(&line, " -x -a ", FishWords(option));
       break;
     case Wants::kFile:
       line += " -r -F";
@@ -127,7 +147,7 @@ std::string FishOption(const std::string& start, const OptionFacts& option) {
     case Wants::kNothing:
       break;
   }
-  return absl::StrCat(line, " -d ", absl::StrReplaceAll(Quoted(option.description), {{"'\\''", "\\'"}}), "\n");
+  return absl::StrCat(line, " -d ", FishQuoted(option.description), "\n");
 }
 
 }  // namespace
@@ -214,8 +234,9 @@ std::string FishCompletions(const CommandFacts& program) {
                     "\n");
     const std::string within = absl::StrCat(start, " -n '__fish_seen_subcommand_from ", command.name, "'");
     for (const OptionFacts& option : command.options) text += FishOption(within, option);
-    const std::string words = WordsOfPositionals(command);
-    if (!words.empty()) absl::StrAppend(&text, within, " -a ", Quoted(words), "\n");
+    for (const OptionFacts& one : command.positionals) {
+      if (!one.choices.empty()) absl::StrAppend(&text, within, " -a ", FishWords(one), "\n");
+    }
     if (TakesFiles(command)) absl::StrAppend(&text, within, " -F\n");
   }
   return text;

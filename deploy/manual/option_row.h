@@ -16,10 +16,7 @@ namespace latvox {
 // An error in the words of a command line. The text is for people and names the option.
 class UsageError : public std::runtime_error {
  public:
-  explicit UsageError(const std::string& text, bool of_unknown_word = false)
-      : std::runtime_error(text), is_unknown_word(of_unknown_word) {}
-
-  const bool is_unknown_word;
+  using std::runtime_error::runtime_error;
 };
 
 // Receives the parsed value. It must outlive the parser.
@@ -38,14 +35,16 @@ struct OptionCheck {
 };
 
 struct OptionRow {
-  std::string names;  // "-o,--out"; a positional option has one name without dashes
+  std::string names;         // "-o,--out"; a positional option has one name without dashes
+  std::string aliases = {};  // further names that are accepted but not shown: "--output"
   OptionTarget target;
   std::string help;
-  std::string value = {};                // placeholder of its value in help: "FILE"; empty: from `words` or the target
-  std::string group = {};                // heading in help and manual; empty: that of the previous row
-  std::vector<std::string> words = {};   // accepted words; empty: any
-  std::vector<OptionCheck> checks = {};  // applied to each word in this order
-  bool is_size = false;                  // accepts "1GiB" as well; the first check sees the word as given
+  std::string value = {};               // placeholder of its value in help: "FILE"; empty: from `words` or the target
+  std::string group = {};               // heading in help and manual; empty: that of the previous row
+  std::vector<std::string> words = {};  // accepted words, in upper or lower case; empty: any
+  std::vector<std::string> word_help = {};  // of each of `words`, in their order, for completions
+  std::vector<OptionCheck> checks = {};     // applied to each word in this order
+  bool is_size = false;                     // accepts "1GiB" as well; the first check sees the word as given
   bool required = false;
   bool one_each_time = false;    // may be repeated, with one word each time
   char delimiter = 0;            // separates several values in one word

@@ -55,8 +55,7 @@ std::vector<std::pair<std::string, std::vector<OptionFacts>>> GroupsOf(const Com
     if (group == groups.end()) group = groups.insert(groups.end(), {option.group, {}});
     group->second.push_back(option);
   }
-  std::stable_partition(groups.begin(), groups.end(),
-                        [](const auto& group) { return group.second.size() > 1 || !IsHelp(group.second.front()); });
+  std::stable_partition(groups.begin(), groups.end(), [](const auto& group) { return !IsHelp(group.second.front()); });
   return groups;
 }
 
