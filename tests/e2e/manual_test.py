@@ -115,8 +115,9 @@ class Help(Case):
         voxelize = dict(described(help_of("voxelize")))
         self.assertEqual(voxelize["--lattice cartesian|bcc|fcc|hexagonal"], "Named lattice (default: cartesian)")
         self.assertIn("--minimal, --no-minimal", voxelize)
-        self.assertRegex(voxelize["-o, --out OUT"], r"\.vdb .*may be repeated \(required\)")
-        self.assertIn("(2 to 65536)", voxelize["--resolution N"])
+        self.assertRegex(voxelize["-o, --out OUT"], r"\.vdb .*may be repeated; - is standard output\.")
+        self.assertIn("(required)", dict(described(help_of("merge")))["-o, --out OUT"])
+        self.assertIn("(2 to 65536; default: 256, ", voxelize["--resolution N"])
         latvoxd = dict(described(run(BIN / "latvoxd", "--help")))
         self.assertIn("(at least 1; default: 1GiB)", latvoxd["--max-mesh-bytes SIZE"])
         self.assertIn("(0 to 1024; default: 0)", latvoxd["--threads N"])
@@ -239,10 +240,24 @@ class Completions(Case):
         for name in commands():
             self.assertEqual(self.bash("latvox", name, "--"), options(help_of(name)))
 
-    def fish(self, line):
+    def fish_lines(self, line):
         script = f"source {self.scripts}/fish; complete -C '{line}'"
         environment = os.environ | {"HOME": str(self.dir), "XDG_CONFIG_HOME": str(self.dir)}
-        return {found.split("\t")[0] for found in run("fish", "-c", script, cwd=self.dir, env=environment).splitlines()}
+        return run("fish", "-c", script, cwd=self.dir, env=environment).splitlines()
+
+    def fish(self, line):
+        return {found.split("\t")[0] for found in self.fish_lines(line)}
+
+    def test_fish_tells_what_each_value_means(self):
+        self.assertIn("bcc\tbody-centered cubic", self.fish_lines("latvox voxelize --lattice "))
+        values = 0
+        for name in commands():
+            for head, _ in described(help_of(name)):
+                for option in re.findall(r"(--[\w-]+) [\w-]+\|", head):
+                    for line in self.fish_lines(f"latvox {name} {option} "):
+                        self.assertRegex(line, r"^[\w-]+\t.+", f"{name} {option}")
+                        values += 1
+        self.assertGreater(values, 50)
 
     def test_fish(self):
         self.assertLessEqual(set(commands()), self.fish("latvox "))

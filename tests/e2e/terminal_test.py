@@ -35,11 +35,11 @@ class Pauses:
         self.frames = frames
 
 
-def on_terminal(*words, see=lambda text: None, **environment):
-    """Returns the exit status, and the standard error on a terminal of 120 columns. Calls `see` with all of it as it
+def on_terminal(*words, see=lambda text: None, columns=120, **environment):
+    """Returns the exit status, and the standard error on a terminal. Calls `see` with all of it as it
     grows."""
     master, slave = pty.openpty()
-    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("4H", 24, 120, 0, 0))
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("4H", 24, columns, 0, 0))
     command = [BIN / "latvox", *map(str, words)]
     environment = os.environ | {"TERM": "xterm"} | environment
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=slave, env=environment)
@@ -91,11 +91,34 @@ class Terminal(Case):
             else:
                 self.assertLessEqual(int(percent), 1, "no remaining time is told")
 
-    def test_a_pipe_sees_one_plain_line(self):
+    def test_a_pipe_sees_the_summary_alone(self):
         done = latvox("voxelize", BUNNY, "-o", self.dir / "a.vdb", "--resolution", 100)
         self.assertEqual(done.returncode, 0)
-        self.assertRegex(done.stderr, r"\Alatvox: no --server given, started a private .*\n\Z")
-        self.assertNotIn("\x1b", done.stdout + done.stderr)
+        self.assertEqual(done.stderr, "")
+        self.assertNotIn("\x1b", done.stdout)
+
+    def test_quiet_shows_neither_summary_nor_bar(self):
+        code, text = on_terminal("voxelize", BUNNY, "-q", "-o", self.dir / "a.vdb", "--resolution", 300, "--threads", 1)
+        self.assertEqual((code, text), (0, ""))
+        done = latvox("voxelize", BUNNY, "--quiet", "-o", self.dir / "a.vdb", "--resolution", 50)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertEqual(latvox("compare", "-q", self.dir / "a.vdb", self.dir / "a.vdb").stdout, "")
+
+    def test_a_narrow_terminal_still_has_a_bar(self):
+        code, text = on_terminal("voxelize", BUNNY, "-o", self.dir / "a.vdb", "--resolution", 300, "--threads", 1, columns=44)
+        self.assertEqual(code, 0, text)
+        plain = re.sub(r"\x1b\[[\d;]*[mK]", "", text)
+        self.assertRegex(plain, r"\[[#.]{4,}\] +\d+ %")
+        self.assertLess(max(map(len, re.split(r"[\r\n]", plain))), 44)
+
+    def test_a_reader_that_has_seen_enough_ends_the_tool_quietly(self):
+        for words in (["completions", "bash"], ["voxelize", BUNNY, "--res", "200", "-q", "-o", "-", "--output-format", "csv"]):
+            with self.subTest(words[0]):
+                process = subprocess.Popen([BIN / "latvox", *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                process.stdout.close()
+                with process.stderr as errors:
+                    self.assertEqual(errors.read(), b"")
+                self.assertEqual(process.wait(PATIENCE), 0)
 
     def test_errors_are_red_on_terminals_that_want_it(self):
         red = "\x1b[31mlatvox:\x1b[0m "

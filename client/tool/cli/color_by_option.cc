@@ -14,6 +14,13 @@ Names<ColorBy> NamesOf(bool distances) {
   return names;
 }
 
+std::vector<std::string> HelpOf(bool distances) {
+  std::vector<std::string> help = {"the mesh's colors", "a color for each material", "a color for each part"};
+  if (distances) help.emplace_back("blue to red");
+  help.emplace_back("one color");
+  return help;
+}
+
 }  // namespace
 
 OptionRow ColorByRow(bool distances, std::string& word) {
@@ -21,6 +28,7 @@ OptionRow ColorByRow(bool distances, std::string& word) {
           .target = &word,
           .help = "Source of the voxels' colors, which the file must have",
           .words = WordsOf(NamesOf(distances)),
+          .word_help = HelpOf(distances),
           .standard = "the first that the file has"};
 }
 

@@ -63,6 +63,7 @@ OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std:
     return absl::StrCat("\"", path, "\": extension \"", extension, "\" is not one of ", known);
   };
   return {.names = "-o,--out",
+          .aliases = "--output",
           .target = &outputs,
           .help = absl::StrCat("Output file: ", known, several ? "; may be repeated" : ""),
           .value = "OUT",
@@ -78,6 +79,10 @@ OptionRow SizeRow(const std::string& what, int& size) {
           .value = "N",
           .checks = {Whole(kMinPictureSide, kMaxPictureSide)},
           .standard = absl::StrCat(size)};
+}
+
+OptionRow QuietRow(bool& quiet) {
+  return {.names = "-q,--quiet", .target = &quiet, .help = "Print only errors and warnings"};
 }
 
 OptionRow JsonRow(const std::string& help, bool& json) { return {.names = "--json", .target = &json, .help = help}; }

@@ -27,6 +27,7 @@ namespace latvox::client {
 
 // Limits of --resolution.
 inline constexpr int kMinResolution = 2, kMaxResolution = 65536;
+inline constexpr uint32_t kDefaultResolution = 256;
 inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 8192;
 inline constexpr uint32_t kMaxShards = 1 << 20;
 
@@ -114,6 +115,9 @@ OptionRow OutputRow(const std::vector<std::string>& extensions, std::vector<std:
 
 // --size of a picture
 OptionRow SizeRow(const std::string& what, int& size);
+
+// -q, --quiet
+OptionRow QuietRow(bool& quiet);
 
 // --json
 OptionRow JsonRow(const std::string& help, bool& json);

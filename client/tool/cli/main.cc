@@ -22,11 +22,13 @@
 #include "client/tool/cli/merge_command.h"
 #include "client/tool/cli/pages.h"
 #include "client/tool/cli/pixelize_command.h"
+#include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/render_command.h"
 #include "client/tool/cli/slice_command.h"
 #include "client/tool/cli/terminal.h"
 #include "client/tool/cli/view_command.h"
 #include "client/tool/cli/voxelize_command.h"
+#include "client/tool/output/standard_output.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
 
@@ -43,18 +45,20 @@ ExitStatus Fail(const absl::Status& status) {
   return ExitStatusOf(status);
 }
 
+bool quiet = false;  // --quiet was given
+
 ExitStatus Print(const absl::StatusOr<std::string>& text) {
-  if (!text.ok()) return Fail(text.status());
-  if (std::fputs(text->c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
-    return Fail(absl::UnknownError("standard output cannot be written"));
-  }
-  return ExitStatus::kDone;
+  const absl::Status status = !text.ok() ? text.status() : WriteToStandardOutput(quiet ? "" : *text);
+  return status.ok() ? ExitStatus::kDone : Fail(status);
 }
 
 absl::StatusOr<std::string> Voxelize(const VoxelizeOptions& options, const Cancellation& cancellation) {
   const auto report = RunVoxelize(options, cancellation);
   if (!report.ok()) return report.status();
-  return options.json ? ToJson(*report) + "\n" : ToText(*report);
+  if (options.json) return ToJson(*report) + "\n";
+  if (!options.standard_output) return ToText(*report);
+  if (!quiet) std::fputs(ToText(*report).c_str(), stderr);
+  return "";
 }
 
 absl::StatusOr<std::string> Pixelize(const PixelizeOptions& options, const Cancellation& cancellation) {
@@ -96,6 +100,7 @@ class Program {
 
   // Throws UsageError.
   ExitStatus Run(std::vector<std::string> words) {
+    if (words == std::vector<std::string>{"version"}) words = {"--version"};
     // "help COMMAND" is "COMMAND --help".
     if (!words.empty() && words[0] == "help") {
       words.erase(words.begin());
@@ -126,12 +131,15 @@ class Program {
   void Add(const char* name, const char* description, AddOptions<Words> add_options, Words& words,
            const Interpret& interpret, const Run& run) {
     CommandParser& command = Add(name, description, [&words, interpret, run] {
+      if (quiet) HideProgress();
       const auto options = interpret(words);
       const Cancellation cancellation;
       const Interrupt interrupt(cancellation);
       return run(options, cancellation);
     });
+    command.Add({QuietRow(quiet)});
     add_options(command, words);
+    if (command.HasOption("--json")) command.Exclude({{"--quiet", "--json"}});
   }
 
   // Commands that convert files.
@@ -205,6 +213,7 @@ class Program {
                .target = &shell_,
                .help = "The shell",
                .words = {"bash", "zsh", "fish"},
+               .word_help = {"GNU Bourne-again shell", "Z shell", "friendly interactive shell"},
                .required = true}});
     Add("man", "Print the manual page",
         [this] {
@@ -215,6 +224,7 @@ class Program {
                .target = &manual_format_,
                .help = "Format of the page",
                .words = {"troff", "markdown"},
+               .word_help = {"for man", "for web pages"},
                .standard = "troff"}});
   }
 
@@ -242,7 +252,7 @@ ExitStatus Main(int argc, char** argv) {
   try {
     return Program().Run({argv + 1, argv + argc});
   } catch (const UsageError& error) {
-    Tell(absl::StrCat(error.what(), error.is_unknown_word ? "; see latvox --help or latvox COMMAND --help" : ""));
+    Tell(error.what());
     return ExitStatus::kWrongUsage;
   } catch (const std::exception& error) {
     return Fail(absl::UnknownError(error.what()));

@@ -21,6 +21,7 @@ std::vector<OptionRow> MeshRows(MeshWords& words) {
            .target = &words.up_axis,
            .help = "Axis of the mesh that a quarter turn makes z",
            .words = WordsOf(UpNames()),
+           .word_help = {"no turn", "x becomes z", "y becomes z"},
            .standard = "z, without a turn"},
           {.names = "--scale",
            .target = &words.scale,
@@ -31,7 +32,9 @@ std::vector<OptionRow> MeshRows(MeshWords& words) {
           {.names = "--input-format",
            .target = &words.input_format,
            .help = "Format of MESH, in place of its extension or its first bytes",
-           .words = WordsOf(MeshFormats())}};
+           .words = WordsOf(MeshFormats()),
+           .word_help = {"Draco", "Wavefront", "Stanford polygons", "stereolithography", "glTF, binary", "glTF, JSON",
+                         "3D Manufacturing Format"}}};
 }
 
 void InterpretMesh(const MeshWords& words, MeshSource& mesh) {

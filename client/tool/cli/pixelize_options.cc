@@ -25,6 +25,7 @@ std::vector<OptionRow> PlaneLatticeRows(PixelizeWords& words) {
            .help = "Named lattice",
            .group = "Lattice",
            .words = WordsOf(PlaneLatticeNames()),
+           .word_help = {"squares", "hexagons"},
            .standard = "square"},
           {.names = "--basis",
            .target = &words.basis,
@@ -51,20 +52,23 @@ std::vector<OptionRow> PlaneLatticeRows(PixelizeWords& words) {
 
 std::vector<OptionRow> PixelRows(PixelizeWords& words) {
   PixelizeRequest& request = words.options.request;
-  return {{.names = "--separability",
-           .target = &request.separability,
-           .help = "Strength of separation, 0 strongest",
-           .group = "Pixels",
-           .words = {"0", "1"},
-           .standard = "0"},
-          {.names = "--minimal,!--no-minimal",
-           .target = &request.minimal,
-           .help = "Remove every pixel that separation does not need (default), or keep them"},
-          {.names = "--algorithm",
-           .target = &words.algorithm,
-           .help = "Algorithm; the others exist for comparison",
-           .words = WordsOf(LineAlgorithmNames()),
-           .standard = "exact"}};
+  return {
+      {.names = "--separability",
+       .target = &request.separability,
+       .help = "Strength of separation, 0 strongest",
+       .group = "Pixels",
+       .words = {"0", "1"},
+       .word_help = {"no path, not even across corners", "no path across edges"},
+       .standard = "0"},
+      {.names = "--minimal,!--no-minimal",
+       .target = &request.minimal,
+       .help = "Remove every pixel that separation does not need (default), or keep them"},
+      {.names = "--algorithm",
+       .target = &words.algorithm,
+       .help = "Algorithm; the others exist for comparison",
+       .words = WordsOf(LineAlgorithmNames()),
+       .word_help = {"k-separating and k-minimal", "the thesis's, chapter 3", "the thesis's, chapter 3", "Ibanez's"},
+       .standard = "exact"}};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -12,7 +13,7 @@
 namespace latvox::client {
 namespace {
 
-constexpr size_t kMostCells = 30, kLeastCells = 10;
+constexpr size_t kMostCells = 30, kGoodCells = 10, kLeastCells = 4;
 constexpr absl::Duration kTelling = absl::Milliseconds(500);  // a shorter time gives no useful rate
 
 double RateOf(uint64_t count, absl::Duration elapsed) {
@@ -56,18 +57,33 @@ ProgressLine FitProgress(size_t columns, double share, const std::string& stage,
                          absl::Duration elapsed) {
   const std::string head = absl::StrFormat(" %3.0f %%  %s: ", share * 100, stage);
   const std::string left = RemainingText(share, elapsed);
-  std::string text = absl::StrCat(head, CountText(what, count, elapsed), left);
-  if (Room(columns, text.size()) < kLeastCells) {
-    text = absl::StrCat(head, absl::StripPrefix(left, ", "), left.empty() ? "" : ", ", ShortNumber(count), " ", what);
-    if (elapsed >= kTelling) {
-      const uint64_t rate = static_cast<uint64_t>(std::llround(RateOf(count, elapsed)));
-      absl::StrAppend(&text, ", ", ShortNumber(rate), "/s");
-    }
+  const std::string bricks = absl::StrCat(ShortNumber(count), " ", what);
+  const std::string rate =
+      elapsed < kTelling
+          ? ""
+          : absl::StrCat(", ", ShortNumber(static_cast<uint64_t>(std::llround(RateOf(count, elapsed)))), "/s");
+  const absl::string_view time = absl::StripPrefix(left, ", ");
+  const std::string texts[] = {absl::StrCat(head, CountText(what, count, elapsed), left),
+                               absl::StrCat(head, time, time.empty() ? "" : ", ", bricks, rate),
+                               absl::StrCat(head, time.empty() ? absl::string_view(bricks) : time),
+                               absl::StrFormat(" %3.0f %%", share * 100)};
+  size_t least = kGoodCells;
+  for (const std::string& text : texts) {
+    if (Room(columns, text.size()) >= least) return Fit(columns, text);
+    least = kLeastCells;
   }
-  return Fit(columns, text);
+  return Fit(columns, *std::rbegin(texts));
 }
 
-ProgressBar::ProgressBar() : terminal_(ErrorIsTerminal()) {}
+namespace {
+
+bool hidden = false;
+
+}  // namespace
+
+void HideProgress() { hidden = true; }
+
+ProgressBar::ProgressBar() : terminal_(ErrorIsTerminal() && !hidden) {}
 
 ProgressBar::~ProgressBar() {
   if (terminal_) std::fputs("\r\x1b[K", stderr);

@@ -27,12 +27,13 @@ struct ProgressLine {
 };
 
 // Returns " 45 %  voxelizing: 1234567 bricks, 2345678/s, 12s left". With less room the bar shrinks first. Then the
-// counts become short: " 45 %  voxelizing: 12s left, 1.2M bricks, 2.3M/s". The end is cut off if the line is still too
-// long.
+// counts become short: " 45 %  voxelizing: 12s left, 1.2M bricks, 2.3M/s". Then texts are left out: the counts, the
+// stage and the time left, the bar.
 ProgressLine FitProgress(size_t columns, double share, const std::string& stage, const char* what, uint64_t count,
                          absl::Duration elapsed);
 
-// Shows a line on standard error if that is a terminal. The destructor removes the line.
+// Shows a line on standard error if that is a terminal and HideProgress was not called. The destructor removes the
+// line.
 class ProgressBar {
  public:
   ProgressBar();
@@ -61,6 +62,9 @@ class ProgressBar {
   absl::Time start_ = absl::Now();
   absl::Time next_ = absl::InfinitePast();
 };
+
+// Bars that are made from now on show nothing but what Say prints. It is for --quiet.
+void HideProgress();
 
 }  // namespace latvox::client
 

@@ -65,6 +65,7 @@ void AddRenderOptions(CommandParser& command, RenderWords& words) {
                 .target = &words.view_up,
                 .help = "Axis that points up",
                 .words = WordsOf(UpNames()),
+                .word_help = {"z points up", "x points up", "y points up"},
                 .standard = "y"},
                {.names = "--view",
                 .target = &words.view,

@@ -15,6 +15,8 @@ std::string Dump(const Json& json, int indent = 2) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string Count(uint64_t count, const char* what) { return absl::StrCat(count, " ", what, count == 1 ? "" : "s"); }
+
 std::array<double, 9> Flat(const Basis& basis) {
   const auto& [a, b, c] = basis;
   return {a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]};
@@ -87,7 +89,8 @@ std::string FillText(const Certificate& certificate) {
   const auto& solid = certificate.solid;
   if (!solid) return "";
   std::string text =
-      absl::StrCat("filled by ", solid->rule, ", ", solid->surface ? "with" : "without", " the surface\n");
+      absl::StrCat("filled by ", solid->rule,
+                   solid->surface ? ", with the surface, whose centers may lie outside\n" : ", without the surface\n");
   if (solid->unbalanced_lines > 0) {
     absl::StrAppend(&text, "not filled: ", solid->unbalanced_lines, " lattice lines along k that end unbalanced\n");
   }
@@ -195,11 +198,14 @@ std::string ToText(const VoxelizeReport& report) {
                                   mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
   if (report.weld) text += WeldText(*report.weld);
   if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
-  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g, %s\n", certificate.lattice,
-                        report.accepted.grid.voxel_size, SeparationText(certificate));
-  absl::StrAppend(&text, report.summary.voxels, " voxels in ", report.summary.bricks, " bricks, digest ",
-                  certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
-  absl::StrAppendFormat(&text, "wrote %s in %.2f s\n", absl::StrJoin(report.outputs, ", "), report.total_ms / 1e3);
+  const std::string resolution =
+      report.default_resolution ? absl::StrCat(" (resolution ", *report.default_resolution, ", the default)") : "";
+  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s\n", certificate.lattice,
+                        report.accepted.grid.voxel_size, resolution, SeparationText(certificate));
+  absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
+                  ", digest ", certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
+  const std::string did = report.outputs.empty() ? "done" : absl::StrCat("wrote ", absl::StrJoin(report.outputs, ", "));
+  absl::StrAppendFormat(&text, "%s in %.2f s\n", did, report.total_ms / 1e3);
   return text;
 }
 

@@ -20,10 +20,11 @@ struct VoxelizeReport {
   std::vector<std::string> outputs;
   Accepted accepted;
   Summary summary;
-  uint64_t skipped = 0;            // points and lines of the mesh file
-  std::optional<WeldReport> weld;  // if requested
-  double encode_ms = 0;            // reading and encoding the mesh
-  double total_ms = 0;             // the whole command
+  std::optional<uint32_t> default_resolution;  // if the request states no size
+  uint64_t skipped = 0;                        // points and lines of the mesh file
+  std::optional<WeldReport> weld;              // if requested
+  double encode_ms = 0;                        // reading and encoding the mesh
+  double total_ms = 0;                         // the whole command
 };
 
 // Returns one JSON object. Scripts rely on its keys. Without verification, tunnels and redundant are null.

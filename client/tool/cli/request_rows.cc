@@ -60,14 +60,25 @@ std::string CheckBand(const std::string& text) {
   return absl::StrCat("\"", text, "\" is not a finite number above 0, with or without v for voxel sizes");
 }
 
+OptionRow VoxelOutputRow(VoxelizeWords& words) {
+  OptionRow row = OutputRow(OutputExtensions(), words.options.outputs, /*several=*/true);
+  row.help +=
+      "; - is standard output. Without it, MESH's name with .vdb in the current folder, or no file with "
+      "--json or --verify";
+  row.group = "Output";
+  row.required = false;
+  const auto wrong = row.checks.front().wrong;
+  row.checks.front().wrong = [wrong](const std::string& path) { return path == kStandardOutput ? "" : wrong(path); };
+  return row;
+}
+
 Rows OutputRows(VoxelizeWords& words) {
-  OptionRow output = OutputRow(OutputExtensions(), words.options.outputs, /*several=*/true);
-  output.group = "Output";
-  return {std::move(output),
+  return {VoxelOutputRow(words),
           {.names = "--npy",
            .target = &words.npy,
            .help = "Content of a .npy: one row of coordinates per voxel, or a dense box of 0 and 1",
            .words = {"coordinates", "dense"},
+           .word_help = {"one row per voxel", "a box of 0 and 1"},
            .standard = "coordinates"}};
 }
 
@@ -78,6 +89,7 @@ Rows LatticeRows(VoxelizeWords& words) {
        .help = "Named lattice",
        .group = "Lattice",
        .words = WordsOf(LatticeNames()),
+       .word_help = {"cubes", "body-centered cubic", "face-centered cubic", "layers of hexagons"},
        .standard = "cartesian"},
       {.names = "--basis",
        .target = &words.basis,
@@ -91,10 +103,12 @@ Rows LatticeRows(VoxelizeWords& words) {
        .value = "S|SX,SY,SZ",
        .checks = {{CheckVoxelSize}}},
       {.names = "--resolution",
+       .aliases = "--res",
        .target = &words.resolution,
        .help = "Voxels along the mesh's longest side",
        .value = "N",
-       .checks = {Whole(kMinResolution, kMaxResolution)}},
+       .checks = {Whole(kMinResolution, kMaxResolution)},
+       .standard = absl::StrCat(kDefaultResolution, ", without --voxel-size, --basis or --align")},
       {.names = "--origin",
        .target = &words.origin,
        .help = "World position of lattice point 0",
@@ -113,6 +127,8 @@ Rows SurfaceRows(VoxelizeWords& words) {
            .help = "Strength of separation, 0 strongest; on cartesian 26, 18, 6 are other names of 0, 1, 2",
            .group = "Voxels",
            .words = {"0", "1", "2", "26", "18", "6"},
+           .word_help = {"no path through faces, edges or corners", "no path through faces or edges",
+                         "no path through faces", "0", "1", "2"},
            .standard = "0"},
           {.names = "--minimal,!--no-minimal",
            .target = &words.minimal,
@@ -121,6 +137,8 @@ Rows SurfaceRows(VoxelizeWords& words) {
            .target = &words.algorithm,
            .help = "Algorithm; the others exist for comparison",
            .words = WordsOf(AlgorithmNames()),
+           .word_help = {"k-separating and k-minimal", "the thesis's, chapter 4", "the thesis's, chapter 4",
+                         "the thesis's, chapter 4"},
            .standard = "exact"}};
 }
 
@@ -129,11 +147,13 @@ Rows FillRows(VoxelizeWords& words) {
            .target = &words.fill,
            .help = "Voxels of the surface, or of the closed mesh's interior as well",
            .words = {"surface", "solid"},
+           .word_help = {"voxels of the mesh itself", "and of its interior"},
            .standard = "surface"},
           {.names = "--interior-rule",
            .target = &words.interior_rule,
            .help = "Rule for the interior; winding unites bodies that overlap",
            .words = WordsOf(RuleNames()),
+           .word_help = {"inside after an odd number of crossings", "inside where the mesh winds around"},
            .standard = "parity"},
           {.names = "--without-surface",
            .target = &words.without_surface,
@@ -149,6 +169,7 @@ Rows VoxelRows(VoxelizeWords& words) {
        .target = &words.cover,
        .help = "Voxels that separate the sides of the mesh, or all voxels whose cell meets it",
        .words = WordsOf(CoverNames()),
+       .word_help = {"the fewest voxels that let no path through", "all voxels whose cell meets the mesh"},
        .standard = "separating"},
       {.names = "--verify",
        .target = &words.options.request.verify,
@@ -178,6 +199,7 @@ Rows TransferRows(VoxelizeWords& words) {
        .target = &words.encoding,
        .help = "Encoding of voxels in the response; packed-zstd suits networks below 1 Gbit/s",
        .words = WordsOf(EncodingNames()),
+       .word_help = {"compact and fast", "smaller, for slow networks", "512 bits per brick"},
        .standard = "packed"}};
 }
 

@@ -1,7 +1,6 @@
 #include "client/tool/cli/session.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -9,7 +8,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/tool/cli/terminal.h"
 
 namespace latvox::client {
 namespace {
@@ -43,9 +41,6 @@ absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOpti
     if (!server.ok()) return server.status();
     session.server_ = *std::move(server);
     address = session.server_->address();
-    // Overwrites a progress line, if there is one.
-    std::fprintf(stderr, "%slatvox: no --server given, started a private %s for this call\n",
-                 ErrorIsTerminal() ? "\r\x1b[K" : "", session.server_->program().c_str());
   }
   ConnectionOptions connection{.credentials = choice.credentials};
   if (!choice.token_file.empty()) {

@@ -127,6 +127,7 @@ void AddSliceOptions(CommandParser& command, SliceWords& words) {
                 .target = &words.axis,
                 .help = "Lattice coordinate that is constant in the layer; x, y, z are other names of i, j, k",
                 .words = WordsOf(kAxes),
+                .word_help = {"i", "j", "k", "first lattice coordinate", "second", "third"},
                 .required = true},
                {.names = "--index",
                 .target = &words.index,

@@ -32,6 +32,7 @@ void AddViewOptions(CommandParser& command, ViewWords& words) {
                 .target = &words.view_up,
                 .help = "Axis that points up",
                 .words = WordsOf(UpNames()),
+                .word_help = {"z points up", "x points up", "y points up"},
                 .standard = "z if --up-axis turned the mesh, otherwise y"}});
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -12,11 +13,13 @@
 #include "client/mesh/mesh_encoder.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/empty_box.h"
+#include "client/tool/cli/few_voxels.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/mesh_files/mesh_file.h"
 #include "client/tool/mesh_files/mesh_source.h"
 #include "client/tool/mesh_files/weld_report.h"
 #include "client/tool/output/output.h"
+#include "client/tool/output/standard_output.h"
 #include "latvox/error.h"
 #include "latvox/grid/voxel_grid.h"
 
@@ -145,6 +148,7 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
   if (report.summary.voxels == 0) {
     if (const auto line = EmptyBoxLine(options.request, report.accepted); !line.empty()) hooks.say(line);
   }
+  if (const auto line = FewVoxelsLine(options.request, report.accepted); !line.empty()) hooks.say(line);
   return absl::OkStatus();
 }
 
@@ -164,6 +168,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   VoxelizeReport report;
   report.mesh_path = NameOf(options.mesh);
   report.outputs = options.outputs;
+  if (options.has_default_resolution) report.default_resolution = options.request.resolution;
   // Outputs come first, so that an unwritable path fails before any work.
   auto outputs = OpenOutputs(options);
   if (!outputs.ok()) return outputs.status();
@@ -174,7 +179,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
-  hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
+  if (!outputs->empty()) hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
   if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
   if (auto status = CheckTime(call); !status.ok()) return status;
@@ -199,7 +204,16 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
   hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
   hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
-  return RunJob(options, call, hooks);
+  if (!options.standard_output) return RunJob(options, call, hooks);
+  std::string& output = options.outputs[*options.standard_output];
+  const auto file = StandardOutputFile::Create(std::filesystem::path(output).extension().string());
+  if (!file.ok()) return file.status();
+  output = (*file)->path();
+  auto report = RunJob(options, call, hooks);
+  if (!report.ok()) return report;
+  report->outputs[*options.standard_output] = "standard output";
+  if (absl::Status status = (*file)->Send(); !status.ok()) return status;
+  return report;
 }
 
 }  // namespace latvox::client

@@ -1,7 +1,10 @@
 #include "client/tool/cli/voxelize_options.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -9,6 +12,7 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_rows.h"
 #include "client/tool/cli/request_words.h"
+#include "client/tool/mesh_files/input.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
 #include "latvox/stretched.h"
@@ -113,14 +117,59 @@ void InterpretBand(const VoxelizeWords& words, VoxelizeOptions& options) {
   CheckCarry("--band", "distances", DistanceExtensions(), options.outputs);
 }
 
+std::vector<std::string> OutputFormats() {
+  std::vector<std::string> formats;
+  for (const std::string& extension : OutputExtensions()) formats.push_back(extension.substr(1));
+  return formats;
+}
+
+OptionRow OutputFormatRow(VoxelizeWords& words) {
+  return {.names = "--output-format",
+          .target = &words.output_format,
+          .help = "Format of -o -",
+          .group = "Output",
+          .words = OutputFormats(),
+          .word_help = {"OpenVDB", "NanoVDB", "table", "NumPy", "points", "picture", "surface of cells", "binvox",
+                        "MagicaVoxel"},
+          .standard = kDefaultFormat};
+}
+
+// Returns the mesh's name with .vdb, in the current folder.
+std::string DefaultOutput(const VoxelizeOptions& options) {
+  const std::string& mesh = options.mesh.paths.front();
+  if (mesh == kStandardInput) Refuse("--out is required: a mesh from standard input has no name");
+  const std::string name = std::filesystem::path(mesh).stem().string() + "." + kDefaultFormat;
+  if (std::filesystem::exists(std::filesystem::path(name))) {
+    Refuse("--out: ", name, ", the output's name by default, exists already; -o ", name, " replaces it");
+  }
+  return name;
+}
+
+void InterpretOutputs(VoxelizeWords& words) {
+  VoxelizeOptions& options = words.options;
+  std::vector<std::string>& outputs = options.outputs;
+  const auto standard = std::find(outputs.begin(), outputs.end(), kStandardOutput);
+  if (standard == outputs.end()) {
+    if (!words.output_format.empty()) Refuse("--output-format: ", words.output_format, " needs -o -");
+    if (outputs.empty() && !options.json && !options.request.verify) outputs.push_back(DefaultOutput(options));
+    return;
+  }
+  if (std::count(standard, outputs.end(), kStandardOutput) > 1) Refuse("--out: - is given twice");
+  if (options.json) Refuse("--json cannot be combined with -o -, because both write to standard output");
+  const std::string format = words.output_format.empty() ? kDefaultFormat : words.output_format;
+  if (format != "csv" && isatty(STDOUT_FILENO) != 0) {
+    Refuse("--out: - is a terminal, which cannot show ", format, "; send it to a file or another program");
+  }
+  options.standard_output = static_cast<size_t>(standard - outputs.begin());
+  *standard = absl::StrCat(kStandardOutput, ".", format);
+}
+
 }  // namespace
 
 void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words) {
   command.Add({MeshRow(words.options.mesh)});
   AddRequestOptions(command, words);
-  OptionRow json = JsonRow("Print the summary as JSON", words.options.json);
-  json.group = "Output";
-  command.Add({std::move(json)});
+  command.Add({OutputFormatRow(words), JsonRow("Print the summary as JSON", words.options.json)});
   AddServerOptions(command, words.options.server);
 }
 
@@ -147,12 +196,15 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
   options.output_options.note = NoteOf(options, words);
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {
-    Refuse("--voxel-size or --resolution is required for a named lattice");
+    request.resolution = kDefaultResolution;
+    options.has_default_resolution = true;
   }
   return options;
 }
 
-VoxelizeOptions Interpret(const VoxelizeWords& words) {
+VoxelizeOptions Interpret(const VoxelizeWords& given) {
+  VoxelizeWords words = given;
+  InterpretOutputs(words);
   VoxelizeOptions options = InterpretRequest(words);
   CheckMeshPaths(options.mesh, options.outputs);
   return options;

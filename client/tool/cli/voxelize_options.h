@@ -16,12 +16,16 @@
 
 namespace latvox::client {
 
+inline constexpr char kStandardOutput[] = "-", kDefaultFormat[] = "vdb";
+
 struct VoxelizeOptions {
   MeshSource mesh;
   bool weld_report = false;
   std::vector<std::string> outputs;
+  std::optional<size_t> standard_output;  // index in `outputs` of the one that is sent there: only its extension counts
   OutputOptions output_options;
   VoxelizeRequest request;
+  bool has_default_resolution = false;
   std::optional<int> quantization_bits;  // absent: auto
   std::string align;                     // .vdb file whose grid the request uses; empty: none
   bool json = false;
@@ -32,7 +36,7 @@ struct VoxelizeOptions {
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string npy, separability, algorithm, encoding, fill, interior_rule, cover, band, attributes;
+  std::string output_format, npy, separability, algorithm, encoding, fill, interior_rule, cover, band, attributes;
   bool without_surface = false, force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };
@@ -44,7 +48,9 @@ void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words);
 // options that exclude or need each other.
 VoxelizeOptions InterpretRequest(const VoxelizeWords& words);
 
-// Does the same, and also refuses an output that is given twice or is the mesh. Resolves links in the file system.
+// Does the same for one call of the tool: an output that is not given gets its name from the mesh, and - is standard
+// output. Also refuses an output that is given twice, or is the mesh, or has only the mesh's name and exists already.
+// Looks at the file system.
 VoxelizeOptions Interpret(const VoxelizeWords& words);
 
 }  // namespace latvox::client

@@ -141,7 +141,6 @@ TEST(JobLine, RefusalsNameFieldValueAndLimit) {
       {R"("voxel_size": -1)", "voxel_size: \"-1\" is not a finite number above 0"},
       {R"("voxel_size": 1e999)", "not JSON: "},
       {R"("lattice": "cubic", "resolution": 8)", R"(lattice: "cubic" is not one of cartesian, bcc, fcc, hexagonal)"},
-      {R"("lattice": "bcc")", "voxel_size or resolution is required"},
       {R"("lattice": "", "resolution": 8)", "lattice: \"\" is not a non-empty string"},
       {R"("lattice": "--json", "resolution": 8)", "lattice: \"--json\" is not one of"},
       {R"("basis": [1,0,0,0,1,0,0,0])", "basis: \"1,0,0,0,1,0,0,0\" is not 9 finite numbers"},

@@ -175,9 +175,77 @@ TEST(Options, NeighborCountsNameSeparabilitiesOnTheCartesianLatticeOnly) {
               HasSubstr("--separability: 6"));
 }
 
-TEST(Options, ABasisNeedsNoDensityButANamedLatticeDoes) {
-  EXPECT_NO_THROW(Parse({"--basis", "1,0,0,0,1,0,0,0,1"}));
-  EXPECT_THAT(Refusal({"--lattice", "bcc"}), HasSubstr("--voxel-size or --resolution is required"));
+TEST(Options, ANamedLatticeHasADefaultResolutionAndABasisHasItsOwnDensity) {
+  const VoxelizeOptions bcc = Parse({"--lattice", "bcc"}), basis = Parse({"--basis", "1,0,0,0,1,0,0,0,1"});
+  EXPECT_EQ(bcc.request.resolution, 256u);
+  EXPECT_TRUE(bcc.has_default_resolution);
+  EXPECT_EQ(basis.request.resolution, std::nullopt);
+  EXPECT_EQ(Parse({"--voxel-size", "2"}).request.resolution, std::nullopt);
+  EXPECT_FALSE(basis.has_default_resolution || Parse({"--resolution", "256"}).has_default_resolution);
+}
+
+TEST(Options, FurtherNamesAndUpperCaseAreAccepted) {
+  const VoxelizeOptions options = Parse({"--lattice", "BCC", "--res", "64", "--output", "b.csv"});
+  EXPECT_EQ(std::get<NamedLattice>(options.request.lattice), NamedLattice::kBcc);
+  EXPECT_EQ(options.request.resolution, 64u);
+  EXPECT_THAT(options.outputs, ElementsAre("out.vdb", "b.csv"));
+}
+
+// Parses the words as they are, without a mesh and an output before them.
+std::string RefusalOfAll(std::vector<std::string> words) {
+  CommandParser parser("", "latvox");
+  VoxelizeWords voxelize;
+  AddVoxelizeOptions(parser.AddCommand("voxelize", ""), voxelize);
+  parser.AddCommand("view", "");
+  try {
+    parser.Parse(std::move(words));
+    Interpret(voxelize);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Options, TheFirstUnknownWordIsToldBeforeAMissingOneWithTheNearestKnownOne) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"voxelize", "--resolutoin", "9"}, "unknown option \"--resolutoin\"; did you mean --resolution?"},
+      {{"voxelize", "-resolution", "9"}, "unknown option \"-resolution\"; did you mean --resolution?"},
+      {{"voxelize", "--Voxel_Size=1", "a"}, "unknown option \"--Voxel_Size\"; did you mean --voxel-size?"},
+      {{"voxelize", "a", "--qqq", "--resolutoin", "9"}, "unknown option \"--qqq\"; see latvox voxelize --help"},
+      {{"voxelze", "a"}, "unknown command \"voxelze\"; did you mean voxelize?"},
+      {{"voxelze", "--help"}, "unknown command \"voxelze\"; did you mean voxelize?"},
+      {{"paint", "a"}, "unknown command \"paint\"; see latvox --help"},
+      {{"view", "a", "b"}, "unexpected argument \"a\"; see latvox view --help"},
+      {{"--resolution", "9", "voxelize"},
+       "\"--resolution\" stands before the command; options follow it, see latvox voxelize --help"}};
+  for (const auto& [words, text] : cases) EXPECT_EQ(RefusalOfAll(words), text);
+}
+
+TEST(Options, AnOutputThatIsNotGivenHasTheMeshsName) {
+  const auto parse = [](std::vector<std::string> words) {
+    CommandParser parser;
+    VoxelizeWords voxelize;
+    AddVoxelizeOptions(parser, voxelize);
+    parser.Parse(std::move(words));
+    return Interpret(voxelize);
+  };
+  EXPECT_THAT(parse({"folder/mesh.tar.obj"}).outputs, ElementsAre("mesh.tar.vdb"));
+  EXPECT_THAT(parse({"a.obj", "b.obj"}).outputs, ElementsAre("a.vdb"));
+  EXPECT_THAT(parse({"a.obj", "--json"}).outputs, ElementsAre());
+  EXPECT_THAT(parse({"a.obj", "--verify"}).outputs, ElementsAre());
+  EXPECT_EQ(parse({"a.obj"}).standard_output, std::nullopt);
+  const VoxelizeOptions standard = parse({"a.obj", "-o", "b.vdb", "-o", "-", "--output-format", "CSV"});
+  EXPECT_EQ(standard.standard_output, 1u);
+  EXPECT_THAT(standard.outputs, ElementsAre("b.vdb", "-.csv"));
+}
+
+TEST(Options, RefusalsOfOutputsNameWhatIsWrong) {
+  EXPECT_THAT(RefusalOfAll({"voxelize", "-"}), HasSubstr("--out is required: a mesh from standard input has no name"));
+  EXPECT_THAT(RefusalOfAll({"voxelize", "a.obj", "--output-format", "csv"}),
+              HasSubstr("--output-format: csv needs -o -"));
+  EXPECT_THAT(RefusalOfAll({"voxelize", "a.obj", "-o", "-", "-o", "-"}), HasSubstr("- is given twice"));
+  EXPECT_THAT(RefusalOfAll({"voxelize", "a.obj", "-o", "-", "--json"}),
+              HasSubstr("--json cannot be combined with -o -"));
 }
 
 // Expects that the refusal of the arguments contains each text: the option, its value or its limit.

@@ -93,7 +93,7 @@ TEST(Progress, RatesAndTheTimeLeftAreToldOnceTheyMeanSomething) {
   EXPECT_EQ(RemainingText(1, absl::Seconds(25)), ", 0 left");
 }
 
-TEST(Progress, TheBarShrinksFirstThenTheCountsAndTheTimeLeftIsLastToGo) {
+TEST(Progress, TheBarShrinksFirstThenTheCountsThenTextsAreLeftOut) {
   const auto line = [](size_t columns) {
     const ProgressLine fit = FitProgress(columns, 0.12, "voxelizing", "bricks", 1736221, absl::Milliseconds(542569));
     return absl::StrCat(fit.cells, fit.text);
@@ -102,7 +102,11 @@ TEST(Progress, TheBarShrinksFirstThenTheCountsAndTheTimeLeftIsLastToGo) {
   EXPECT_EQ(line(120), absl::StrCat(30, kWhole));
   EXPECT_EQ(line(80), absl::StrCat(80 - 3 - strlen(kWhole), kWhole));
   EXPECT_EQ(line(60), "4  12 %  voxelizing: 1h6m19s left, 1.7M bricks, 3200/s");
-  EXPECT_EQ(line(40), "0  12 %  voxelizing: 1h6m19s left, 1.7");
+  EXPECT_EQ(line(44), "9  12 %  voxelizing: 1h6m19s left");
+  EXPECT_EQ(line(39), "4  12 %  voxelizing: 1h6m19s left");
+  EXPECT_EQ(line(38), "29  12 %");
+  EXPECT_EQ(line(10), "1  12 %");
+  EXPECT_EQ(line(5), "0  ");
 }
 
 TEST(Progress, ShortCountsHaveThreeDigitsOrSo) {

@@ -1,0 +1,81 @@
+"""The shortest commands: outputs without a name, standard output, lines about odd sizes."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+from harness import BIN, BUNNY, PATIENCE, Case, octahedron, write_obj
+
+
+class Manners(Case):
+    def setUp(self):
+        super().setUp()
+        self.mesh = write_obj(self.dir / "octahedron.obj", octahedron(4))
+
+    def run_here(self, *words, code=0, stdin=b""):
+        """Runs latvox in the test's folder. Returns its standard output in bytes, and its standard error."""
+        done = subprocess.run([BIN / "latvox", *map(str, words)], cwd=self.dir, input=stdin, capture_output=True, timeout=PATIENCE)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout, done.stderr.decode()
+
+    def files(self):
+        return sorted(path.name for path in self.dir.iterdir())
+
+    def test_a_mesh_alone_is_enough(self):
+        (self.dir / "meshes").mkdir()
+        shutil.move(self.mesh, self.dir / "meshes")
+        text, _ = self.run_here("voxelize", "meshes/octahedron.obj")
+        self.assertIn(b"(resolution 256, the default)", text)
+        self.assertIn(b"wrote octahedron.vdb in ", text)
+        self.assertEqual(self.files(), ["meshes", "octahedron.vdb"])
+        kept = (self.dir / "octahedron.vdb").read_bytes()
+        _, error = self.run_here("voxelize", "meshes/octahedron.obj", code=2)
+        self.assertIn("octahedron.vdb", error)
+        self.assertEqual((self.dir / "octahedron.vdb").read_bytes(), kept)
+
+    def test_a_report_alone_writes_no_file(self):
+        before = self.files()
+        self.run_here("voxelize", self.mesh, "--json")
+        text, _ = self.run_here("voxelize", self.mesh, "--verify")
+        self.assertRegex(text.decode(), r"verified: 0 tunnels, 0 redundant voxels\ndone in ")
+        self.assertEqual(self.files(), before)
+
+    def test_standard_output_gets_the_bytes_of_the_file(self):
+        temporary = self.dir / "temporary"
+        temporary.mkdir()
+        os.environ["TMPDIR"] = str(temporary)
+        self.addCleanup(os.environ.pop, "TMPDIR")
+        size = ["--resolution", "40"]
+        for format in ("csv", "npy", "ply", "binvox"):
+            with self.subTest(format):
+                self.run_here("voxelize", self.mesh, *size, "-o", f"file.{format}")
+                out, error = self.run_here("voxelize", "-", *size, "-o", "-", "--output-format", format, stdin=self.mesh.read_bytes())
+                self.assertEqual(out, (self.dir / f"file.{format}").read_bytes())
+                self.assertIn("wrote standard output in ", error)
+        grid, _ = self.run_here("voxelize", self.mesh, *size, "-o", "-")
+        (self.dir / "grid.vdb").write_bytes(grid)
+        self.run_here("voxelize", self.mesh, *size, "-o", "file.vdb")
+        self.assertIn(b"equal", self.run_here("compare", "grid.vdb", "file.vdb")[0])
+        self.run_here("voxelize", self.dir / "none.obj", *size, "-o", "-", code=3)
+        self.assertEqual(list(temporary.iterdir()), [])
+
+    def test_a_mesh_that_is_small_beside_its_voxels_is_told(self):
+        for size, told in ((2, False), (2.1, True), (50, True)):
+            _, error = self.run_here("voxelize", self.mesh, "--voxel-size", size, "--json")
+            self.assertEqual(f"longest side, 8, is below 4 voxel sizes of {size}" in error, told, error)
+        self.assertEqual(self.run_here("voxelize", self.mesh, "--resolution", 2, "--json")[1], "")
+
+    def test_a_solid_tells_that_centers_may_lie_outside(self):
+        solid = ["voxelize", self.mesh, "--resolution", "20", "--fill", "solid", "-o", "a.csv"]
+        self.assertIn(b"with the surface, whose centers may lie outside\n", self.run_here(*solid)[0])
+        self.assertIn(b"without the surface\n", self.run_here(*solid, "--without-surface")[0])
+
+    def test_versions(self):
+        texts = {self.run_here(word)[0] for word in ("-V", "--version", "version")}
+        self.assertEqual(len(texts), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
