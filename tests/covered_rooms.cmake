@@ -8,7 +8,7 @@ latvox_test_room(core/tile core_kernel_test core_tiny_test)
 latvox_test_room(client/include client_call_test client_encoder_test client_grid_test)
 
 # Code that reads and writes JSON.
-latvox_test_room(client/tool/json client_gltf_test client_job_test)
+latvox_test_room(client/json client_gltf_test client_job_test)
 
 latvox_test_room_from_outside(server/config TESTS e2e.config PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(server/main.cc TESTS e2e.config PROGRAMS latvox latvoxd)

@@ -10,9 +10,9 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
-#include "client/tool/mesh_files/input.h"
-#include "client/tool/mesh_files/mesh_file.h"
-#include "client/tool/mesh_files/mesh_format.h"
+#include "client/mesh_files/input.h"
+#include "client/mesh_files/mesh_file.h"
+#include "client/mesh_files/mesh_format.h"
 #include "server/decode/draco_decoder.h"
 #include "tests/bench/scene_file.h"
 

@@ -1,5 +1,5 @@
-"""The SDK built alone, without server, tool and grids. It needs only gRPC, Protobuf, abseil and Draco; as archives and
-as shared libraries; for users of CMake and of pkg-config."""
+"""The SDK built alone, without server, tool and grids. It needs only the packages of the group "sdk"; as archives
+and as shared libraries; for users of CMake and of pkg-config."""
 
 import ctypes
 import fnmatch
@@ -17,11 +17,9 @@ from harness import BUNNY, latvox, server
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ALONE = [f"-D{name}=OFF" for name in ("LATVOX_BUILD_SERVER", "LATVOX_BUILD_TOOL", "LATVOX_BUILD_GRID", "BUILD_TESTING")]
 # Dependencies of the rest of the repository, as names of CMake packages, and as parts of file names.
-FOREIGN = ("Boost", "CLI11", "OpenVDB", "PNG", "TBB", "hwy", "libzip", "nlohmann_json", "prometheus-cpp", "pugixml",
-           "spdlog")
-FOREIGN_FILE = (r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|libzip|zip\.h|nlohmann|prometheus|pugi|spdlog"
-                r"|/fmt/")
-MODULES = ("libxxhash", "libzstd", "re2")  # of pkg-config; gRPC's package requires the last one
+FOREIGN = ("Boost", "CLI11", "OpenVDB", "PNG", "TBB", "hwy", "prometheus-cpp", "spdlog")
+FOREIGN_FILE = r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|prometheus|spdlog|/fmt/"
+MODULES = ("libxxhash", "libzip", "libzstd", "re2")  # of pkg-config; gRPC's package requires the last one
 KINDS = ("static", "shared")
 
 CACHED = {"CCACHE_NOHASHDIR": "1", "CCACHE_SLOPPINESS": "pch_defines,time_macros"}

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "client/tool/mesh_files/input.h"
+#include "client/mesh_files/input.h"
 
 namespace latvox::faults {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client/tool/mesh_files/input.h"
+#include "client/mesh_files/input.h"
 #include "tests/faults/commands.h"
 #include "tests/faults/good_scripts.h"
 #include "tests/faults/hostile.h"

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/tool/mesh_files/input.h"
+#include "client/mesh_files/input.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
 #include "latvox/client.h"

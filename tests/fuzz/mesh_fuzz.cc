@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <string>
 
-#include "client/tool/mesh_files/gltf_file.h"
-#include "client/tool/mesh_files/mesh_format.h"
-#include "client/tool/mesh_files/obj_file.h"
-#include "client/tool/mesh_files/ply_file.h"
-#include "client/tool/mesh_files/stl_file.h"
-#include "client/tool/mesh_files/three_mf_file.h"
+#include "client/mesh_files/gltf_file.h"
+#include "client/mesh_files/mesh_format.h"
+#include "client/mesh_files/obj_file.h"
+#include "client/mesh_files/ply_file.h"
+#include "client/mesh_files/stl_file.h"
+#include "client/mesh_files/three_mf_file.h"
 
 namespace {
 

@@ -22,7 +22,7 @@ ORDER = {
         " band attributes block voxelizer"
     ).split(),
     "server": "base access decode wire work calls listen config main.cc".split(),
-    "client": "include internal mesh grid tool/json tool/mesh_files tool/curve tool/output tool/view tool/cli".split(),
+    "client": "include internal mesh json mesh_files grid tool/curve tool/output tool/view tool/cli".split(),
 }
 
 # A change that adds an arrow raises `arrows`, if the arrow is worth it, but not beyond `most_arrows`. The same holds

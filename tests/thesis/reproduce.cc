@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "client/tool/mesh_files/mesh_file.h"
+#include "client/mesh_files/mesh_file.h"
 #include "tests/thesis/measure.h"
 #include "tests/thesis/models.h"
 #include "tests/thesis/tables.h"

@@ -2,12 +2,12 @@
 if(LATVOX_BUILD_MESH)
   find_package(draco CONFIG REQUIRED)
 endif()
-latvox_add_test(client_mesh_test SOURCES unit/client/tool/mesh_files/mesh_test.cc LIBRARIES latvox::tool GTest::gmock)
-latvox_add_test(client_gltf_test SOURCES unit/client/tool/mesh_files/gltf_test.cc
-                LIBRARIES latvox::tool nlohmann_json::nlohmann_json GTest::gmock)
-latvox_add_test(client_encoder_test SOURCES unit/client/mesh/encoder_test.cc LIBRARIES latvox::tool draco::draco GTest::gmock)
+latvox_add_test(client_mesh_test SOURCES unit/client/mesh_files/mesh_test.cc LIBRARIES latvox::mesh_files GTest::gmock)
+latvox_add_test(client_gltf_test SOURCES unit/client/mesh_files/gltf_test.cc
+                LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
+latvox_add_test(client_encoder_test SOURCES unit/client/mesh/encoder_test.cc LIBRARIES latvox::mesh draco::draco GTest::gmock)
 latvox_add_test(client_attributes_test SOURCES unit/client/mesh/attributes_test.cc
-                LIBRARIES latvox::tool draco::draco GTest::gmock)
+                LIBRARIES latvox::mesh_files draco::draco GTest::gmock)
 latvox_add_test(client_curve_test SOURCES unit/client/tool/curve/curve_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_compare_test SOURCES unit/client/tool/cli/compare_test.cc LIBRARIES latvox::tool GTest::gmock)

@@ -5,10 +5,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/batch_results.h"
 #include "client/tool/cli/batch_run.h"
 #include "client/tool/cli/job_file.h"
-#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {

@@ -16,7 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "client/tool/json/json.h"
+#include "client/json/json.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {

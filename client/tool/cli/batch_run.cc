@@ -12,10 +12,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/job_digest.h"
 #include "client/tool/cli/voxelize_command.h"
-#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {

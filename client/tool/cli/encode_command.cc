@@ -6,9 +6,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_encoder.h"
+#include "client/mesh_files/mesh_file.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/mesh_files/mesh_file.h"
 #include "client/tool/output/atomic_file.h"
 
 namespace latvox::client {

@@ -1,6 +1,6 @@
 #include "client/tool/cli/info_json.h"
 
-#include "client/tool/json/json.h"
+#include "client/json/json.h"
 
 namespace latvox::client {
 

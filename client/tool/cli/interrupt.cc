@@ -11,8 +11,8 @@
 #include <optional>
 #include <string_view>
 
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/exit_status.h"
-#include "client/tool/mesh_files/input.h"
 #include "client/tool/output/atomic_file.h"
 
 namespace latvox::client {

@@ -3,9 +3,9 @@
 #include <string_view>
 
 #include "absl/strings/escaping.h"
+#include "client/json/json.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/tool/json/json.h"
-#include "client/tool/mesh_files/input.h"
+#include "client/mesh_files/input.h"
 #include "latvox/mesh_id.h"
 
 namespace latvox::client {

@@ -7,9 +7,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/job_line.h"
-#include "client/tool/mesh_files/input.h"
 #include "client/tool/output/output.h"
 
 namespace latvox::client {

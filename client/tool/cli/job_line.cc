@@ -8,11 +8,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "client/json/json.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/file_url.h"
 #include "client/tool/cli/request_rows.h"
-#include "client/tool/json/json.h"
-#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/tool/mesh_files/mesh_source.h"
+#include "client/mesh_files/mesh_source.h"
 #include "deploy/manual/option_row.h"
 
 namespace latvox::client {

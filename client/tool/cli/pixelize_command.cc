@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/curve/curve_file.h"
-#include "client/tool/mesh_files/input.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/pixel_output.h"
 

@@ -3,8 +3,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/json/json.h"
 #include "client/tool/cli/exit_status.h"
-#include "client/tool/json/json.h"
 #include "latvox/error.h"
 
 namespace latvox::client {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/mesh_files/weld_report.h"
 #include "client/tool/cli/exit_status.h"
-#include "client/tool/mesh_files/weld_report.h"
 #include "latvox/grid/merge.h"
 #include "latvox/plane_types.h"
 #include "latvox/types.h"

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
+#include "client/json/json.h"
 #include "client/tool/cli/common_options.h"
-#include "client/tool/json/json.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/view/page.h"
 #include "latvox/grid/grid_content.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/mesh_options.h"
 #include "client/tool/cli/session.h"
-#include "client/tool/mesh_files/mesh_source.h"
 #include "client/tool/output/output.h"
 #include "deploy/manual/command_parser.h"
 #include "latvox/types.h"

@@ -6,9 +6,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/curve/svg_curves.h"
 #include "client/tool/curve/text_curves.h"
-#include "client/tool/mesh_files/input.h"
 
 namespace latvox::client {
 

@@ -10,7 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
-#include "client/tool/json/json.h"
+#include "client/json/json.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_walk.h"
 

@@ -12,7 +12,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
-#include "client/tool/json/json.h"
+#include "client/json/json.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_walk.h"

@@ -10,11 +10,11 @@
 
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_encoder.h"
-#include "client/tool/mesh_files/gltf_file.h"
-#include "client/tool/mesh_files/mesh_join.h"
-#include "client/tool/mesh_files/obj_file.h"
-#include "client/tool/mesh_files/ply_file.h"
-#include "client/tool/mesh_files/stl_file.h"
+#include "client/mesh_files/gltf_file.h"
+#include "client/mesh_files/mesh_join.h"
+#include "client/mesh_files/obj_file.h"
+#include "client/mesh_files/ply_file.h"
+#include "client/mesh_files/stl_file.h"
 
 namespace latvox::client {
 namespace {

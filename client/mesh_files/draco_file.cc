@@ -1,0 +1,86 @@
+#include "client/mesh_files/draco_file.h"
+
+#include <draco/compression/decode.h>
+#include <draco/mesh/mesh.h>
+
+#include <array>
+#include <cmath>
+#include <exception>
+#include <new>
+
+#include "absl/strings/str_cat.h"
+#include "client/mesh/mesh_attributes.h"
+#include "client/mesh_files/bad.h"
+
+namespace latvox::client {
+namespace {
+
+// Returns the full intensity of a color, as Draco converts the numbers of an attribute to floats.
+float FullColor(const draco::PointAttribute& colors) {
+  if (colors.normalized()) return 1;
+  return colors.data_type() == draco::DT_UINT8 ? 255 : colors.data_type() == draco::DT_UINT16 ? 65535 : 1;
+}
+
+absl::Status StoreColors(const draco::Mesh& decoded, uint32_t id, Mesh& mesh) {
+  const draco::PointAttribute* colors = decoded.GetAttributeByUniqueId(id);
+  if (colors == nullptr || colors->num_components() < 3) return Bad("has no colors of three numbers");
+  for (uint32_t p = 0; p < decoded.num_points(); ++p) {
+    const auto entry = colors->mapped_index(draco::PointIndex(p));
+    std::array<float, 4> color{};
+    if (entry.value() >= colors->size() || !colors->ConvertValue<float>(entry, 3, color.data())) {
+      return Bad("vertex ", p, " has no color");
+    }
+    for (float& part : color) part /= FullColor(*colors);
+    mesh.colors.push_back(ToColor(color.data()));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids) {
+  const draco::PointAttribute* positions = ids.positions
+                                               ? decoded.GetAttributeByUniqueId(*ids.positions)
+                                               : decoded.GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  if (positions == nullptr || positions->num_components() != 3) return Bad("has no positions of three numbers");
+  Mesh mesh;
+  for (uint32_t p = 0; p < decoded.num_points(); ++p) {
+    const auto entry = positions->mapped_index(draco::PointIndex(p));
+    Vec3f& position = mesh.positions.emplace_back();
+    if (entry.value() >= positions->size() || !positions->ConvertValue<float>(entry, 3, position.data())) {
+      return Bad("vertex ", p, " has no position");
+    }
+    for (const float coordinate : position) {
+      if (!std::isfinite(coordinate)) return Bad("vertex ", p, " is not finite (", coordinate, ")");
+    }
+  }
+  for (uint32_t f = 0; f < decoded.num_faces(); ++f) {
+    auto& triangle = mesh.triangles.emplace_back();
+    for (size_t n = 0; n < 3; ++n) {
+      triangle[n] = decoded.face(draco::FaceIndex(f))[n].value();
+      if (triangle[n] >= decoded.num_points()) {
+        return Bad("vertex index ", triangle[n], " of face ", f, " is not within the ", decoded.num_points(),
+                   " vertices");
+      }
+    }
+  }
+  if (ids.colors) {
+    if (auto status = StoreColors(decoded, *ids.colors, mesh); !status.ok()) return status;
+  }
+  return mesh;
+}
+
+}  // namespace
+
+absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids) try {
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  draco::Decoder decoder;
+  const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+  if (!decoded.ok()) return Bad("is not a Draco mesh (", decoded.status().error_msg_string(), ")");
+  return FromDraco(*decoded.value(), ids);
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError("not enough memory to decode the mesh");
+} catch (const std::exception& error) {
+  return Bad("cannot be decoded (", error.what(), ")");
+}
+
+}  // namespace latvox::client

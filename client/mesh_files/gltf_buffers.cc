@@ -1,0 +1,100 @@
+#include "client/mesh_files/gltf_buffers.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client/mesh_files/bad.h"
+#include "client/mesh_files/input.h"
+
+namespace latvox::client {
+namespace {
+
+// Decodes "%20" and the like.
+std::string Unescaped(absl::string_view uri) {
+  const auto is_digit = [&](size_t n) { return n < uri.size() && absl::ascii_isxdigit(static_cast<uint8_t>(uri[n])); };
+  std::string text;
+  for (size_t n = 0; n < uri.size(); ++n) {
+    if (uri[n] == '%' && is_digit(n + 1) && is_digit(n + 2)) {
+      text += absl::HexStringToBytes(uri.substr(n + 1, 2));
+      n += 2;
+    } else {
+      text += uri[n];
+    }
+  }
+  return text;
+}
+
+absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem::path& folder) {
+  constexpr absl::string_view kBase64 = ";base64,";
+  if (absl::StartsWith(uri, "data:")) {
+    std::string bytes;
+    const size_t begin = uri.find(kBase64);
+    if (begin != absl::string_view::npos && absl::Base64Unescape(uri.substr(begin + kBase64.size()), &bytes))
+      return bytes;
+    return Bad("its data: URI is not base64");
+  }
+  const std::filesystem::path path = folder / Unescaped(uri);
+  std::error_code error;
+  // Only regular files: others may never end.
+  if (!std::filesystem::is_regular_file(path, error)) return Bad("file \"", uri, "\" cannot be read");
+  return ReadBytes(path);
+}
+
+}  // namespace
+
+absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
+  const SortedJson& buffer = document_.root.at("buffers").at(n);
+  const auto length = GltfNumber(buffer, "byteLength");
+  if (!length.ok()) return Bad("buffers[", n, "]: ", length.status().message());
+  absl::string_view bytes = document_.binary;
+  if (buffer.contains("uri")) {
+    const auto [found, is_new] = read_.try_emplace(n);
+    if (is_new) {
+      auto read = ReadUri(buffer.at("uri").get_ref<const std::string&>(), folder_);
+      if (!read.ok()) {
+        return absl::Status(read.status().code(), absl::StrCat("buffers[", n, "]: ", read.status().message()));
+      }
+      found->second = *std::move(read);
+    }
+    bytes = found->second;
+  } else if (n > 0 || bytes.data() == nullptr) {
+    return Bad("buffers[", n, "] has no uri, and is not the binary chunk of a .glb");
+  }
+  if (bytes.size() < *length) return Bad("buffers[", n, "] has ", bytes.size(), " bytes, not ", *length);
+  return bytes;
+}
+
+absl::StatusOr<absl::string_view> GltfBuffers::View(const SortedJson& object) {
+  const auto number = GltfIndex(object, "bufferView", document_.root, "bufferViews");
+  if (!number.ok()) return number.status();
+  const SortedJson& view = document_.root.at("bufferViews").at(*number);
+  const auto buffer = GltfIndex(view, "buffer", document_.root, "buffers");
+  const auto begin = GltfNumber(view, "byteOffset", 0), length = GltfNumber(view, "byteLength");
+  for (const auto* field : {&buffer, &begin, &length}) {
+    if (!field->ok()) return Bad("bufferViews[", *number, "]: ", field->status().message());
+  }
+  const auto bytes = At(*buffer);
+  if (!bytes.ok()) return bytes;
+  if (*begin + *length > bytes->size()) {
+    return Bad("bufferViews[", *number, "] ends at byte ", *begin + *length, " of buffer ", *buffer, ", which has ",
+               bytes->size());
+  }
+  return bytes->substr(*begin, *length);
+}
+
+absl::StatusOr<absl::string_view> GltfBuffers::Bytes(const SortedJson& object, uint64_t size) {
+  const auto view = View(object);
+  const auto offset = GltfNumber(object, "byteOffset", 0);
+  if (!view.ok() || !offset.ok()) return view.ok() ? offset.status() : view.status();
+  if (*offset + size > view->size()) {
+    return Bad("needs bytes ", *offset, " to ", *offset + size, " of bufferView ", object.at("bufferView").dump(),
+               ", which has ", view->size());
+  }
+  return view->substr(*offset, size);
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,77 @@
+#include "client/mesh_files/mesh_join.h"
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/mesh/mesh_attributes.h"
+
+namespace latvox::client {
+
+absl::Status Transform(const Affine& to_world, Mesh& mesh) {
+  if (to_world == kIdentity) return absl::OkStatus();
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    Vec3f& position = mesh.positions[v];
+    const Vec3f moved = Apply(to_world, position);
+    for (const float coordinate : moved) {
+      if (std::isfinite(coordinate)) continue;
+      return absl::InvalidArgumentError(
+          absl::StrCat("vertex ", v, " (", absl::StrJoin(position, " "), ") is not finite after its transform"));
+    }
+    position = moved;
+  }
+  return absl::OkStatus();
+}
+
+namespace {
+
+// Continues the numbers of parts and materials. Call it before the triangles are appended.
+void AppendStretches(const Mesh& part, Mesh& mesh) {
+  if (part.triangles.empty()) return;
+  const uint32_t parts = NextPart(mesh), materials = mesh.materials;
+  const size_t triangles = mesh.triangles.size();
+  if (mesh.stretches.empty() && triangles > 0) mesh.stretches.emplace_back();
+  std::vector<Stretch> more = part.stretches;
+  if (more.empty()) more.emplace_back();
+  for (Stretch& stretch : more) {
+    stretch.first += triangles;
+    stretch.part += parts;
+    if (stretch.material) *stretch.material += materials;
+    mesh.stretches.push_back(stretch);
+  }
+  mesh.materials += part.materials;
+}
+
+}  // namespace
+
+absl::Status Append(Mesh part, const Affine& to_world, Mesh& mesh) {
+  if (auto status = Transform(to_world, part); !status.ok()) return status;
+  if (mesh.triangles.empty() && mesh.positions.empty()) {
+    part.skipped += mesh.skipped;
+    part.warnings.insert(part.warnings.begin(), mesh.warnings.begin(), mesh.warnings.end());
+    mesh = std::move(part);
+    return absl::OkStatus();
+  }
+  const size_t base = mesh.positions.size();
+  if (base + part.positions.size() > UINT32_MAX) {
+    return absl::InvalidArgumentError(absl::StrCat("more than ", UINT32_MAX, " vertices"));
+  }
+  if (mesh.colors.size() == base && part.colors.size() == part.positions.size()) {
+    mesh.colors.insert(mesh.colors.end(), part.colors.begin(), part.colors.end());
+  }
+  if (mesh.no_color.empty()) mesh.no_color = part.no_color;
+  AppendStretches(part, mesh);
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  for (auto triangle : part.triangles) {
+    for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);
+    mesh.triangles.push_back(triangle);
+  }
+  mesh.skipped += part.skipped;
+  mesh.warnings.insert(mesh.warnings.end(), part.warnings.begin(), part.warnings.end());
+  return absl::OkStatus();
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,83 @@
+#include "client/mesh_files/mesh_source.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/mesh/affine.h"
+#include "client/mesh/mesh_attributes.h"
+#include "client/mesh_files/input.h"
+#include "client/mesh_files/mesh_file.h"
+#include "client/mesh_files/mesh_join.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr char kOwnAttributes[] =
+    "; attributes of a .drc count only if it is sent as it is: alone, without --up-axis and --scale";
+
+Affine ToWorld(const MeshSource& input) {
+  constexpr Affine kFromX = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};
+  constexpr Affine kFromY = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
+  const Affine& turn = input.up == UpAxis::kX ? kFromX : input.up == UpAxis::kY ? kFromY : kIdentity;
+  return Scaling(input.scale) * turn;
+}
+
+absl::StatusOr<MeshFormat> FormatOf(const std::string& path, const MeshSource& input, absl::string_view bytes) {
+  if (input.format) return *input.format;
+  if (const auto format = FormatOfBytes(bytes)) return *format;
+  return absl::InvalidArgumentError(
+      absl::StrCat(NameOfInput(path), ": does not begin like any mesh format; name the format with --input-format"));
+}
+
+absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& input, bool keep_draco) {
+  const bool standard_input = path == kStandardInput;
+  const auto by_name = FormatOfPath(path);
+  if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
+    return ReadMeshFile(path);
+  }
+  auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
+  if (!bytes.ok()) return bytes.status();
+  const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
+  if (!format.ok()) return format.status();
+  if (keep_draco && *format == MeshFormat::kDraco) return *std::move(bytes);
+  return ParseMeshFile(path, *bytes, *format);
+}
+
+}  // namespace
+
+std::string NameOf(const MeshSource& input) {
+  const auto name = [](std::string* out, const std::string& path) { *out += NameOfInput(path); };
+  return absl::StrJoin(input.paths, " + ", name);
+}
+
+bool MayReferToFiles(const MeshSource& input) {
+  return std::any_of(input.paths.begin(), input.paths.end(), [&](const std::string& path) {
+    const auto format = input.format ? input.format : FormatOfPath(path);
+    return format == MeshFormat::kGlb || format == MeshFormat::kGltf;
+  });
+}
+
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
+  const Affine to_world = ToWorld(input);
+  const bool keep_draco = input.paths.size() == 1 && to_world == kIdentity;
+  Mesh joined;
+  for (const std::string& path : input.paths) {
+    auto read = ReadOne(path, input, keep_draco);
+    if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
+    for (std::string& warning : std::get<Mesh>(*read).warnings)
+      warning = absl::StrCat(NameOfInput(path), ": ", warning);
+    absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
+    if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
+      status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));
+    }
+    if (status.ok()) status = Append(std::get<Mesh>(*std::move(read)), to_world, joined);
+    if (!status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(NameOfInput(path), ": ", status.message()));
+    }
+  }
+  return joined;
+}
+
+}  // namespace latvox::client

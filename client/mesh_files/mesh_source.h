@@ -1,0 +1,45 @@
+// The mesh of a command: its files and their transform.
+#ifndef LATVOX_CLIENT_MESH_FILES_MESH_SOURCE_H_
+#define LATVOX_CLIENT_MESH_FILES_MESH_SOURCE_H_
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/mesh/mesh.h"
+#include "client/mesh/up_axis.h"
+#include "client/mesh_files/mesh_format.h"
+#include "latvox/types.h"
+
+namespace latvox::client {
+
+// Several meshes form one, as the union of their triangles. Positions are turned, then multiplied by `scale` in double
+// and rounded to float32 once. Parts and materials are numbered in the order of the paths.
+struct MeshSource {
+  std::vector<std::string> paths;    // at least one; "-" is standard input, at most once
+  std::optional<MeshFormat> format;  // of all files; absent: by extension, or by the first bytes of standard input
+  // The axis that becomes z, by an exact quarter turn about another axis. kY keeps x: (x, y, z) goes to (x, -z, y). kX
+  // keeps y: (x, y, z) goes to (-z, y, x).
+  UpAxis up = UpAxis::kZ;
+  double scale = 1;
+  std::vector<Attribute> attributes = {};  // required of each mesh, except a single Draco stream
+};
+
+// Returns the paths in a form for people.
+std::string NameOf(const MeshSource& input);
+
+// Returns whether the mesh may be more than the bytes of one file, because its files may refer to others.
+bool MayReferToFiles(const MeshSource& input);
+
+// One mesh, or the bytes of one Draco stream that is sent unchanged.
+using MeshOrDraco = std::variant<Mesh, std::string>;
+
+// Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input has no known format, a vertex is not finite
+// after scaling, a mesh lacks a required attribute.
+absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_FILES_MESH_SOURCE_H_

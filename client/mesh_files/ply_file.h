@@ -1,0 +1,24 @@
+// Stanford PLY.
+#ifndef LATVOX_CLIENT_MESH_FILES_PLY_FILE_H_
+#define LATVOX_CLIENT_MESH_FILES_PLY_FILE_H_
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client/mesh/mesh.h"
+
+namespace latvox::client {
+
+// Reads a PLY file's bytes: ascii, or binary of either byte order. Reads these properties; other elements and
+// properties are ignored:
+//   vertex      x, y, z in any scalar type, as the nearest float32; red, green and blue, otherwise diffuse_red and so
+//               on, as uchar, ushort, or float or double from 0 to 1, as the nearest of 256 steps
+//   face        vertex_indices (or vertex_index); polygons are triangulated; faces of fewer than three corners are
+//               counted as skipped
+//   tristrips   vertex_indices (or vertex_index); -1 ends a strip
+// Errors: INVALID_ARGUMENT naming the fault: the header, a missing element or property, too few bytes for the declared
+// counts, vertex 17 not finite, a vertex index out of range. Vertices and faces are counted from 0, as in the format.
+absl::StatusOr<Mesh> ParsePly(absl::string_view bytes);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_FILES_PLY_FILE_H_

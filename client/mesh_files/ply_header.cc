@@ -1,0 +1,86 @@
+#include "client/mesh_files/ply_header.h"
+
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "client/mesh_files/bad.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr std::pair<absl::string_view, PlyScalar> kNames[] = {
+    {"char", PlyScalar::kInt8},      {"int8", PlyScalar::kInt8},       {"uchar", PlyScalar::kUint8},
+    {"uint8", PlyScalar::kUint8},    {"short", PlyScalar::kInt16},     {"int16", PlyScalar::kInt16},
+    {"ushort", PlyScalar::kUint16},  {"uint16", PlyScalar::kUint16},   {"int", PlyScalar::kInt32},
+    {"int32", PlyScalar::kInt32},    {"uint", PlyScalar::kUint32},     {"uint32", PlyScalar::kUint32},
+    {"float", PlyScalar::kFloat32},  {"float32", PlyScalar::kFloat32}, {"double", PlyScalar::kFloat64},
+    {"float64", PlyScalar::kFloat64}};
+
+std::optional<PlyScalar> ParseScalar(absl::string_view name) {
+  for (const auto& [text, scalar] : kNames) {
+    if (text == name) return scalar;
+  }
+  return std::nullopt;
+}
+
+absl::Status ParseHeaderLine(absl::string_view line, PlyHeader& header) {
+  const std::vector<absl::string_view> words = absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
+  if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return absl::OkStatus();
+  if (words[0] == "format" && words.size() >= 2) {
+    if (words[1] == "ascii")
+      header.format = PlyFormat::kAscii;
+    else if (words[1] == "binary_little_endian")
+      header.format = PlyFormat::kLittleEndian;
+    else if (words[1] == "binary_big_endian")
+      header.format = PlyFormat::kBigEndian;
+    else
+      return Bad("PLY header: format \"", words[1], "\" is unknown");
+    return absl::OkStatus();
+  }
+  if (words[0] == "element" && words.size() == 3) {
+    PlyElement element;
+    element.name = std::string(words[1]);
+    if (!absl::SimpleAtoi(words[2], &element.count)) return Bad("PLY header: \"", line, "\" has no valid count");
+    header.elements.push_back(std::move(element));
+    return absl::OkStatus();
+  }
+  if (words[0] == "property" && !header.elements.empty()) {
+    const bool list = words.size() == 5 && words[1] == "list";
+    if (list || words.size() == 3) {
+      const auto count_type = list ? ParseScalar(words[2]) : std::nullopt;
+      const auto type = ParseScalar(words[list ? 3 : 1]);
+      if (!type || (list && !count_type)) return Bad("PLY header: \"", line, "\" has an unknown type");
+      header.elements.back().properties.push_back({std::string(words.back()), *type, count_type});
+      return absl::OkStatus();
+    }
+  }
+  return Bad("PLY header: \"", line.substr(0, 80), "\" is not understood");
+}
+
+}  // namespace
+
+absl::string_view NameOf(PlyScalar scalar) {
+  for (const auto& [text, named] : kNames) {
+    if (named == scalar) return text;
+  }
+  return "";
+}
+
+absl::StatusOr<PlyHeader> ReadPlyHeader(absl::string_view& rest) {
+  PlyHeader header;
+  for (bool first = true;; first = false) {
+    const size_t end = rest.find('\n');
+    if (end == absl::string_view::npos) return Bad(first ? "not a PLY file" : "PLY header: end_header is missing");
+    absl::string_view line = rest.substr(0, end);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    rest.remove_prefix(end + 1);
+    if (first && line != "ply") return Bad("not a PLY file");
+    if (line == "end_header") return header;
+    if (first) continue;
+    if (auto status = ParseHeaderLine(line, header); !status.ok()) return status;
+  }
+}
+
+}  // namespace latvox::client

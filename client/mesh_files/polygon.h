@@ -1,0 +1,23 @@
+// Cuts polygons into triangles.
+#ifndef LATVOX_CLIENT_MESH_FILES_POLYGON_H_
+#define LATVOX_CLIENT_MESH_FILES_POLYGON_H_
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/mesh/mesh.h"
+
+namespace latvox::client {
+
+// Cuts a polygon with n >= 3 corners into n - 2 triangles with the same corners and orientation, and appends them.
+//   concave             cut inside
+//   not planar          cut as its projection along its mean normal
+//   self-intersecting   gets n - 2 triangles that cover all its corners
+void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions,
+                 std::vector<std::array<uint32_t, 3>>& triangles);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_FILES_POLYGON_H_

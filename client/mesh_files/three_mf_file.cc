@@ -1,0 +1,236 @@
+#include "client/mesh_files/three_mf_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <pugixml.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "client/mesh/affine.h"
+#include "client/mesh_files/float_text.h"
+#include "client/mesh_files/mesh_join.h"
+#include "client/mesh_files/three_mf_part.h"
+#include "client/mesh_files/three_mf_properties.h"
+#include "client/mesh_files/zip_archive.h"
+
+// No assimp, although it has an importer: it trusts the archive's declared sizes with memory, ignores the unit, reads
+// only the first model file and misses the nearest float32. No lib3mf 1.8: it refuses degenerate triangles.
+namespace latvox::client {
+namespace {
+
+constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
+constexpr size_t kMaxObjects = size_t{1} << 20;
+constexpr int kMaxDepth = 64;  // nesting of components
+constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
+
+absl::Status ReadThreeMfVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3f>& positions) {
+  Vec3f& position = positions.emplace_back();
+  for (size_t m = 0; m < 3; ++m) {
+    const char* const name = m == 0 ? "x" : m == 1 ? "y" : "z";
+    const absl::string_view word = AttributeOf(node, name).value();
+    if (!ParseFloat(word, position[m]) || !std::isfinite(position[m])) {
+      return part.Error(node, name, "=\"", word, "\" of vertex ", positions.size() - 1, " is not a finite number");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadTriangle(const ThreeMfPart& part, const pugi::xml_node& node, Mesh& mesh) {
+  std::array<uint32_t, 3> triangle{};
+  for (size_t n = 0; n < 3; ++n) {
+    const char* const name = n == 0 ? "v1" : n == 1 ? "v2" : "v3";
+    const absl::string_view word = AttributeOf(node, name).value();
+    if (!absl::SimpleAtoi(word, &triangle[n]) || triangle[n] >= mesh.positions.size()) {
+      return part.Error(node, name, "=\"", word, "\" of triangle ", mesh.triangles.size(), " is not within the ",
+                        mesh.positions.size(), " vertices");
+    }
+  }
+  mesh.triangles.push_back(triangle);
+  return absl::OkStatus();
+}
+
+// Reads the mesh of `object`, whose properties are the default of its triangles.
+absl::StatusOr<Mesh> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& object, ThreeMfProperties& properties) {
+  const pugi::xml_node node = Child(object, "mesh");
+  Mesh mesh;
+  for (const pugi::xml_node& vertex : Child(node, "vertices")) {
+    if (LocalName(vertex.name()) != "vertex") continue;
+    if (auto status = ReadThreeMfVertex(part, vertex, mesh.positions); !status.ok()) return status;
+  }
+  ThreeMfCarrier carrier(part, object, properties);
+  for (const pugi::xml_node& triangle : Child(node, "triangles")) {
+    if (LocalName(triangle.name()) != "triangle") continue;
+    carrier.Begin(triangle, mesh);
+    if (auto status = ReadTriangle(part, triangle, mesh); !status.ok()) return status;
+  }
+  carrier.Finish(mesh);
+  return mesh;
+}
+
+// Reads twelve numbers: the rows of a matrix for row vectors, without its last column.
+absl::StatusOr<Affine> ReadTransform(const ThreeMfPart& part, const pugi::xml_node& node) {
+  const pugi::xml_attribute attribute = AttributeOf(node, "transform");
+  if (!attribute) return kIdentity;
+  const std::vector<absl::string_view> words =
+      absl::StrSplit(attribute.value(), absl::ByAnyChar(" \t\r\n"), absl::SkipEmpty());
+  Affine map{};
+  for (size_t n = 0; n < 12 && words.size() == 12; ++n) {
+    double& number = map[n % 3][n / 3];
+    if (absl::SimpleAtod(words[n], &number) && std::isfinite(number)) continue;
+    return part.Error(node, "transform: \"", words[n], "\" is not a finite number");
+  }
+  if (words.size() != 12) return part.Error(node, "transform has ", words.size(), " numbers, not 12");
+  return map;
+}
+
+absl::StatusOr<double> MillimetersOf(const ThreeMfPart& part) {
+  constexpr std::pair<absl::string_view, double> kUnits[] = {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10},
+                                                             {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
+  const pugi::xml_attribute unit = AttributeOf(part.root(), "unit");
+  for (const auto& [name, millimeters] : kUnits) {
+    if (name == (unit ? unit.value() : "millimeter")) return millimeters;
+  }
+  return part.Error(part.root(), "unit \"", unit.value(),
+                    "\" is not one of micron millimeter centimeter inch foot meter");
+}
+
+// Required extensions are namespaces, and the file chooses their prefixes.
+absl::Status CheckRequiredExtensions(const ThreeMfPart& part) {
+  const absl::string_view required = part.root().attribute("requiredextensions").value();
+  for (const absl::string_view prefix : absl::StrSplit(required, ' ', absl::SkipEmpty())) {
+    const absl::string_view space = part.root().attribute(absl::StrCat("xmlns:", prefix).c_str()).value();
+    if (space == kProduction || space == kMaterials) continue;
+    return part.Error(part.root(), "requires the extension \"", prefix, "\" (", space, "), which is not read");
+  }
+  return absl::OkStatus();
+}
+
+class Reader {
+ public:
+  explicit Reader(ZipArchive archive) : archive_(std::move(archive)) {}
+
+  absl::StatusOr<Mesh> Read() {
+    const auto name = ModelName();
+    if (!name.ok()) return name.status();
+    const auto part = PartNamed(*name);
+    if (!part.ok()) return part.status();
+    const auto millimeters = MillimetersOf(**part);
+    if (!millimeters.ok()) return millimeters.status();
+    const pugi::xml_node build = Child((*part)->root(), "build");
+    for (const pugi::xml_node& item : build) {
+      if (LocalName(item.name()) != "item") continue;
+      if (auto status = Place(**part, item, Scaling(*millimeters), 0); !status.ok()) return status;
+    }
+    if (placed_ == 0) return (*part)->Error((*part)->root(), "the build has no item and places no object");
+    mesh_.materials = properties_.materials();
+    return std::move(mesh_);
+  }
+
+ private:
+  using Objects = absl::flat_hash_map<std::string, pugi::xml_node>;
+
+  struct Model {
+    std::unique_ptr<ThreeMfPart> part;
+    Objects objects;
+  };
+
+  // Returns the file that the archive's relations declare as the model.
+  absl::StatusOr<std::string> ModelName() {
+    auto text = archive_.Read("_rels/.rels");
+    if (!text.ok()) return text.status();
+    const auto part = ThreeMfPart::Parse("_rels/.rels", *std::move(text));
+    if (!part.ok()) return part.status();
+    for (const pugi::xml_node& relation : (*part)->root()) {
+      if (absl::EndsWith(relation.attribute("Type").value(), "/3dmodel")) return relation.attribute("Target").value();
+    }
+    return (*part)->Error((*part)->root(), "names no 3D model");
+  }
+
+  absl::StatusOr<const ThreeMfPart*> PartNamed(absl::string_view given) {
+    const std::string name(absl::StripPrefix(given, "/"));
+    const auto found = models_.find(name);
+    if (found != models_.end()) return found->second.part.get();
+    auto text = archive_.Read(name);
+    if (!text.ok()) return text.status();
+    auto part = ThreeMfPart::Parse(name, *std::move(text));
+    if (!part.ok()) return part.status();
+    if (LocalName((*part)->root().name()) != "model") return (*part)->Error((*part)->root(), "is not <model>");
+    if (auto status = CheckRequiredExtensions(**part); !status.ok()) return status;
+    Model& model = models_[name];
+    for (const pugi::xml_node& object : Child((*part)->root(), "resources")) {
+      if (LocalName(object.name()) == "object") model.objects.emplace(object.attribute("id").value(), object);
+    }
+    properties_.Add(**part);
+    model.part = *std::move(part);
+    return model.part.get();
+  }
+
+  // Places the object that an <item> or <component> refers to.
+  absl::Status Place(const ThreeMfPart& part, const pugi::xml_node& reference, const Affine& outer, int depth) {
+    const auto map = ReadTransform(part, reference);
+    if (!map.ok()) return map.status();
+    const pugi::xml_attribute path = AttributeOf(reference, "path");
+    const auto home = path ? PartNamed(path.value()) : &part;
+    if (!home.ok()) return home.status();
+    const std::string id = reference.attribute("objectid").value();
+    const Objects& objects = models_[(*home)->name()].objects;
+    const auto object = objects.find(id);
+    if (object == objects.end())
+      return part.Error(reference, "objectid=\"", id, "\" is not an object of ", (*home)->name());
+    if (depth > kMaxDepth) return part.Error(reference, "components nest deeper than ", kMaxDepth);
+    if (++placed_ > kMaxObjects) {
+      return absl::ResourceExhaustedError(absl::StrCat("the build places more than ", kMaxObjects, " objects"));
+    }
+    const pugi::xml_node node = object->second;  // models_ may grow below
+    const Affine to_world = outer * *map;
+    for (const pugi::xml_node& component : Child(node, "components")) {
+      if (LocalName(component.name()) != "component") continue;
+      if (auto status = Place(**home, component, to_world, depth + 1); !status.ok()) return status;
+    }
+    if (Child(node, "mesh")) return AppendObject(**home, node, to_world);
+    return absl::OkStatus();
+  }
+
+  absl::Status AppendObject(const ThreeMfPart& part, const pugi::xml_node& node, const Affine& to_world) {
+    auto& read = meshes_[node.internal_object()];
+    if (read == nullptr) {
+      auto mesh = ReadMesh(part, node, properties_);
+      if (!mesh.ok()) return mesh.status();
+      read = std::make_unique<Mesh>(*std::move(mesh));
+    }
+    if (std::max(mesh_.triangles.size() + read->triangles.size(), mesh_.positions.size() + read->positions.size()) >
+        kMostPlaced) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("the build has more than ", kMostPlaced, " triangles or vertices"));
+    }
+    const absl::Status status = Append(*read, to_world, mesh_);
+    return status.ok() ? status : part.Error(node, status.message());
+  }
+
+  ZipArchive archive_;
+  absl::flat_hash_map<std::string, Model> models_;
+  absl::flat_hash_map<void*, std::unique_ptr<Mesh>> meshes_;  // keyed by node
+  ThreeMfProperties properties_;
+  size_t placed_ = 0;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+absl::StatusOr<Mesh> Parse3mf(absl::string_view bytes) {
+  auto archive = ZipArchive::Open(bytes, kMaxBytes);
+  if (!archive.ok()) return archive.status();
+  return Reader(*std::move(archive)).Read();
+}
+
+}  // namespace latvox::client

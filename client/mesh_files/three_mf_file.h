@@ -1,0 +1,29 @@
+// 3MF, the 3D Manufacturing Format: a zip archive of XML.
+#ifndef LATVOX_CLIENT_MESH_FILES_THREE_MF_FILE_H_
+#define LATVOX_CLIENT_MESH_FILES_THREE_MF_FILE_H_
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client/mesh/mesh.h"
+
+namespace latvox::client {
+
+// Returns all objects that the items of the build place, in world coordinates, millimeters.
+// - Transforms of items and components and the unit of the model are applied in double, with one rounding to float32.
+//   In millimeters and without a transform, positions are the nearest float32 to the text.
+// - Each placed object is a part, as often as it is placed.
+// - Base materials are materials, numbered by first use. Colors are the displaycolor of a base material, or those of a
+//   colorgroup. A vertex with several colors becomes several vertices.
+// - Extensions: production is read (parts in several files), and the colorgroup of materials. Everything else that is
+//   not a required extension is ignored. Textures are not sampled.
+// Errors:
+//   INVALID_ARGUMENT     names part, line, element and value: not a zip archive; not XML; an attribute that is missing
+//                        or not a number, a vertex index out of range, an object that does not exist or contains
+//                        itself, a required extension that is not read
+//   RESOURCE_EXHAUSTED   parts of more than 1 GiB unpacked; more than kMostPlaced triangles or vertices, or 2^20
+//                        objects, each counted as often as it is placed
+absl::StatusOr<Mesh> Parse3mf(absl::string_view bytes);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_FILES_THREE_MF_FILE_H_

@@ -1,0 +1,102 @@
+#include "client/mesh_files/three_mf_properties.h"
+
+#include <algorithm>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "client/mesh/mesh_attributes.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr char kBaseMaterials[] = "basematerials", kColorGroup[] = "colorgroup";
+
+// Parses "#RRGGBB" or "#RRGGBBAA".
+std::optional<Color> ParseColor(absl::string_view text) {
+  if ((text.size() != 7 && text.size() != 9) || text[0] != '#') return std::nullopt;
+  uint32_t number = 0;
+  text.remove_prefix(1);
+  if (!std::all_of(text.begin(), text.end(), absl::ascii_isxdigit) || !absl::SimpleHexAtoi(text, &number)) {
+    return std::nullopt;
+  }
+  if (text.size() == 8) number >>= 8;
+  return Color{static_cast<uint8_t>(number >> 16), static_cast<uint8_t>(number >> 8), static_cast<uint8_t>(number)};
+}
+
+}  // namespace
+
+void ThreeMfProperties::Add(const ThreeMfPart& part) {
+  for (const pugi::xml_node& node : Child(part.root(), "resources")) {
+    const std::string kind(LocalName(node.name()));
+    if (kind == "object") continue;
+    Group group;
+    group.kind = kind;
+    const absl::string_view member = kind == kBaseMaterials ? "base" : kind == kColorGroup ? "color" : "";
+    for (const pugi::xml_node& child : node) {
+      if (LocalName(child.name()) == member) group.members.push_back(child);
+    }
+    group.materials.resize(kind == kBaseMaterials ? group.members.size() : 0);
+    groups_.emplace(std::pair(part.name(), std::string(node.attribute("id").value())), std::move(group));
+  }
+}
+
+absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeMfPart& part, const pugi::xml_node& node,
+                                                                    const std::string& group, const char* name,
+                                                                    const pugi::xml_attribute& index) {
+  const auto found = groups_.find(std::pair(part.name(), group));
+  if (found == groups_.end()) return part.Error(node, "pid=\"", group, "\" is not a group of properties");
+  Group& in = found->second;
+  if (in.kind != kBaseMaterials && in.kind != kColorGroup) {
+    return part.Error(node, "pid=\"", group, "\" is a <", in.kind, ">, and only ", kBaseMaterials, " and ", kColorGroup,
+                      " are read");
+  }
+  size_t number = 0;
+  if (!absl::SimpleAtoi(index.value(), &number) || number >= in.members.size()) {
+    return part.Error(node, name, "=\"", index.value(), "\" is not within the ", in.members.size(), " of <", in.kind,
+                      "> ", group);
+  }
+  const bool is_material = in.kind == kBaseMaterials;
+  const char* const text = AttributeOf(in.members[number], is_material ? "displaycolor" : "color").value();
+  const auto color = ParseColor(text);
+  if (!color) return part.Error(in.members[number], "\"", text, "\" is not a color #RRGGBB or #RRGGBBAA");
+  if (is_material && !in.materials[number]) in.materials[number] = materials_++;
+  return Property{is_material ? in.materials[number] : std::nullopt, *color};
+}
+
+absl::StatusOr<ThreeMfCarrier::Carried> ThreeMfCarrier::ReadCarried(const pugi::xml_node& triangle) {
+  const pugi::xml_attribute own = AttributeOf(triangle, "pid");
+  const std::string group = (own ? own : AttributeOf(object_, "pid")).value();
+  pugi::xml_attribute first = AttributeOf(triangle, "p1");
+  const bool by_object = !first && !own;
+  if (by_object) first = AttributeOf(object_, "pindex");
+  if (group.empty() || (by_object && !first)) return Carried{};
+  const auto property =
+      properties_.Find(part_, by_object ? object_ : triangle, group, by_object ? "pindex" : "p1", first);
+  if (!property.ok()) return property.status();
+  Carried carried{property->material, {{property->color, property->color, property->color}}};
+  for (size_t n = 1; n < 3 && !by_object && !property->material; ++n) {
+    const char* const name = n == 1 ? "p2" : "p3";
+    const pugi::xml_attribute index = AttributeOf(triangle, name);
+    if (!index) continue;
+    const auto other = properties_.Find(part_, triangle, group, name, index);
+    if (!other.ok()) return other.status();
+    (*carried.colors)[n] = other->color;
+  }
+  return carried;
+}
+
+void ThreeMfCarrier::Begin(const pugi::xml_node& triangle, Mesh& mesh) {
+  const auto read = ReadCarried(triangle);
+  if (!read.ok() && mesh.no_color.empty()) mesh.no_color = std::string(read.status().message());
+  const Carried carried = read.ok() ? *read : Carried{};
+  if (carried.material != material_) BeginStretch(0, carried.material, mesh);
+  material_ = carried.material;
+  if (carried.colors) colors_.push_back(*carried.colors);
+}
+
+void ThreeMfCarrier::Finish(Mesh& mesh) const {
+  if (colors_.size() == mesh.triangles.size()) ColorCorners(colors_, mesh);
+}
+
+}  // namespace latvox::client

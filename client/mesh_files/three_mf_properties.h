@@ -1,0 +1,80 @@
+// Materials and colors of 3MF triangles.
+#ifndef LATVOX_CLIENT_MESH_FILES_THREE_MF_PROPERTIES_H_
+#define LATVOX_CLIENT_MESH_FILES_THREE_MF_PROPERTIES_H_
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/statusor.h"
+#include "client/mesh/mesh.h"
+#include "client/mesh_files/three_mf_part.h"
+
+namespace latvox::client {
+
+// The groups of properties in all model files of an archive. Base materials are materials, with displaycolor as color.
+// A colorgroup has only colors. Other groups, such as textures, are not read. Materials are numbered by first use.
+class ThreeMfProperties {
+ public:
+  struct Property {
+    std::optional<uint32_t> material;
+    Color color{};  // sRGB as in the file, without alpha
+  };
+
+  // Adds the groups of a model file, which must outlive this object.
+  void Add(const ThreeMfPart& part);
+
+  // Returns the property that `node` refers to with attribute `name`. Errors, with the place of `node`: the group does
+  // not exist, is not read, or has too few properties; the color is not valid.
+  absl::StatusOr<Property> Find(const ThreeMfPart& part, const pugi::xml_node& node, const std::string& group,
+                                const char* name, const pugi::xml_attribute& index);
+
+  uint32_t materials() const { return materials_; }
+
+ private:
+  struct Group {
+    std::string kind;                                // name of its element
+    std::vector<pugi::xml_node> members;             // in order
+    std::vector<std::optional<uint32_t>> materials;  // numbers of the used members
+  };
+
+  absl::flat_hash_map<std::pair<std::string, std::string>, Group> groups_;  // keyed by file and id
+  uint32_t materials_ = 0;
+};
+
+// The materials and colors of one object's triangles. A dangling reference is an error only for a request that needs
+// it: the reason is then in Mesh::no_color.
+class ThreeMfCarrier {
+ public:
+  // All arguments must outlive the object.
+  ThreeMfCarrier(const ThreeMfPart& part, const pugi::xml_node& object, ThreeMfProperties& properties)
+      : part_(part), object_(object), properties_(properties) {}
+
+  // Call it before the triangle is added to the mesh.
+  void Begin(const pugi::xml_node& triangle, Mesh& mesh);
+
+  // Call it after the last triangle. Stores the colors in the mesh if all triangles have some.
+  void Finish(Mesh& mesh) const;
+
+ private:
+  struct Carried {
+    std::optional<uint32_t> material;
+    std::optional<std::array<Color, 3>> colors;  // of the corners
+  };
+  absl::StatusOr<Carried> ReadCarried(const pugi::xml_node& triangle);
+
+  const ThreeMfPart& part_;
+  const pugi::xml_node object_;
+  ThreeMfProperties& properties_;
+  std::optional<uint32_t> material_;          // of the previous triangle
+  std::vector<std::array<Color, 3>> colors_;  // of the triangles with colors
+};
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_MESH_FILES_THREE_MF_PROPERTIES_H_
