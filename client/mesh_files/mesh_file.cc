@@ -52,7 +52,7 @@ std::string Known() {
 
 }  // namespace
 
-absl::StatusOr<Mesh> ReadMeshFile(const std::string& path) {
+absl::StatusOr<Mesh> ReadMesh(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
   if (std::filesystem::is_directory(path, error)) {

@@ -14,7 +14,7 @@ namespace latvox::client {
 // applied), polygons are triangulated, and attributes are read into Mesh. Binary float32 positions are kept bit by bit.
 // Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, an index out of range, a vertex
 // that is not finite, no triangle at all; RESOURCE_EXHAUSTED: unpacks to too much.
-absl::StatusOr<Mesh> ReadMeshFile(const std::string& path);
+absl::StatusOr<Mesh> ReadMesh(const std::string& path);
 
 // Reads bytes of a known format. The path serves only for errors. Files that a glTF refers to are looked for in the
 // working directory.

@@ -1,4 +1,4 @@
-// Formats of meshes, and how to recognize them.
+// How to recognize the formats of meshes.
 #ifndef LATVOX_CLIENT_MESH_FILES_MESH_FORMAT_H_
 #define LATVOX_CLIENT_MESH_FILES_MESH_FORMAT_H_
 
@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "absl/strings/string_view.h"
+#include "latvox/mesh_files/read_mesh_file.h"
 
 namespace latvox::client {
-
-enum class MeshFormat { kDraco, kObj, kPly, kStl, kGlb, kGltf, kThreeMf };
 
 // The formats with their extensions, without the dot, which are also the words of --input-format.
 const std::vector<std::pair<std::string, MeshFormat>>& MeshFormats();

@@ -35,7 +35,7 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   const bool standard_input = path == kStandardInput;
   const auto by_name = FormatOfPath(path);
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
-    return ReadMeshFile(path);
+    return ReadMesh(path);
   }
   auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
   if (!bytes.ok()) return bytes.status();

@@ -9,8 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "client/mesh/mesh.h"
-#include "client/mesh/up_axis.h"
 #include "client/mesh_files/mesh_format.h"
+#include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -20,9 +20,7 @@ namespace latvox::client {
 struct MeshSource {
   std::vector<std::string> paths;    // at least one; "-" is standard input, at most once
   std::optional<MeshFormat> format;  // of all files; absent: by extension, or by the first bytes of standard input
-  // The axis that becomes z, by an exact quarter turn about another axis. kY keeps x: (x, y, z) goes to (x, -z, y). kX
-  // keeps y: (x, y, z) goes to (-z, y, x).
-  UpAxis up = UpAxis::kZ;
+  UpAxis up = UpAxis::kZ;            // the axis that becomes z
   double scale = 1;
   std::vector<Attribute> attributes = {};  // required of each mesh, except a single Draco stream
 };
@@ -36,7 +34,7 @@ bool MayReferToFiles(const MeshSource& input);
 // One mesh, or the bytes of one Draco stream that is sent unchanged.
 using MeshOrDraco = std::variant<Mesh, std::string>;
 
-// Errors, with the path: as ReadMeshFile; INVALID_ARGUMENT: standard input has no known format, a vertex is not finite
+// Errors, with the path: as ReadMesh; INVALID_ARGUMENT: standard input has no known format, a vertex is not finite
 // after scaling, a mesh lacks a required attribute.
 absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input);
 

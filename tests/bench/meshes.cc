@@ -138,7 +138,7 @@ absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
     return std::move(decoded->mesh);
   }
   if (absl::EndsWith(name, ".3ds")) return ReadSceneFile(name);
-  auto mesh = client::ReadMeshFile(name);
+  auto mesh = client::ReadMesh(name);
   if (!mesh.ok()) return mesh.status();
   return TriangleMesh{{mesh->positions.begin(), mesh->positions.end()}, std::move(mesh->triangles)};
 }

@@ -40,10 +40,12 @@ def configure(source, build, *options, **more):
 PLUGIN = """
 #include <latvox/client.h>
 #include <latvox/mesh/encode_mesh.h>
+#include <latvox/mesh_files/read_mesh_file.h>
 
-extern "C" __attribute__((visibility("default"))) int triangles_refused() {
+extern "C" __attribute__((visibility("default"))) int meshes_refused() {
   const auto client = latvox::client::Client::Connect("no address");
-  return !client.ok() && !latvox::client::EncodeMesh({}, {}).ok();
+  return !client.ok() && !latvox::client::EncodeMesh(latvox::client::TriangleMesh()).ok() &&
+         !latvox::client::ReadMeshFile("missing.obj").ok();
 }
 """
 
@@ -76,7 +78,7 @@ class Kind:
         run("cmake", "--install", self.build, "--prefix", folder / "first")
         (folder / "first").rename(self.prefix)  # programs are built against the moved copy
         shutil.copytree(ROOT / "client/examples", folder / "source")
-        needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco") if shared]
+        needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco", "pugixml") if shared]
         configure(folder / "source", self.examples, f"-DCMAKE_PREFIX_PATH={self.prefix}",
                   "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror", *needless)
         run("cmake", "--build", self.examples, env=self.cached)
@@ -133,8 +135,8 @@ class SdkAlone(harness.Case):
         (kind.folder / "plugin.cc").write_text(PLUGIN)
         plugin = kind.folder / "plugin.so"
         run("g++", "-std=c++20", "-fPIC", "-fvisibility=hidden", "-shared", "-Wl,-z,defs", kind.folder / "plugin.cc", "-o", plugin,
-            *kind.pkg_config("--cflags", "--libs", "latvox-mesh"))
-        self.assertEqual(ctypes.CDLL(str(plugin)).triangles_refused(), 1)
+            *kind.pkg_config("--cflags", "--libs", "latvox-mesh-files"))
+        self.assertEqual(ctypes.CDLL(str(plugin)).meshes_refused(), 1)
 
     def test_nothing_of_the_tool_or_the_server_is_read(self):
         for name, kind in self.kinds.items():
@@ -148,17 +150,19 @@ class SdkAlone(harness.Case):
                 self.assertNotRegex(kind.said, "(?i)tbb|openvdb|boost")
 
     def test_shared_libraries_bring_what_they_need(self):
-        """Link lines of their users have neither gRPC nor Protobuf nor Draco."""
+        """Link lines of their users have neither gRPC nor Protobuf nor libraries of formats."""
         kind = self.kinds["shared"]
-        self.assertNotRegex(run("ninja", "-C", kind.examples, "-t", "commands"), "grpc|protobuf|draco")
-        self.assertNotRegex(" ".join(kind.pkg_config("--cflags", "--libs", "latvox-mesh")), "grpc|protobuf|draco")
-        for name in "client", "mesh":
+        self.assertNotRegex(run("ninja", "-C", kind.examples, "-t", "commands"), "grpc|protobuf|draco|zip|pugixml")
+        for package in "latvox-mesh", "latvox-mesh-files":
+            self.assertNotRegex(" ".join(kind.pkg_config("--cflags", "--libs", package)), "grpc|protobuf|draco|zip|pugixml")
+        for name in "client", "mesh", "mesh_files":
             library = kind.prefix / f"lib/liblatvox_{name}.so"
             self.assertRegex(run("readelf", "-d", library), rf"soname: \[liblatvox_{name}\.so\.\d+\.\d+\]")
 
     def test_shared_libraries_show_what_the_headers_mark_and_no_more(self):
         lib, include = self.kinds["shared"].prefix / "lib", ROOT / "client/include/latvox"
-        for name, headers in ("client", include.glob("*.h")), ("mesh", include.glob("mesh/*.h")):
+        for name, headers in (("client", include.glob("*.h")), ("mesh", include.glob("mesh/*.h")),
+                              ("mesh_files", include.glob("mesh_files/*.h"))):
             symbols = run("nm", "-DC", "--defined-only", lib / f"liblatvox_{name}.so").splitlines()
             shown = {re.sub(r"^(vtable|typeinfo|typeinfo name) for ", "", line.split(maxsplit=2)[2]) for line in symbols}
             self.assertEqual({re.match(r"latvox::client::(\w+)|", symbol)[1] for symbol in shown}, marked(headers))

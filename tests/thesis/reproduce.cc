@@ -144,7 +144,7 @@ double MeasureTiming(const Plan& plan) {
 }
 
 TriangleMesh Read(const std::string& path) {
-  const auto file = client::ReadMeshFile(path);
+  const auto file = client::ReadMesh(path);
   if (!file.ok()) {
     std::fprintf(stderr, "thesis_reproduce: %s\n", file.status().ToString().c_str());
     std::exit(1);

@@ -17,10 +17,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
-#include "client/mesh/up_axis.h"
 #include "client/tool/cli/session.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/option_row.h"
+#include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
 
 namespace latvox::client {

@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/mesh/up_axis.h"
+#include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
 
 namespace latvox::client {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/mesh/up_axis.h"
 #include "client/tool/output/voxel_scene.h"
 #include "latvox/cancellation.h"
+#include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
 
 namespace latvox::client {

@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "client/mesh/up_axis.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/output.h"
+#include "latvox/mesh_files/up_axis.h"
 
 namespace latvox::client {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/mesh/up_axis.h"
 #include "latvox/grid/grid_content.h"
+#include "latvox/mesh_files/up_axis.h"
 
 namespace latvox::client {
 

@@ -10,9 +10,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "latvox/export.h"
+#include "latvox/mesh/triangle_mesh.h"
+#include "latvox/types.h"
 
 namespace latvox::client {
 
@@ -26,6 +29,18 @@ namespace latvox::client {
 LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> positions,
                                                      std::span<const std::array<uint32_t, 3>> triangles,
                                                      int quantization_bits = 0);
+
+// All are optional.
+struct EncodeOptions {
+  std::vector<Attribute> attributes = {};  // numbers that the stream carries besides positions, each once
+  int quantization_bits = 0;               // as above
+};
+
+// Encodes a mesh with attributes in the same way, for a request with the same VoxelizeRequest::attributes. Positions
+// are rounded to float32, because the service takes no others. Errors: as above, and INVALID_ARGUMENT for a position
+// beyond float32, a list of another length, parts that descend, an attribute that is named twice or that the mesh
+// lacks.
+LATVOX_EXPORT absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, const EncodeOptions& options = {});
 
 }  // namespace latvox::client
 

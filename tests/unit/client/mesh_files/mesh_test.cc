@@ -210,17 +210,17 @@ std::string BinaryStl(uint32_t triangles) {
 }
 
 TEST_F(MeshFile, ReadsBinaryStlBitByBit) {
-  const auto mesh = ReadMeshFile(Write("m.stl", BinaryStl(2)));
+  const auto mesh = ReadMesh(Write("m.stl", BinaryStl(2)));
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   ASSERT_EQ(mesh->triangles.size(), 2u);
   EXPECT_THAT(mesh->positions[mesh->triangles[1][2]], ElementsAre(0.F, 0.1F, 1.F));
 }
 
 TEST_F(MeshFile, ReadsAsciiStl) {
-  const auto mesh = ReadMeshFile(
-      Write("m.STL",
-            "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0.5\nendloop\n"
-            "endfacet\nendsolid s\n"));
+  const auto mesh =
+      ReadMesh(Write("m.STL",
+                     "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0.5\nendloop\n"
+                     "endfacet\nendsolid s\n"));
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   ASSERT_EQ(mesh->triangles.size(), 1u);
   EXPECT_THAT(mesh->positions[2], ElementsAre(0.F, 1.F, 0.5F));
@@ -271,7 +271,7 @@ constexpr char kTriangle[] = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAA
 constexpr char kBadIndex[] = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAkAAAA=";
 
 TEST_F(MeshFile, AppliesNestedNodeTransformsOfGltfToEveryInstance) {
-  const auto mesh = ReadMeshFile(Write(
+  const auto mesh = ReadMesh(Write(
       "m.gltf", Gltf(kTriangle, R"({"children":[1,2],"translation":[10,0,0]},{"mesh":0,"scale":[2,3,4]},{"mesh":0})")));
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   ASSERT_EQ(mesh->triangles.size(), 2u);
@@ -281,7 +281,7 @@ TEST_F(MeshFile, AppliesNestedNodeTransformsOfGltfToEveryInstance) {
 
 TEST_F(MeshFile, ErrorsNameTheFile) {
   const auto fails = [this](const std::string& name, const std::string& bytes) {
-    const auto mesh = ReadMeshFile(Write(name, bytes));
+    const auto mesh = ReadMesh(Write(name, bytes));
     EXPECT_EQ(mesh.status().code(), absl::StatusCode::kInvalidArgument) << name;
     EXPECT_THAT(Message(mesh.status()), HasSubstr(name));
   };
@@ -297,8 +297,8 @@ TEST_F(MeshFile, ErrorsNameTheFile) {
   fails("index.gltf", Gltf(kBadIndex, R"({"mesh":0})"));
   fails("cut.gltf", Gltf(kTriangle, R"({"mesh":0})", 400));
   fails("mesh.xyz", "v 0 0 0\n");
-  EXPECT_EQ(ReadMeshFile(Path("missing.stl")).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(ReadMeshFile(Path("")).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(ReadMesh(Path("missing.stl")).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ReadMesh(Path("")).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 // A reader that checks only for the end of such a file would take it for empty, or for complete.
@@ -319,7 +319,7 @@ TEST_F(MeshFile, AByteOrderMarkIsNoPartOfAText) {
                                    {"m.ply", ply},
                                    {"m.gltf", Gltf(kTriangle, R"({"mesh":0})")}}) {
     const std::string marked = "\xEF\xBB\xBF" + text;
-    const auto mesh = ReadMeshFile(Write(name, marked));
+    const auto mesh = ReadMesh(Write(name, marked));
     ASSERT_TRUE(mesh.ok()) << mesh.status();
     EXPECT_THAT(mesh->positions, ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0})) << name;
     EXPECT_EQ(FormatOfBytes(marked), FormatOfPath(name)) << name;
