@@ -1,9 +1,11 @@
 #include "latvox/client.h"
 
+#include <memory>
 #include <utility>
 
 #include "absl/strings/str_split.h"
 #include "client/internal/connection.h"
+#include "client/internal/private_server.h"
 #include "client/internal/remote_service.h"
 #include "client/internal/request_check.h"
 
@@ -50,6 +52,20 @@ absl::StatusOr<Client> Client::Connect(const std::vector<std::string>& addresses
   auto connection = Connection::Open(addresses, options, connection_options);
   if (!connection.ok()) return connection.status();
   return Client(std::make_shared<RemoteService>(*std::move(connection)));
+}
+
+absl::StatusOr<Client> Client::StartPrivate(const PrivateServerOptions& server_options, const CallOptions& options) {
+  auto server = PrivateServer::Start(server_options, options);
+  if (!server.ok()) return server.status();
+  absl::StatusOr<Client> client = Connect((*server)->address(), options);
+  if (!client.ok()) return client.status();
+  (*server)->RemoveDirectory();
+  struct Both {
+    std::unique_ptr<PrivateServer> server;
+    std::shared_ptr<VoxelService> service;  // destroyed first: the connection ends before its server
+  };
+  const auto both = std::make_shared<Both>(Both{*std::move(server), std::move(client->service_)});
+  return Client(std::shared_ptr<VoxelService>(both, both->service.get()));
 }
 
 absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,

@@ -47,9 +47,11 @@ if(TARGET request_rules_test)
   target_compile_definitions(request_rules_test PRIVATE LATVOX="$<TARGET_FILE:latvox>" LATVOXD="$<TARGET_FILE:latvoxd>")
   add_dependencies(request_rules_test latvox latvoxd)
 endif()
+latvox_add_test(client_private_server_test UNSANITIZED SOURCES unit/client/internal/private_server_test.cc
+                LIBRARIES latvox::client latvox_server_meshes GTest::gmock)
 latvox_add_test(client_failover_test UNSANITIZED SOURCES unit/client/internal/failover_test.cc
                 LIBRARIES latvox::client latvox_server_meshes GTest::gmock)
-foreach(test plane_call_test client_failover_test)
+foreach(test plane_call_test client_failover_test client_private_server_test)
   if(TARGET ${test})
     target_compile_definitions(${test} PRIVATE LATVOXD="$<TARGET_FILE:latvoxd>")
     add_dependencies(${test} latvoxd)

@@ -34,6 +34,7 @@
 #include "latvox/export.h"
 #include "latvox/mesh_id.h"
 #include "latvox/plane_types.h"
+#include "latvox/private_server_options.h"
 #include "latvox/types.h"
 #include "latvox/voxel_service.h"
 #include "latvox/voxelize_handlers.h"
@@ -54,6 +55,16 @@ class LATVOX_EXPORT Client {
   // Does the same, with one address in each text.
   static absl::StatusOr<Client> Connect(const std::vector<std::string>& addresses, const CallOptions& options = {},
                                         const ConnectionOptions& connection_options = {});
+
+  // Starts a server for this program alone, and connects to it. The server is another process. It ends with the last
+  // Client or BrickStream of this call, and by itself if this process ends without destructors, however that happens.
+  // It listens on a Unix socket that only this user can open, and takes half of the memory of an ordinary server,
+  // because the program needs the rest. It ignores variables that are meant for other servers: LATVOX_CONFIG,
+  // addresses, TLS and tokens. Its warnings go to standard error. Costs: about 50 ms. Nobody can connect to the server
+  // again, so a call that loses it ends with UNAVAILABLE. Errors: UNAVAILABLE with the program's name (not found, ended
+  // early, does not serve within 20 s); DEADLINE_EXCEEDED, CANCELLED.
+  static absl::StatusOr<Client> StartPrivate(const PrivateServerOptions& server_options = {},
+                                             const CallOptions& options = {});
 
   // Makes a client of another service than a server, for tests. Not null: see latvox/voxel_service.h.
   explicit Client(std::shared_ptr<VoxelService> service);

@@ -33,13 +33,26 @@ std::string EnvironmentValue(const char* name) {
 
 }  // namespace
 
+absl::Status Session::StartPrivate(const ServerChoice& choice, const CallOptions& options) {
+  auto server = PrivateServer::Start({.threads = choice.threads}, options, [this](const std::string& path) {
+    directory_ = std::make_unique<TemporaryDirectoryMark>(path);
+  });
+  if (!server.ok() && absl::IsUnavailable(server.status())) {
+    return absl::UnavailableError(absl::StrCat(server.status().message(), "; or give --server ADDRESS"));
+  }
+  if (!server.ok()) return server.status();
+  server_ = *std::move(server);
+  // Overwrites a progress line, if there is one.
+  std::fprintf(stderr, "%slatvox: no --server given, started a private %s for this call\n",
+               ErrorIsTerminal() ? "\r\x1b[K" : "", server_->program().c_str());
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOptions& options) {
   Session session;
   std::string address = choice.address;
   if (address.empty()) {
-    auto server = PrivateServer::Start(choice.threads, options);
-    if (!server.ok()) return server.status();
-    session.server_ = *std::move(server);
+    if (absl::Status status = session.StartPrivate(choice, options); !status.ok()) return status;
     address = session.server_->address();
   }
   ConnectionOptions connection{.credentials = choice.credentials};
@@ -51,6 +64,7 @@ absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOpti
   auto client = Client::Connect(address, options, connection);
   if (!client.ok()) return client.status();
   if (session.server_) session.server_->RemoveDirectory();
+  session.directory_.reset();
   session.client_ = *std::move(client);
   return session;
 }

@@ -7,7 +7,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/tool/cli/private_server.h"
+#include "client/internal/private_server.h"
+#include "client/tool/output/atomic_file.h"
 #include "latvox/client.h"
 
 namespace latvox::client {
@@ -32,6 +33,9 @@ class Session {
   const Client& client() const { return *client_; }
 
  private:
+  absl::Status StartPrivate(const ServerChoice& choice, const CallOptions& options);
+
+  std::unique_ptr<TemporaryDirectoryMark> directory_;  // of the server, while it exists
   // The order matters: the connection is destroyed before its server.
   std::unique_ptr<PrivateServer> server_;
   std::optional<Client> client_;

@@ -10,7 +10,6 @@
 #include "absl/time/clock.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/exit_status.h"
-#include "client/tool/cli/private_server.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/report.h"
 #include "client/tool/cli/voxelize_command.h"
@@ -153,63 +152,6 @@ TEST_F(Command, ACancelledOneStopsBeforeTheServerIsNeeded) {
   cancellation.Cancel();
   EXPECT_EQ(ExitStatusOf(RunVoxelize(options, cancellation).status()), ExitStatus::kCancelled);
   EXPECT_THAT(Names(), ElementsAre("m.obj"));
-}
-
-// Replaces latvoxd with a program, and puts the private directory in a visible place.
-class Private : public FilesTest {
- protected:
-  void Be(const std::string& script) const {
-    const std::string program = Write("fake", "#!/bin/sh\n" + script);
-    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-    std::filesystem::create_directory(Path("run"));
-    setenv("LATVOX_LATVOXD", program.c_str(), 1);
-    setenv("XDG_RUNTIME_DIR", Path("run").c_str(), 1);
-  }
-  ~Private() override {
-    unsetenv("LATVOX_LATVOXD");
-    unsetenv("XDG_RUNTIME_DIR");
-  }
-};
-
-TEST_F(Private, AServerThatEndsEarlyIsReportedAndItsDirectoryRemoved) {
-  Be("exit 7\n");
-  const auto server = PrivateServer::Start(std::nullopt, {});
-  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_THAT(std::string(server.status().message()), HasSubstr("status 7"));
-  EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
-}
-
-TEST_F(Private, AProgramThatIsMissingIsReported) {
-  Be("");
-  setenv("LATVOX_LATVOXD", Path("missing").c_str(), 1);
-  const auto server = PrivateServer::Start(std::nullopt, {});
-  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_THAT(std::string(server.status().message()), HasSubstr("missing"));
-  EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
-}
-
-TEST_F(Private, WhatTheEnvironmentSaysOfAServerForOthersIsLeftOut) {
-  Be("env > \"$0.variables\"\n");
-  setenv("LATVOX_TOKEN_FILE", "/nowhere", 1);
-  setenv("LATVOX_MAX_TRIANGLES", "5", 1);
-  EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
-  unsetenv("LATVOX_TOKEN_FILE");
-  unsetenv("LATVOX_MAX_TRIANGLES");
-  EXPECT_THAT(Read("fake.variables"), AllOf(HasSubstr("LATVOX_MAX_TRIANGLES=5"), Not(HasSubstr("TOKEN"))));
-}
-
-TEST_F(Private, OneThatNeverServesIsEndedAtTheDeadlineEvenIfItIgnoresSigterm) {
-  Be("echo $$ \"$@\" > \"$0.words\"\ntrap '' TERM\nwhile :; do sleep 0.05; done\n");
-  CallOptions options;
-  options.deadline = absl::Now() + absl::Milliseconds(300);
-  EXPECT_EQ(PrivateServer::Start(5, options).status().code(), absl::StatusCode::kDeadlineExceeded);
-  EXPECT_TRUE(std::filesystem::is_empty(Path("run")));
-  std::istringstream words(Read("fake.words"));
-  pid_t pid = 0;
-  words >> pid;
-  EXPECT_NE(kill(pid, 0), 0);
-  EXPECT_THAT(words.str(), HasSubstr("--listen unix:" + Path("run")));
-  EXPECT_THAT(words.str(), HasSubstr("--exit-with-parent --log-level warning --threads 5"));
 }
 
 TEST(AbandonedWork, IsNotWaitedForOnceCancelledOrLate) {

@@ -1,4 +1,4 @@
-#include "client/tool/cli/private_server.h"
+#include "client/internal/private_server.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -29,7 +29,8 @@ namespace {
 constexpr absl::Duration kStartLimit = absl::Seconds(20), kEndLimit = absl::Seconds(3);
 constexpr absl::Duration kPoll = absl::Milliseconds(5);
 
-std::string FindProgram() {
+std::string FindProgram(const std::string& given) {
+  if (!given.empty()) return given;
   if (const char* named = std::getenv("LATVOX_LATVOXD"); named != nullptr && *named != '\0') return named;
   std::error_code error;
   const auto beside = std::filesystem::read_symlink("/proc/self/exe", error).replace_filename("latvoxd");
@@ -50,8 +51,10 @@ void SetUp(posix_spawnattr_t& attributes, posix_spawn_file_actions_t& files) {
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  // Standard output belongs to the tool, and a program may read it.
+  // Standard output belongs to this program, and another one may read it.
   posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
+  posix_spawn_file_actions_addclosefrom_np(&files,
+                                           STDERR_FILENO + 1);  // whoever waits for their end waits for us alone
 }
 
 // Returns the environment without the variables of other servers: configuration file, addresses, TLS and tokens.
@@ -97,11 +100,13 @@ std::string Describe(int wait_status) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<PrivateServer>> PrivateServer::Start(std::optional<int> threads,
-                                                                    const CallOptions& options) {
+absl::StatusOr<std::unique_ptr<PrivateServer>> PrivateServer::Start(
+    const PrivateServerOptions& server_options, const CallOptions& options,
+    const std::function<void(const std::string& path)>& on_directory) {
   std::unique_ptr<PrivateServer> server(new PrivateServer);
   if (auto status = server->MakeDirectory(); !status.ok()) return status;
-  if (auto status = server->Spawn(threads); !status.ok()) return status;
+  if (on_directory) on_directory(server->directory_);
+  if (auto status = server->Spawn(server_options); !status.ok()) return status;
   if (auto status = server->AwaitReady(options); !status.ok()) return status;
   return server;
 }
@@ -121,7 +126,6 @@ void PrivateServer::RemoveDirectory() {
   std::error_code ignored;
   if (!directory_.empty()) std::filesystem::remove_all(directory_, ignored);
   directory_.clear();
-  mark_.reset();
 }
 
 std::string PrivateServer::address() const { return absl::StrCat("unix:", SocketPath()); }
@@ -137,7 +141,6 @@ absl::Status PrivateServer::MakeDirectory() {
     if (pattern.size() + std::strlen("/socket") >= sizeof(sockaddr_un::sun_path)) continue;
     if (mkdtemp(pattern.data()) != nullptr) {
       directory_ = pattern;
-      mark_.emplace(directory_);
       return absl::OkStatus();
     }
     error_number = errno;
@@ -146,14 +149,14 @@ absl::Status PrivateServer::MakeDirectory() {
       absl::StrCat("cannot create a directory for a private latvoxd: ", std::strerror(error_number)));
 }
 
-absl::Status PrivateServer::Spawn(std::optional<int> threads) {
-  program_ = FindProgram();
+absl::Status PrivateServer::Spawn(const PrivateServerOptions& options) {
+  program_ = FindProgram(options.program);
   std::vector<std::string> words = {
       program_,      "--listen", address(), "--parent-pid", absl::StrCat(getpid()), "--exit-with-parent",
       "--log-level", "warning"};
-  if (threads) {
+  if (options.threads) {
     words.push_back("--threads");
-    words.push_back(absl::StrCat(*threads));
+    words.push_back(absl::StrCat(*options.threads));
   }
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -167,8 +170,8 @@ absl::Status PrivateServer::Spawn(std::optional<int> threads) {
   posix_spawnattr_destroy(&attributes);
   if (error_number == 0) return absl::OkStatus();
   pid_ = -1;
-  return absl::UnavailableError(absl::StrCat("cannot start ", program_, ": ", std::strerror(error_number),
-                                             "; give --server ADDRESS or set LATVOX_LATVOXD"));
+  return absl::UnavailableError(
+      absl::StrCat("cannot start ", program_, ": ", std::strerror(error_number), "; LATVOX_LATVOXD may name it"));
 }
 
 absl::Status PrivateServer::AwaitReady(const CallOptions& options) {

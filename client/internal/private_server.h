@@ -1,17 +1,17 @@
-// A private latvoxd for one call.
-#ifndef LATVOX_CLIENT_TOOL_CLI_PRIVATE_SERVER_H_
-#define LATVOX_CLIENT_TOOL_CLI_PRIVATE_SERVER_H_
+// A latvoxd for this program alone.
+#ifndef LATVOX_CLIENT_INTERNAL_PRIVATE_SERVER_H_
+#define LATVOX_CLIENT_INTERNAL_PRIVATE_SERVER_H_
 
 #include <sys/types.h>
 
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/tool/output/atomic_file.h"
-#include "latvox/client.h"
+#include "latvox/call_options.h"
+#include "latvox/private_server_options.h"
 
 namespace latvox::client {
 
@@ -21,10 +21,12 @@ namespace latvox::client {
 // ignores variables that are meant for other servers: LATVOX_CONFIG, addresses, TLS and tokens.
 class PrivateServer {
  public:
-  // Starts latvoxd and waits until it accepts connections. The program is $LATVOX_LATVOXD, otherwise the latvoxd beside
-  // this program, otherwise the one in PATH.
+  // Starts latvoxd and waits until it accepts connections. Calls `on_directory` with the new directory, so that a
+  // program which ends without destructors can remove it.
   // Errors: UNAVAILABLE (not found, ended early, does not answer in time); DEADLINE_EXCEEDED; CANCELLED.
-  static absl::StatusOr<std::unique_ptr<PrivateServer>> Start(std::optional<int> threads, const CallOptions& options);
+  static absl::StatusOr<std::unique_ptr<PrivateServer>> Start(
+      const PrivateServerOptions& server_options, const CallOptions& options,
+      const std::function<void(const std::string& path)>& on_directory = nullptr);
   ~PrivateServer();
   PrivateServer(const PrivateServer&) = delete;
   PrivateServer& operator=(const PrivateServer&) = delete;
@@ -39,15 +41,14 @@ class PrivateServer {
  private:
   PrivateServer() = default;
   absl::Status MakeDirectory();
-  absl::Status Spawn(std::optional<int> threads);
+  absl::Status Spawn(const PrivateServerOptions& options);
   absl::Status AwaitReady(const CallOptions& options);
   std::string SocketPath() const;
 
   std::string program_, directory_;
-  std::optional<TemporaryDirectoryMark> mark_;  // of directory_
-  pid_t pid_ = -1;                              // -1: no server to end
+  pid_t pid_ = -1;  // -1: no server to end
 };
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_TOOL_CLI_PRIVATE_SERVER_H_
+#endif  // LATVOX_CLIENT_INTERNAL_PRIVATE_SERVER_H_
