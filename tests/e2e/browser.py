@@ -107,8 +107,9 @@ class Tab:
         return done["result"].get("value")
 
     def key(self, key):
+        code = CODES.get(key) or ord(key.upper())
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=CODES[key])
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
 
     def touch(self, *places):
         """Moves fingers through these places, each a list of (x, y); then they leave."""

@@ -3,6 +3,7 @@
 import csv
 import filecmp
 import json
+import math
 import pathlib
 import re
 import subprocess
@@ -13,7 +14,7 @@ import unittest
 import numpy
 import pyopenvdb
 
-from browser import Browser, Tab
+from browser import Browser, Tab, decode
 from harness import BUNNY, PATIENCE, Case, children, latvox, octahedron, rows, write_obj
 from picture_test import LATTICES, write_octahedron
 from silhouettes import CELLS, places, silhouette, write_shape
@@ -28,7 +29,29 @@ def rgb(color):
     return numpy.array([int(color[n : n + 2], 16) for n in (1, 3, 5)])
 
 
-class View(Case):
+def inner(mask, steps):
+    """Returns the pixels of the mask that are at least this far from its rim."""
+    for _ in range(steps):
+        mask = mask & numpy.roll(mask, 1, 0) & numpy.roll(mask, -1, 0) & numpy.roll(mask, 1, 1) & numpy.roll(mask, -1, 1)
+    return mask
+
+
+class OnPage(Case):
+    """A test with a tab, self.tab."""
+
+    def text(self, name):
+        return self.tab.run(f"document.getElementById('{name}').innerText")
+
+    def point(self, x, y):
+        """Moves the pointer over the canvas. Returns the names and values that the page then shows."""
+        box = self.tab.run("(({ x, y }) => [x, y])(document.querySelector('canvas').getBoundingClientRect())")
+        self.tab.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + box[0], y=y + box[1])
+        self.tab.run("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+        shown = self.tab.run("document.getElementById('hover').hidden ? '' : document.getElementById('hover').innerText")
+        return dict(re.split(r" {2,}", line.strip()) for line in shown.splitlines())
+
+
+class View(OnPage):
     """All tests share one browser, which stays until the last test."""
 
     @classmethod
@@ -63,10 +86,8 @@ class View(Case):
     def open(self, place):
         self.tab.open(f"file://{self.page}{place}")
         self.assertEqual(self.tab.complaints(), [])
-        self.tab.run("document.getElementById('axes')?.remove(); showAxes = () => {}")
-
-    def text(self, name):
-        return self.tab.run(f"document.getElementById('{name}').innerText")
+        # What lies over the canvas would be taken for voxels.
+        self.tab.run("for (const name of ['axes', 'tools', 'said']) document.getElementById(name).style.visibility = 'hidden'")
 
     def canvas(self):
         """Returns the pixels of the canvas, and which of them are not background."""
@@ -101,9 +122,10 @@ class View(Case):
                 self.assert_shows(cells, lattice, 25, 35)
                 pixels, seen = self.canvas()
                 self.assertGreater(len(numpy.unique(pixels[seen], axis=0)), 4, "shades")
-                # While it moves, the page draws a point for each voxel.
+                # While it moves, the page draws a point for each voxel, with no gap between them.
                 self.tab.run("view.draw('points')")
-                self.assert_shows(cells, lattice, 25, 35, error=0.25)
+                self.assert_shows(cells, lattice, 25, 35, error=0.35)
+                self.assertLess((inner(seen, 4) & ~self.canvas()[1]).sum() / seen.sum(), 0.003)
 
     def test_any_axis_may_point_up(self):
         for options, metadata, up in [
@@ -130,13 +152,23 @@ class View(Case):
         summary = self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", 24, out="a.vdb")
         self.view(self.dir / "a.vdb")
         for name in ("voxels", "shown"):
-            self.assertEqual(self.text(name), str(summary["voxels"]))
+            self.assertEqual(self.text(name), f"{summary['voxels']:,}")
         self.assertEqual(self.text("bricks"), str(summary["bricks"]))
         # Only outer facets, not those between voxels.
-        facets = int(self.text("facets")) / summary["voxels"]
+        facets = int(self.text("facets").replace(",", "")) / summary["voxels"]
         self.assertTrue(2 < facets < 5, facets)
+        self.assertFalse(self.tab.run("document.getElementById('about').open"))
+        self.tab.run("document.getElementById('about').open = true")
         self.assertRegex(self.text("certificate"), f"digest\\s+{summary['digest']}")
         self.assertRegex(self.text("certificate"), r"lattice\s+bcc")
+        # Long numbers are short, and a click copies them in full.
+        self.tab.run("navigator.clipboard.writeText = (text) => Promise.resolve(void (window.copied = text))")
+        size = pyopenvdb.read(str(self.dir / "a.vdb"), "voxels")["latvox_voxel_size"]
+        cell = "[...document.querySelectorAll('#certificate tr')].find((row) => row.cells[0].innerText === 'voxel_size').cells[1]"
+        shown = self.tab.run(f"({cell}.firstChild.click(), {cell}.innerText)")
+        self.assertLess(len(shown), 11)
+        self.assertAlmostEqual(float(shown), size, delta=1e-5 * size)
+        self.assertEqual(float(self.tab.run("copied")), size)
 
     def test_a_layer_is_that_of_latvox_slice(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["fcc"])
@@ -160,6 +192,111 @@ class View(Case):
             pixels, _ = self.canvas()
             marked = pixels[..., 0] > pixels[..., 2] + 20
             self.assert_shows(layer, "fcc", *NORMAL, seen=marked, error=0.03 if detail == "facets" else 0.4)
+
+    def test_a_plane_of_the_world_cuts_everywhere(self):
+        for lattice, normal, offset in [("bcc", (1, 0, 0), 0.3), ("fcc", (0, 1, 0), -0.4), ("hexagonal", (1, -2, 0.5), 0.7)]:
+            with self.subTest(lattice):
+                cells = write_shape(self.dir / "a.vdb", LATTICES[lattice])
+                world = {ijk: sum(n * numpy.array(v) for n, v in zip(ijk, LATTICES[lattice])) for ijk in cells}
+                height = {ijk: at @ normal / numpy.linalg.norm(normal) for ijk, at in world.items()}
+                below = [ijk for ijk in cells if height[ijk] <= offset]
+                name = "xyz"[normal.index(1)] if 1 == numpy.linalg.norm(normal) else ",".join(map(str, normal))
+                self.view(self.dir / "a.vdb", place=f"#axis={name}&offset={offset}&azimuth=60&elevation=40")
+                self.assertLess(len(below), len(cells))
+                self.assertEqual(self.text("shown"), str(len(below)))
+                self.assert_shows(below, lattice, 60, 40)
+                # The slider's ends keep one layer at least, and all.
+                ends = "['min', 'max'].map((end) => { const it = document.getElementById('layer'); it.value = it[end]; it.dispatchEvent(new Event('input')); return document.getElementById('shown').innerText; })"
+                least, most = self.tab.run(ends)
+                self.assertEqual(most, str(len(cells)))
+                self.assertEqual(least, str(sum(h < min(height.values()) + 1e-6 for h in height.values())))
+        self.tab.run("(document.getElementById('normal').value = '1,2', document.getElementById('normal').dispatchEvent(new Event('change')))")
+        self.assertFalse(self.tab.run("document.getElementById('normal').validity.valid"))
+        self.assertEqual(self.text("shown"), str(len(cells)))
+
+    def test_a_cut_through_small_cells_is_smooth(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 90, "--fill", "solid", out="a.vdb")
+        self.view(self.dir / "a.vdb", place="#axis=k&layer=45&azimuth=-20&elevation=20")
+        pixels, _ = self.canvas()
+        marked = pixels[..., 0] > pixels[..., 2] + 20
+        marked = inner(marked, 4)
+        self.assertGreater(marked.sum(), 1000)
+        self.assertLess(pixels[marked].std(axis=0).max(), 8)
+
+    def test_the_pointer_reads_the_voxel_in_front(self):
+        basis, view = LATTICES["bcc"], (25, 35)
+        cells = write_shape(self.dir / "a.vdb", basis)
+        self.view(self.dir / "a.vdb", place="#azimuth=25&elevation=35")
+        seen, page = self.canvas()[1], json.loads(self.tab.run("JSON.stringify(data)"))
+        outlines = list(places(cells, basis, CELLS["bcc"], page, seen.shape[::-1], *view))
+        a, e = map(math.radians, view)
+        world = numpy.array(cells) @ basis
+        near = world @ (math.cos(e) * math.sin(a), math.sin(e), math.cos(e) * math.cos(a))
+        middles = numpy.array([outline.mean(0) for outline in outlines])
+        read = 0
+        for y, x in numpy.argwhere(seen)[::997]:
+            shown = self.point(int(x), int(y))
+            if not shown:
+                continue  # the corner of a pixel at the silhouette
+            n = cells.index(tuple(int(n) for n in shown["i, j, k"].split(", ")))
+            self.assertTrue((outlines[n].min(0) <= (x + 1, y + 1)).all() and (outlines[n].max(0) >= (x, y)).all())
+            self.assertLess(abs(world[n] - [float(n) for n in shown["x, y, z"].split(", ")]).max(), 1e-4)
+            under = abs(middles - (x, y)).max(1) < 3
+            self.assertGreater(near[n] + 1.5, near[under].max(initial=-99), "another voxel hides it")
+            read += 1
+        self.assertGreater(read, 5)
+        self.assertEqual(self.point(3, 3), {})
+
+    def test_the_pointer_reads_values(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        self.voxelize(mesh, "--resolution", 16, "--band", "3v", out="a.vdb")
+        self.view(self.dir / "a.vdb", place="#axis=k&azimuth=0&elevation=5")
+        grid = pyopenvdb.readAll(str(self.dir / "a.vdb"))[0][0]
+        values = {tuple(item.min): item.value for item in grid.citerOnValues()}
+        self.tab.run("navigator.clipboard.writeText = (text) => Promise.resolve(void (window.copied = text))")
+        read = set()
+        for x in range(120, 260, 20):
+            if shown := self.point(x, 140):
+                ijk = tuple(int(n) for n in shown["i, j, k"].split(", "))
+                self.assertAlmostEqual(float(shown["distance"]), values[ijk], delta=1e-5)
+                self.tab.key("c")
+                copied = dict(part.split(" = ") for part in self.tab.run("copied").split("; "))
+                self.assertEqual(numpy.float32(copied["distance"]), numpy.float32(values[ijk]))
+                self.assertEqual(copied["i, j, k"], ",".join(map(str, ijk)))
+                read.add(ijk)
+        self.assertGreater(len(read), 2)
+
+    def test_tools(self):
+        cells = write_shape(self.dir / "a.vdb", LATTICES["cartesian"])
+        self.view(self.dir / "a.vdb", place="#azimuth=25&elevation=35")
+        click = lambda name: (self.tab.run(f"document.getElementById('{name}').click()"), self.tab.rest())
+        self.tab.run("view.look(80, -20, 3)")
+        self.tab.rest()
+        click("home")
+        self.assert_shows(cells, "cartesian", 25, 35)
+        self.tab.run("view.look(25, 35, 2)")
+        self.tab.rest()
+        with_edges, seen = self.canvas()
+        click("edges")
+        without, _ = self.canvas()
+        self.assertEqual(self.tab.run("document.getElementById('edges').ariaPressed"), "false")
+        self.assertGreater((with_edges[seen].sum(axis=1) < without[seen].sum(axis=1) - 30).mean(), 0.05)
+        self.assertFalse((with_edges[seen] > without[seen] + 2).any(), "edges are dark lines")
+        for key in ("?", "?"):
+            self.tab.key(key)
+        self.assertFalse(self.tab.run("document.getElementById('help').open"))
+        click("ask")
+        self.assertIn("Home", self.text("help"))
+        self.tab.run("document.querySelector('#help button').click()")
+        # The saved picture is what the page shows.
+        self.browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.dir))
+        click("save")
+        deadline = time.monotonic() + PATIENCE
+        while not (self.dir / "a.png").exists():
+            assert time.monotonic() < deadline, "no picture"
+            time.sleep(0.02)
+        self.assertEqual(abs(decode((self.dir / "a.png").read_bytes()).astype(int) - without).max(), 0)
 
     def test_a_band_is_cut_open_and_colored_by_distance(self):
         mesh = write_obj(self.dir / "a.obj", octahedron())
@@ -301,14 +438,46 @@ class View(Case):
         self.assert_shows(cells, "cartesian", 30, 22)
         self.assertGreater(self.canvas()[1].shape[1], 500)
 
-    def test_without_webgl_it_says_so(self):
-        write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 3)
-        self.view(self.dir / "a.vdb")
-        voxels = self.text("voxels")
-        self.tab.call("Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null")
-        self.open("")
-        self.assertRegex(self.text("error"), "^The voxels cannot be drawn: WebGL 2 is switched off")
-        self.assertEqual(self.text("voxels"), voxels)
+
+class Flat(OnPage):
+    """Without WebGL the page draws one layer."""
+
+    def test_a_layer_can_be_seen_and_read(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        self.voxelize(mesh, "--lattice", "fcc", "--resolution", 24, "--band", "3v", "--signed", out="a.vdb")
+        self.assertEqual(latvox("view", self.dir / "a.vdb", "-o", self.dir / "a.html").returncode, OK)
+        grid = pyopenvdb.readAll(str(self.dir / "a.vdb"))[0][0]
+        values = {tuple(item.min): item.value for item in grid.citerOnValues()}
+        browser = Browser(self.dir, "--disable-gpu", "--disable-3d-apis")
+        self.addCleanup(browser.close)
+        self.tab = Tab(browser, 700, 300)
+        for place, inside in [("#axis=k", lambda ijk: ijk[2] == layer), ("#axis=1,1,0&offset=0.1", lambda ijk: True)]:
+            self.tab.open(f"file://{self.dir}/a.html{place}")
+            self.assertEqual(self.tab.complaints(), [])
+            self.assertRegex(self.text("error"), "no WebGL 2, so the page shows one layer")
+            if place == "#axis=k":
+                layer = int(self.text("at").partition("= ")[2])
+                self.assertEqual(self.text("shown"), str(sum(k == layer for _, _, k in values)))
+            self.tab.run("document.getElementById('edges').click()")
+            pixels = self.tab.picture().astype(int)
+            low, _, high = map(float, self.text("legend").split())
+            ramp = numpy.array([rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[0].legend)"))])
+            left = self.tab.run("document.querySelector('canvas').getBoundingClientRect().x")
+            read, wrong = set(), 0
+            for x in range(10, 370, 12):
+                for y in range(10, 290, 40):
+                    shown = self.point(x, y)
+                    color = pixels[y, x + int(left)]
+                    if not shown:
+                        continue
+                    ijk = tuple(int(n) for n in shown["i, j, k"].split(", "))
+                    self.assertTrue(inside(ijk))
+                    self.assertAlmostEqual(float(shown["distance"]), values[ijk], delta=1e-5)
+                    wanted = [numpy.interp(values[ijk], numpy.linspace(low, high, len(ramp)), ramp[:, m]) for m in range(3)]
+                    wrong += abs(color - wanted).max() > 12
+                    read.add(ijk)
+            self.assertGreater(len(read), 20)
+            self.assertLess(wrong / len(read), 0.2)  # smooth borders
 
 
 class Page(Case):

@@ -3,9 +3,9 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
-const source = ['voxels', 'facets'].map((name) => readFileSync(new URL(`../../client/tool/view/${name}.js`, import.meta.url), 'utf8'));
-const { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL } = new Function(
-  `${source.join('')}; return { VoxelSet, Outside, findFacets, findNormals, scatter, NO_NORMAL };`)();
+const source = ['voxels', 'cells', 'facets'].map((name) => readFileSync(new URL(`../../client/tool/view/${name}.js`, import.meta.url), 'utf8'));
+const { VoxelSet, Outside, findFacets, findNormals, withHollows, scatter, NO_NORMAL, Cells, Direction } = new Function(
+  `${source.join('')}; return { VoxelSet, Outside, findFacets, findNormals, withHollows, scatter, NO_NORMAL, Cells, Direction };`)();
 
 const both = (steps) => steps.flatMap((step) => [step, step.map((n) => -n)]);
 const STEPS = {
@@ -77,7 +77,7 @@ for (const [lattice, steps] of Object.entries(STEPS)) {
       const wanted = (towards) => [...voxels].flatMap(([name, ijk]) => steps.flatMap((step, f) =>
         towards(ijk.map((n, m) => n + step[m]).join()) ? [`${f} ${name}`] : [])).sort();
       const facets = (outside) => {
-        const { cells, numbers: of } = findFacets(set, steps, low, outside, new Uint16Array(numbers.length), true);
+        const { cells, numbers: of } = findFacets(set, steps, low, outside, () => 0, true);
         return cells.flatMap((cell, f) => of[f].map((number, n) => {
           assert.equal(low.map((from, m) => from + cell[4 * n + m]).join(), numbers[number]);
           return `${f} ${numbers[number]}`;
@@ -95,7 +95,7 @@ for (const [lattice, steps] of Object.entries(STEPS)) {
 test('a part of a set keeps its numbers', () => {
   const { voxels, low, high } = shapeOf(randomOf(3), false), { set, numbers } = setOf(voxels.values(), low, high);
   const part = set.filter((i, j, k) => k <= -3), steps = STEPS.bcc;
-  const { cells, numbers: of } = findFacets(part, steps, low, null, new Uint16Array(numbers.length), true);
+  const { cells, numbers: of } = findFacets(part, steps, low, null, () => 0, true);
   cells.forEach((cell, f) => of[f].forEach((number, n) => {
     const ijk = low.map((from, m) => from + cell[4 * n + m]);
     assert.equal(ijk.join(), numbers[number]);
@@ -135,3 +135,85 @@ test('points are all that is seen, each once, with a direction outwards', () => 
     assert.equal(ends[shift], cubes(points, shift).size);
   }
 });
+
+test('voxels that only face a hollow have normals, too', () => {
+  const { voxels, low, high } = shapeOf(randomOf(5), false), { set, numbers } = setOf(voxels.values(), low, high);
+  const facets = STEPS.cartesian.map((step) => ({ step, normal: step })), rowsOf = Outside.of(set, STEPS.cartesian).rowsOf;
+  const outer = findNormals(set, facets, rowsOf), all = withHollows(outer, set, facets);
+  const one = numbers.findIndex((name) => name === [low[0] + 1, 8, -3].join());
+  assert.ok(outer[one] === NO_NORMAL && all[one] !== NO_NORMAL);
+  outer.forEach((normal, n) => assert.ok(normal === NO_NORMAL || normal === all[n]));
+});
+
+// Returns the page's data for a lattice with these facets.
+function dataOf(basis, steps, low) {
+  const vector = (step) => [0, 1, 2].map((m) => step.reduce((sum, n, which) => sum + n * basis[which][m], 0));
+  const facets = steps.map((step) => {
+    const to = vector(step), length = Math.hypot(...to);
+    return { step, normal: to.map((n) => n / length), corners: [to.map((n) => n / 2)] };
+  });
+  return { basis, low, middle: [7, 5.5, 9], facets, grid: { origin: [10, 20, 30], basis: basis.map((v) => v.map((n) => 50 * n)) } };
+}
+
+const BASES = {
+  cartesian: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], bcc: [[1, 0, 0], [0, 1, 0], [0.5, 0.5, 0.5]], fcc: [[1, 1, 0], [1, 0, 1], [0, 1, 1]],
+};
+for (const [lattice, unscaled] of Object.entries(BASES)) {
+  const basis = unscaled.map((vector) => vector.map((n) => 0.03 * n));
+
+  test(`a ray through ${lattice} finds the first voxel`, () => {
+    const { voxels, low, high } = shapeOf(randomOf(11), true), { set, numbers } = setOf(voxels.values(), low, high);
+    const cells = new Cells(dataOf(basis, STEPS[lattice], low)), random = randomOf(17), keep = (i, j, k) => k <= 1;
+    const nearest = (place) => [...voxels.values()].map((ijk) => [Math.hypot(...cells.placeOf(ijk).map((n, m) => n - place[m])), ijk])
+      .reduce((best, each) => (each[0] < best[0] ? each : best));
+    let hits = 0;
+    for (let ray = 0; ray < 60; ++ray) {
+      const from = [0, 1, 2].map(() => 6 * random() - 3), aim = [0, 1, 2].map(() => 0.3 * random() - 0.15);
+      const length = Math.hypot(...from.map((n, m) => aim[m] - n)), along = from.map((n, m) => (aim[m] - n) / length);
+      const found = cells.first(set, keep, from, along);
+      // Small steps along the ray visit the same cells.
+      let wanted = null;
+      for (let t = 0; t < 6 && wanted === null; t += 0.0005) {
+        const place = from.map((n, m) => n + t * along[m]);
+        if (Math.hypot(...place) > 0.999) continue;
+        const ijk = cells.at(place);
+        if (voxels.has(ijk.join()) && keep(...ijk)) {
+          assert.deepEqual(nearest(place)[1], ijk);
+          wanted = ijk;
+        }
+      }
+      if (found === null || wanted === null) {
+        assert.equal(found?.ijk.join(), wanted?.join());
+        continue;
+      }
+      assert.equal(numbers[found.voxel], found.ijk.join());
+      ++hits;
+      // A step may jump over the corner of a cell.
+      if (found.ijk.join() !== wanted.join()) {
+        assert.ok(cells.facets.some(({ step }) => step.every((n, m) => found.ijk[m] + n === wanted[m])), `${found.ijk} ${wanted}`);
+      }
+    }
+    assert.ok(hits > 20, `${hits}`);
+  });
+
+  test(`planes across ${lattice} keep what lies below them`, () => {
+    const { voxels, low, high } = shapeOf(randomOf(11), true), { set } = setOf(voxels.values(), low, high);
+    const cells = new Cells(dataOf(basis, STEPS[lattice], low)), normal = [1, -2, 0.5], length = Math.hypot(...normal);
+    const direction = new Direction(cells, set, normal);
+    const heights = new Map([...voxels].map(([name, ijk]) => [name, cells.worldOf(ijk).reduce((sum, n, m) => sum + (n * normal[m]) / length, 0)]));
+    assert.ok(Math.abs(direction.low - Math.min(...heights.values())) < 1e-9);
+    assert.ok(Math.abs(direction.high - Math.max(...heights.values())) < 1e-9);
+    const offset = 0.4 * direction.low + 0.6 * direction.high, cut = direction.cut(offset, false);
+    const below = [...voxels].filter(([name, ijk]) => (assert.equal(cut.keep(...ijk), heights.get(name) <= offset), cut.keep(...ijk)));
+    assert.equal(direction.count(cut).upTo, below.length);
+    assert.ok(below.length > 0 && below.length < voxels.size && !direction.keepsAll(cut));
+    assert.ok(direction.keepsAll(direction.cut(direction.high, false)));
+    // The layer has every voxel that the cut lays open.
+    const layer = below.filter(([, ijk]) => cut.inLayer(...ijk));
+    assert.equal(direction.count(cut).layer, layer.length);
+    for (const [name, ijk] of below) {
+      const open = STEPS[lattice].some((step) => voxels.has(ijk.map((n, m) => n + step[m]).join()) && !cut.keep(...ijk.map((n, m) => n + step[m])));
+      assert.ok(!open || cut.inLayer(...ijk), name);
+    }
+  });
+}

@@ -1,40 +1,28 @@
-// The panel beside the view: counts, certificate, colors and layers. The address may end in
-// #axis=k&layer=40&which=only&by=part&azimuth=30&elevation=22.
+// The panel beside the view, its tools, and what the pointer is at. The address may end in
+// #axis=k&layer=40&which=only&by=part&azimuth=30&elevation=22, or #axis=x&offset=0.5, or #axis=1,1,0&offset=0.
 "use strict";
-
-// Returns the number of voxels of each layer across each axis.
-function countLayers(set) {
-  const counts = data.low.map((low, m) => new Uint32Array(data.high[m] - low));
-  set.forEach((i, j, k) => {
-    ++counts[0][i - data.low[0]];
-    ++counts[1][j - data.low[1]];
-    ++counts[2][k - data.low[2]];
-  });
-  return counts;
-}
 
 function fillPanel(set) {
   byId("title").textContent = document.title = data.title;
-  byId("voxels").textContent = byId("shown").textContent = set.count();
-  byId("bricks").textContent = set.bricks.size;
+  fill(byId("voxels"), data.voxels);
+  fill(byId("bricks"), set.bricks.size);
   for (const [name, value] of data.metadata) {
     const row = byId("certificate").insertRow();
     row.appendChild(document.createElement("th")).textContent = name;
-    row.insertCell().textContent = value;
+    fill(row.insertCell(), value);
   }
-  byId("about").open = matchMedia("(min-width: 641px)").matches;
 }
 
 // Returns a function that returns red, green and blue of each voxel, or null.
-function usePaints(voxels, wanted) {
-  const bytes = bytesOf("paints"), by = byId("by");
+function usePaints(wanted) {
+  const bytes = bytesOf("paints"), by = byId("by"), length = 3 * data.voxels;
   byId("colors").hidden = data.paints.length === 0;
   by.append(...data.paints.map(({ name }) => new Option(name)), new Option("none"));
   by.value = wanted.get("by") ?? by.options[0].value;
   return () => {
     const n = by.selectedIndex;
     describe(data.paints[n] ?? { legend: [] });
-    return n < data.paints.length ? bytes.subarray(3 * voxels * n, 3 * voxels * (n + 1)) : null;
+    return n < data.paints.length ? bytes.subarray(length * n, length * (n + 1)) : null;
   };
 }
 
@@ -59,43 +47,153 @@ function describe({ ramp, legend }) {
   }
 }
 
-// `latvox slice` accepts x, y, z for the lattice coordinates i, j, k.
-function useLayers(set, view, paints, wanted) {
-  const axis = byId("axis"), layer = byId("layer"), which = byId("which"), counts = countLayers(set);
-  const show = () => {
-    const m = axis.selectedIndex, n = Number(layer.value), only = which.value === "only";
-    const inLayer = counts[m][n - data.low[m]] ?? 0;
-    byId("at").textContent = `${axis.value} = ${n}`;
-    byId("inlayer").textContent = inLayer;
-    byId("slice").textContent = `latvox slice --axis ${"xyz"[m]} --index ${n}`;
-    const below = counts[m].subarray(0, n - data.low[m] + 1);
-    byId("shown").textContent = only ? inLayer : below.reduce((sum, of) => sum + of, 0);
-    view.show(paints(), m, n, only);
+// Returns the direction that the panel names: a letter of the lattice, or a normal in the world; null if it is neither.
+function towardsOf(axis, normal) {
+  if ("ijk".includes(axis)) return axis;
+  if ("xyz".includes(axis)) return [0, 1, 2].map((m) => ("xyz"[m] === axis ? 1 : 0));
+  const numbers = normal.split(/[\s,]+/).filter((word) => word !== "").map(Number);
+  return numbers.length === 3 && Math.hypot(...numbers) > 0 ? numbers : null;
+}
+
+// The layers of the lattice, and planes of the world.
+class Cuts {
+  constructor(set, view, paints, wanted, inMiddle) {
+    Object.assign(this, { set, view, paints, inMiddle });
+    const axis = wanted.get("axis") ?? "k", named = "ijkxyz".includes(axis);
+    byId("axis").value = named ? axis : "normal";
+    if (!named) byId("normal").value = axis;
+    byId("which").value = view instanceof FlatView ? "only" : wanted.get("which") ?? "upto";
+    byId("which").disabled = view instanceof FlatView;
+    for (const each of ["axis", "normal"]) byId(each).addEventListener("change", () => this.turn());
+    for (const each of ["layer", "which", "by"]) byId(each).addEventListener("input", () => this.show());
+    this.turn(wanted.get("layer") ?? wanted.get("offset"));
+    byId("cut").disabled = false;
+  }
+
+  // Changes the direction. `offset` is a text, or absent.
+  turn(offset) {
+    const axis = byId("axis").value, layer = byId("layer"), towards = towardsOf(axis, byId("normal").value);
+    byId("normal").hidden = axis !== "normal";
+    byId("normal").setCustomValidity(towards === null ? "three numbers, such as 1,1,0" : "");
+    if (towards === null) return byId("normal").reportValidity();
+    const direction = (this.direction = new Direction(cells, this.set, towards));
+    const { low, high } = direction, byLayer = direction.axis >= 0;
+    Object.assign(layer, { min: low, max: high, step: byLayer ? 1 : "any" });
+    const middle = byLayer ? Math.floor((low + high + 1) / 2) : (low + high) / 2;
+    layer.value = offset ?? (this.inMiddle ? middle : high);
+    this.show();
+  }
+
+  step(layers) {
+    const layer = byId("layer"), { axis, thickness } = this.direction;
+    layer.value = Number(layer.value) + layers * (axis >= 0 ? 1 : thickness / 2);
+    this.show();
+  }
+
+  show() {
+    const { direction } = this, offset = Number(byId("layer").value), axis = byId("axis").value;
+    const cut = direction.cut(offset, byId("which").value === "only"), { layer, upTo } = direction.count(cut);
+    byId("at").textContent = `${axis === "normal" ? "offset" : axis} = ${direction.axis >= 0 ? offset : brief(offset)}`;
+    fill(byId("inlayer"), layer);
+    byId("same").hidden = direction.axis < 0;
+    byId("slice").textContent = `latvox slice --axis ${"xyz"[direction.axis]} --index ${offset}`;
+    fill(byId("shown"), cut.only ? layer : upTo);
+    this.view.show(this.paints(), cut, direction.keepsAll(cut));
+  }
+}
+
+// What the pointer is at.
+class Hover {
+  constructor(canvas, view) {
+    Object.assign(this, { view, values: readValues(), found: null });
+    canvas.addEventListener("pointermove", (event) => this.look(event));
+    canvas.addEventListener("pointerdown", (event) => this.look(event));
+    canvas.addEventListener("pointerleave", () => this.show(null));
+  }
+
+  look({ offsetX, offsetY }) {
+    this.at = [offsetX, offsetY];
+    this.frame ??= requestAnimationFrame(() => {
+      this.frame = undefined;
+      this.show(this.view.pick(...this.at));
+    });
+  }
+
+  // Returns names and values, in full.
+  describe({ ijk, voxel }) {
+    const world = cells.worldOf(ijk).map(String);
+    return [["i, j, k", ijk.join()], ["x, y, z", world.join()], ...this.values.map(([name, of]) => [name, of(voxel)])];
+  }
+
+  show(found) {
+    this.found = found;
+    byId("hover").hidden = found === null;
+    if (found === null) return;
+    byId("hover").replaceChildren(...this.describe(found).map(([name, value]) => {
+      const line = document.createElement("div"), swatch = document.createElement("span");
+      line.append(`${name}  `, brief(value));
+      if (name === "color") (swatch.className = "swatch"), (swatch.style.background = value), line.append(" ", swatch);
+      return line;
+    }));
+  }
+
+  copy() {
+    if (this.found !== null) copy(this.describe(this.found).map(([name, value]) => `${name} = ${value}`).join("; "));
+  }
+}
+
+// The picture has the background of the page.
+function save(view, canvas) {
+  view.drawFully();
+  const copied = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+  const context = copied.getContext("2d");
+  context.fillStyle = getComputedStyle(document.body).backgroundColor;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(canvas, 0, 0);
+  copied.toBlob((blob) => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = `${data.title.replace(/\.vdb$/i, "")}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    say(`saved ${link.download}`);
+  });
+}
+
+function useTools(view, canvas, cuts, hover) {
+  const edges = () => {
+    view.edges = !view.edges;
+    byId("edges").setAttribute("aria-pressed", view.edges);
+    view.change();
   };
-  const range = (value) => {
-    layer.min = data.low[axis.selectedIndex];
-    layer.max = data.high[axis.selectedIndex] - 1;
-    layer.value = value ?? layer.max;
-    show();
+  const help = () => (byId("help").open ? byId("help").close() : byId("help").showModal());
+  const tools = { home: () => view.home(), save: () => save(view, canvas), edges, ask: help };
+  for (const [name, use] of Object.entries(tools)) byId(name).addEventListener("click", use);
+  const keys = {
+    Home: tools.home, r: tools.home, s: tools.save, e: edges, "?": help, c: () => hover.copy(),
+    ",": () => cuts.step(-1), ".": () => cuts.step(1), "+": () => view.zoom(0.8), "=": () => view.zoom(0.8), "-": () => view.zoom(1.25),
+    ArrowLeft: () => view.move(-10, 0), ArrowRight: () => view.move(10, 0), ArrowUp: () => view.move(0, 10), ArrowDown: () => view.move(0, -10),
   };
-  axis.value = wanted.get("axis") ?? "k";
-  which.value = wanted.get("which") ?? "upto";
-  axis.addEventListener("change", () => range());
-  for (const each of [layer, which, byId("by")]) each.addEventListener("input", show);
-  // A band begins cut in the middle, because its content is inside.
-  const m = axis.selectedIndex;
-  range(wanted.get("layer") ?? (data.band ? Math.floor((data.low[m] + data.high[m]) / 2) : undefined));
-  byId("cut").disabled = false;
+  document.addEventListener("keydown", (event) => {
+    const { key, ctrlKey, metaKey, altKey, target } = event;
+    if (ctrlKey || metaKey || altKey || target.closest?.("input, select, #panel") || !Object.hasOwn(keys, key)) return;
+    keys[key]();
+    event.preventDefault();
+  });
 }
 
 function start() {
-  const wanted = new URLSearchParams(location.hash.slice(1)), set = readVoxels();
+  const wanted = new URLSearchParams(location.hash.slice(1)), set = readVoxels(), canvas = byId("canvas");
   fillPanel(set);
-  const view = new View(set), paints = usePaints(set.count(), wanted);
+  const view = View.on(canvas, set) ?? new FlatView(canvas, set), isFlat = view instanceof FlatView;
+  if (isFlat) tell("This browser has no WebGL 2, so the page shows one layer at a time.", true);
+  byId("seen").hidden = isFlat;
   view.first = [Number(wanted.get("azimuth") ?? 30), Number(wanted.get("elevation") ?? 22)];
-  useLayers(set, view, paints, wanted);
   view.resize();
-  view.home(...view.first);
+  // A band begins cut in the middle, because its content is inside.
+  const cuts = new Cuts(set, view, usePaints(wanted), wanted, data.band || isFlat);
+  useTools(view, canvas, cuts, new Hover(canvas, view));
+  view.home();
   return view;
 }
 

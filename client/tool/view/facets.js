@@ -66,12 +66,18 @@ function findNormals(set, facets, outside) {
   return Uint16Array.from({ length: sums.length / 3 }, (_, n) => packed(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]));
 }
 
+// Returns the normals of the voxels, and also of those that only face a hollow.
+function withHollows(normals, set, facets) {
+  const all = findNormals(set, facets, null);
+  return normals.map((normal, voxel) => (normal === NO_NORMAL ? all[voxel] : normal));
+}
+
 // Returns for each step the voxels that show the facet there: four numbers each, coordinates relative to `origin` and
-// the normal. If `numbered`, returns the numbers of the voxels, too.
-function findFacets(set, steps, origin, outside, normals, numbered) {
+// the normal. normalOf(i, j, k, voxel, f) returns it, packed. If `numbered`, returns the numbers of the voxels, too.
+function findFacets(set, steps, origin, outside, normalOf, numbered) {
   const cells = steps.map(() => new Growing(Uint16Array)), numbers = steps.map(() => []);
   forEachFacet(set, steps, outside, (i, j, k, voxel, f) => {
-    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normals[voxel]);
+    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normalOf(i, j, k, voxel, f));
     if (numbered) numbers[f].push(voxel);
   });
   return { cells: cells.map((of) => of.values()), numbers };

@@ -26,8 +26,11 @@
 LATVOX_EMBED(latvox_view_page, "/page.html");
 LATVOX_EMBED(latvox_view_three, "/three.js");
 LATVOX_EMBED(latvox_view_voxels, "/voxels.js");
+LATVOX_EMBED(latvox_view_cells, "/cells.js");
 LATVOX_EMBED(latvox_view_facets, "/facets.js");
 LATVOX_EMBED(latvox_view_surface, "/surface.js");
+LATVOX_EMBED(latvox_view_data, "/data.js");
+LATVOX_EMBED(latvox_view_flat, "/flat.js");
 LATVOX_EMBED(latvox_view_view, "/view.js");
 LATVOX_EMBED(latvox_view_controls, "/controls.js");
 
@@ -138,12 +141,44 @@ std::string Bytes(const std::vector<Brick>& bricks) {
   return bytes;
 }
 
+const char* KindOf(const Paint& paint) {
+  if (paint.values.empty()) return "rgb";
+  return paint.is_ramp ? "float32" : "uint32";
+}
+
 Json Describe(const std::vector<Paint>& paints) {
   Json described = Json::array();
   for (const Paint& paint : paints) {
-    described.push_back({{"name", paint.name}, {"ramp", paint.is_ramp}, {"legend", paint.legend}});
+    described.push_back(
+        {{"name", paint.name}, {"ramp", paint.is_ramp}, {"legend", paint.legend}, {"values", KindOf(paint)}});
   }
   return described;
+}
+
+// Returns the template with the data and the scripts in their places.
+std::string Fill(const Json& data, const std::vector<Brick>& bricks, const std::vector<Paint>& paints) {
+  // Escapes "<", so that no tag can begin within the JSON.
+  const std::string json =
+      absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
+  std::string colors, values;
+  for (const Paint& paint : paints) {
+    colors += paint.bytes;
+    values += paint.values;
+  }
+  return absl::StrReplaceAll(Embedded(latvox_view_page, latvox_view_page_end),
+                             {{"{{data}}", json},
+                              {"{{bricks}}", absl::Base64Escape(Bytes(bricks))},
+                              {"{{colors}}", absl::Base64Escape(colors)},
+                              {"{{values}}", absl::Base64Escape(values)},
+                              {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
+                              {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
+                              {"{{cells}}", Embedded(latvox_view_cells, latvox_view_cells_end)},
+                              {"{{facets}}", Embedded(latvox_view_facets, latvox_view_facets_end)},
+                              {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},
+                              {"{{data_js}}", Embedded(latvox_view_data, latvox_view_data_end)},
+                              {"{{flat}}", Embedded(latvox_view_flat, latvox_view_flat_end)},
+                              {"{{view}}", Embedded(latvox_view_view, latvox_view_view_end)},
+                              {"{{controls}}", Embedded(latvox_view_controls, latvox_view_controls_end)}});
 }
 
 }  // namespace
@@ -154,35 +189,24 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
   if (auto status = CheckSize(file.info, box, title); !status.ok()) return status;
   const auto paints = PaintsOf(content);
   if (!paints.ok()) return paints.status();
-  std::string colors;
-  for (const Paint& paint : *paints) colors += paint.bytes;
   const Placement placement = PlacementOf(file, box);
   const Basis basis = TurnedBasis(placement.basis, up);
   const VoronoiCell cell = VoronoiCellOf(basis);
   if (auto status = CheckSteps(cell, title); !status.ok()) return status;
+  const GridTransform& grid = file.info.transform;
   const Json data = {{"title", title},
                      {"metadata", MetadataOf(file.info)},
+                     {"voxels", file.info.active_voxels},
                      {"low", box.min},
                      {"high", box.max},
+                     {"grid", {{"origin", grid.origin}, {"basis", {grid.basis.a, grid.basis.b, grid.basis.c}}}},
                      {"axes", {Turned({1, 0, 0}, up), Turned({0, 1, 0}, up), Turned({0, 0, 1}, up)}},
                      {"basis", {basis.a, basis.b, basis.c}},
                      {"middle", placement.middle},
                      {"facets", FacetsOf(cell, basis)},
                      {"paints", Describe(*paints)},
                      {"band", content.band.has_value()}};
-  // Escapes "<", so that no tag can begin within the JSON.
-  const std::string json =
-      absl::StrReplaceAll(data.dump(-1, ' ', true, Json::error_handler_t::replace), {{"<", "\\u003c"}});
-  return absl::StrReplaceAll(Embedded(latvox_view_page, latvox_view_page_end),
-                             {{"{{data}}", json},
-                              {"{{bricks}}", absl::Base64Escape(Bytes(file.bricks))},
-                              {"{{colors}}", absl::Base64Escape(colors)},
-                              {"{{three}}", Embedded(latvox_view_three, latvox_view_three_end)},
-                              {"{{voxels}}", Embedded(latvox_view_voxels, latvox_view_voxels_end)},
-                              {"{{facets}}", Embedded(latvox_view_facets, latvox_view_facets_end)},
-                              {"{{surface}}", Embedded(latvox_view_surface, latvox_view_surface_end)},
-                              {"{{view}}", Embedded(latvox_view_view, latvox_view_view_end)},
-                              {"{{controls}}", Embedded(latvox_view_controls, latvox_view_controls_end)}});
+  return Fill(data, file.bricks, *paints);
 }
 
 }  // namespace latvox::client

@@ -18,15 +18,19 @@ inline constexpr uint64_t kMaxPageVoxels = 4'000'000;
 //   data     JSON, see below
 //   bricks   base64: brick_ijk and mask of each brick, 76 bytes, little-endian
 //   colors   base64: for each of the paints, red, green and blue of each voxel
+//   values   base64: for each of the paints except colors, the value of each voxel, 4 bytes
 //
 // Fields of the JSON:
 //
 //   title, metadata   of the file
+//   voxels            their number
 //   low, high         the voxels' box, half-open
+//   grid              origin and basis: where lattice points are in the world
 //   basis, middle     a voxel is drawn at basis * (ijk - low - middle); the shape lies within 1 of 0, and y is up
 //   axes              directions of the world's axes in this frame
 //   facets            of a cell: normal, corners relative to its center, and step to the neighbor behind it
-//   paints            choices of colors: name, legend, whether the legend is a ramp; the first is the default
+//   paints            choices of colors: name, legend, whether the legend is a ramp, and type of the values: rgb (the
+//                     colors themselves), uint32 or float32; the first is the default
 //   band              whether these are the voxels of a band
 //
 // Errors: RESOURCE_EXHAUSTED: more voxels than kMaxPageVoxels, or farther apart than 65536; a basis so skewed that a

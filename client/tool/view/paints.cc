@@ -1,5 +1,6 @@
 #include "client/tool/view/paints.h"
 
+#include <bit>
 #include <cstdint>
 #include <map>
 
@@ -53,6 +54,12 @@ void DescribeNumbers(const GridContent& content, size_t which, Paint& paint) {
   }
 }
 
+template <class Number>
+void AppendBytes(Number number, std::string& bytes) {
+  static_assert(sizeof(number) == 4 && std::endian::native == std::endian::little);
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+}
+
 absl::StatusOr<Paint> PaintOf(const BrickBatch& batch, const VoxelTraits& traits, ColorBy by) {
   const auto colors = ColorsOf(batch, traits, by);
   if (!colors.ok()) return colors.status();
@@ -80,12 +87,20 @@ absl::StatusOr<std::vector<Paint>> PaintsOf(const GridContent& content) {
   for (size_t n = 0; n < content.attributes.size(); ++n) {
     const ColorBy by = ByOf(content.attributes[n]);
     auto paint = PaintOf(batch, traits, by);
-    if (paint.ok() && by != ColorBy::kColor) DescribeNumbers(content, n, *paint);
+    if (paint.ok() && by != ColorBy::kColor) {
+      DescribeNumbers(content, n, *paint);
+      for (size_t at = n; at < content.numbers.size(); at += content.attributes.size()) {
+        AppendBytes(content.numbers[at], paint->values);
+      }
+    }
     if (auto status = add(std::move(paint), by == first); !status.ok()) return status;
   }
   if (content.band) {
     auto paint = PaintOf(batch, traits, ColorBy::kDistance);
-    if (paint.ok()) DescribeBand(*content.band, *paint);
+    if (paint.ok()) {
+      DescribeBand(*content.band, *paint);
+      for (const float distance : content.distances) AppendBytes(distance, paint->values);
+    }
     if (auto status = add(std::move(paint), true); !status.ok()) return status;
   }
   return paints;

@@ -53,7 +53,7 @@ const FACET_VERTEX = `${CELL}
     #endif
     facet_normal = mat3(viewMatrix) * facing;
     smooth_normal = unpacked(cell.w);
-    if (cell.w == 65535.0 || in_layer(cell.xyz)) smooth_normal = facet_normal;
+    if (cell.w == 65535.0) smooth_normal = facet_normal;
     if (dot(smooth_normal, facet_normal) < 0.0) smooth_normal = -smooth_normal;
     inside = corner == CORNERS ? 1.0 : 0.0;
     gl_Position = projectionMatrix * viewMatrix * vec4(basis * (cell.xyz - middle) + corners[corner], 1.0);
@@ -192,11 +192,11 @@ class Surface extends THREE.Group {
   }
 
   // Hides the facets that all cells turn away from the viewer. The shape lies within 1 of 0. `pixels` is the size of a
-  // cell.
-  prepare(position, pixels) {
-    const withLines = pixels > 8;
+  // cell; `edges` tells whether cells that are large enough have lines along their edges.
+  prepare(position, pixels, edges) {
+    const withLines = edges && pixels > 8;
     this.lines.value = withLines ? 1 : 0;
-    this.flat.value = Math.min(1, Math.max(0.15, (pixels - 3) / 5));
+    this.flat.value = Math.min(1, Math.max(0.15, (pixels - 1) / 14));
     for (const mesh of this.children) {
       const { corners, normal: [x, y, z] } = mesh.facet;
       mesh.visible = x * position.x + y * position.y + z * position.z > -1;
@@ -237,7 +237,7 @@ class Cloud extends THREE.Points {
     const from = this.ends[coarser] ?? 0, to = this.ends[coarser - 1] ?? Infinity;
     const share = (shown - from) / (to - from); // share of the finer level
     this.geometry.setDrawRange(0, shown);
-    this.material.uniforms.size.value = 1.3 * pixels * 2 ** coarser * (1 - 0.4 * share);
+    this.material.uniforms.size.value = 1.45 * pixels * 2 ** coarser * (1 - 0.45 * share);
   }
 
   // Hides the cells beyond this layer.

@@ -1,30 +1,11 @@
-// Shows the voxels of the page by the visible facets of their Voronoi cells. If the device is too slow while something
-// moves, shows one point per voxel.
-// The page's data: see client/tool/view/page.h.
+// Shows the voxels of the page by the visible facets of their Voronoi cells, with WebGL. If the device is too slow while
+// something moves, shows one point per voxel.
 "use strict";
 
-const data = JSON.parse(document.getElementById("data").textContent);
-const byId = (id) => document.getElementById(id);
-const steps = data.facets.map(({ step }) => step);
 const IN_TIME = 50; // milliseconds per frame
 const FEWEST = 20000; // points
 
-function bytesOf(id) {
-  return Uint8Array.from(atob(byId(id).textContent), (c) => c.charCodeAt(0));
-}
-
-// Reads brick coordinates (int32, 3) and masks (8 words of 64 bits), little-endian, 76 bytes per brick.
-function readVoxels() {
-  const bytes = bytesOf("masks"), view = new DataView(bytes.buffer), set = new VoxelSet(data.low, data.high);
-  for (let at = 0, voxel = 0; at < bytes.length; at += 76) {
-    const rows = bytes.subarray(at + 12, at + 76);
-    set.addBrick([0, 4, 8].map((n) => 8 * view.getInt32(at + n, true)), rows, voxel);
-    for (const row of rows) voxel += BITS[row];
-  }
-  return set;
-}
-
-// The visible voxels: all, those up to a layer, or one layer.
+// The visible voxels: all, or those of a cut.
 class Shape {
   constructor(set) {
     this.set = set;
@@ -42,58 +23,68 @@ class Shape {
     this.cloud = new Cloud(data, this.scattered, paints, this.layer);
   }
 
-  cut(axis, layer, only) {
+  // `all`: the cut keeps all voxels.
+  cut(cut, all) {
     this.surface?.dispose();
     this.layerCloud?.dispose();
     this.surface = this.layerCloud = null;
-    this.axis = axis;
-    this.all = !only && layer >= data.high[axis] - 1;
-    this.keep = (...ijk) => (only ? ijk[axis] === layer : ijk[axis] <= layer);
-    this.inLayer = (...ijk) => ijk[axis] === layer;
-    const offset = layer - data.low[axis];
-    this.layer.set(0, 0, 0, this.all || only ? -1 : offset).setComponent(axis, 1);
-    this.cloud.cut(this.all ? Infinity : offset - 0.5);
-    this.cloud.visible = !only;
+    Object.assign(this, { knife: cut, all });
+    const height = cut.at - dot(cut.form, data.low);
+    if (all || cut.only) this.layer.set(0, 0, 0, 1); // marks nothing
+    else this.layer.set(...cut.form, height);
+    this.cloud.cut(all ? Infinity : height - 0.5);
+    this.cloud.visible = !cut.only;
   }
 
   get isBuilt() {
     return this.surface !== null;
   }
 
-  // A shape that is cut shows all facets, because it has no inside.
+  // A shape that is cut shows all facets, because it has no inside. Those that face what the cut took away get the
+  // plane's normal: in the light of their own normals, small cells would be specks.
   facets() {
     if (this.surface === null) {
-      const start = performance.now(), { set, all, keep, outside, normals, paints } = this;
-      const shown = all ? set : set.filter(keep);
-      const found = findFacets(shown, steps, data.low, all ? outside : null, normals, paints !== null);
-      this.surface = new Surface(data, found, paints, this.layer);
+      const start = performance.now(), { set, all, knife, outside, normals, paints } = this;
+      this.surface = new Surface(data, all ? this.whole(set, outside, normals) : this.cutOpen(set, knife), paints, this.layer);
       this.buildTime = performance.now() - start;
     }
     return this.surface;
   }
 
+  whole(set, outside, normals) {
+    return findFacets(set, steps, data.low, outside, (i, j, k, voxel) => normals[voxel], this.paints !== null);
+  }
+
+  cutOpen(set, { keep, inLayer, towards }) {
+    const normals = (this.allNormals ??= withHollows(this.normals, set, data.facets)), plane = packed(...towards);
+    const isCut = (i, j, k, [x, y, z]) => inLayer(i, j, k) && set.has(i + x, j + y, k + z);
+    const normalOf = (i, j, k, voxel, f) => (isCut(i, j, k, steps[f]) ? plane : normals[voxel]);
+    return findFacets(set.filter(keep), steps, data.low, null, normalOf, this.paints !== null);
+  }
+
   points() {
     if (this.layerCloud === null) {
-      const some = new Uint16Array(this.normals.length); // zero normals, so that scatter keeps every voxel
-      const layer = this.set.filter(this.all ? () => false : this.inLayer);
-      this.layerCloud = new Cloud(data, scatter(layer, data.low, some), this.paints, this.layer);
+      const normals = new Uint16Array(this.normals.length).fill(packed(...this.knife.towards));
+      const layer = this.set.filter(this.all ? () => false : this.knife.inLayer);
+      this.layerCloud = new Cloud(data, scatter(layer, data.low, normals), this.paints, this.layer);
     }
     return [this.cloud, this.layerCloud];
   }
 }
 
 class View {
-  constructor(set) {
-    const canvas = document.createElement("canvas"), slow = drawsInSoftware();
-    const context = canvas.getContext("webgl2", { alpha: true, antialias: !slow });
-    if (context === null) throw new Error("WebGL 2 is switched off, or the browser or its graphics driver does not support it");
+  // Returns null if the browser has no WebGL 2.
+  static on(canvas, set) {
+    const slow = drawsInSoftware(), context = canvas.getContext("webgl2", { alpha: true, antialias: !slow });
+    return context === null ? null : new View(canvas, context, set, slow);
+  }
+
+  constructor(canvas, context, set, slow) {
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
-    byId("scene").append(canvas);
-    canvas.tabIndex = 0;
     canvas.setAttribute("aria-label", "the voxels; arrow keys turn them");
     canvas.addEventListener("webglcontextlost", () => tell("The graphics device was lost; waiting for it to return."));
     canvas.addEventListener("webglcontextrestored", () => (tell(""), this.change()));
-    canvas.addEventListener("keydown", (event) => this.press(event));
+    this.edges = true;
     this.shape = new Shape(set);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
@@ -106,16 +97,16 @@ class View {
     this.waiting = false;
   }
 
-  show(paints, axis, layer, only) {
+  show(paints, cut, all) {
     if (paints !== this.shape.paints) this.shape.paint(paints);
-    this.shape.cut(axis, layer, only);
+    this.shape.cut(cut, all);
     this.change();
   }
 
   // The shape lies within radius 1 of 0.
-  home(azimuth, elevation) {
+  home() {
     this.controls.target.set(0, 0, 0);
-    this.look(azimuth, elevation, 4 / Math.min(1, this.camera.aspect));
+    this.look(...this.first, 4 / Math.min(1, this.camera.aspect));
   }
 
   // Angles in degrees: about the up axis, and above the horizon.
@@ -127,20 +118,31 @@ class View {
     this.change();
   }
 
-  press(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const turn = { ArrowLeft: [-10, 0], ArrowRight: [10, 0], ArrowUp: [0, 10], ArrowDown: [0, -10] }[event.key];
-    const farther = { "+": 0.8, "=": 0.8, "-": 1.25 }[event.key];
-    if (event.key === "Home") {
-      this.home(...this.first);
-    } else if (turn !== undefined || farther !== undefined) {
-      const degrees = 180 / Math.PI, [right, up] = turn ?? [0, 0], { controls } = this;
-      const [azimuth, elevation] = [controls.getAzimuthalAngle() * degrees, 90 - controls.getPolarAngle() * degrees];
-      this.look(azimuth + right, elevation + up, controls.getDistance() * (farther ?? 1));
-    } else {
-      return;
-    }
-    event.preventDefault();
+  // Turns by degrees.
+  move(right, up) {
+    const degrees = 180 / Math.PI, { controls } = this;
+    const [azimuth, elevation] = [controls.getAzimuthalAngle() * degrees, 90 - controls.getPolarAngle() * degrees];
+    this.look(azimuth + right, elevation + up, controls.getDistance());
+  }
+
+  zoom(farther) {
+    const { controls, camera } = this;
+    camera.position.sub(controls.target).multiplyScalar(farther).add(controls.target);
+    controls.update();
+    this.change();
+  }
+
+  // Returns the voxel that is seen at a point of the canvas, as Cells.first does.
+  pick(x, y) {
+    const { clientWidth: width, clientHeight: height } = byId("scene"), { camera, shape } = this;
+    const far = new THREE.Vector3((2 * x) / width - 1, 1 - (2 * y) / height, 0.5).unproject(camera);
+    const along = far.sub(camera.position).normalize();
+    return cells.first(shape.set, shape.all ? () => true : shape.knife.keep, camera.position.toArray(), along.toArray());
+  }
+
+  // Draws, so that the canvas has a picture until the browser's next frame.
+  drawFully() {
+    this.draw("facets");
   }
 
   resize() {
@@ -199,15 +201,15 @@ class View {
     camera.updateProjectionMatrix();
     const pixels = this.cellPixels();
     for (const each of shown) {
-      if (what === "facets") each.prepare(camera.position, pixels / Math.max(camera.near, distance - 0.7));
+      if (what === "facets") each.prepare(camera.position, pixels / Math.max(camera.near, distance - 0.7), this.edges);
       else each.prepare(this.most, pixels);
     }
     this.scene.clear();
     this.scene.add(...shown);
     this.renderer.render(this.scene, camera);
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    showAxes(camera, this.shape.axis);
-    if (what === "facets") byId("facets").textContent = this.shape.surface.count;
+    showAxes(camera, this.shape.knife);
+    if (what === "facets") fill(byId("facets"), this.shape.surface.count);
     this.drawn = what;
     this.stale = false;
   }
@@ -229,18 +231,14 @@ function drawsInSoftware() {
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
-// Draws the world's axes, and the step from one layer to the next.
-function showAxes(camera, axis) {
-  const arrows = [...data.axes.map((to, m) => ["axis", "xyz"[m], to]), ["step", "ijk"[axis], data.basis[axis]]];
+// Draws the world's axes, and the direction across layers, from one of the lattice's to the next if they are these.
+function showAxes(camera, { axis, towards }) {
+  const step = axis < 0 ? ["n", towards] : ["ijk"[axis], data.basis[axis]];
+  const arrows = [...data.axes.map((to, m) => ["axis", "xyz"[m], to]), ["step", ...step]];
   byId("axes").innerHTML = arrows.map(([kind, name, vector]) => {
     const { x, y } = new THREE.Vector3(...vector).normalize().transformDirection(camera.matrixWorldInverse);
     const text = kind === "axis" ? 38 : 24;
     return `<line class="${kind}" x1="0" y1="0" x2="${30 * x}" y2="${-30 * y}"/>` +
       `<text x="${text * x + (kind === "step" ? 9 : 0)}" y="${4 - text * y}">${name}</text>`;
   }).join("");
-}
-
-function tell(what) {
-  byId("error").hidden = what === "";
-  byId("error").textContent = what;
 }

@@ -38,6 +38,17 @@ class VoxelSet {
     return brick !== undefined && ((brick.rows[((i & 7) << 3) | (j & 7)] >> (k & 7)) & 1) === 1;
   }
 
+  // Returns the number of a voxel, or -1 where there is none, anywhere.
+  numberOf(i, j, k) {
+    if ([i, j, k].some((n, m) => (n >> 3) < this.first[m] || (n >> 3) >= this.first[m] + this.size[m])) return -1;
+    const brick = this.bricks.get(this.keyOf(i, j, k)), row = ((i & 7) << 3) | (j & 7), bit = 1 << (k & 7);
+    if (brick === undefined || (brick.rows[row] & bit) === 0) return -1;
+    const { rows, all = rows, voxel } = brick;
+    let number = voxel + BITS[all[row] & (bit - 1)];
+    for (let before = 0; before < row; ++before) number += BITS[all[before]];
+    return number;
+  }
+
   // Calls visit(i, j, k, number of the voxel).
   forEach(visit) {
     for (const { corner: [i, j, k], rows, all = rows, voxel } of this.bricks.values()) {
