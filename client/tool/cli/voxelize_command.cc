@@ -188,6 +188,23 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   return report;
 }
 
+namespace {
+
+absl::StatusOr<VoxelizeReport> RunToStandardOutput(VoxelizeOptions options, const CallOptions& call,
+                                                   const JobHooks& hooks) {
+  std::string& output = options.outputs[*options.standard_output];
+  const auto file = StandardOutputFile::Create(std::filesystem::path(output).extension().string());
+  if (!file.ok()) return file.status();
+  output = (*file)->path();
+  auto report = RunJob(options, call, hooks);
+  if (!report.ok()) return report;
+  report->outputs[*options.standard_output] = "standard output";
+  if (absl::Status status = (*file)->Send(); !status.ok()) return status;
+  return report;
+}
+
+}  // namespace
+
 absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const Cancellation& cancellation) {
   VoxelizeOptions options = given;
   if (absl::Status status = Align(options); !status.ok()) return status;
@@ -204,16 +221,9 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
   hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
   hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
-  if (!options.standard_output) return RunJob(options, call, hooks);
-  std::string& output = options.outputs[*options.standard_output];
-  const auto file = StandardOutputFile::Create(std::filesystem::path(output).extension().string());
-  if (!file.ok()) return file.status();
-  output = (*file)->path();
-  auto report = RunJob(options, call, hooks);
-  if (!report.ok()) return report;
-  report->outputs[*options.standard_output] = "standard output";
-  if (absl::Status status = (*file)->Send(); !status.ok()) return status;
-  return report;
+  const std::string warning = options.json ? "" : WarningOfPlace(options.outputs);  // JSON has the transform
+  if (!warning.empty()) hooks.say(warning);
+  return options.standard_output ? RunToStandardOutput(options, call, hooks) : RunJob(options, call, hooks);
 }
 
 }  // namespace latvox::client

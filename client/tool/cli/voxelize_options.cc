@@ -8,11 +8,11 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/mesh_files/input.h"
 #include "client/tool/cli/attributes_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/request_rows.h"
 #include "client/tool/cli/request_words.h"
-#include "client/tool/mesh_files/input.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
 #include "latvox/stretched.h"
@@ -129,8 +129,8 @@ OptionRow OutputFormatRow(VoxelizeWords& words) {
           .help = "Format of -o -",
           .group = "Output",
           .words = OutputFormats(),
-          .word_help = {"OpenVDB", "NanoVDB", "table", "NumPy", "points", "picture", "surface of cells", "binvox",
-                        "MagicaVoxel"},
+          .word_help = {"OpenVDB", "NanoVDB", "table", "NumPy", "NumPy, dense and placed", "points", "picture",
+                        "surface of cells", "binvox", "MagicaVoxel"},
           .standard = kDefaultFormat};
 }
 

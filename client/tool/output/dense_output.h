@@ -11,7 +11,7 @@ namespace latvox::client {
 
 // .npy: a uint8 array in C order. Element [i - i0, j - j0, k - k0] is 1 if (i, j, k) is a voxel, otherwise 0. i0 <= i <
 // i1 and so on is the index box of the call (Accepted::index_box); without one the array has shape (0, 0, 0).
-// Memory: four bytes per voxel. Errors: RESOURCE_EXHAUSTED for more than 2^32 elements, before the first voxel.
+// Memory: 88 bytes for each brick. Errors: RESOURCE_EXHAUSTED for more than 2^32 elements, before the first voxel.
 std::unique_ptr<Output> NewDenseNpyOutput(std::unique_ptr<AtomicFile> file);
 
 }  // namespace latvox::client

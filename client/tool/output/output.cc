@@ -12,6 +12,7 @@
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
+#include "client/tool/output/npz_output.h"
 #include "client/tool/output/picture_output.h"
 #include "client/tool/output/surface_output.h"
 #include "client/tool/output/table_output.h"
@@ -123,6 +124,11 @@ std::unique_ptr<Output> NewCoordinatesOutput(std::unique_ptr<AtomicFile> file, c
   return options.dense_npy ? NewDenseNpyOutput(std::move(file)) : NewTableOutput(".npy", std::move(file), {});
 }
 
+std::unique_ptr<Output> NewArchiveOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                         const OutputOptions&) {
+  return NewNpzOutput(std::move(file), request.band.has_value(), request.attributes);
+}
+
 using NewOutput = std::unique_ptr<Output> (*)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&,
                                               const OutputOptions&);
 
@@ -131,6 +137,7 @@ struct Format {
   const char* extension;
   NewOutput of_voxels, of_band, of_attributes;
   bool color_alone = false;  // it holds no attributes except color
+  bool is_placed = true;     // it tells where in the world the voxels are
 };
 
 constexpr char kCsv[] = ".csv", kNpy[] = ".npy", kPly[] = ".ply";
@@ -139,12 +146,13 @@ constexpr Format kFormats[] = {
     {".vdb", NewVdbOutput, NewDistanceVdbOutput, NewAttributeVdbOutput},
     {".nvdb", NewNvdbOutput, nullptr, nullptr},
     {kCsv, NewTable<kCsv>, NewTable<kCsv>, NewTable<kCsv>},
-    {kNpy, NewCoordinatesOutput, NewTable<kNpy>, NewTable<kNpy>},
+    {kNpy, NewCoordinatesOutput, NewTable<kNpy>, NewTable<kNpy>, false, /*is_placed=*/false},
+    {".npz", NewArchiveOutput, NewArchiveOutput, NewArchiveOutput},
     {kPly, NewTable<kPly>, NewTable<kPly>, NewTable<kPly>},
-    {".png", NewPngOutput, NewPngOutput, NewPngOutput},
+    {".png", NewPngOutput, NewPngOutput, NewPngOutput, false, /*is_placed=*/false},
     {".glb", NewPlainOutput<NewGlbOutput>, nullptr, NewPlainOutput<NewGlbOutput>, /*color_alone=*/true},
     {".binvox", NewPlainOutput<NewBinvoxOutput>, nullptr, nullptr},
-    {".vox", NewPlainOutput<NewVoxOutput>, nullptr, nullptr},
+    {".vox", NewPlainOutput<NewVoxOutput>, nullptr, nullptr, false, /*is_placed=*/false},
 };
 
 NewOutput OutputOf(const Format& format, bool band, const std::vector<Attribute>& attributes) {
@@ -186,6 +194,18 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 const std::vector<std::string>& OutputExtensions() {
   static const auto* const kExtensions = new std::vector<std::string>(ExtensionsFor(/*band=*/false, {}));
   return *kExtensions;
+}
+
+std::string WarningOfPlace(const std::vector<std::string>& paths) {
+  const auto is_placed = [](const std::string& path) {
+    return std::any_of(std::begin(kFormats), std::end(kFormats), [extension = ExtensionOf(path)](const Format& format) {
+      return extension == format.extension && format.is_placed;
+    });
+  };
+  const auto npy =
+      std::find_if(paths.begin(), paths.end(), [](const auto& path) { return HasExtension(path, {kNpy}); });
+  if (npy == paths.end() || std::any_of(paths.begin(), paths.end(), is_placed)) return "";
+  return absl::StrCat(*npy, " does not tell where its voxels are in the world; a .npz does");
 }
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,

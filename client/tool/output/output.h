@@ -43,11 +43,16 @@ std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attri
 // Returns whether the path has one of these extensions.
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
 
+// Returns a warning if a .npy is among the paths, and none of the files tells where in the world the voxels are.
+// Otherwise returns nothing.
+std::string WarningOfPlace(const std::vector<std::string>& paths);
+
 // Opens the output for the path's extension:
 //   .vdb   OpenVDB, see latvox/grid/voxel_grid.h
 //   .nvdb  NanoVDB, the same grid, its metadata as text
 //   .csv   header i,j,k,x,y,z; lattice coordinates, world position with 17 significant digits
 //   .npy   int32 array of shape (voxels, 3): lattice coordinates; or dense, see client/tool/output/dense_output.h
+//   .npz   dense, with its place in the world: see client/tool/output/npz_output.h
 //   .ply   points, binary little-endian: double x, y, z, int i, j, k
 //   .png   picture
 //   .glb   surface, see client/tool/output/surface_output.h
@@ -56,17 +61,19 @@ bool HasExtension(const std::string& path, const std::vector<std::string>& exten
 //   .vdb   a grid of distances, see latvox/grid/distance_grid.h
 //   .csv   one more column, distance, with 9 significant digits
 //   .npy   structured array of shape (voxels,): fields ijk, three int32, and distance, float32
+//   .npz   float32 in place of uint8
 //   .ply   one more property, float distance
 //   .png   picture of the voxels nearest to the surface, see client/tool/output/picture_scene.h
 // A request for attributes needs one of AttributeExtensions:
 //   .vdb   one more grid for each, see latvox/grid/attribute_grids.h
 //   .csv   columns part, material; red, green, blue, 0 to 255
 //   .npy   structured array: fields part and material, int32; color, three uint8
+//   .npz   one more array for each
 //   .ply   properties int part, material; uchar red, green, blue
 //   .png   picture of voxels in their colors, otherwise by material, otherwise by part
 //   .glb   colors of the surface's vertices; no other attributes
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, except for .vdb, .nvdb, dense .npy, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT (extension);
+// voxels, except for .vdb, .nvdb, dense .npy, .npz, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT (extension);
 // FAILED_PRECONDITION (the file cannot be created).
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});

@@ -119,7 +119,7 @@ TEST_F(OutputFile, TablesOfABandHoldDistances) {
     EXPECT_EQ(in_ply, values[n]);
   }
   EXPECT_THAT(std::string(OpenOutput(Path("o.glb"), request).status().message()),
-              HasSubstr("\".glb\" is not one of .vdb .csv .npy .ply .png"));
+              HasSubstr("\".glb\" is not one of .vdb .csv .npy .npz .ply .png"));
 }
 
 TEST_F(OutputFile, PngIsAPicture) {

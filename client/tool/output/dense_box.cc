@@ -1,0 +1,91 @@
+#include "client/tool/output/dense_box.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+
+namespace latvox::client {
+
+absl::Status DenseBox::SetBox(const std::optional<IndexBox>& box, uint64_t element_bytes, const std::string& target) {
+  if (!box) return absl::OkStatus();
+  constexpr uint64_t kMost = uint64_t{1} << 32;
+  low_ = box->min;
+  for (size_t m = 0; m < 3; ++m) shape_[m] = static_cast<uint64_t>(int64_t{box->max[m]} - low_[m]);
+  // Multiplies step by step, so that nothing overflows.
+  uint64_t bytes = element_bytes;
+  for (const uint64_t side : shape_) {
+    bytes *= side;
+    if (bytes <= kMost) continue;
+    return absl::ResourceExhaustedError(absl::StrCat(target, ": a dense array of ", absl::StrJoin(shape_, " x "),
+                                                     " elements exceeds ", kMost,
+                                                     " bytes; request less with --region"));
+  }
+  return absl::OkStatus();
+}
+
+void DenseBox::Add(const BrickBatch& batch) {
+  for (const Brick& brick : batch.bricks) {
+    bricks_.push_back({brick, voxels_});
+    for (const uint64_t word : brick.mask) voxels_ += static_cast<uint64_t>(std::popcount(word));
+  }
+}
+
+void DenseBox::Sort() {
+  std::sort(bricks_.begin(), bricks_.end(),
+            [](const Placed& a, const Placed& b) { return a.brick.brick_ijk < b.brick.brick_ijk; });
+}
+
+void DenseBox::EnterLayer(int32_t layer) {
+  if (layer_ == layer) return;
+  layer_ = layer;
+  const int64_t first = low_[1] >> 3, last = (low_[1] + static_cast<int64_t>(shape_[1]) - 1) >> 3;
+  columns_.clear();
+  auto brick =
+      std::lower_bound(bricks_.begin(), bricks_.end(), std::pair(layer, first), [](const Placed& a, const auto& place) {
+        return std::pair(a.brick.brick_ijk[0], int64_t{a.brick.brick_ijk[1]}) < place;
+      });
+  for (int64_t j = first; j <= last + 1; ++j) {
+    while (brick != bricks_.end() && brick->brick.brick_ijk[0] == layer && brick->brick.brick_ijk[1] < j) ++brick;
+    columns_.push_back(static_cast<size_t>(brick - bricks_.begin()));
+  }
+}
+
+void DenseBox::ForEachInRow(uint64_t row, absl::FunctionRef<void(uint64_t at, uint64_t n)> visit) {
+  const auto i = static_cast<int32_t>(low_[0] + static_cast<int64_t>(row / shape_[1]));
+  const auto j = static_cast<int32_t>(low_[1] + static_cast<int64_t>(row % shape_[1]));
+  EnterLayer(i >> 3);
+  const auto column = static_cast<size_t>((j >> 3) - (low_[1] >> 3));
+  for (size_t b = columns_[column]; b < columns_[column + 1]; ++b) {
+    const auto& [brick, first] = bricks_[b];
+    const auto x = static_cast<size_t>(i & 7);
+    const int shift = (j & 7) * 8;
+    uint64_t n = first;
+    for (size_t before = 0; before < x; ++before) n += static_cast<uint64_t>(std::popcount(brick.mask[before]));
+    n += static_cast<uint64_t>(std::popcount(brick.mask[x] & ((uint64_t{1} << shift) - 1)));
+    for (uint64_t bits = brick.mask[x] >> shift & 0xFF; bits != 0; bits &= bits - 1, ++n) {
+      const int64_t at = int64_t{brick.brick_ijk[2]} * 8 + std::countr_zero(bits) - low_[2];
+      if (at >= 0 && at < static_cast<int64_t>(shape_[2])) visit(static_cast<uint64_t>(at), n);
+    }
+  }
+}
+
+DenseRows::DenseRows(DenseBox& box, std::string empty, std::function<void(uint64_t n, char* element)> put)
+    : box_(box), empty_(std::move(empty)), put_(std::move(put)) {
+  empty_row_.reserve(box_.shape()[2] * empty_.size());
+  for (uint64_t k = 0; k < box_.shape()[2]; ++k) empty_row_ += empty_;
+}
+
+void DenseRows::Next(std::string& chunk) {
+  constexpr size_t kChunk = size_t{1} << 20;
+  chunk.clear();
+  for (const uint64_t rows = box_.shape()[0] * box_.shape()[1]; row_ < rows && chunk.size() < kChunk; ++row_) {
+    const size_t begin = chunk.size();
+    chunk += empty_row_;
+    box_.ForEachInRow(row_, [&](uint64_t at, uint64_t n) { put_(n, &chunk[begin + at * empty_.size()]); });
+  }
+}
+
+}  // namespace latvox::client
