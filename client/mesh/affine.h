@@ -27,15 +27,11 @@ inline Affine operator*(const Affine& outer, const Affine& inner) {
   return out;
 }
 
-// Rounded to float32 once. A value too large for float32 becomes infinite.
-inline Vec3f Apply(const Affine& map, const Vec3f& v) {
+inline Vec3d Apply(const Affine& map, const Vec3d& v) {
   // Unchanged, so that positions without a transform keep their bits.
   if (map == kIdentity) return v;
-  Vec3f out;
-  for (size_t r = 0; r < 3; ++r) {
-    out[r] =
-        static_cast<float>(map[r][0] * double{v[0]} + map[r][1] * double{v[1]} + map[r][2] * double{v[2]} + map[r][3]);
-  }
+  Vec3d out;
+  for (size_t r = 0; r < 3; ++r) out[r] = map[r][0] * v[0] + map[r][1] * v[1] + map[r][2] * v[2] + map[r][3];
   return out;
 }
 

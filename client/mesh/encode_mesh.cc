@@ -22,16 +22,16 @@ absl::Status CheckBits(int quantization_bits) {
   return Wrong("quantization_bits: ", quantization_bits, " is not within 0 to ", kMaxQuantizationBits);
 }
 
-// Copies positions, rounded to float32.
+// Copies positions that float32 can hold.
 template <class Number>
 absl::Status CopyPositions(std::span<const std::array<Number, 3>> from, Mesh& mesh) {
   mesh.positions.reserve(from.size());
   for (size_t p = 0; p < from.size(); ++p) {
-    Vec3f& rounded = mesh.positions.emplace_back();
+    Vec3d& position = mesh.positions.emplace_back();
     for (size_t m = 0; m < 3; ++m) {
-      rounded[m] = static_cast<float>(from[p][m]);
-      if (!std::isfinite(from[p][m])) return Wrong("positions[", p, "]: ", from[p][m], " is not finite");
-      if (!std::isfinite(rounded[m])) return Wrong("positions[", p, "]: ", from[p][m], " exceeds float32");
+      const double x = position[m] = from[p][m];
+      if (!std::isfinite(x)) return Wrong("positions[", p, "]: ", x, " is not finite");
+      if (!std::isfinite(static_cast<float>(x))) return Wrong("positions[", p, "]: ", x, " exceeds float32");
     }
   }
   return absl::OkStatus();

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
-namespace latvox::client {
+#include "latvox/types.h"
+#include "latvox/warning.h"
 
-using Vec3f = std::array<float, 3>;
+namespace latvox::client {
 
 using Color = std::array<uint8_t, 3>;  // red, green, blue
 
@@ -24,13 +25,13 @@ struct Stretch {
 
 // Triangles index positions. Degenerate and duplicate triangles are kept: the mesh equals the file.
 struct Mesh {
-  std::vector<Vec3f> positions;                    // world, finite
+  std::vector<Vec3d> positions;                    // world, finite, as the file has them
   std::vector<std::array<uint32_t, 3>> triangles;  // each index < positions.size()
   uint64_t skipped = 0;                            // points and lines of the file, which have no surface
-  std::vector<Stretch> stretches = {};     // in order, parts ascending; none: all are part 0, without a material
-  uint32_t materials = 0;                  // the number of materials that stretches name
-  std::vector<Color> colors = {};          // one for each position; fewer: some positions have none
-  std::vector<std::string> warnings = {};  // parts of the file that are perhaps not read as intended
+  std::vector<Stretch> stretches = {};  // in order, parts ascending; none: all are part 0, without a material
+  uint32_t materials = 0;               // the number of materials that stretches name
+  std::vector<Color> colors = {};       // one for each position; fewer: some positions have none
+  std::vector<Warning> warnings = {};   // parts of the file that are perhaps not read as intended
   std::string no_color = {};  // the reason why some of the file's colors are missing; empty: there are no others
 };
 

@@ -64,7 +64,7 @@ void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh) {
       const auto next = static_cast<uint32_t>(mesh.positions.size());
       const auto [found, is_new] = others.try_emplace(std::pair(vertex, color), next);
       if (is_new) {
-        mesh.positions.push_back(Vec3f(mesh.positions[vertex]));
+        mesh.positions.push_back(Vec3d(mesh.positions[vertex]));
         mesh.colors.push_back(color);
       }
       vertex = found->second;

@@ -6,8 +6,8 @@
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <new>
@@ -44,7 +44,8 @@ std::unique_ptr<draco::Mesh> ToDraco(const Mesh& mesh, const std::vector<Attribu
     for (size_t n = 0; n < 3; ++n) {
       const uint32_t vertex = mesh.triangles[t][n];
       Corner<kWords> corner{};
-      std::memcpy(corner.data(), mesh.positions[vertex].data(), sizeof(Vec3f));
+      const Vec3d& position = mesh.positions[vertex];
+      for (size_t m = 0; m < 3; ++m) corner[m] = std::bit_cast<uint32_t>(static_cast<float>(position[m]));
       if constexpr (kWords > kPlain) {
         for (size_t a = 0; a < attributes.size(); ++a) corner[kPlain + a] = numbers.At(t, vertex, attributes[a]);
       }
@@ -190,6 +191,16 @@ bool Holds(const draco::EncoderBuffer& stream, const draco::Mesh& mesh, const st
   return fingerprint(*decoded.value(), of_theirs) == fingerprint(mesh, of_ours);
 }
 
+absl::Status CheckFloat32(const Mesh& mesh) {
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (const double x : mesh.positions[v]) {
+      if (std::isfinite(static_cast<float>(x))) continue;
+      return absl::InvalidArgumentError(absl::StrCat("vertex ", v, ": ", x, " exceeds float32, Draco's numbers"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bits,
                                    const std::vector<Attribute>& attributes, bool edgebreaker) {
   draco::ExpertEncoder encoder(mesh);
@@ -216,6 +227,7 @@ absl::StatusOr<EncodedMesh> Encode(const draco::Mesh& mesh, int quantization_bit
 absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
                                        const std::vector<Attribute>& attributes) try {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles");
+  if (absl::Status status = CheckFloat32(mesh); !status.ok()) return status;
   if (!(LongestSide(mesh) <= std::numeric_limits<float>::max())) {
     return absl::InvalidArgumentError(absl::StrCat("the mesh's bounding box has a side of ", LongestSide(mesh),
                                                    ", which exceeds ", std::numeric_limits<float>::max()));
@@ -240,14 +252,14 @@ int AutoQuantizationBits(double voxels) {
 double LongestSide(const Mesh& mesh) {
   double longest = 0;
   for (size_t m = 0; m < 3; ++m) {
-    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+    double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
     for (const auto& triangle : mesh.triangles) {
       for (const uint32_t vertex : triangle) {
         low = std::min(low, mesh.positions[vertex][m]);
         high = std::max(high, mesh.positions[vertex][m]);
       }
     }
-    longest = std::max(longest, double{high} - double{low});
+    longest = std::max(longest, high - low);
   }
   return longest;
 }

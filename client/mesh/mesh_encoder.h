@@ -20,11 +20,11 @@ struct EncodedMesh {
 };
 
 // Encodes all triangles of the mesh, with positions and the attributes, in the form of the protocol's Attribute.
-// Positions are exact for 0 bits. Otherwise they are rounded to a grid of 2^bits - 1 steps along the longest side of
-// their bounding box. Drops vertices that no triangle uses, and joins equal ones (bit by bit). Decodes the stream
-// again, and checks that it has every triangle with its orientation. Preconditions: 0 <= quantization_bits <=
-// kMaxQuantizationBits; CheckHas(attributes, mesh) is OK. Errors: INVALID_ARGUMENT (nothing to encode, an extent beyond
-// float32), RESOURCE_EXHAUSTED (memory), INTERNAL.
+// Positions are rounded to float32. That is all for 0 bits. Otherwise they are rounded to a grid of 2^bits - 1 steps
+// along the longest side of their bounding box. Drops vertices that no triangle uses, and joins equal ones (bit by
+// bit). Decodes the stream again, and checks that it has every triangle with its orientation. Preconditions: 0 <=
+// quantization_bits <= kMaxQuantizationBits; CheckHas(attributes, mesh) is OK. Errors: INVALID_ARGUMENT (nothing to
+// encode, an extent beyond float32), RESOURCE_EXHAUSTED (memory), INTERNAL.
 absl::StatusOr<EncodedMesh> EncodeMesh(const Mesh& mesh, int quantization_bits,
                                        const std::vector<Attribute>& attributes = {});
 

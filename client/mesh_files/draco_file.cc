@@ -44,13 +44,14 @@ absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids) 
   Mesh mesh;
   for (uint32_t p = 0; p < decoded.num_points(); ++p) {
     const auto entry = positions->mapped_index(draco::PointIndex(p));
-    Vec3f& position = mesh.positions.emplace_back();
+    std::array<float, 3> position{};
     if (entry.value() >= positions->size() || !positions->ConvertValue<float>(entry, 3, position.data())) {
       return Bad("vertex ", p, " has no position");
     }
-    for (const float coordinate : position) {
+    for (const double coordinate : position) {
       if (!std::isfinite(coordinate)) return Bad("vertex ", p, " is not finite (", coordinate, ")");
     }
+    mesh.positions.push_back({position[0], position[1], position[2]});
   }
   for (uint32_t f = 0; f < decoded.num_faces(); ++f) {
     auto& triangle = mesh.triangles.emplace_back();

@@ -238,8 +238,8 @@ absl::Status SceneReader::AddPrimitive(const SortedJson& described, const Mesh& 
     return status;
   }
   for (size_t v = 0; v < vertices; ++v) {
-    const Vec3f position = Apply(to_world, primitive.positions[v]);
-    for (const float coordinate : position) {
+    const Vec3d position = Apply(to_world, primitive.positions[v]);
+    for (const double coordinate : position) {
       if (!std::isfinite(coordinate)) return Bad("vertex ", v, " is not finite (", coordinate, ")");
     }
     mesh_.positions.push_back(position);
@@ -272,8 +272,10 @@ void SceneReader::WarnOfWeights(const SortedJson& node) {
   const SortedJson weights = (node.contains("weights") ? node : mesh).value("weights", SortedJson::array());
   const auto moves = [](const SortedJson& weight) { return weight != 0; };
   if (mesh_.warnings.empty() && std::any_of(weights.begin(), weights.end(), moves)) {
-    mesh_.warnings.push_back(absl::StrCat("meshes[", node.at("mesh").dump(), "] has morph targets of weights ",
-                                          weights.dump(), ", which are not applied"));
+    const std::string element = absl::StrCat("meshes[", node.at("mesh").dump(), "]");
+    mesh_.warnings.push_back(
+        {"MORPH_TARGETS",
+         absl::StrCat(element, " has morph targets of weights ", weights.dump(), ", which are not applied"), element});
   }
 }
 

@@ -11,7 +11,7 @@
 namespace latvox::client {
 
 // Reads a file of any supported format. All meshes of the file are joined in world coordinates (node transforms
-// applied), polygons are triangulated, and attributes are read into Mesh. Binary float32 positions are kept bit by bit.
+// applied), polygons are triangulated, and attributes are read into Mesh. Positions are those of the file.
 // Errors, with the path: as ReadBytes; INVALID_ARGUMENT: another extension, damaged, an index out of range, a vertex
 // that is not finite, no triangle at all; RESOURCE_EXHAUSTED: unpacks to too much.
 absl::StatusOr<Mesh> ReadMesh(const std::string& path);

@@ -14,9 +14,9 @@ namespace latvox::client {
 absl::Status Transform(const Affine& to_world, Mesh& mesh) {
   if (to_world == kIdentity) return absl::OkStatus();
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    Vec3f& position = mesh.positions[v];
-    const Vec3f moved = Apply(to_world, position);
-    for (const float coordinate : moved) {
+    Vec3d& position = mesh.positions[v];
+    const Vec3d moved = Apply(to_world, position);
+    for (const double coordinate : moved) {
       if (std::isfinite(coordinate)) continue;
       return absl::InvalidArgumentError(
           absl::StrCat("vertex ", v, " (", absl::StrJoin(position, " "), ") is not finite after its transform"));

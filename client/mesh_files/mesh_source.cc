@@ -66,8 +66,9 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
   for (const std::string& path : input.paths) {
     auto read = ReadOne(path, input, keep_draco);
     if (!read.ok() || std::holds_alternative<std::string>(*read)) return read;
-    for (std::string& warning : std::get<Mesh>(*read).warnings)
-      warning = absl::StrCat(NameOfInput(path), ": ", warning);
+    for (Warning& warning : std::get<Mesh>(*read).warnings) {
+      warning.message = absl::StrCat(NameOfInput(path), ": ", warning.message);
+    }
     absl::Status status = CheckHas(input.attributes, std::get<Mesh>(*read));
     if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
       status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));

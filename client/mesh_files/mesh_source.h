@@ -15,8 +15,8 @@
 
 namespace latvox::client {
 
-// Several meshes form one, as the union of their triangles. Positions are turned, then multiplied by `scale` in double
-// and rounded to float32 once. Parts and materials are numbered in the order of the paths.
+// Several meshes form one, as the union of their triangles. Positions are turned, then multiplied by `scale`, in double
+// as well. Parts and materials are numbered in the order of the paths.
 struct MeshSource {
   std::vector<std::string> paths;    // at least one; "-" is standard input, at most once
   std::optional<MeshFormat> format;  // of all files; absent: by extension, or by the first bytes of standard input

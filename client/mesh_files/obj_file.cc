@@ -10,10 +10,10 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/mesh_files/float_text.h"
+#include "client/mesh_files/number_text.h"
 #include "client/mesh_files/polygon.h"
 
-// No assimp: its decimal parser misses the nearest float32 for about one number in a hundred. It gives each face corner
+// No assimp: its decimal parser misses the nearest number for about one number in a hundred. It gives each face corner
 // its own vertex. Its errors name neither line nor index. Exact voxels of the most common text format should not depend
 // on that.
 namespace latvox::client {
@@ -83,22 +83,22 @@ class Statements {
 std::optional<Color> ReadColor(absl::string_view rest) {
   Color color;
   for (uint8_t& part : color) {
-    float x = 0;
-    if (!ParseFloat(NextWord(rest), x) || !(x >= 0 && x <= 1)) return std::nullopt;
-    part = static_cast<uint8_t>(std::nearbyint(double{x} * 255));
+    double x = 0;
+    if (!ParseDouble(NextWord(rest), x) || !(x >= 0 && x <= 1)) return std::nullopt;
+    part = static_cast<uint8_t>(std::nearbyint(x * 255));
   }
   return color;
 }
 
 absl::Status ReadPositions(absl::string_view text, Mesh& mesh) {
-  std::vector<Vec3f>& positions = mesh.positions;
+  std::vector<Vec3d>& positions = mesh.positions;
   Statements statements(text);
   for (absl::string_view rest; statements.Next(rest);) {
     if (NextWord(rest) != "v") continue;
-    Vec3f position;
-    for (float& coordinate : position) {
+    Vec3d position;
+    for (double& coordinate : position) {
       const absl::string_view word = NextWord(rest);
-      if (!ParseFloat(word, coordinate)) {
+      if (!ParseDouble(word, coordinate)) {
         return LineError(statements.line(), "coordinate \"", word, "\" of vertex ", positions.size() + 1,
                          " is not a number");
       }

@@ -8,7 +8,7 @@
 
 namespace latvox::client {
 
-// Reads the `v` and `f` statements of an OBJ file. Positions are the nearest float32 to the decimal text. Polygons are
+// Reads the `v` and `f` statements of an OBJ file. Positions are the nearest doubles to the decimal text. Polygons are
 // triangulated. `l` and `p` elements are counted as skipped.
 // - Each `o` with faces is a part.
 // - Materials are the names of `usemtl`, in order of first use.

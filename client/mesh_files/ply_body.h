@@ -22,7 +22,7 @@ class PlyBody {
   bool ok() const { return ok_; }
 
   double ReadNumber(PlyScalar type) {
-    if (format_ == PlyFormat::kAscii) return ReadText<double>();
+    if (format_ == PlyFormat::kAscii) return ReadText();
     switch (type) {
       case PlyScalar::kInt8:
         return ReadBinary<int8_t>();
@@ -44,11 +44,6 @@ class PlyBody {
     return 0;
   }
 
-  // One rounding: decimal text goes directly to float32, not through double.
-  float ReadFloat(PlyScalar type) {
-    return format_ == PlyFormat::kAscii ? ReadText<float>() : static_cast<float>(ReadNumber(type));
-  }
-
  private:
   template <class T>
   T ReadBinary() {
@@ -62,25 +57,14 @@ class PlyBody {
     return value;
   }
 
-  template <class T>
-  T ReadText() {
+  double ReadText() {
     const size_t begin = std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size());
     const size_t end = std::min(rest_.find_first_of(" \t\r\n", begin), rest_.size());
     absl::string_view word = rest_.substr(begin, end - begin);
     rest_.remove_prefix(end);
-    if (!word.empty() && word[0] == '+') word.remove_prefix(1);
-    T value{};
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error == std::errc::result_out_of_range) value = FromText<T>(std::string(word));
-    ok_ = ok_ && !word.empty() && stop == word.data() + word.size() && error != std::errc::invalid_argument;
+    double value = 0;
+    ok_ = ok_ && ParseDouble(word, value);
     return value;
-  }
-
-  // Handles overflow and underflow, where from_chars returns no value.
-  template <class T>
-  static T FromText(const std::string& word) {
-    return static_cast<T>(sizeof(T) == sizeof(float) ? std::strtof(word.c_str(), nullptr)
-                                                     : std::strtod(word.c_str(), nullptr));
   }
 
   absl::string_view rest_;

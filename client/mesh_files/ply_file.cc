@@ -88,11 +88,11 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
   if (const char* axis = Missing(element, kAxes)) return Bad("PLY header: element vertex has no property ", axis);
   const Names* const color_names = ColorNamesOf(element);
   for (uint64_t n = 0; n < element.count; ++n) {
-    Vec3f position{};
+    Vec3d position{};
     Color color{};
     for (const PlyProperty& property : element.properties) {
       if (const auto axis = PositionOf(property, kAxes)) {
-        position[*axis] = body.ReadFloat(property.type);
+        position[*axis] = body.ReadNumber(property.type);
       } else if (const auto part = color_names ? PositionOf(property, *color_names) : std::nullopt) {
         color[*part] = ToColorPart(body.ReadNumber(property.type), property, n, mesh);
       } else {
@@ -100,7 +100,7 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
       }
     }
     if (!body.ok()) return EndsEarly(element, n);
-    for (const float coordinate : position) {
+    for (const double coordinate : position) {
       if (!std::isfinite(coordinate)) return Bad("vertex ", n, " is not finite (", coordinate, ")");
     }
     mesh.positions.push_back(position);

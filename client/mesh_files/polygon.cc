@@ -20,14 +20,14 @@ double Turn(const Point& a, const Point& b, const Point& c) {
 }
 
 // Returns the polygon projected on the coordinate plane nearest to its mean (Newell) normal, turning left.
-std::vector<Corner> Project(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions) {
+std::vector<Corner> Project(std::span<const uint32_t> polygon, const std::vector<Vec3d>& positions) {
   std::array<double, 3> normal{};
   for (size_t n = 0; n < polygon.size(); ++n) {
-    const Vec3f& p = positions[polygon[n]];
-    const Vec3f& q = positions[polygon[(n + 1) % polygon.size()]];
+    const Vec3d& p = positions[polygon[n]];
+    const Vec3d& q = positions[polygon[(n + 1) % polygon.size()]];
     for (size_t m = 0; m < 3; ++m) {
       const size_t r = (m + 1) % 3, s = (m + 2) % 3;
-      normal[m] += (double{p[r]} - q[r]) * (double{p[s]} + q[s]);
+      normal[m] += (p[r] - q[r]) * (p[s] + q[s]);
     }
   }
   size_t axis = 0;
@@ -37,8 +37,8 @@ std::vector<Corner> Project(std::span<const uint32_t> polygon, const std::vector
   const double mirror = normal[axis] < 0 ? -1 : 1;
   std::vector<Corner> corners;
   for (const uint32_t index : polygon) {
-    const Vec3f& p = positions[index];
-    corners.push_back({index, {mirror * p[(axis + 1) % 3], double{p[(axis + 2) % 3]}}});
+    const Vec3d& p = positions[index];
+    corners.push_back({index, {mirror * p[(axis + 1) % 3], p[(axis + 2) % 3]}});
   }
   return corners;
 }
@@ -61,7 +61,7 @@ bool IsEar(const std::vector<Corner>& ring, size_t tip) {
 }  // namespace
 
 // Ear clipping: between quadratic and cubic in the corners, which are few in files.
-void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions,
+void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3d>& positions,
                  std::vector<std::array<uint32_t, 3>>& triangles) {
   if (polygon.size() == 3) {
     triangles.push_back({polygon[0], polygon[1], polygon[2]});

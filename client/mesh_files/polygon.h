@@ -15,7 +15,7 @@ namespace latvox::client {
 //   concave             cut inside
 //   not planar          cut as its projection along its mean normal
 //   self-intersecting   gets n - 2 triangles that cover all its corners
-void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3f>& positions,
+void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3d>& positions,
                  std::vector<std::array<uint32_t, 3>>& triangles);
 
 }  // namespace latvox::client

@@ -29,7 +29,7 @@ std::vector<uint32_t> ForEachTriangle(const Mesh& mesh, const NumberOf& number_o
 TriangleMesh ToPublic(Mesh mesh) {
   TriangleMesh out;
   out.positions.reserve(mesh.positions.size());
-  for (const Vec3f& p : mesh.positions) out.positions.push_back({p[0], p[1], p[2]});
+  for (const Vec3d& p : mesh.positions) out.positions.push_back({p[0], p[1], p[2]});
   const auto& stretches = mesh.stretches;
   if (!std::all_of(stretches.begin(), stretches.end(), IsPart0)) {
     out.parts = ForEachTriangle(mesh, [](const Stretch& stretch) { return stretch.part; });

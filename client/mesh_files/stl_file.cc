@@ -12,9 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/bad.h"
-#include "client/mesh_files/float_text.h"
+#include "client/mesh_files/number_text.h"
 
-// No assimp: its decimal parser misses the nearest float32, and its errors name no line.
+// No assimp: its decimal parser misses the nearest number, and its errors name no line.
 namespace latvox::client {
 namespace {
 
@@ -41,13 +41,13 @@ absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes) {
   for (uint32_t t = 0; t < triangles; ++t) {
     const absl::string_view rest = bytes.substr(std::min(bytes.size(), kHead + kTriangle * t));
     if (rest.size() < kTriangle) return Bad("ends within triangle ", t, " of ", triangles);
-    Vec3f corners[3];
-    std::memcpy(corners, rest.data() + kNormal, sizeof(corners));
-    for (const Vec3f& corner : corners) {
-      for (const float coordinate : corner) {
+    std::array<std::array<float, 3>, 3> corners;
+    std::memcpy(corners.data(), rest.data() + kNormal, sizeof(corners));
+    for (const auto& corner : corners) {
+      for (const double coordinate : corner) {
         if (!std::isfinite(coordinate)) return Bad("a vertex of triangle ", t, " is not finite (", coordinate, ")");
       }
-      mesh.positions.push_back(corner);
+      mesh.positions.push_back({corner[0], corner[1], corner[2]});
     }
     AppendTriangle(mesh);
   }
@@ -86,10 +86,10 @@ class Words {
 };
 
 absl::Status ReadVertex(Words& words, Mesh& mesh) {
-  Vec3f& position = mesh.positions.emplace_back();
-  for (float& coordinate : position) {
+  Vec3d& position = mesh.positions.emplace_back();
+  for (double& coordinate : position) {
     const absl::string_view word = words.Next();
-    if (!ParseFloat(word, coordinate) || !std::isfinite(coordinate)) {
+    if (!ParseDouble(word, coordinate) || !std::isfinite(coordinate)) {
       return words.Error("coordinate \"", word, "\" of a vertex is not a finite number");
     }
   }
@@ -120,7 +120,7 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
     }
   }
   if (mesh.positions.size() != 3 * mesh.triangles.size()) return words.Error("ends within a facet");
-  if (open) mesh.warnings.emplace_back("ends without endsolid: it may be cut short");
+  if (open) mesh.warnings.push_back({"NO_END", "ends without endsolid: it may be cut short"});
   return mesh;
 }
 

@@ -16,14 +16,14 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client/mesh/affine.h"
-#include "client/mesh_files/float_text.h"
 #include "client/mesh_files/mesh_join.h"
+#include "client/mesh_files/number_text.h"
 #include "client/mesh_files/three_mf_part.h"
 #include "client/mesh_files/three_mf_properties.h"
 #include "client/mesh_files/zip_archive.h"
 
 // No assimp, although it has an importer: it trusts the archive's declared sizes with memory, ignores the unit, reads
-// only the first model file and misses the nearest float32. No lib3mf 1.8: it refuses degenerate triangles.
+// only the first model file and misses the nearest number. No lib3mf 1.8: it refuses degenerate triangles.
 namespace latvox::client {
 namespace {
 
@@ -33,12 +33,12 @@ constexpr int kMaxDepth = 64;  // nesting of components
 constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 
-absl::Status ReadThreeMfVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3f>& positions) {
-  Vec3f& position = positions.emplace_back();
+absl::Status ReadThreeMfVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3d>& positions) {
+  Vec3d& position = positions.emplace_back();
   for (size_t m = 0; m < 3; ++m) {
     const char* const name = m == 0 ? "x" : m == 1 ? "y" : "z";
     const absl::string_view word = AttributeOf(node, name).value();
-    if (!ParseFloat(word, position[m]) || !std::isfinite(position[m])) {
+    if (!ParseDouble(word, position[m]) || !std::isfinite(position[m])) {
       return part.Error(node, name, "=\"", word, "\" of vertex ", positions.size() - 1, " is not a finite number");
     }
   }

@@ -9,8 +9,8 @@
 namespace latvox::client {
 
 // Returns all objects that the items of the build place, in world coordinates, millimeters.
-// - Transforms of items and components and the unit of the model are applied in double, with one rounding to float32.
-//   In millimeters and without a transform, positions are the nearest float32 to the text.
+// - Transforms of items and components and the unit of the model are applied in double.
+//   In millimeters and without a transform, positions are the nearest doubles to the text.
 // - Each placed object is a part, as often as it is placed.
 // - Base materials are materials, numbered by first use. Colors are the displaycolor of a base material, or those of a
 //   colorgroup. A vertex with several colors becomes several vertices.

@@ -11,10 +11,10 @@ namespace latvox::client {
 namespace {
 
 // Returns for each vertex the first one at its position. Zeros of both signs are equal.
-std::vector<uint32_t> FirstInPlace(const std::vector<Vec3f>& positions) {
-  absl::flat_hash_map<Vec3f, uint32_t> first;
+std::vector<uint32_t> FirstInPlace(const std::vector<Vec3d>& positions) {
+  absl::flat_hash_map<Vec3d, uint32_t> first;
   std::vector<uint32_t> out;
-  for (const Vec3f& position : positions) {
+  for (const Vec3d& position : positions) {
     out.push_back(first.try_emplace(position, static_cast<uint32_t>(out.size())).first->second);
   }
   return out;

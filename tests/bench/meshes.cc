@@ -140,7 +140,11 @@ absl::StatusOr<TriangleMesh> MeshNamed(const std::string& name) {
   if (absl::EndsWith(name, ".3ds")) return ReadSceneFile(name);
   auto mesh = client::ReadMesh(name);
   if (!mesh.ok()) return mesh.status();
-  return TriangleMesh{{mesh->positions.begin(), mesh->positions.end()}, std::move(mesh->triangles)};
+  TriangleMesh out{{}, std::move(mesh->triangles)};
+  for (const client::Vec3d& p : mesh->positions) {
+    out.vertices.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+  }
+  return out;
 }
 
 TriangleMesh Subdivided(TriangleMesh mesh, int times) {

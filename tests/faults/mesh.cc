@@ -27,8 +27,9 @@ int WriteMesh(const Options& options) {
   auto mesh = MeshNamed(options.mesh);
   if (!mesh.ok()) return Fail(mesh.status());
   TriangleMesh fine = Subdivided(*std::move(mesh), options.subdivide);
-  const auto encoded = client::EncodeMesh(
-      {.positions = {fine.vertices.begin(), fine.vertices.end()}, .triangles = fine.triangles}, options.bits);
+  client::Mesh whole{.triangles = fine.triangles};
+  for (const auto& v : fine.vertices) whole.positions.push_back({v[0], v[1], v[2]});
+  const auto encoded = client::EncodeMesh(whole, options.bits);
   if (!encoded.ok()) return Fail(encoded.status());
   std::ofstream file(options.out, std::ios::binary);
   file << encoded->drc << std::flush;

@@ -70,7 +70,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions
   if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, call, hooks, std::move(*drc));
   const auto shared_mesh = std::make_shared<const Mesh>(std::get<Mesh>(*std::move(read)));
   const Mesh& mesh = *shared_mesh;
-  for (const std::string& warning : mesh.warnings) hooks.say(warning);
+  for (const Warning& warning : mesh.warnings) hooks.say(warning.message);
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "latvox/warning.h"
+
 namespace latvox::client {
 
 // Degenerate and duplicate triangles are kept. A program may fill one itself, or read it from a file
@@ -18,7 +20,7 @@ struct TriangleMesh {
   std::vector<uint32_t> materials = {};             // of each triangle; empty: at least one triangle has none
   std::vector<std::array<uint8_t, 3>> colors = {};  // red, green, blue of each position; empty: at least one has none
   uint64_t skipped = 0;                             // points and lines of the file, which have no surface
-  std::vector<std::string> warnings = {};           // parts of the file that are perhaps not read as intended
+  std::vector<Warning> warnings = {};               // parts of the file that are perhaps not read as intended
 };
 
 }  // namespace latvox::client

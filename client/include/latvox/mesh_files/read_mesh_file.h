@@ -37,7 +37,7 @@ struct ReadMeshOptions {
 
 // Reads a file of triangles or polygons, or standard input for "-"; polygons are triangulated. All objects of the file
 // become one mesh in world coordinates: each object is a part, and each material is numbered by its first use.
-// Positions have the precision of float32 at present. Thread-safe. Errors, with the path and the place in the file:
+// Positions are those of the file, as doubles. Thread-safe. Errors, with the path and the place in the file:
 // NOT_FOUND; INVALID_ARGUMENT (a directory, empty, an unknown extension, damaged, an index out of range, a position
 // that is not finite, no triangle); FAILED_PRECONDITION (reading fails midway); RESOURCE_EXHAUSTED (memory, or it
 // unpacks to too much).

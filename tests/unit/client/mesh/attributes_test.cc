@@ -79,7 +79,7 @@ TEST(MeshAttributes, OfPlyAreColorsAsBytesWhateverTheirType) {
   for (const auto& names : {plain, diffuse}) {
     const auto mesh = ColoredPly("uchar", names, {"1", "2", "255"});
     ASSERT_TRUE(mesh.ok()) << mesh.status();
-    EXPECT_EQ(mesh->positions[1], (Vec3f{1, 0, 0}));
+    EXPECT_EQ(mesh->positions[1], (Vec3d{1, 0, 0}));
     EXPECT_THAT(mesh->colors, ElementsAre(Color{1, 2, 255}, Color{0, 1, 0}, Color{1, 0, 1}));
     EXPECT_THAT(Refusal(Attribute::kMaterial, *mesh), EndsWith("has no material"));
     for (const char* type : {"float", "double"}) {

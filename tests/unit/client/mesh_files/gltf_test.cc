@@ -96,7 +96,7 @@ TEST(GltfFile, IntegersAreDecodedAsQuantizationHasThem) {
         {"bufferView", 2}, {"componentType", type}, {"normalized", normalized}, {"count", 4}, {"type", "VEC3"}};
     document["bufferViews"][2]["byteStride"] = bytes.size() / 4;
     document["extensionsRequired"] = {"KHR_mesh_quantization"};
-    const Vec3f second = Parse(document).value().positions[1];
+    const Vec3d second = Parse(document).value().positions[1];
     return std::vector<float>(second.begin(), second.end());
   };
   const std::string i8 = BytesOf<int8_t>({9, 9, 9, 9, -128, -127, 64, 9, 9, 9, 9, 9, 9, 9, 9, 9});
@@ -169,7 +169,8 @@ TEST(GltfFile, ExtensionsThatAReaderMustKnowAreRefusedUnlessTheyLeaveTrianglesAl
 }
 
 TEST(GltfFile, WeightsOfMorphTargetsMakeAWarning) {
-  constexpr char kSays[] = "meshes[0] has morph targets of weights [0,0.5], which are not applied";
+  const Warning kSays{"MORPH_TARGETS", "meshes[0] has morph targets of weights [0,0.5], which are not applied",
+                      "meshes[0]"};
   EXPECT_THAT(Parse(With(Document(), "/meshes/0/weights", {0, 0.5})).value().warnings, ElementsAre(kSays));
   const Json document = With(Document(), "/nodes/0/weights", {0, 0.5});
   EXPECT_THAT(Parse(With(document, "/meshes/0/weights", {0, 0})).value().warnings, ElementsAre(kSays));
@@ -208,7 +209,8 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
   says("/buffers/0/byteLength", 99, "buffers[0] has 60 bytes, not 99");
   says("/buffers/0/uri", "/dev/zero", "buffers[0]: file \"/dev/zero\" cannot be read");
   says("/buffers/0/uri", "data:,abc", "buffers[0]: its data: URI is not base64");
-  says("/nodes/0/scale", {1e39, 1, 1}, "meshes[0].primitives[0]: vertex 1 is not finite (inf)");
+  says("/nodes/0", {{"mesh", 0}, {"scale", {1e308, 1, 1}}, {"translation", {1e308, 0, 0}}},
+       "meshes[0].primitives[0]: vertex 1 is not finite (inf)");
 }
 
 // A few bytes may place a mesh many times, or name a primitive many times.

@@ -27,7 +27,7 @@ std::string Message(const absl::Status& status) { return std::string(status.mess
 
 // Returns the signed area as seen from +z.
 double Area(const Mesh& mesh, const Triangle& t) {
-  const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+  const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
   return ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
 }
 
@@ -60,9 +60,9 @@ TEST(ObjFile, ConcavePentagonIsCutInsideFromEveryCornerOn) {
 TEST(ObjFile, RotatedConcaveQuadIsCutInsideInEveryCoordinatePlane) {
   for (size_t axis = 0; axis < 3; ++axis) {
     for (const bool mirrored : {false, true}) {
-      std::vector<Vec3f> positions;
+      std::vector<Vec3d> positions;
       for (const auto& [u, v] : {std::pair{0.F, 0.F}, {4.F, 0.F}, {1.F, 1.F}, {0.F, 4.F}}) {  // a dart
-        Vec3f p{};
+        Vec3d p{};
         p[(axis + 1) % 3] = mirrored ? v : u;
         p[(axis + 2) % 3] = mirrored ? u : v;
         positions.push_back(p);
@@ -79,15 +79,15 @@ TEST(ObjFile, RotatedConcaveQuadIsCutInsideInEveryCoordinatePlane) {
 
 TEST(ObjFile, PolygonsWithoutAreaKeepAllTheirCorners) {
   std::vector<Triangle> triangles;
-  Triangulate(std::array<uint32_t, 5>{0, 1, 2, 3, 4}, std::vector<Vec3f>(5), triangles);
+  Triangulate(std::array<uint32_t, 5>{0, 1, 2, 3, 4}, std::vector<Vec3d>(5), triangles);
   EXPECT_EQ(triangles.size(), 3u);
 }
 
-TEST(ObjFile, NumbersAreTheNearestFloats) {
-  const auto mesh = ParseObj("v -3.85359e-05 7.70718e-05 +0.1\nv 4.47711687e-06 1e-50 -0\nv 1 2 3\nf 1 2 3\n");
+TEST(ObjFile, NumbersAreTheNearestDoubles) {
+  const auto mesh = ParseObj("v -3.85359e-05 7.70718e-05 +0.1\nv 691603.5625001 1e-500 -0\nv 1 2 3\nf 1 2 3\n");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_THAT(mesh->positions[0], ElementsAre(-3.85359e-05F, 7.70718e-05F, 0.1F));
-  EXPECT_THAT(mesh->positions[1], ElementsAre(4.47711687e-06F, 0.F, -0.F));
+  EXPECT_THAT(mesh->positions[0], ElementsAre(-3.85359e-05, 7.70718e-05, 0.1));
+  EXPECT_THAT(mesh->positions[1], ElementsAre(691603.5625001, 0., -0.));
 }
 
 TEST(ObjFile, IndicesCountBackwardsAndForwardsAndAcrossContinuedLines) {
@@ -113,7 +113,7 @@ TEST(ObjFile, ErrorsNameLineValueAndLimit) {
   EXPECT_THAT(Message(ParseObj(good + "f 1 x 3\n").status()), HasSubstr("\"x\""));
   EXPECT_THAT(Message(ParseObj(good + "f 1 2\n").status()), HasSubstr("2 corners"));
   EXPECT_THAT(Message(ParseObj("v 0 nan 0\n").status()), HasSubstr("line 1: vertex 1 is not finite"));
-  EXPECT_THAT(Message(ParseObj("v 0 1e99 0\n").status()), HasSubstr("vertex 1 is not finite"));
+  EXPECT_THAT(Message(ParseObj("v 0 1e999 0\n").status()), HasSubstr("vertex 1 is not finite"));
   EXPECT_THAT(Message(ParseObj("v 0 1\n").status()), HasSubstr("is not a number"));
 }
 
@@ -164,7 +164,7 @@ TEST(PlyFile, ReadsAsciiWithQuadsAndCountsWhatIsNoFace) {
       "element face 2\r\nproperty list uchar uint vertex_index\r\nend_header\r\n"
       "0 0 0\r\n1 0 0\r\n1 1 7.70718e-05\r\n0 1 0\r\n4 0 1 2 3\r\n2 0 1\r\n");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_EQ(mesh->positions[2][2], 7.70718e-05F);
+  EXPECT_EQ(mesh->positions[2][2], 7.70718e-05);
   EXPECT_EQ(mesh->triangles.size(), 2u);
   EXPECT_EQ(mesh->skipped, 1u);
 }
@@ -226,13 +226,13 @@ TEST_F(MeshFile, ReadsAsciiStl) {
   EXPECT_THAT(mesh->positions[2], ElementsAre(0.F, 1.F, 0.5F));
 }
 
-TEST(StlFile, TextIsReadToTheNearestFloatsInAnyCaseAndLayout) {
+TEST(StlFile, TextIsReadToTheNearestDoublesInAnyCaseAndLayout) {
   const auto mesh = ParseStl(
       "SOLID vertex of a facet\n  FACET NORMAL 0 0 1 outer loop\nVertex -3.85359e-05 7.70718e-05 +0.1\n"
       "vertex 1 0 0 vertex 0 1e-50 0\nendloop endfacet\nendsolid\nsolid\nfacet normal nan nan nan\nouter loop\n"
       "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid vertex\n");
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_THAT(mesh->positions[0], ElementsAre(-3.85359e-05F, 7.70718e-05F, 0.1F));
+  EXPECT_THAT(mesh->positions[0], ElementsAre(-3.85359e-05, 7.70718e-05, 0.1));
   EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{3, 4, 5}));
 }
 
@@ -242,7 +242,7 @@ TEST(StlFile, ErrorsNameLineOrTriangle) {
     EXPECT_THAT(Message(ParseStl(bytes).status()), HasSubstr(text));
   };
   says(head + "vertex 0 x 0\n", "line 6: coordinate \"x\" of a vertex is not a finite number");
-  says(head + "vertex 0 1e99 0\n", "line 6: coordinate \"1e99\"");
+  says(head + "vertex 0 1e999 0\n", "line 6: coordinate \"1e999\"");
   says(head + "vertex 0 1", "line 6: coordinate \"\"");
   says(head + "endloop\n", "line 6: a facet has 2 vertices, not 3");
   says(head + "vortex 0 1 0\n", "line 6: \"vortex\" is not an STL keyword");
@@ -275,8 +275,8 @@ TEST_F(MeshFile, AppliesNestedNodeTransformsOfGltfToEveryInstance) {
       "m.gltf", Gltf(kTriangle, R"({"children":[1,2],"translation":[10,0,0]},{"mesh":0,"scale":[2,3,4]},{"mesh":0})")));
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   ASSERT_EQ(mesh->triangles.size(), 2u);
-  EXPECT_THAT(mesh->positions, ElementsAre(Vec3f{10, 0, 0}, Vec3f{12, 0, 0}, Vec3f{10, 3, 0},  //
-                                           Vec3f{10, 0, 0}, Vec3f{11, 0, 0}, Vec3f{10, 1, 0}));
+  EXPECT_THAT(mesh->positions, ElementsAre(Vec3d{10, 0, 0}, Vec3d{12, 0, 0}, Vec3d{10, 3, 0},  //
+                                           Vec3d{10, 0, 0}, Vec3d{11, 0, 0}, Vec3d{10, 1, 0}));
 }
 
 TEST_F(MeshFile, ErrorsNameTheFile) {
@@ -321,7 +321,7 @@ TEST_F(MeshFile, AByteOrderMarkIsNoPartOfAText) {
     const std::string marked = "\xEF\xBB\xBF" + text;
     const auto mesh = ReadMesh(Write(name, marked));
     ASSERT_TRUE(mesh.ok()) << mesh.status();
-    EXPECT_THAT(mesh->positions, ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0})) << name;
+    EXPECT_THAT(mesh->positions, ElementsAre(Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0})) << name;
     EXPECT_EQ(FormatOfBytes(marked), FormatOfPath(name)) << name;
   }
 }

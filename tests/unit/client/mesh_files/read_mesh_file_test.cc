@@ -55,7 +55,7 @@ TEST_F(MeshFile, IsTurnedThenScaled) {
   const std::string path = Write("m.obj", kObj);
   EXPECT_EQ(ReadMeshFile(path, {.up = UpAxis::kY, .scale = 2})->positions[0], (Vec3d{2, -6, 4}));
   EXPECT_EQ(ReadMeshFile(path, {.up = UpAxis::kX})->positions[0], (Vec3d{-3, 2, 1}));
-  EXPECT_THAT(ReadMeshFile(path, {.scale = 1e300}).status().message(), HasSubstr("m.obj: vertex 0 (1 2 3)"));
+  EXPECT_THAT(ReadMeshFile(path, {.scale = 1e308}).status().message(), HasSubstr("m.obj: vertex 0 (1 2 3)"));
 }
 
 TEST_F(MeshFile, OfAnotherNameIsReadByItsFormat) {
