@@ -10,7 +10,8 @@ namespace latvox::client {
 
 // Reads a PLY file's bytes: ascii, or binary of either byte order. Reads these properties; other elements and
 // properties are ignored:
-//   vertex      x, y, z in any scalar type, text as the nearest double; red, green and blue, otherwise diffuse_red and so
+//   vertex      x, y, z in any scalar type, text as the nearest double; red, green and blue, otherwise diffuse_red and
+//   so
 //               on, as uchar, ushort, or float or double from 0 to 1, as the nearest of 256 steps
 //   face        vertex_indices (or vertex_index); polygons are triangulated; faces of fewer than three corners are
 //               counted as skipped

@@ -13,9 +13,9 @@ bool IsBinaryStl(absl::string_view bytes);
 
 // Reads an STL file's bytes, binary or text, with one or more solids. A file is binary if it has the binary length,
 // contains a zero byte, or has no word of facets. Bytes after the last triangle are ignored.
-// Each solid is a part. Each triangle has its own vertices. Positions are the float32 of the file, or the doubles nearest to
-// its decimal text. Normals are ignored.
-// Errors: INVALID_ARGUMENT naming the line, or the triangle counted from 0, and the fault:
+// Each solid is a part. Each triangle has its own vertices. Positions are the float32 of the file, or the doubles
+// nearest to its decimal text. Normals are ignored. Errors: INVALID_ARGUMENT naming the line, or the triangle counted
+// from 0, and the fault:
 //   too few bytes for the declared count, or an unexpected word
 //   a coordinate that is not a finite number
 //   a facet without exactly three vertices
