@@ -1,8 +1,8 @@
 // Reads the stream into a structure of your own, a height for each column, and leaves it early.
 #include <latvox/client.h>
+#include <latvox/for_each_voxel.h>
 
 #include <algorithm>
-#include <bit>
 #include <map>
 #include <utility>
 
@@ -14,16 +14,11 @@ using Heights = std::map<std::pair<int32_t, int32_t>, int32_t>;  // of the colum
 
 uint64_t Add(const lv::Brick& brick, Heights& heights) {
   uint64_t voxels = 0;
-  const auto [bi, bj, bk] = brick.brick_ijk;
-  for (int32_t x = 0; x < 8; ++x) {
-    for (uint64_t word = brick.mask[static_cast<size_t>(x)]; word != 0; word &= word - 1) {
-      const int bit = std::countr_zero(word);  // y<<3 | z
-      const int32_t k = 8 * bk + (bit & 7);
-      const auto column = heights.try_emplace({8 * bi + x, 8 * bj + (bit >> 3)}, k).first;
-      column->second = std::max(column->second, k);
-      ++voxels;
-    }
-  }
+  lv::ForEachVoxel(brick, [&](const lv::Vec3i& ijk) {
+    const auto column = heights.try_emplace({ijk[0], ijk[1]}, ijk[2]).first;
+    column->second = std::max(column->second, ijk[2]);
+    ++voxels;
+  });
   return voxels;
 }
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "client/internal/brick_codec.h"
 #include "client/internal/wire.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {

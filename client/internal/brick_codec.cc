@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "absl/strings/str_cat.h"
+#include "latvox/for_each_voxel.h"
 
 #if defined(__x86_64__)
 #include <tmmintrin.h>

@@ -28,9 +28,6 @@ UnpackKernel BestUnpackKernel();
 absl::Status UnpackBricks(std::string_view packed, std::vector<Brick>& bricks,
                           UnpackKernel kernel = BestUnpackKernel());
 
-// Returns the number of bits set in the mask.
-size_t CountVoxels(const Brick& brick);
-
 // Decompresses one zstd frame, which may be anything, to `packed` with `packed_bytes` bytes. Memory: packed_bytes and
 // zstd's fixed tables. Errors: INVALID_ARGUMENT naming the fault.
 absl::Status Decompress(std::string_view frame, size_t packed_bytes, std::string& packed);

@@ -1,11 +1,13 @@
 """The installed SDK: find_package(latvox) finds it, client/examples build against it alone, and work as they say."""
 
+import collections
 import contextlib
 import os
 import pathlib
 import re
 import subprocess
 import tempfile
+import time
 import unittest
 
 import harness
@@ -14,6 +16,7 @@ from tls_test import TlsCase
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = BIN.parent
+PRIVATE = os.environ | {"LATVOX_LATVOXD": str(BIN / "latvoxd")}
 
 
 def run(*words, **options):
@@ -21,6 +24,17 @@ def run(*words, **options):
     if done.returncode != 0:
         raise AssertionError(f"{words}: {done.stdout}{done.stderr}")
     return done.stdout
+
+
+def children(pid):
+    """Returns the numbers of the processes that the threads of this process started."""
+    return [int(word) for file in pathlib.Path(f"/proc/{pid}/task").glob("*/children") for word in file.read_text().split()]
+
+
+def is_latvoxd(pid):
+    with contextlib.suppress(OSError):
+        return pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().startswith(str(BIN / "latvoxd").encode())
+    return False
 
 
 class Sdk(TlsCase):
@@ -115,6 +129,31 @@ class Sdk(TlsCase):
                     refused = self.example("hello", latvoxd.address, path, 200)
                     self.assertEqual(refused.returncode, 1)
                     self.assertRegex(refused.stderr, rf"^[A-Z_]+: {path}: {wrong}.*\n$")
+
+    def test_a_mesh_file_becomes_voxels_without_a_running_server(self):
+        voxels = self.voxelize(BUNNY, "--resolution", 40, out="out.csv")["voxels"]
+        words = [self.sdk / "build/mesh_file", BUNNY, "40"]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=harness.PATIENCE, env=PRIVATE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = [tuple(map(int, line.split(","))) for line in done.stdout.splitlines()]
+        self.assertEqual(len(found), voxels)
+        self.assertEqual(sorted(found), sorted(harness.rows(self.dir / "out.csv")))
+        layers = {k: collections.Counter(j for _, j, layer in found if layer == k) for _, _, k in found}
+        drawn = [line.count("#") for line in reversed(done.stderr.splitlines()) if "#" in line]
+        self.assertIn(drawn, [[count for _, count in sorted(rows.items())] for rows in layers.values()])
+
+    def test_a_private_server_ends_with_a_program_that_is_killed(self):
+        program = subprocess.Popen([self.sdk / "build/mesh_file", BUNNY, "5000"], stdout=subprocess.DEVNULL, env=PRIVATE)
+        self.addCleanup(program.wait)
+        self.addCleanup(program.kill)
+        limit = time.monotonic() + harness.PATIENCE
+        while not (servers := [child for child in children(program.pid) if is_latvoxd(child)]):
+            self.assertLess(time.monotonic(), limit, "no server")
+            time.sleep(0.01)
+        program.kill()
+        while any(map(is_latvoxd, servers)):
+            self.assertLess(time.monotonic(), limit, "the server goes on")
+            time.sleep(0.01)
 
     def test_a_program_is_tested_without_a_server(self):
         self.assertEqual(self.output("fake_server"), "passed\n")

@@ -13,7 +13,7 @@
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/picture_scene.h"
 #include "client/tool/output/vec3.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {

@@ -18,7 +18,7 @@
 #include "client/tool/output/output.h"
 #include "client/tool/output/pixel_picture.h"
 #include "client/tool/output/vec3.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {

@@ -6,7 +6,7 @@
 
 #include "client/tool/cli/brick_pairs.h"
 #include "client/tool/output/cell_index.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {

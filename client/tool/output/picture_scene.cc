@@ -1,12 +1,11 @@
 #include "client/tool/output/picture_scene.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "client/tool/output/cell_index.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 
@@ -41,8 +40,7 @@ void AddBricks(std::span<const Brick> bricks, std::span<const uint32_t> colors, 
       scene.Add(brick);
       continue;
     }
-    size_t voxels = 0;
-    for (const uint64_t word : brick.mask) voxels += static_cast<size_t>(std::popcount(word));
+    const size_t voxels = CountVoxels(brick);
     scene.Add(brick, colors.first(voxels));
     colors = colors.subspan(voxels);
   }

@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/json/json.h"
 #include "client/tool/output/voronoi_cell.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/tool/output/npy_header.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {

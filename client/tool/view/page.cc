@@ -15,8 +15,8 @@
 #include "client/json/json.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
-#include "client/tool/output/voxel_walk.h"
 #include "client/tool/view/paints.h"
+#include "latvox/for_each_voxel.h"
 
 // Embeds the files of this folder unchanged.
 #define LATVOX_EMBED(name, file)                                                                                       \

@@ -1,5 +1,6 @@
 // Packed bricks: the server's encoder, the client's decoder, and the format between them, byte by byte.
 #include "client/internal/brick_codec.h"
+#include "latvox/for_each_voxel.h"
 
 #include <gmock/gmock.h>
 #include <zstd.h>

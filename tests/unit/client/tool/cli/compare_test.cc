@@ -11,7 +11,7 @@
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
 #include "client/tool/output/vec3.h"
-#include "client/tool/output/voxel_walk.h"
+#include "latvox/for_each_voxel.h"
 
 namespace latvox::client {
 namespace {

@@ -1,0 +1,62 @@
+// Voxels as a dense array.
+//
+//   const absl::StatusOr<latvox::client::DenseVoxels> dense = latvox::client::ToDense(*all);
+//   if (!dense.ok()) return dense.status();
+//   const bool is_voxel = dense->voxels[dense->IndexOf({i, j, k})] != 0;
+#ifndef LATVOX_LATVOX_DENSE_H_
+#define LATVOX_LATVOX_DENSE_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "latvox/export.h"
+#include "latvox/types.h"
+
+namespace latvox::client {
+
+// One value for each lattice point of a box, in C order: k runs fastest. Element 0 is the point box.min, whose center
+// is GridTransform::ToWorld(box.min).
+struct DenseVoxels {
+  IndexBox box;                       // the lattice points
+  std::array<size_t, 3> shape{};      // the number of points along i, j and k
+  std::array<size_t, 3> strides{};    // the elements from one point to the next along i, j and k
+  std::vector<uint8_t> voxels = {};   // 1 for a voxel, 0 for another point
+  std::vector<float> distances = {};  // for a band: world units, NaN where there is no voxel; otherwise empty
+  // With attributes: `attributes_per_voxel` numbers for each point, 0 where there is no voxel; otherwise empty. That of
+  // attribute a at element n is attributes[n * attributes_per_voxel + a].
+  std::vector<uint32_t> attributes = {};
+  size_t attributes_per_voxel = 0;  // the number of VoxelizeRequest::attributes
+
+  // Returns the element of a lattice point. Precondition: the box contains the point.
+  size_t IndexOf(const Vec3i& ijk) const {
+    size_t index = 0;
+    for (size_t m = 0; m < 3; ++m) index += static_cast<size_t>(int64_t{ijk[m]} - box.min[m]) * strides[m];
+    return index;
+  }
+};
+
+// The most lattice points of a dense array, unless a program gives another limit: 1 GiB without distances and
+// attributes.
+inline constexpr uint64_t kMostDensePoints = uint64_t{1} << 30;
+
+// Returns the voxels of the bricks that lie in the box. Memory: 1 byte for each point of the box.
+// Errors, with field, value and limit in ErrorDetails: INVALID_ARGUMENT if box.max is below box.min on some axis;
+// RESOURCE_EXHAUSTED if the box has more than `most_points`, or if the memory does not suffice.
+LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks, const IndexBox& box,
+                                                  uint64_t most_points = kMostDensePoints);
+
+// Does the same with distances and attributes. Memory: 1 byte for each point, 4 more for a band, 4 more for each
+// attribute.
+LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box,
+                                                  uint64_t most_points = kMostDensePoints);
+
+// Does the same for Accepted::index_box, which has all voxels; without any, the array has no point.
+LATVOX_EXPORT absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, uint64_t most_points = kMostDensePoints);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_LATVOX_DENSE_H_

@@ -1,0 +1,102 @@
+#include "latvox/dense.h"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "latvox/error.h"
+#include "latvox/for_each_voxel.h"
+
+namespace latvox::client {
+namespace {
+
+bool Contains(const IndexBox& box, const Vec3i& ijk) {
+  for (size_t m = 0; m < 3; ++m) {
+    if (ijk[m] < box.min[m] || ijk[m] >= box.max[m]) return false;
+  }
+  return true;
+}
+
+// Returns an array without values. Errors: as ToDense, except for its memory.
+absl::StatusOr<DenseVoxels> Shaped(const IndexBox& box, uint64_t most_points) {
+  DenseVoxels dense{.box = box};
+  for (size_t m = 0; m < 3; ++m) {
+    if (box.max[m] >= box.min[m]) continue;
+    absl::Status status =
+        absl::InvalidArgumentError(absl::StrCat("box.max[", m, "]: ", box.max[m], " is below box.min, ", box.min[m]));
+    SetErrorDetails({.reason = "BAD_BOX",
+                     .field = "box.max",
+                     .value = absl::StrCat(box.max[m]),
+                     .limit = absl::StrCat(box.min[m]),
+                     .retry_after = std::nullopt},
+                    status);
+    return status;
+  }
+  for (size_t m = 0; m < 3; ++m) dense.shape[m] = static_cast<size_t>(int64_t{box.max[m]} - box.min[m]);
+  const auto& [ni, nj, nk] = dense.shape;
+  // The product of all three sides may exceed 64 bits.
+  const bool empty = ni == 0 || nj == 0 || nk == 0;
+  if (!empty && (ni > most_points / nj || ni * nj > most_points / nk)) {
+    const std::string value = absl::StrJoin(dense.shape, " x ");
+    absl::Status status =
+        absl::ResourceExhaustedError(absl::StrCat("box: ", value, " points exceed the limit of ", most_points));
+    SetErrorDetails({.reason = "LIMIT_EXCEEDED",
+                     .field = "box",
+                     .value = value,
+                     .limit = absl::StrCat(most_points),
+                     .retry_after = std::nullopt},
+                    status);
+    return status;
+  }
+  dense.strides = {nj * nk, nk, 1};
+  return dense;
+}
+
+// Fills the array. Throws std::bad_alloc.
+void Fill(const BrickBatch& all, DenseVoxels& dense) {
+  const size_t points = dense.shape[0] * dense.shape[1] * dense.shape[2];
+  dense.attributes_per_voxel = AttributesPerVoxel(all);
+  dense.voxels.resize(points);
+  if (!all.values.empty()) dense.distances.resize(points, std::numeric_limits<float>::quiet_NaN());
+  dense.attributes.resize(points * dense.attributes_per_voxel);
+  ForEachVoxel(all, [&dense](const Voxel& voxel) {
+    if (!Contains(dense.box, voxel.ijk)) return;
+    const size_t n = dense.IndexOf(voxel.ijk);
+    dense.voxels[n] = 1;
+    if (voxel.distance) dense.distances[n] = *voxel.distance;
+    std::copy(voxel.attributes.begin(), voxel.attributes.end(),
+              dense.attributes.begin() + static_cast<std::ptrdiff_t>(n * dense.attributes_per_voxel));
+  });
+}
+
+absl::StatusOr<DenseVoxels> ToDense(const BrickBatch& all, const IndexBox& box, uint64_t most_points) {
+  absl::StatusOr<DenseVoxels> dense = Shaped(box, most_points);
+  if (!dense.ok()) return dense;
+  try {
+    Fill(all, *dense);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("not enough memory for a box of ", absl::StrJoin(dense->shape, " x "), " points"));
+  }
+  return dense;
+}
+
+}  // namespace
+
+absl::StatusOr<DenseVoxels> ToDense(std::span<const Brick> bricks, const IndexBox& box, uint64_t most_points) {
+  return ToDense(BrickBatch{.bricks = bricks}, box, most_points);
+}
+
+absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, const IndexBox& box, uint64_t most_points) {
+  return ToDense(BrickBatch{.bricks = all.bricks, .values = all.values, .attributes = all.attributes}, box,
+                 most_points);
+}
+
+absl::StatusOr<DenseVoxels> ToDense(const Voxelization& all, uint64_t most_points) {
+  return ToDense(all, all.accepted.index_box.value_or(IndexBox{}), most_points);
+}
+
+}  // namespace latvox::client
