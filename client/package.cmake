@@ -35,6 +35,7 @@ function(latvox_install_part PART)
   endif()
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${PART})
   install(TARGETS ${target} EXPORT latvox_${PART})
+  latvox_install_needs(${target} $<TARGET_FILE:${target}>)
   install(EXPORT latvox_${PART} NAMESPACE latvox:: DESTINATION ${latvox_package} FILE latvox-${PART}.cmake)
   latvox_install_pkg_config(${PART})
 endfunction()
@@ -63,10 +64,40 @@ function(latvox_install_package)
       install(DIRECTORY include/latvox/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/latvox)
     endif()
   endforeach()
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
   configure_package_config_file(latvoxConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake
                                 INSTALL_DESTINATION ${latvox_package})
   write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/latvoxConfigVersion.cmake
           DESTINATION ${latvox_package})
+endfunction()
+
+# Installs the protocol, for programs in other languages, and what people read: pages, pictures, examples, license.
+function(latvox_install_documents)
+  set(proto ${CMAKE_INSTALL_DATADIR}/latvox/proto)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/proto/latvox ${PROJECT_SOURCE_DIR}/proto/google DESTINATION ${proto}
+          FILES_MATCHING PATTERN *.proto)
+  install(FILES ${PROJECT_SOURCE_DIR}/proto/README.md DESTINATION ${proto})
+  install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} USE_SOURCE_PERMISSIONS)
+  install(DIRECTORY docs/pictures DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN *.png)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+  file(RELATIVE_PATH headers /${CMAKE_INSTALL_DOCDIR} /${CMAKE_INSTALL_INCLUDEDIR})
+  file(RELATIVE_PATH proto /${CMAKE_INSTALL_DOCDIR} /${proto})
+  file(GLOB pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/client/docs/*.md ${PROJECT_SOURCE_DIR}/server/docs/*.md)
+  set(made)
+  foreach(page IN LISTS pages)
+    cmake_path(GET page FILENAME name)
+    set(out ${CMAKE_CURRENT_BINARY_DIR}/pages/${name})
+    add_custom_command(
+      OUTPUT ${out}
+      COMMAND ${CMAKE_COMMAND} -D PAGE=${page} -D OUT=${out} -D HEADERS=${headers} -D PROTO=${proto} -P
+              ${CMAKE_CURRENT_SOURCE_DIR}/docs/installed_page.cmake
+      DEPENDS ${page} ${CMAKE_CURRENT_SOURCE_DIR}/docs/installed_page.cmake
+      COMMENT "Writing ${name}"
+      VERBATIM)
+    list(APPEND made ${out})
+  endforeach()
+  add_custom_target(latvox_documents ALL DEPENDS ${made})
+  latvox_install_needs(latvox_documents ${made})
+  install(FILES ${made} DESTINATION ${CMAKE_INSTALL_DOCDIR})
 endfunction()

@@ -13,7 +13,8 @@ if (!(resolution > 0) || !['cartesian', 'bcc', 'fcc', 'hexagonal'].includes(latt
   console.error('Usage: voxelize.mjs ADDRESS MESH.obj RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv');
   process.exit(2);
 }
-const includeDirs = [fileURLToPath(new URL('../../proto', import.meta.url))];
+// In the repository, or as `cmake --install` installs it.
+const includeDirs = ['../../proto', '../../../latvox/proto'].map((dir) => fileURLToPath(new URL(dir, import.meta.url)));
 const proto = loader.loadSync('latvox/v1/voxelizer.proto', { includeDirs, longs: String, defaults: true, oneofs: true });
 const { Voxelizer } = grpc.loadPackageDefinition(proto).latvox.v1;
 

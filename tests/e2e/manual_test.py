@@ -173,8 +173,10 @@ class ManPages(Case):
         self.assertIn("LATVOX_MAX_JOBS", text)
 
     def test_pages_and_completions_are_installed_where_they_are_looked_for(self):
-        prefix = self.dir / "prefix"
-        run("cmake", "--install", os.environ["LATVOX_BUILD_DIR"], "--prefix", prefix)
+        """Also if they were not built. So is it after deploy/quickstart, which builds the programs alone."""
+        prefix, build = self.dir / "prefix", pathlib.Path(os.environ["LATVOX_BUILD_DIR"])
+        (build / "deploy/manual/share/man/man1/latvox.1").unlink(missing_ok=True)
+        run("cmake", "--install", build, "--prefix", prefix)
         share = prefix / "share"
         for program, (page, _) in PROGRAMS.items():
             found = run("man", "-M", share / "man", "-w", program).strip()

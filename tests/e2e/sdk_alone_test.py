@@ -74,8 +74,7 @@ class Kind:
         self.said = configure(source, self.build, *ALONE, *missing, f"-DBUILD_SHARED_LIBS={'ON' if shared else 'OFF'}",
                               "-DCMAKE_CXX_FLAGS=-O0",
                               env=os.environ | {"PKG_CONFIG_LIBDIR": str(modules)})
-        run("cmake", "--build", self.build, env=self.cached)
-        run("cmake", "--install", self.build, "--prefix", folder / "first")
+        run("cmake", "--install", self.build, "--prefix", folder / "first", env=self.cached)  # builds what it lacks: all
         (folder / "first").rename(self.prefix)  # programs are built against the moved copy
         shutil.copytree(ROOT / "client/examples", folder / "source")
         needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco", "pugixml") if shared]
@@ -176,7 +175,7 @@ class SdkAlone(harness.Case):
 
     def test_everything_that_headers_leave_to_the_library_is_marked(self):
         for header in (ROOT / "client/include/latvox").rglob("*.h"):
-            for line in header.read_text().splitlines():
+            for line in re.sub(r"^template <.*>\n.*", "", header.read_text(), flags=re.M).splitlines():
                 if re.match(r"class .*\{$|(?!inline|constexpr|template|using)[\w:]+(<.*>)?[&*]? \w+\(", line):
                     with self.subTest(f"{header.name}: {line}"):
                         self.assertRegex(line, r"^class LATVOX_EXPORT ")

@@ -43,10 +43,8 @@ class Sdk(TlsCase):
         cls.sdk = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="latvox-sdk-")))
         cls.include = cls.sdk / "prefix/include"
         run("cmake", "--install", BUILD, "--prefix", cls.sdk / "prefix")
-        source = cls.sdk / "source"  # outside the repository
-        source.mkdir()
-        for path in (ROOT / "client/examples").iterdir():
-            (source / path.name).write_bytes(path.read_bytes())
+        cls.doc = cls.sdk / "prefix/share/doc/latvox"
+        source = cls.doc / "examples"
         cached = os.environ | {"CCACHE_BASEDIR": str(cls.sdk), "CCACHE_NOHASHDIR": "1"}
         said = run("cmake", "-S", source, "-B", cls.sdk / "build", f"-DCMAKE_PREFIX_PATH={cls.sdk / 'prefix'}", "-G", "Ninja",
             "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
@@ -77,6 +75,24 @@ class Sdk(TlsCase):
         for header in headers:
             with self.subTest(header):
                 run(*compiler, "-fsyntax-only", self.include / header)
+
+    def test_pages_lead_to_installed_files(self):
+        pages = sorted(self.doc.glob("*.md"))
+        self.assertLess({"sdk.md", "tutorial.md", "protocol.md"}, {page.name for page in pages})
+        links = 0
+        for page in pages:
+            text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.M | re.S)
+            for link in re.findall(r"\]\(([^)#:]+)(?:#[\w-]*)?\)", text):
+                links += 1
+                with self.subTest(page=page.name, link=link):
+                    self.assertTrue((page.parent / link).exists())
+        self.assertGreater(links, 50)
+
+    def test_the_protocol_is_installed_as_it_is_imported(self):
+        proto = self.sdk / "prefix/share/latvox/proto"
+        run("protoc", "-I", proto, f"--descriptor_set_out={self.dir / 'protocol.bin'}", "latvox/v1/voxelizer.proto",
+            "google/rpc/status.proto", "google/rpc/error_details.proto")
+        self.assertEqual((proto / "latvox/v1/voxelizer.proto").read_text(), (ROOT / "proto/latvox/v1/voxelizer.proto").read_text())
 
     def test_examples_find_what_the_tool_finds(self):
         with server(self.dir) as latvoxd:
@@ -131,7 +147,7 @@ class Sdk(TlsCase):
                     self.assertRegex(refused.stderr, rf"^[A-Z_]+: {path}: {wrong}.*\n$")
 
     def test_a_mesh_file_becomes_voxels_without_a_running_server(self):
-        voxels = self.voxelize(BUNNY, "--resolution", 40, out="out.csv")["voxels"]
+        voxels = self.voxelize(self.mesh, "--resolution", 40)["voxels"]  # encoded without loss, like the program's
         words = [self.sdk / "build/mesh_file", BUNNY, "40"]
         done = subprocess.run(words, capture_output=True, text=True, timeout=harness.PATIENCE, env=PRIVATE)
         self.assertEqual(done.returncode, 0, done.stderr)
