@@ -518,6 +518,20 @@ class Page(Case):
         self.assertEqual(page.read_text(), "old")
         self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["a.obj", "a.vdb", "far.vdb", "many.vdb", "page.html", "skew.vdb"])
 
+    def test_voxelize_and_batch_write_the_page_of_the_grid(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        for options in (["--lattice", "bcc"], ["--band", "2v"], ["--attributes", "part"], ["--up-axis", "y"]):
+            with self.subTest(options):
+                self.voxelize(mesh, "--resolution", 9, *options, "-o", self.dir / "a.vdb", out="a.html")
+                self.assertEqual(latvox("view", self.dir / "a.vdb", "-o", self.dir / "b.html").returncode, OK)
+                viewed = (self.dir / "b.html").read_text().replace('"title":"a.vdb"', '"title":"a"')
+                self.assertEqual((self.dir / "a.html").read_text(), viewed)
+        jobs = self.dir / "jobs.jsonl"
+        jobs.write_text(json.dumps({"mesh": str(mesh), "resolution": 9, "up_axis": "y", "out": "c.html"}) + "\n")
+        self.assertEqual(latvox("batch", jobs, "--out", self.dir).returncode, OK)
+        self.assertEqual((self.dir / "c.html").read_text().replace('"title":"c"', '"title":"a"'), viewed)
+        self.assertEqual([it.name for it in self.dir.iterdir() if it.name.startswith(".")], [])
+
     def test_nothing_is_loaded_from_elsewhere(self):
         write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 3)
         self.assertEqual(latvox("view", self.dir / "a.vdb", "-o", self.dir / "page.html").returncode, OK)

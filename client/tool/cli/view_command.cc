@@ -48,7 +48,9 @@ absl::StatusOr<std::string> RunView(const ViewWords& words, const Cancellation& 
   const GridFileInfo& info = content->file.info;
   const UpAxis up = words.view_up.empty() ? UpOf(info) : ValueNamed(UpNames(), words.view_up);
   const auto page = ViewPage(*content, std::filesystem::path(words.input).filename().string(), up);
-  if (!page.ok()) return page.status();
+  if (!page.ok()) {
+    return absl::Status(page.status().code(), absl::StrCat(words.input, ": ", page.status().message()));
+  }
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = WriteAtomically(output, *page); !status.ok()) return status;
   return absl::StrCat(words.input, ": ", info.active_voxels, " voxels\nwrote ", output, ", ", page->size(), " bytes\n");

@@ -15,6 +15,7 @@
 #include "client/tool/cli/request_words.h"
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/output.h"
+#include "client/tool/view/page.h"
 #include "latvox/stretched.h"
 
 namespace latvox::client {
@@ -195,6 +196,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   InterpretAttributes(words, options);
   if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
   options.output_options.note = NoteOf(options, words);
+  options.output_options.make_page = ViewPage;
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {
     request.resolution = kDefaultResolution;
     options.has_default_resolution = true;

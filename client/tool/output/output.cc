@@ -13,6 +13,7 @@
 #include "client/tool/output/box_output.h"
 #include "client/tool/output/dense_output.h"
 #include "client/tool/output/npz_output.h"
+#include "client/tool/output/page_output.h"
 #include "client/tool/output/picture_output.h"
 #include "client/tool/output/surface_output.h"
 #include "client/tool/output/table_output.h"
@@ -113,6 +114,15 @@ std::unique_ptr<Output> NewTable(std::unique_ptr<AtomicFile> file, const Voxeliz
   return NewTableOutput(extension, std::move(file), {request.band.has_value(), request.attributes});
 }
 
+template <std::unique_ptr<Output> (*new_vdb)(std::unique_ptr<AtomicFile>, const VoxelizeRequest&, const OutputOptions&)>
+std::unique_ptr<Output> NewHtmlOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest& request,
+                                      const OutputOptions& options) {
+  const auto open = [request, options](std::unique_ptr<AtomicFile> vdb) {
+    return new_vdb(std::move(vdb), request, options);
+  };
+  return NewPageOutput(std::move(file), options, open);
+}
+
 // Returns a function that opens the same output for every request.
 template <std::unique_ptr<Output> (*new_output)(std::unique_ptr<AtomicFile>)>
 std::unique_ptr<Output> NewPlainOutput(std::unique_ptr<AtomicFile> file, const VoxelizeRequest&, const OutputOptions&) {
@@ -150,6 +160,7 @@ constexpr Format kFormats[] = {
     {".npz", NewArchiveOutput, NewArchiveOutput, NewArchiveOutput},
     {kPly, NewTable<kPly>, NewTable<kPly>, NewTable<kPly>},
     {".png", NewPngOutput, NewPngOutput, NewPngOutput, false, /*is_placed=*/false},
+    {".html", NewHtmlOutput<NewVdbOutput>, NewHtmlOutput<NewDistanceVdbOutput>, NewHtmlOutput<NewAttributeVdbOutput>},
     {".glb", NewPlainOutput<NewGlbOutput>, nullptr, NewPlainOutput<NewGlbOutput>, /*color_alone=*/true},
     {".binvox", NewPlainOutput<NewBinvoxOutput>, nullptr, nullptr},
     {".vox", NewPlainOutput<NewVoxOutput>, nullptr, nullptr, false, /*is_placed=*/false},

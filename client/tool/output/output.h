@@ -2,12 +2,14 @@
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_OUTPUT_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_OUTPUT_H_
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "latvox/grid/grid_content.h"
 #include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
 
@@ -25,11 +27,16 @@ class Output {
   virtual absl::Status Commit() = 0;
 };
 
+// Returns a page that shows the content of a .vdb file under a title; see client/tool/view/page.h.
+using MakePage =
+    std::function<absl::StatusOr<std::string>(const GridContent& content, const std::string& title, UpAxis up)>;
+
 // Options of an output besides its extension.
 struct OutputOptions {
   bool dense_npy = false;
-  UpAxis picture_up = UpAxis::kY;  // axis of the world that points up in a .png
+  UpAxis picture_up = UpAxis::kY;  // axis of the world that points up in a .png or .html
   MeshNote note = {};              // of the mesh, for the metadata of grids
+  MakePage make_page = nullptr;    // of a .html, which needs it
 };
 
 // Returns the extensions that OpenOutput supports, with the dot.
@@ -55,6 +62,7 @@ std::string WarningOfPlace(const std::vector<std::string>& paths);
 //   .npz   dense, with its place in the world: see client/tool/output/npz_output.h
 //   .ply   points, binary little-endian: double x, y, z, int i, j, k
 //   .png   picture
+//   .html  page, as that of the .vdb
 //   .glb   surface, see client/tool/output/surface_output.h
 //   .binvox, .vox   boxes of cubes, see client/tool/output/box_output.h
 // A request for a band needs one of DistanceExtensions:
@@ -73,8 +81,8 @@ std::string WarningOfPlace(const std::vector<std::string>& paths);
 //   .png   picture of voxels in their colors, otherwise by material, otherwise by part
 //   .glb   colors of the surface's vertices; no other attributes
 // Voxels come in the order of the stream, those of a brick in lexicographic order. Memory does not grow with the
-// voxels, except for .vdb, .nvdb, dense .npy, .npz, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT (extension);
-// FAILED_PRECONDITION (the file cannot be created).
+// voxels, except for .vdb, .nvdb, .html, dense .npy, .npz, .glb, .binvox and .vox. Errors: INVALID_ARGUMENT
+// (extension); FAILED_PRECONDITION (the file cannot be created).
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request = {},
                                                    const OutputOptions& options = {});
 

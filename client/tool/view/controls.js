@@ -42,7 +42,7 @@ function describe({ ramp, legend }) {
       const swatch = document.createElement("span");
       swatch.className = "swatch";
       swatch.style.background = color;
-      return div("", ...(color === "" ? [] : [swatch]), text);
+      return div("", ...(color === "" ? [] : [swatch]), text.replace(/\d{4,}(?= voxels)/, brief));
     }));
   }
 }

@@ -50,26 +50,26 @@ Json MetadataOf(const GridFileInfo& info) {
   return metadata;
 }
 
-absl::Status CheckSize(const GridFileInfo& info, const IndexBox& box, const std::string& title) {
+absl::Status CheckSize(const GridFileInfo& info, const IndexBox& box) {
   constexpr char kRemedy[] = "; voxelize a part (--bounds, --region), or more coarsely (--resolution, --voxel-size)";
   if (info.active_voxels > kMaxPageVoxels) {
-    return absl::ResourceExhaustedError(absl::StrCat(title, ": ", info.active_voxels, " voxels exceed the limit of ",
-                                                     kMaxPageVoxels, " of a page", kRemedy));
+    return absl::ResourceExhaustedError(
+        absl::StrCat(info.active_voxels, " voxels exceed the limit of ", kMaxPageVoxels, " of a page", kRemedy));
   }
   for (size_t m = 0; m < 3; ++m) {
     if (const int64_t side = int64_t{box.max[m]} - box.min[m]; side > kMaxSide) {
-      return absl::ResourceExhaustedError(absl::StrCat(title, ": ", side, " voxels on axis ", std::string(1, "ijk"[m]),
+      return absl::ResourceExhaustedError(absl::StrCat(side, " voxels on axis ", std::string(1, "ijk"[m]),
                                                        " exceed the limit of ", kMaxSide, " of a page", kRemedy));
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckSteps(const VoronoiCell& cell, const std::string& title) {
+absl::Status CheckSteps(const VoronoiCell& cell) {
   for (const CellFace& face : cell.faces) {
     for (const int32_t n : face.neighbor) {
       if (std::abs(n) <= kMaxStep) continue;
-      return absl::ResourceExhaustedError(absl::StrCat(title, ": the step ", absl::StrJoin(face.neighbor, ","),
+      return absl::ResourceExhaustedError(absl::StrCat("the step ", absl::StrJoin(face.neighbor, ","),
                                                        " to a neighbor exceeds the limit of ", kMaxStep,
                                                        " of a page; use a less skewed basis of the same lattice"));
     }
@@ -186,13 +186,13 @@ std::string Fill(const Json& data, const std::vector<Brick>& bricks, const std::
 absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::string& title, UpAxis up) {
   const GridFile& file = content.file;
   const IndexBox box = file.info.active_box.value_or(IndexBox{{0, 0, 0}, {1, 1, 1}});
-  if (auto status = CheckSize(file.info, box, title); !status.ok()) return status;
+  if (auto status = CheckSize(file.info, box); !status.ok()) return status;
   const auto paints = PaintsOf(content);
   if (!paints.ok()) return paints.status();
   const Placement placement = PlacementOf(file, box);
   const Basis basis = TurnedBasis(placement.basis, up);
   const VoronoiCell cell = VoronoiCellOf(basis);
-  if (auto status = CheckSteps(cell, title); !status.ok()) return status;
+  if (auto status = CheckSteps(cell); !status.ok()) return status;
   const GridTransform& grid = file.info.transform;
   const Json data = {{"title", title},
                      {"metadata", MetadataOf(file.info)},

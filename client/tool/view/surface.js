@@ -12,7 +12,7 @@ const LIGHT = `
     float key = max(0.0, dot(normal, normalize(vec3(-0.5, 0.65, 0.55))));
     float fill = max(0.0, dot(normal, normalize(vec3(0.8, 0.1, 0.6))));
     float light = mix(0.24 + 0.12 * normal.y + 0.15 * fill + 0.95 * key, 1.0, plain);
-    vec3 linear = tone * light * (1.0 - 0.45 * line);
+    vec3 linear = tone * light * (1.0 - 0.55 * line);
     return pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2));
   }`;
 

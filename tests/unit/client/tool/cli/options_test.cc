@@ -340,7 +340,7 @@ TEST(Options, ABandIsInWorldUnitsOrInVoxels) {
   EXPECT_THAT(Refusal({"--resolution", "9", "--signed"}), AllOf(HasSubstr("--signed"), HasSubstr("--band")));
   for (const char* output : {"a.nvdb", "a.glb", "a.binvox", "a.vox"}) {
     EXPECT_THAT(Refusal({"--resolution", "9", "--band", "1", "-o", output}),
-                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .npz .ply .png can"));
+                HasSubstr(std::string(output) + " cannot hold distances; .vdb .csv .npy .npz .ply .png .html can"));
   }
 }
 

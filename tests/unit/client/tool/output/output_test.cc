@@ -38,7 +38,10 @@ class OutputFile : public FilesTest {
 
   // Runs everything except Commit.
   std::unique_ptr<Output> Fill(const std::string& name) const {
-    auto output = OpenOutput(Path(name));
+    const MakePage page = [](const GridContent& content, const std::string& title, UpAxis up) {
+      return absl::StrCat(title, ", ", content.file.info.active_voxels, " voxels", up == UpAxis::kZ ? ", z up" : "");
+    };
+    auto output = OpenOutput(Path(name), {}, {.picture_up = UpAxis::kZ, .make_page = page});
     EXPECT_TRUE(output.ok()) << output.status();
     Accepted accepted = MakeAccepted();
     if (name.ends_with("vox")) accepted.grid.basis = {{0.2, 0, 0}, {0, 0.2, 0}, {0, 0, 0.2}};  // formats of cubes
@@ -119,7 +122,7 @@ TEST_F(OutputFile, TablesOfABandHoldDistances) {
     EXPECT_EQ(in_ply, values[n]);
   }
   EXPECT_THAT(std::string(OpenOutput(Path("o.glb"), request).status().message()),
-              HasSubstr("\".glb\" is not one of .vdb .csv .npy .npz .ply .png"));
+              HasSubstr("\".glb\" is not one of .vdb .csv .npy .npz .ply .png .html"));
 }
 
 TEST_F(OutputFile, PngIsAPicture) {
@@ -133,6 +136,20 @@ TEST_F(OutputFile, VdbHoldsTheVoxels) {
   ASSERT_TRUE(info.ok()) << info.status();
   EXPECT_EQ(info->active_voxels, 3u);
   EXPECT_EQ(info->active_box, (IndexBox{{-8, 0, 0}, {8, 8, 8}}));
+}
+
+TEST_F(OutputFile, HtmlIsThePageOfTheVdb) {
+  ASSERT_TRUE(Fill("o.html")->Commit().ok());
+  EXPECT_EQ(Read("o.html"), "o, 3 voxels, z up");
+}
+
+TEST_F(OutputFile, AnErrorOfThePageNamesTheTarget) {
+  const MakePage page = [](const auto&...) { return absl::ResourceExhaustedError("too many"); };
+  auto output = OpenOutput(Path("o.html"), {}, {.make_page = page});
+  ASSERT_TRUE(output.ok() && (*output)->Begin(MakeAccepted()).ok());
+  EXPECT_EQ((*output)->Finish({}), absl::ResourceExhaustedError(Path("o.html") + ": too many"));
+  output->reset();
+  EXPECT_THAT(Names(), ElementsAre());
 }
 
 TEST_F(OutputFile, NothingIsThereBeforeCommitAndNothingIsLeftWithoutIt) {
