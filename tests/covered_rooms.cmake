@@ -12,4 +12,5 @@ latvox_test_room(client/json client_gltf_test client_job_test)
 
 latvox_test_room_from_outside(server/config TESTS e2e.config PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(server/main.cc TESTS e2e.config PROGRAMS latvox latvoxd)
+latvox_test_room_from_outside(client/tool/inspect TESTS e2e.info PROGRAMS latvox latvoxd)
 latvox_test_room_from_outside(client/tool/view TESTS e2e.view node.view PROGRAMS latvox latvoxd)

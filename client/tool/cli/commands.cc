@@ -6,6 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "client/tool/cli/info_json.h"
 #include "client/tool/cli/report.h"
+#include "client/tool/inspect/file_facts.h"
 #include "latvox/grid/voxel_grid.h"
 
 namespace latvox::client {
@@ -13,31 +14,39 @@ namespace {
 
 std::string NineDigits(const Vec3d& v) { return absl::StrFormat("%.9g %.9g %.9g", v[0], v[1], v[2]); }
 
-}  // namespace
-
-absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
-  const auto info = ReadGridFileInfo(path);
-  if (!info.ok()) return info.status();
-  if (json) return ToJson(*info) + "\n";
-  std::string text = absl::StrFormat("grid           %s (%s)\n", info->name, info->value_type);
-  absl::StrAppendFormat(&text, "active voxels  %d\n", info->active_voxels);
-  if (const auto& box = info->active_box) {
+std::string ToText(const GridFileInfo& info) {
+  std::string text = absl::StrFormat("grid           %s (%s)\n", info.name, info.value_type);
+  absl::StrAppendFormat(&text, "active voxels  %d\n", info.active_voxels);
+  if (const auto& box = info.active_box) {
     absl::StrAppend(&text, "active box     ", absl::StrJoin(box->min, ","), " to below ", absl::StrJoin(box->max, ","),
                     "\n");
   } else {
     text += "active box     empty\n";
   }
-  absl::StrAppendFormat(&text, "voxel size     %.9g\n", info->transform.voxel_size);
-  absl::StrAppend(&text, "step in i      ", NineDigits(info->transform.basis.a), "\n");
-  absl::StrAppend(&text, "step in j      ", NineDigits(info->transform.basis.b), "\n");
-  absl::StrAppend(&text, "step in k      ", NineDigits(info->transform.basis.c), "\n");
-  absl::StrAppend(&text, "origin         ", NineDigits(info->transform.origin), "\n");
-  for (const auto& [name, value] : info->metadata) {
+  absl::StrAppendFormat(&text, "voxel size     %.9g\n", info.transform.voxel_size);
+  absl::StrAppend(&text, "step in i      ", NineDigits(info.transform.basis.a), "\n");
+  absl::StrAppend(&text, "step in j      ", NineDigits(info.transform.basis.b), "\n");
+  absl::StrAppend(&text, "step in k      ", NineDigits(info.transform.basis.c), "\n");
+  absl::StrAppend(&text, "origin         ", NineDigits(info.transform.origin), "\n");
+  for (const auto& [name, value] : info.metadata) {
     // OpenVDB writes the empty box with the highest number as its minimum.
-    const bool empty = info->active_voxels == 0 && absl::StartsWith(name, "file_bbox_");
+    const bool empty = info.active_voxels == 0 && absl::StartsWith(name, "file_bbox_");
     absl::StrAppendFormat(&text, "%s = %s\n", name, empty ? "empty" : value);
   }
   return text;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> RunInfo(const std::string& path, bool json) {
+  if (absl::EndsWithIgnoreCase(path, ".vdb") || absl::EndsWithIgnoreCase(path, ".nvdb")) {
+    const auto info = absl::EndsWithIgnoreCase(path, ".nvdb") ? ReadNanoFileInfo(path) : ReadGridFileInfo(path);
+    if (!info.ok()) return info.status();
+    return json ? ToJson(*info) + "\n" : ToText(*info);
+  }
+  const auto facts = ReadFileFacts(path);
+  if (!facts.ok()) return facts.status();
+  return json ? facts->json + "\n" : facts->text;
 }
 
 absl::StatusOr<std::string> RunHealth(const ServerChoice& choice, const Cancellation& cancellation) {

@@ -190,8 +190,13 @@ class Program {
 
   // Commands that print facts.
   void AddQuestions() {
-    Add("info", "Print facts about a .vdb file", [this] { return Print(RunInfo(info_path_, json_)); })
-        .Add({{.names = "file", .target = &info_path_, .help = "OpenVDB file", .value = "IN.vdb", .required = true},
+    Add("info", "Print facts about a file that latvox writes, or a mesh",
+        [this] { return Print(RunInfo(info_path_, json_)); })
+        .Add({{.names = "file",
+               .target = &info_path_,
+               .help = "File: .vdb .nvdb .csv .npy .npz .ply .glb .vox .binvox .png .html, or a mesh",
+               .value = "FILE",
+               .required = true},
               JsonRow("Print a JSON object", json_)});
     const auto add_call = [this](const char* name, const char* description, auto run) -> CommandParser& {
       CommandParser& command = Add(name, description, [run] {

@@ -195,6 +195,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
   if (auto status = CheckSteps(cell); !status.ok()) return status;
   const GridTransform& grid = file.info.transform;
   const Json data = {{"title", title},
+                     {"voxels", file.info.active_voxels},
                      {"metadata", MetadataOf(file.info)},
                      {"voxels", file.info.active_voxels},
                      {"low", box.min},

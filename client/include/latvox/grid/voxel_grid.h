@@ -81,6 +81,11 @@ struct GridFileInfo {
 // grid, a transform that is not affine), with the path.
 LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadGridFileInfo(const std::string& path);
 
+// Reads the same facts about the first grid of a .nvdb file (NanoVDB), as far as its header tells: counts and box are
+// not verified. The metadata are those of VoxelGrid::WriteNano. Reads no voxel. Errors: NOT_FOUND; INVALID_ARGUMENT
+// (not a readable .nvdb file, cut short, compressed), with the path.
+LATVOX_EXPORT absl::StatusOr<GridFileInfo> ReadNanoFileInfo(const std::string& path);
+
 // A .vdb file's voxels: the grid "voxels", or else the first grid. Bricks are in lexicographic order of brick_ijk.
 struct GridFile {
   GridFileInfo info;          // facts and metadata

@@ -1,0 +1,108 @@
+#include <nanovdb/util/IO.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "latvox/grid/voxel_grid.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr uint64_t kMostText = uint64_t{1} << 20;
+
+// Reads the file's structures without its nodes.
+class NanoReader {
+ public:
+  explicit NanoReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+    std::error_code error;
+    size_ = std::filesystem::file_size(path, error);
+  }
+
+  absl::StatusOr<GridFileInfo> Read() {
+    nanovdb::io::Header header;
+    if (!Get(header) || header.magic != NANOVDB_MAGIC_NUMBER || header.gridCount == 0) return Bad("has no grid");
+    nanovdb::io::MetaData meta;
+    for (uint16_t n = 0; n < header.gridCount; ++n) {
+      nanovdb::io::MetaData each;
+      if (!Get(each) || each.nameSize > kMostText) return Bad("is cut short");
+      if (n == 0) meta = each;
+      file_.seekg(each.nameSize, std::ios::cur);
+    }
+    if (meta.codec != nanovdb::io::Codec::NONE) return Bad("is compressed");
+    const auto begin = static_cast<uint64_t>(file_.tellg());
+    nanovdb::GridData grid;
+    if (!Get(grid) || grid.mMagic != NANOVDB_MAGIC_NUMBER) return Bad("has no grid behind its header");
+    if (grid.mGridSize > size_ || begin > size_ - grid.mGridSize) return Bad("is cut short");
+    GridFileInfo info = Describe(meta, grid);
+    if (grid.mBlindMetadataCount > 0) ReadText(begin, grid, info);
+    return info;
+  }
+
+ private:
+  absl::Status Bad(const char* why) const {
+    return absl::InvalidArgumentError(absl::StrCat(path_, ": is not a readable .nvdb file (", why, ")"));
+  }
+
+  template <class T>
+  bool Get(T& value) {
+    file_.read(reinterpret_cast<char*>(&value), sizeof(value));
+    return file_.good();
+  }
+
+  static GridFileInfo Describe(const nanovdb::io::MetaData& meta, const nanovdb::GridData& grid) {
+    GridFileInfo info;
+    info.name.assign(grid.mGridName, strnlen(grid.mGridName, sizeof(grid.mGridName)));
+    info.value_type = grid.mGridType < nanovdb::GridType::End ? nanovdb::toStr(grid.mGridType) : "?";
+    const double* const m = grid.mMap.mMatD;  // columns are the steps
+    info.transform.basis = {{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}};
+    for (size_t n = 0; n < 3; ++n) info.transform.origin[n] = grid.mMap.mVecD[n];
+    info.transform.voxel_size = std::cbrt(std::abs(
+        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6])));
+    info.active_voxels = meta.voxelCount;
+    if (meta.voxelCount == 0) return info;
+    IndexBox& box = info.active_box.emplace();
+    for (int n = 0; n < 3; ++n) {
+      const int32_t high = meta.indexBBox.max()[n];
+      box.min[static_cast<size_t>(n)] = meta.indexBBox.min()[n];
+      box.max[static_cast<size_t>(n)] = high + (high < std::numeric_limits<int32_t>::max());
+    }
+    return info;
+  }
+
+  // Reads our lines "name = value". Other programs' blind data have none.
+  void ReadText(uint64_t begin, const nanovdb::GridData& grid, GridFileInfo& info) {
+    nanovdb::GridBlindMetaData blind;
+    file_.seekg(static_cast<std::streamoff>(begin) + grid.mBlindMetadataOffset);
+    const std::streamoff at = file_.tellg();
+    if (!Get(blind) || blind.mElementCount > kMostText || strncmp(blind.mName, "latvox", sizeof(blind.mName)) != 0)
+      return;
+    std::string text(blind.mElementCount, '\0');
+    file_.seekg(at + blind.mByteOffset);
+    if (!file_.read(text.data(), static_cast<std::streamsize>(text.size()))) return;
+    for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) {
+      const std::pair<std::string, std::string> field = absl::StrSplit(line, absl::MaxSplits(" = ", 1));
+      info.metadata.push_back(field);
+    }
+  }
+
+  const std::string path_;
+  std::ifstream file_;
+  uint64_t size_ = 0;
+};
+
+}  // namespace
+
+absl::StatusOr<GridFileInfo> ReadNanoFileInfo(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  return NanoReader(path).Read();
+}
+
+}  // namespace latvox::client

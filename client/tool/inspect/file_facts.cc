@@ -1,0 +1,121 @@
+#include "client/tool/inspect/file_facts.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "client/mesh_files/mesh_file.h"
+#include "client/tool/inspect/array_facts.h"
+#include "client/tool/inspect/box_facts.h"
+#include "client/tool/inspect/extent.h"
+#include "client/tool/inspect/picture_facts.h"
+#include "client/tool/inspect/table_facts.h"
+
+namespace latvox::client {
+namespace {
+
+absl::StatusOr<Json> MeshFacts(const std::string& path) {
+  const auto mesh = ReadMeshFile(path);
+  if (!mesh.ok()) return mesh.status();
+  Extent<float> bounds;
+  for (const auto& triangle : mesh->triangles) {
+    for (const uint32_t vertex : triangle) bounds.Add(mesh->positions[vertex]);
+  }
+  const uint32_t parts = mesh->stretches.empty() ? 1 : mesh->stretches.back().part + 1;
+  return Json{{"triangles", mesh->triangles.size()},
+              {"vertices", mesh->positions.size()},
+              {"parts", parts},
+              {"materials", mesh->materials},
+              {"vertex_colors", mesh->colors.size() == mesh->positions.size()},
+              {"bounds", bounds.ToJson()}};
+}
+
+// The content of these formats tells whether it is voxels or a mesh.
+template <absl::StatusOr<std::optional<Json>> (*of_voxels)(FileSource&)>
+absl::StatusOr<Json> VoxelsOrMesh(const std::string& path) {
+  const auto file = FileSource::Open(path);
+  if (!file.ok()) return file.status();
+  auto facts = of_voxels(**file);
+  if (!facts.ok()) return facts.status();
+  return *facts ? **std::move(facts) : MeshFacts(path);
+}
+
+template <absl::StatusOr<Json> (*of_file)(FileSource&)>
+absl::StatusOr<Json> Opened(const std::string& path) {
+  const auto file = FileSource::Open(path);
+  if (!file.ok()) return file.status();
+  return of_file(**file);
+}
+
+constexpr std::pair<absl::string_view, absl::StatusOr<Json> (*)(const std::string&)> kFormats[] = {
+    {".csv", Opened<CsvFacts>},
+    {".npy", Opened<NpyFacts>},
+    {".npz", NpzFacts},
+    {".ply", VoxelsOrMesh<PlyFacts>},
+    {".glb", VoxelsOrMesh<SurfaceFacts>},
+    {".vox", Opened<VoxFacts>},
+    {".binvox", Opened<BinvoxFacts>},
+    {".png", Opened<PngFacts>},
+    {".html", Opened<PageFacts>},
+    {".obj", MeshFacts},
+    {".stl", MeshFacts},
+    {".gltf", MeshFacts},
+    {".3mf", MeshFacts},
+    {".drc", MeshFacts},
+};
+
+std::string Show(const Json& value) {
+  if (value.is_null()) return "empty";
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return absl::StrFormat("%.9g", value.get<double>());
+  if (!value.is_structured()) return value.dump();
+  std::vector<std::string> words;
+  for (const Json& each : value) words.push_back(Show(each));
+  return absl::StrJoin(words, value.is_array() && !value.empty() && value[0].is_structured() ? "; " : ",");
+}
+
+// Returns lines "name  value", and for objects within the facts a line for each member.
+std::string ToText(const Json& facts) {
+  std::string text;
+  for (const auto& [name, value] : facts.items()) {
+    const std::string label = absl::StrReplaceAll(name, {{"_", " "}});
+    if (value.is_object() && value.contains("min")) {
+      absl::StrAppendFormat(&text, "%-15s%s to %s%s\n", label, Show(value["min"]), name == "index_box" ? "below " : "",
+                            Show(value["max"]));
+    } else if (value.is_object()) {
+      for (const auto& [member, each] : value.items()) absl::StrAppend(&text, member, " = ", Show(each), "\n");
+    } else {
+      absl::StrAppendFormat(&text, "%-15s%s\n", label, Show(value));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+absl::StatusOr<FileFacts> ReadFileFacts(const std::string& path) {
+  const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  const auto has_it = [&](const auto& format) { return format.first == extension; };
+  const auto format = std::find_if(std::begin(kFormats), std::end(kFormats), has_it);
+  if (format == std::end(kFormats)) {
+    const auto name = [](std::string* out, const auto& each) { absl::StrAppend(out, each.first); };
+    return absl::InvalidArgumentError(absl::StrCat(path, ": extension \"", extension, "\" is not one of .vdb .nvdb ",
+                                                   absl::StrJoin(kFormats, " ", name)));
+  }
+  const auto found = format->second(path);
+  if (!found.ok()) return found.status();
+  std::error_code error;
+  Json facts = {{"format", extension.substr(1)}, {"bytes", std::filesystem::file_size(path, error)}};
+  facts.update(*found);
+  return FileFacts{ToText(facts), facts.dump(2, ' ', false, Json::error_handler_t::replace)};
+}
+
+}  // namespace latvox::client
