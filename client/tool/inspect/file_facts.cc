@@ -23,9 +23,9 @@ namespace latvox::client {
 namespace {
 
 absl::StatusOr<Json> MeshFacts(const std::string& path) {
-  const auto mesh = ReadMeshFile(path);
+  const auto mesh = ReadMesh(path);
   if (!mesh.ok()) return mesh.status();
-  Extent<float> bounds;
+  Extent<double> bounds;
   for (const auto& triangle : mesh->triangles) {
     for (const uint32_t vertex : triangle) bounds.Add(mesh->positions[vertex]);
   }
