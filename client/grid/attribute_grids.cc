@@ -6,6 +6,7 @@
 
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
+#include "client/grid/names_metadata.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
 #include "latvox/grid/openvdb_grid.h"
@@ -83,6 +84,13 @@ absl::Status AttributeGrids::Add(const BrickBatch& batch) try {
 void AttributeGrids::SetRequest(const VoxelizeRequest& request, const MeshNote& note) {
   content_->voxels.SetRequest(request, note);
   for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeRequest(request, note, *grid);
+}
+
+void AttributeGrids::SetNames(const CarriedNames& names) {
+  for (const Attribute attribute : content_->attributes) {
+    DescribeNames(names, attribute, *content_->voxels.content().grid);
+    for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeNames(names, attribute, *grid);
+  }
 }
 
 void AttributeGrids::SetCertificate(const Certificate& certificate) {

@@ -28,10 +28,12 @@ struct Mesh {
   std::vector<Vec3d> positions;                    // world, finite, as the file has them
   std::vector<std::array<uint32_t, 3>> triangles;  // each index < positions.size()
   uint64_t skipped = 0;                            // points and lines of the file, which have no surface
-  std::vector<Stretch> stretches = {};  // in order, parts ascending; none: all are part 0, without a material
-  uint32_t materials = 0;               // the number of materials that stretches name
-  std::vector<Color> colors = {};       // one for each position; fewer: some positions have none
-  std::vector<Warning> warnings = {};   // parts of the file that are perhaps not read as intended
+  std::vector<Stretch> stretches = {};           // in order, parts ascending; none: all are part 0, without a material
+  uint32_t materials = 0;                        // the number of materials that stretches name
+  std::vector<Color> colors = {};                // one for each position; fewer: some positions have none
+  std::vector<Warning> warnings = {};            // parts of the file that are perhaps not read as intended
+  std::vector<std::string> part_names = {};      // by number, as far as the file names its parts; "": unknown
+  std::vector<std::string> material_names = {};  // likewise
   std::string no_color = {};  // the reason why some of the file's colors are missing; empty: there are no others
 };
 

@@ -43,6 +43,12 @@ uint32_t NextPart(const Mesh& mesh) {
   return last.first < mesh.triangles.size() ? last.part + 1 : last.part;
 }
 
+void SetName(uint32_t number, std::string name, std::vector<std::string>& names) {
+  if (names.size() <= number && name.empty()) return;
+  if (names.size() <= number) names.resize(size_t{number} + 1);
+  names[number] = std::move(name);
+}
+
 Color ToColor(const float* rgb) {
   Color color;
   for (size_t n = 0; n < color.size(); ++n) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -26,6 +27,9 @@ Color ToColor(const float* rgb);
 // Gives the mesh the colors of its triangles' corners. A vertex with several colors becomes several vertices at one
 // place.
 void ColorCorners(const std::vector<std::array<Color, 3>>& colors, Mesh& mesh);
+
+// Names a part or material; "": unknown.
+void SetName(uint32_t number, std::string name, std::vector<std::string>& names);
 
 // Returns INVALID_ARGUMENT naming the first attribute that some of the mesh lacks, with the reason if its file has
 // colors that are not read.

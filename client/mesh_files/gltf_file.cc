@@ -74,6 +74,12 @@ absl::StatusOr<Affine> PlaceOf(const SortedJson& node) {
   return place;
 }
 
+// Returns "" if there is no name.
+std::string NameOf(const SortedJson& object) {
+  const auto name = object.find("name");
+  return name != object.end() && name->is_string() ? name->get<std::string>() : "";
+}
+
 std::string NameOfMaterial(const SortedJson& material, uint64_t number) {
   const std::string name = material.value("name", "");
   return name.empty() ? absl::StrCat("materials[", number, "]") : absl::StrCat("material \"", name, "\"");
@@ -111,7 +117,7 @@ class SceneReader {
 
   absl::Status Push(const SortedJson& owner, const char* list, const Affine& parent);
   absl::Status Add(const Visit& visit);
-  absl::Status AddMesh(uint64_t number, const Affine& to_world);
+  absl::Status AddMesh(uint64_t number, const std::string& node_name, const Affine& to_world);
   absl::Status AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part, const Affine& to_world);
   absl::Status CheckSize(size_t triangles, size_t vertices) const;
   absl::StatusOr<std::vector<Mesh>> ReadPrimitives(const SortedJson& mesh);
@@ -175,7 +181,7 @@ absl::Status SceneReader::Add(const Visit& visit) {
     const auto number = GltfIndex(node, "mesh", root_, "meshes");
     if (!number.ok()) return named(number.status());
     WarnOfWeights(node);
-    if (auto status = AddMesh(*number, to_world); !status.ok()) return status;
+    if (auto status = AddMesh(*number, NameOf(node), to_world); !status.ok()) return status;
   }
   if (auto status = Push(node, "children", to_world); !status.ok()) return named(status);
   return absl::OkStatus();
@@ -210,7 +216,7 @@ absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const SortedJson& 
   return primitives;
 }
 
-absl::Status SceneReader::AddMesh(uint64_t number, const Affine& to_world) {
+absl::Status SceneReader::AddMesh(uint64_t number, const std::string& node_name, const Affine& to_world) {
   const SortedJson& mesh = root_.at("meshes").at(number);
   const auto [found, is_new] = meshes_.try_emplace(number);
   const auto named = [&](const absl::Status& status) {
@@ -222,6 +228,7 @@ absl::Status SceneReader::AddMesh(uint64_t number, const Affine& to_world) {
     found->second = *std::move(primitives);
   }
   const uint32_t part = NextPart(mesh_);
+  SetName(part, node_name.empty() ? NameOf(mesh) : node_name, mesh_.part_names);
   for (size_t n = 0; n < found->second.size(); ++n) {
     const absl::Status status = AddPrimitive(mesh.at("primitives").at(n), found->second[n], part, to_world);
     if (!status.ok()) return named(In("primitives[", n, status));
@@ -264,7 +271,9 @@ absl::StatusOr<uint32_t> SceneReader::NumberOfMaterial(const SortedJson& primiti
   if (!primitive.contains("material")) return kNoMaterial;
   const auto material = GltfIndex(primitive, "material", root_, "materials");
   if (!material.ok()) return material.status();
-  return materials_.try_emplace(*material, static_cast<uint32_t>(materials_.size())).first->second;
+  const uint32_t ours = materials_.try_emplace(*material, static_cast<uint32_t>(materials_.size())).first->second;
+  SetName(ours, NameOf(root_.at("materials").at(*material)), mesh_.material_names);
+  return ours;
 }
 
 void SceneReader::WarnOfWeights(const SortedJson& node) {

@@ -1,7 +1,9 @@
 #include "client/mesh_files/mesh_join.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,11 +30,18 @@ absl::Status Transform(const Affine& to_world, Mesh& mesh) {
 
 namespace {
 
+void AppendNames(const std::vector<std::string>& more, uint32_t first, std::vector<std::string>& names) {
+  names.resize(std::min<size_t>(names.size(), first));
+  for (uint32_t n = 0; n < more.size(); ++n) SetName(first + n, more[n], names);
+}
+
 // Continues the numbers of parts and materials. Call it before the triangles are appended.
 void AppendStretches(const Mesh& part, Mesh& mesh) {
   if (part.triangles.empty()) return;
   const uint32_t parts = NextPart(mesh), materials = mesh.materials;
   const size_t triangles = mesh.triangles.size();
+  AppendNames(part.part_names, parts, mesh.part_names);
+  AppendNames(part.material_names, materials, mesh.material_names);
   if (mesh.stretches.empty() && triangles > 0) mesh.stretches.emplace_back();
   std::vector<Stretch> more = part.stretches;
   if (more.empty()) more.emplace_back();

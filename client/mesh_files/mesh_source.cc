@@ -1,6 +1,7 @@
 #include "client/mesh_files/mesh_source.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -45,6 +46,13 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   return ParseMeshFile(path, *bytes, *format);
 }
 
+// Of several files, one whose parts have no names is a part by itself, or some.
+void NameAfterFile(const std::string& path, Mesh& mesh) {
+  if (path == kStandardInput || !mesh.part_names.empty()) return;
+  const std::string name = std::filesystem::path(path).filename().string();
+  for (uint32_t part = 0; part < NextPart(mesh); ++part) SetName(part, name, mesh.part_names);
+}
+
 }  // namespace
 
 std::string NameOf(const MeshSource& input) {
@@ -73,6 +81,7 @@ absl::StatusOr<MeshOrDraco> ReadMeshSource(const MeshSource& input) {
     if (!status.ok() && (input.format ? input.format : FormatOfPath(path)) == MeshFormat::kDraco) {
       status = absl::InvalidArgumentError(absl::StrCat(status.message(), kOwnAttributes));
     }
+    if (input.paths.size() > 1) NameAfterFile(path, std::get<Mesh>(*read));
     if (status.ok()) status = Append(std::get<Mesh>(*std::move(read)), to_world, joined);
     if (!status.ok()) {
       return absl::Status(status.code(), absl::StrCat(NameOfInput(path), ": ", status.message()));

@@ -143,9 +143,14 @@ absl::Status ReadFaces(absl::string_view text, Mesh& mesh) {
     const absl::string_view keyword = NextWord(rest);
     if (keyword == "v") ++vertices_before;
     if (keyword == "l" || keyword == "p") ++mesh.skipped;
-    if (keyword == "o") stretch.part = NextPart(mesh);
-    if (keyword == "usemtl")
+    if (keyword == "o") {
+      stretch.part = NextPart(mesh);
+      SetName(stretch.part, Name(rest), mesh.part_names);
+    }
+    if (keyword == "usemtl") {
       stretch.material = materials.try_emplace(Name(rest), static_cast<uint32_t>(materials.size())).first->second;
+      SetName(*stretch.material, Name(rest), mesh.material_names);
+    }
     if (keyword == "o" || keyword == "usemtl") BeginStretch(stretch.part, stretch.material, mesh);
     if (keyword != "f") continue;
     polygon.clear();

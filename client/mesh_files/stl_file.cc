@@ -70,7 +70,12 @@ class Words {
     return word;
   }
 
-  void SkipLine() { rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size())); }
+  // Returns the rest of the line.
+  absl::string_view TakeLine() {
+    const absl::string_view line = rest_.substr(0, rest_.find('\n'));
+    rest_.remove_prefix(line.size());
+    return absl::StripAsciiWhitespace(line);
+  }
 
   // Returns the line of the last word, counted from 1.
   template <class... Parts>
@@ -104,8 +109,10 @@ absl::StatusOr<Mesh> ParseText(absl::string_view text) {
     const std::string statement = absl::AsciiStrToLower(word);
     if (statement == "solid" || statement == "endsolid") {
       open = statement == "solid";
-      BeginStretch(NextPart(mesh), std::nullopt, mesh);
-      words.SkipLine();  // the name of the solid, any text
+      const uint32_t part = NextPart(mesh);
+      BeginStretch(part, std::nullopt, mesh);
+      const absl::string_view name = words.TakeLine();  // any text
+      if (open) SetName(part, std::string(name), mesh.part_names);
     } else if (statement == "facet" || statement == "outer") {
       // Skips the normal, which nothing uses, and "loop".
       for (int more = statement == "facet" ? 4 : 1; more > 0; --more) words.Next();

@@ -16,6 +16,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client/mesh/affine.h"
+#include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/mesh_join.h"
 #include "client/mesh_files/number_text.h"
 #include "client/mesh_files/three_mf_part.h"
@@ -133,6 +134,7 @@ class Reader {
     }
     if (placed_ == 0) return (*part)->Error((*part)->root(), "the build has no item and places no object");
     mesh_.materials = properties_.materials();
+    mesh_.material_names = properties_.material_names();
     return std::move(mesh_);
   }
 
@@ -206,6 +208,7 @@ class Reader {
     if (read == nullptr) {
       auto mesh = ReadMesh(part, node, properties_);
       if (!mesh.ok()) return mesh.status();
+      SetName(0, AttributeOf(node, "name").value(), mesh->part_names);
       read = std::make_unique<Mesh>(*std::move(mesh));
     }
     if (std::max(mesh_.triangles.size() + read->triangles.size(), mesh_.positions.size() + read->positions.size()) >

@@ -60,7 +60,10 @@ absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeM
   const char* const text = AttributeOf(in.members[number], is_material ? "displaycolor" : "color").value();
   const auto color = ParseColor(text);
   if (!color) return part.Error(in.members[number], "\"", text, "\" is not a color #RRGGBB or #RRGGBBAA");
-  if (is_material && !in.materials[number]) in.materials[number] = materials_++;
+  if (is_material && !in.materials[number]) {
+    SetName(materials_, AttributeOf(in.members[number], "name").value(), material_names_);
+    in.materials[number] = materials_++;
+  }
   return Property{is_material ? in.materials[number] : std::nullopt, *color};
 }
 

@@ -35,6 +35,7 @@ class ThreeMfProperties {
                                 const char* name, const pugi::xml_attribute& index);
 
   uint32_t materials() const { return materials_; }
+  const std::vector<std::string>& material_names() const { return material_names_; }  // as in Mesh
 
  private:
   struct Group {
@@ -45,6 +46,7 @@ class ThreeMfProperties {
 
   absl::flat_hash_map<std::pair<std::string, std::string>, Group> groups_;  // keyed by file and id
   uint32_t materials_ = 0;
+  std::vector<std::string> material_names_;
 };
 
 // The materials and colors of one object's triangles. A dangling reference is an error only for a request that needs

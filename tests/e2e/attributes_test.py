@@ -58,10 +58,12 @@ def distances(point, corners):
 
 
 def table(csv, columns):
+    """Returns the numbers of each voxel, without the names that follow."""
     lines = csv.read_text().splitlines()
-    assert lines[0] == f"i,j,k,x,y,z,{columns}", lines[0]
+    header = [name for name in lines[0].split(",") if not name.endswith("_name")]
+    assert header == f"i,j,k,x,y,z,{columns}".split(","), lines[0]
     rows = [line.split(",") for line in lines[1:]]
-    voxels = {tuple(map(int, row[:3])): tuple(map(int, row[6:])) for row in rows}
+    voxels = {tuple(map(int, row[:3])): tuple(map(int, row[6 : len(header)])) for row in rows}
     assert len(voxels) == len(rows), "a voxel stands twice"
     return voxels
 

@@ -48,10 +48,14 @@ Json BandJson(const BandCertificate& band) {
   return {{"width", band.width}, {"signed", band.is_signed}, {"digest", band.digest}};
 }
 
-Json AttributesJson(const AttributeCertificate& carried) {
-  Json names = Json::array();
-  for (const Attribute attribute : carried.attributes) names.push_back(NameOf(attribute));
-  return {{"names", names}, {"digest", carried.digest}};
+Json AttributesJson(const AttributeCertificate& carried, const CarriedNames& names) {
+  Json json = {{"names", Json::array()}, {"digest", carried.digest}};
+  for (const Attribute attribute : carried.attributes) {
+    json["names"].push_back(NameOf(attribute));
+    const auto& of_numbers = names.Of(attribute);
+    if (!of_numbers.empty()) json[absl::StrCat(NameOf(attribute), "_names")] = of_numbers;
+  }
+  return json;
 }
 
 Json LimitsJson(const Limits& limits) {
@@ -149,7 +153,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"certificate", CertificateJson(summary.certificate)}};
   if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
   if (const auto& band = summary.certificate.band) json["band"] = BandJson(*band);
-  if (const auto& carried = summary.certificate.attributes) json["attributes"] = AttributesJson(*carried);
+  if (const auto& carried = summary.certificate.attributes) json["attributes"] = AttributesJson(*carried, report.names);
   json["timings_ms"] = {{"encode", report.encode_ms},          {"upload", summary.timings.upload_ms},
                         {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
                         {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};

@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "client/mesh_files/weld_report.h"
 #include "client/tool/cli/exit_status.h"
+#include "latvox/grid/carried_names.h"
 #include "latvox/grid/merge.h"
 #include "latvox/plane_types.h"
 #include "latvox/types.h"
@@ -25,6 +26,7 @@ struct VoxelizeReport {
   std::optional<WeldReport> weld;              // if requested
   double encode_ms = 0;                        // reading and encoding the mesh
   double total_ms = 0;                         // the whole command
+  CarriedNames names;                          // of the attributes that the voxels carry
 };
 
 // Returns one JSON object. Scripts rely on its keys. Without verification, tunnels and redundant are null.

@@ -19,6 +19,7 @@
 #include "client/tool/output/pixel_picture.h"
 #include "client/tool/output/vec3.h"
 #include "latvox/for_each_voxel.h"
+#include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
@@ -84,6 +85,7 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
   request.attributes = cut.attributes;
   auto output = OpenOutput(path, request);
   if (!output.ok()) return output.status();
+  (*output)->SetNames(ReadCarriedNames(cut.file.info));
   Accepted accepted;
   accepted.grid = cut.file.info.transform;
   if (auto status = (*output)->Begin(accepted); !status.ok()) return status;

@@ -17,6 +17,7 @@
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/empty_box.h"
 #include "client/tool/cli/few_voxels.h"
+#include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
@@ -32,6 +33,7 @@ struct Upload {
   std::string drc;
   uint64_t skipped = 0;
   std::optional<WeldReport> weld = std::nullopt;
+  CarriedNames names = {};
 };
 
 // Estimates the voxels along the longest side of the mesh. In a basis of short and long vectors, counts along the short
@@ -79,6 +81,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions
     auto encoded = EncodeMesh(*shared_mesh, bits, attributes);
     if (!encoded.ok()) return encoded.status();
     Upload upload{.drc = std::move(encoded->drc), .skipped = shared_mesh->skipped};
+    upload.names = NamesOf(*shared_mesh, attributes);
     if (weld) upload.weld = Weld(*shared_mesh);
     return upload;
   };
@@ -174,6 +177,8 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   if (!outputs.ok()) return outputs.status();
   const auto upload = Prepare(options, call, hooks);
   if (!upload.ok()) return upload.status();
+  report.names = upload->names;
+  for (const auto& output : *outputs) output->SetNames(upload->names);
   report.skipped = upload->skipped;
   report.weld = upload->weld;
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);

@@ -33,7 +33,9 @@ absl::StatusOr<Json> MeshFacts(const std::string& path) {
   return Json{{"triangles", mesh->triangles.size()},
               {"vertices", mesh->positions.size()},
               {"parts", parts},
+              {"part_names", mesh->part_names},
               {"materials", mesh->materials},
+              {"material_names", mesh->material_names},
               {"vertex_colors", mesh->colors.size() == mesh->positions.size()},
               {"bounds", bounds.ToJson()}};
 }
@@ -73,7 +75,7 @@ constexpr std::pair<absl::string_view, absl::StatusOr<Json> (*)(const std::strin
 };
 
 std::string Show(const Json& value) {
-  if (value.is_null()) return "empty";
+  if (value.is_null() || value.empty()) return "none";
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return absl::StrFormat("%.9g", value.get<double>());
   if (!value.is_structured()) return value.dump();

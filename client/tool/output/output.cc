@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -25,7 +26,7 @@
 namespace latvox::client {
 namespace {
 
-// Grid is VoxelGrid or DistanceGrid.
+// Grid is VoxelGrid, DistanceGrid or AttributeGrids.
 template <class Grid>
 class GridOutput final : public Output {
  public:
@@ -39,6 +40,7 @@ class GridOutput final : public Output {
         new_grid_(std::move(new_grid)),
         write_(std::move(write)) {}
 
+  void SetNames(const CarriedNames& names) override { names_ = names; }
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
     grid_.emplace(new_grid_(accepted.grid));
@@ -48,6 +50,7 @@ class GridOutput final : public Output {
   absl::Status Finish(const Summary& summary) override {
     grid_->SetRequest(request_, note_);
     grid_->SetCertificate(summary.certificate);
+    if constexpr (std::is_same_v<Grid, AttributeGrids>) grid_->SetNames(names_);
     if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return Named(status);
     return file_->Sync();
   }
@@ -66,6 +69,7 @@ class GridOutput final : public Output {
   const MeshNote note_;
   const NewGrid new_grid_;
   const Write write_;
+  CarriedNames names_;
   std::optional<Grid> grid_;
 };
 

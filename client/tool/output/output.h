@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "latvox/grid/carried_names.h"
 #include "latvox/grid/grid_content.h"
 #include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
@@ -21,6 +22,10 @@ namespace latvox::client {
 class Output {
  public:
   virtual ~Output() = default;
+
+  // Gives the numbers of attributes their names. Call it before Begin. Formats without names ignore it.
+  virtual void SetNames(const CarriedNames&) {}
+
   virtual absl::Status Begin(const Accepted& accepted) = 0;
   virtual absl::Status Add(const BrickBatch& batch) = 0;
   virtual absl::Status Finish(const Summary& summary) = 0;  // afterward everything is on the disk
@@ -74,7 +79,7 @@ std::string WarningOfPlace(const std::vector<std::string>& paths);
 //   .png   picture of the voxels nearest to the surface, see client/tool/output/picture_scene.h
 // A request for attributes needs one of AttributeExtensions:
 //   .vdb   one more grid for each, see latvox/grid/attribute_grids.h
-//   .csv   columns part, material; red, green, blue, 0 to 255
+//   .csv   columns part, material; red, green, blue, 0 to 255; part_name, material_name, if there are names
 //   .npy   structured array: fields part and material, int32; color, three uint8
 //   .npz   one more array for each
 //   .ply   properties int part, material; uchar red, green, blue

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "client/tool/output/npy_header.h"
 #include "latvox/for_each_voxel.h"
 
@@ -93,15 +94,37 @@ std::string ForEach(const std::vector<Attribute>& attributes, const char* of_col
   return text;
 }
 
+// Returns the text as a field: within quotes if it needs them, without line ends and other control characters.
+std::string CsvField(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7F; }, ' ');
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
+}
+
 class CsvOutput final : public TableOutput {
  public:
   using TableOutput::TableOutput;
+
+  void SetNames(const CarriedNames& names) override {
+    for (size_t n = 0; n < columns_.attributes.size(); ++n) {
+      std::vector<std::string> fields = names.Of(columns_.attributes[n]);
+      if (fields.empty()) continue;
+      std::transform(fields.begin(), fields.end(), fields.begin(), CsvField);
+      names_.emplace_back(n, std::move(fields));
+    }
+  }
 
  private:
   std::string Header(uint64_t) const override {
     const auto column = [](const char* name) { return absl::StrCat(",", name); };
     return absl::StrCat("i,j,k,x,y,z", columns_.distances ? ",distance" : "",
-                        ForEach(columns_.attributes, ",red,green,blue", column), "\n");
+                        ForEach(columns_.attributes, ",red,green,blue", column),
+                        absl::StrJoin(names_, "",
+                                      [this](std::string* out, const auto& named) {
+                                        absl::StrAppend(out, ",", NameOf(columns_.attributes[named.first]), "_name");
+                                      }),
+                        "\n");
   }
 
   void AppendRow(const Vec3i& ijk, const Vec3d& world, const float* distance, const uint32_t* numbers,
@@ -122,16 +145,19 @@ class CsvOutput final : public TableOutput {
       *end++ = ',';
     }
     rows.append(text, end);
-    for (const Attribute attribute : columns_.attributes) {
-      const uint32_t number = *numbers++;
-      if (attribute == Attribute::kColor) {
-        absl::StrAppend(&rows, absl::StrJoin(ColorOf(number), ","), ",");
+    for (size_t n = 0; n < columns_.attributes.size(); ++n) {
+      if (columns_.attributes[n] == Attribute::kColor) {
+        absl::StrAppend(&rows, absl::StrJoin(ColorOf(numbers[n]), ","), ",");
       } else {
-        absl::StrAppend(&rows, number, ",");
+        absl::StrAppend(&rows, numbers[n], ",");
       }
     }
+    for (const auto& [n, fields] : names_)
+      absl::StrAppend(&rows, numbers[n] < fields.size() ? fields[numbers[n]] : "", ",");
     rows.back() = '\n';
   }
+
+  std::vector<std::pair<size_t, std::vector<std::string>>> names_;  // place of the attribute, and fields by number
 };
 
 class NpyOutput final : public TableOutput {

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tool/output/voxel_colors.h"
+#include "latvox/grid/carried_names.h"
 
 namespace latvox::client {
 namespace {
@@ -42,6 +43,7 @@ void DescribeBand(const Band& band, Paint& paint) {
 
 // Lists parts or materials with their numbers of voxels.
 void DescribeNumbers(const GridContent& content, size_t which, Paint& paint) {
+  const CarriedNames names = ReadCarriedNames(content.file.info);
   std::map<uint32_t, uint64_t> counts;
   for (size_t n = which; n < content.numbers.size(); n += content.attributes.size()) ++counts[content.numbers[n]];
   for (const auto& [number, voxels] : counts) {
@@ -49,8 +51,10 @@ void DescribeNumbers(const GridContent& content, size_t which, Paint& paint) {
       paint.legend.emplace_back("", absl::StrCat("and ", counts.size() - kMostEntries, " more"));
       break;
     }
+    const std::string name = names.Of(content.attributes[which], number);
     paint.legend.emplace_back(Hex(PaletteColor(number)),
-                              absl::StrCat(paint.name, " ", number, ": ", voxels, " voxels"));
+                              absl::StrCat(paint.name, " ", number, name.empty() ? "" : absl::StrCat(" (", name, ")"),
+                                           ": ", voxels, " voxels"));
   }
 }
 

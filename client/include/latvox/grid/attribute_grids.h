@@ -15,6 +15,7 @@
 
 #include "absl/status/status.h"
 #include "latvox/export.h"
+#include "latvox/grid/carried_names.h"
 #include "latvox/types.h"
 
 namespace latvox::client {
@@ -35,6 +36,10 @@ class LATVOX_EXPORT AttributeGrids {
   // batch`, and latvox_region and latvox_bounds if it has them. With the note about the mesh, such a line and the same
   // mesh repeat the whole.
   void SetRequest(const VoxelizeRequest& request, const MeshNote& note = {});
+
+  // Writes the names of parts and materials into the grids' metadata, as far as the grids have these attributes: see
+  // latvox/grid/carried_names.h. At most 10,000 names of each are kept.
+  void SetNames(const CarriedNames& names);
 
   // Writes the certificate into the grids' metadata.
   void SetCertificate(const Certificate& certificate);

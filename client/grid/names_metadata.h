@@ -1,0 +1,18 @@
+// The names of parts and materials in the metadata of our grids. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_NAMES_METADATA_H_
+#define LATVOX_CLIENT_GRID_NAMES_METADATA_H_
+
+#include "client/grid/openvdb_trees.h"
+#include "latvox/grid/carried_names.h"
+
+namespace latvox::client {
+
+// The most names of an attribute that metadata keep: those of the lowest numbers.
+inline constexpr size_t kMostNames = 10'000;
+
+// Writes the names of an attribute as metadata, unless there are none.
+void DescribeNames(const CarriedNames& names, Attribute attribute, openvdb::GridBase& grid);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_NAMES_METADATA_H_
