@@ -1,9 +1,9 @@
 #include "latvox/grid/attribute_grids.h"
 
-#include <bit>
 #include <new>
 #include <utility>
 
+#include "client/grid/fill_grid.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/names_metadata.h"
@@ -25,22 +25,6 @@ openvdb::GridBase::Ptr NewGrid(const GridTransform& transform, Attribute attribu
   grid->setName(NameOf(attribute));
   Place(transform, *grid);
   return grid;
-}
-
-// A leaf's voxels have the order of a brick's bits. A voxel has `count` numbers; its value is made from the n-th by
-// `value`.
-template <class Grid, class Value>
-void Fill(const BrickBatch& batch, size_t count, size_t n, const Value& value, openvdb::GridBase& grid) {
-  openvdb::tree::ValueAccessor<typename Grid::TreeType> tree(static_cast<Grid&>(grid).tree());
-  const uint32_t* number = batch.attributes.data() + n;
-  for (const Brick& brick : batch.bricks) {
-    auto& leaf = *tree.touchLeaf({brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8});
-    for (openvdb::Index word = 0; word < 8; ++word) {
-      for (uint64_t bits = brick.mask[word]; bits != 0; bits &= bits - 1, number += count) {
-        leaf.setValueOn(word * 64 + static_cast<openvdb::Index>(std::countr_zero(bits)), value(*number));
-      }
-    }
-  }
 }
 
 openvdb::Vec3s ToColor(uint32_t number) {
@@ -69,11 +53,12 @@ absl::Status AttributeGrids::Add(const BrickBatch& batch) try {
   const size_t count = content_->attributes.size();
   for (size_t n = 0; n < count; ++n) {
     openvdb::GridBase& grid = *content_->grids[n];
+    const uint32_t* const numbers = batch.attributes.data() + n;
     if (content_->attributes[n] == Attribute::kColor) {
-      Fill<openvdb::Vec3SGrid>(batch, count, n, ToColor, grid);
+      FillGrid(batch.bricks, numbers, count, ToColor, static_cast<openvdb::Vec3SGrid&>(grid));
     } else {
-      Fill<openvdb::Int32Grid>(
-          batch, count, n, [](uint32_t number) { return static_cast<int32_t>(number); }, grid);
+      const auto value = [](uint32_t number) { return static_cast<int32_t>(number); };
+      FillGrid(batch.bricks, numbers, count, value, static_cast<openvdb::Int32Grid&>(grid));
     }
   }
   return content_->voxels.Add(batch);

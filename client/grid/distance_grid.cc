@@ -3,12 +3,12 @@
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <exception>
 #include <new>
 
 #include "absl/strings/str_cat.h"
+#include "client/grid/fill_grid.h"
 #include "client/grid/grid_file.h"
 #include "client/grid/grid_metadata.h"
 #include "client/grid/openvdb_trees.h"
@@ -45,19 +45,9 @@ DistanceGrid::DistanceGrid(DistanceGrid&&) noexcept = default;
 DistanceGrid& DistanceGrid::operator=(DistanceGrid&&) noexcept = default;
 DistanceGrid::~DistanceGrid() = default;
 
-// A leaf's voxels have the order of a brick's bits.
 absl::Status DistanceGrid::Add(const BrickBatch& batch) try {
-  openvdb::tree::ValueAccessor<openvdb::FloatTree> tree(content_->grid->tree());
-  const float* value = batch.values.data();
-  for (const Brick& brick : batch.bricks) {
-    openvdb::FloatTree::LeafNodeType& leaf =
-        *tree.touchLeaf({brick.brick_ijk[0] * 8, brick.brick_ijk[1] * 8, brick.brick_ijk[2] * 8});
-    for (openvdb::Index word = 0; word < 8; ++word) {
-      for (uint64_t bits = brick.mask[word]; bits != 0; bits &= bits - 1) {
-        leaf.setValueOn(word * 64 + static_cast<openvdb::Index>(std::countr_zero(bits)), *value++);
-      }
-    }
-  }
+  FillGrid(
+      batch.bricks, batch.values.data(), 1, [](float distance) { return distance; }, *content_->grid);
   return absl::OkStatus();
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory for the OpenVDB grid");

@@ -153,7 +153,7 @@ class Pictures(ValuesCase):
             words = ["-o", self.dir / "a.csv", "-o", self.dir / "a.png"] + (["--color-by", by] if by else [])
             self.assertIn(f"colored by {by or 'color'}\n", self.run_latvox(*cut, *words).stdout)
             layer, columns = table(self.dir / "a.csv")
-            self.assertEqual(columns, ["part", "red", "green", "blue"])
+            self.assertEqual(columns, ["part", "red", "green", "blue", "part_name"])
             whole, _ = table(self.dir / "whole.csv")
             self.assertEqual(layer, {ijk: values for ijk, values in whole.items() if ijk[2] == 0})
             width, _, lines = read_png(self.dir / "a.png")

@@ -7,6 +7,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/json/json.h"
+#include "client/tool/cli/common_options.h"
+#include "client/tool/cli/difference_output.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
 #include "latvox/grid/grid_content.h"
@@ -40,7 +42,7 @@ std::vector<FieldDifference> FieldsOf(const GridContent& a, const GridContent& b
   return fields;
 }
 
-std::string ToJson(const Report& report) {
+std::string ToJson(const Report& report, const std::vector<std::string>& outputs) {
   const VoxelDifference& voxels = report.voxels;
   Json json = {{"equal", report.equal},
                {"voxels", {{"a", report.voxels_a}, {"b", report.voxels_b}}},
@@ -62,6 +64,7 @@ std::string ToJson(const Report& report) {
     if (distances->at) json["distances"]["at"] = *distances->at;
   }
   for (const auto& [attribute, differ] : report.values.attributes) json["attributes"][NameOf(attribute)] = differ;
+  if (!outputs.empty()) json["outputs"] = outputs;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -92,21 +95,51 @@ std::string ToText(const Report& report, const CompareWords& words) {
   for (const auto& [attribute, differ] : report.values.attributes) {
     absl::StrAppend(&text, NameOf(attribute), ": ", differ, " of the voxels in both differ\n");
   }
+  const auto is_picture = [](const std::string& path) { return absl::EndsWithIgnoreCase(path, ".png"); };
+  if (!words.outputs.empty()) {
+    const bool any = std::any_of(words.outputs.begin(), words.outputs.end(), is_picture);
+    absl::StrAppend(&text, "wrote ", absl::StrJoin(words.outputs, ", "), any ? ": " + DifferenceColorsText() : "",
+                    "\n");
+  }
   return text + (report.equal ? "equal\n" : "different\n");
+}
+
+absl::Status Write(const CompareWords& words, const GridContent& a, const GridContent& b, const Report& report,
+                   const Cancellation& cancellation) {
+  if (words.outputs.empty()) return absl::OkStatus();
+  if (!SamePlaces(report.fields)) {
+    return absl::InvalidArgumentError(absl::StrCat("--out: the lattices of ", words.a, " and ", words.b,
+                                                   " differ: their difference has no place in one grid"));
+  }
+  const auto files = WriteDifferences(words, a, b, cancellation);
+  if (!files.ok()) return files.status();
+  if (cancellation.cancelled()) return absl::CancelledError("cancelled");
+  for (const auto& file : *files) {
+    if (auto status = file->Commit(); !status.ok()) return status;
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
 
 void AddCompareOptions(CommandParser& command, CompareWords& words) {
+  OptionRow output = OutputRow({".vdb", ".png"}, words.outputs, /*several=*/true);
+  output.help = "Write the difference: a grid of the voxels that differ (.vdb), or a picture (.png); may be repeated";
+  output.required = false;
   command.Add({{.names = "a", .target = &words.a, .help = "First OpenVDB file", .value = "A.vdb", .required = true},
                {.names = "b", .target = &words.b, .help = "Second OpenVDB file", .value = "B.vdb", .required = true},
                {.names = "--voxels",
                 .target = &words.voxels_only,
                 .help = "Compare only the voxels and their positions, neither attributes and distances nor metadata"},
+               output,
                {.names = "--json", .target = &words.json, .help = "Print the report as JSON"}});
 }
 
-absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {
+void Check(const CompareWords& words) {
+  for (const std::string& input : {words.a, words.b}) CheckOutputs(words.outputs, input, "compared file");
+}
+
+absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellation& cancellation) {
   const auto a = ReadGridContent(words.a, !words.voxels_only);
   if (!a.ok()) return a.status();
   const auto b = ReadGridContent(words.b, !words.voxels_only);
@@ -125,7 +158,8 @@ absl::StatusOr<Comparison> RunCompare(const CompareWords& words) {
                 words.voxels_only ? ValueDifference{} : CompareValues(*a, *b)};
   const bool same_fields = words.voxels_only ? of_a.transform == of_b.transform : report.fields.empty();
   report.equal = report.voxels.equal() && report.values.equal() && same_fields;
-  return Comparison{report.equal, words.json ? ToJson(report) : ToText(report, words)};
+  if (auto status = Write(words, *a, *b, report, cancellation); !status.ok()) return status;
+  return Comparison{report.equal, words.json ? ToJson(report, words.outputs) : ToText(report, words)};
 }
 
 }  // namespace latvox::client

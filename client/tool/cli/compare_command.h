@@ -3,9 +3,11 @@
 #define LATVOX_CLIENT_TOOL_CLI_COMPARE_COMMAND_H_
 
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "deploy/manual/command_parser.h"
+#include "latvox/cancellation.h"
 
 namespace latvox::client {
 
@@ -13,9 +15,13 @@ namespace latvox::client {
 struct CompareWords {
   std::string a, b;
   bool voxels_only = false, json = false;
+  std::vector<std::string> outputs;
 };
 
 void AddCompareOptions(CommandParser& command, CompareWords& words);
+
+// Throws UsageError: an output is given twice, or is one of the compared files.
+void Check(const CompareWords& words);
 
 struct Comparison {
   bool equal = false;
@@ -24,8 +30,10 @@ struct Comparison {
 
 // Compares two .vdb files: voxels, metadata, and the distances or attributes of the voxels that both have. With
 // --voxels compares only the voxels. Both files are in memory: see ReadGridContent.
-// Errors: as ReadGridContent; INVALID_ARGUMENT: a band and a set of voxels without --voxels.
-absl::StatusOr<Comparison> RunCompare(const CompareWords& words);
+// Writes the outputs, which appear only if everything succeeded.
+// Errors: as ReadGridContent; INVALID_ARGUMENT: a band and a set of voxels without --voxels; outputs, but other
+// positions; as WriteDifferences; CANCELLED.
+absl::StatusOr<Comparison> RunCompare(const CompareWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client
 

@@ -76,7 +76,7 @@ ExitStatus Batch(const BatchOptions& options, const Cancellation& cancellation) 
 }
 
 ExitStatus Compare(const CompareWords& words, const Cancellation& cancellation) {
-  const auto comparison = RunCompare(words);
+  const auto comparison = RunCompare(words, cancellation);
   if (cancellation.cancelled()) return Fail(absl::CancelledError("cancelled"));
   if (!comparison.ok()) return Fail(comparison.status());
   const ExitStatus printed = Print(comparison->text);
@@ -183,8 +183,7 @@ class Program {
         [](const auto* words, Cancel cancel) { return Print(RunSlice(*words, cancel)); });
     Add("view", "Write a web page that shows a .vdb file's voxels", &AddViewOptions, view_, checked,
         [](const auto* words, Cancel cancel) { return Print(RunView(*words, cancel)); });
-    Add(
-        "compare", "Compare two .vdb files", &AddCompareOptions, compare_, [](const auto& words) { return &words; },
+    Add("compare", "Compare two .vdb files", &AddCompareOptions, compare_, checked,
         [](const auto* words, Cancel cancel) { return Compare(*words, cancel); });
   }
 

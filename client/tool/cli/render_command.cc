@@ -1,8 +1,6 @@
 #include "client/tool/cli/render_command.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
@@ -12,8 +10,6 @@
 #include "client/tool/cli/common_options.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/picture_scene.h"
-#include "client/tool/output/vec3.h"
-#include "latvox/for_each_voxel.h"
 #include "latvox/grid/grid_content.h"
 
 namespace latvox::client {
@@ -28,31 +24,6 @@ std::string CheckView(const std::string& text) {
 std::string CheckColor(const std::string& text) {
   const bool hex = text.size() == 6 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
   return hex ? "" : absl::StrCat("\"", text, "\" is not RRGGBB, six hexadecimal digits");
-}
-
-// Returns the diagonal of the box of lattice points, in world units.
-double DiagonalOf(const std::vector<Brick>& bricks, const GridTransform& grid) {
-  constexpr int32_t kFar = std::numeric_limits<int32_t>::max();
-  IndexBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  for (const Brick& brick : bricks) {
-    ForEachVoxel(brick, [&box](const Vec3i& ijk) {
-      for (size_t m = 0; m < 3; ++m) {
-        box.min[m] = std::min(box.min[m], ijk[m]);
-        box.max[m] = std::max(box.max[m], ijk[m] + 1);
-      }
-    });
-  }
-  if (bricks.empty()) return 0;
-  double longest = 0;
-  for (int corner = 0; corner < 4; ++corner) {
-    Vec3d across{};
-    for (size_t m = 0; m < 3; ++m) {
-      const double side = static_cast<double>(int64_t{box.max[m]} - box.min[m]);
-      across[m] = m < 2 && (corner >> m & 1) != 0 ? -side : side;
-    }
-    longest = std::max(longest, Length(Combine(grid.basis, across)));
-  }
-  return longest;
 }
 
 }  // namespace

@@ -36,16 +36,20 @@ bool ValueDifference::equal() const {
   return (!distances || distances->differ == 0) && std::all_of(attributes.begin(), attributes.end(), same);
 }
 
+AttributePlaces CommonAttributes(const GridContent& a, const GridContent& b) {
+  AttributePlaces places;
+  for (size_t m = 0; m < a.attributes.size(); ++m) {
+    const auto there = std::find(b.attributes.begin(), b.attributes.end(), a.attributes[m]);
+    if (there != b.attributes.end()) places.emplace_back(m, static_cast<size_t>(there - b.attributes.begin()));
+  }
+  return places;
+}
+
 ValueDifference CompareValues(const GridContent& a, const GridContent& b) {
   ValueDifference found;
   if (a.band && b.band) found.distances.emplace();
-  std::vector<std::pair<size_t, size_t>> places;  // index of each attribute in a and in b
-  for (size_t m = 0; m < a.attributes.size(); ++m) {
-    const auto there = std::find(b.attributes.begin(), b.attributes.end(), a.attributes[m]);
-    if (there == b.attributes.end()) continue;
-    places.emplace_back(m, static_cast<size_t>(there - b.attributes.begin()));
-    found.attributes.emplace_back(a.attributes[m], 0);
-  }
+  const AttributePlaces places = CommonAttributes(a, b);
+  for (const auto& place : places) found.attributes.emplace_back(a.attributes[place.first], 0);
   ForEachCommonVoxel(a.file.bricks, b.file.bricks, [&](const Vec3i& ijk, size_t m, size_t n) {
     if (found.distances && a.distances[m] != b.distances[n]) {
       const double difference = std::abs(double{a.distances[m]} - double{b.distances[n]});

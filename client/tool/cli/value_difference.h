@@ -12,6 +12,12 @@
 
 namespace latvox::client {
 
+// Indices of each attribute in a and in b.
+using AttributePlaces = std::vector<std::pair<size_t, size_t>>;
+
+// Returns the attributes that both have.
+AttributePlaces CommonAttributes(const GridContent& a, const GridContent& b);
+
 struct DistanceDifference {
   uint64_t differ = 0;      // number of voxels
   double greatest = 0;      // greatest difference, world units

@@ -1,6 +1,7 @@
 #include "client/tool/output/picture_scene.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "client/tool/output/cell_index.h"
 #include "client/tool/output/vec3.h"
@@ -32,6 +33,30 @@ std::vector<Brick> SkinOf(const BrickBatch& batch, double depth) {
     if (any) skin.push_back(near);
   }
   return skin;
+}
+
+double DiagonalOf(std::span<const Brick> bricks, const GridTransform& grid) {
+  constexpr int32_t kFar = std::numeric_limits<int32_t>::max();
+  IndexBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  for (const Brick& brick : bricks) {
+    ForEachVoxel(brick, [&box](const Vec3i& ijk) {
+      for (size_t m = 0; m < 3; ++m) {
+        box.min[m] = std::min(box.min[m], ijk[m]);
+        box.max[m] = std::max(box.max[m], ijk[m] + 1);
+      }
+    });
+  }
+  if (bricks.empty()) return 0;
+  double longest = 0;
+  for (int corner = 0; corner < 4; ++corner) {
+    Vec3d across{};
+    for (size_t m = 0; m < 3; ++m) {
+      const double side = static_cast<double>(int64_t{box.max[m]} - box.min[m]);
+      across[m] = m < 2 && (corner >> m & 1) != 0 ? -side : side;
+    }
+    longest = std::max(longest, Length(Combine(grid.basis, across)));
+  }
+  return longest;
 }
 
 void AddBricks(std::span<const Brick> bricks, std::span<const uint32_t> colors, VoxelScene& scene) {

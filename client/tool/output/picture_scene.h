@@ -20,6 +20,9 @@ double SkinDepth(const GridTransform& grid);
 // Omits bricks without such voxels.
 std::vector<Brick> SkinOf(const BrickBatch& batch, double depth);
 
+// Returns the diagonal of the box of lattice points, in world units; 0 without bricks.
+double DiagonalOf(std::span<const Brick> bricks, const GridTransform& grid);
+
 // Adds the bricks with the colors of all their voxels, or without colors.
 void AddBricks(std::span<const Brick> bricks, std::span<const uint32_t> colors, VoxelScene& scene);
 

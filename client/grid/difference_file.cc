@@ -1,0 +1,53 @@
+#include "client/grid/difference_file.h"
+
+#include <new>
+
+#include "client/grid/fill_grid.h"
+#include "client/grid/grid_file.h"
+#include "client/grid/grid_metadata.h"
+#include "client/grid/names_metadata.h"
+#include "client/grid/openvdb_trees.h"
+#include "latvox/grid/openvdb_grid.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr const char* kNames[] = {"in both", "only in A", "only in B", "other values"};
+
+// Sets name, place and the metadata about the comparison.
+void DescribeDifference(const GridDifference& difference, const GridTransform& transform, const char* name,
+                        openvdb::GridBase& grid) {
+  grid.setName(name);
+  Place(transform, grid);
+  grid.insertMeta("latvox_difference_a", openvdb::StringMetadata(difference.a));
+  grid.insertMeta("latvox_difference_b", openvdb::StringMetadata(difference.b));
+  DescribeNames({{std::begin(kNames), std::end(kNames)}, {}}, Attribute::kPart, grid);
+}
+
+}  // namespace
+
+const char* NameOf(DifferenceMark mark) { return kNames[static_cast<size_t>(mark)]; }
+
+absl::Status WriteDifferenceFile(const GridDifference& difference, const GridTransform& transform,
+                                 const std::string& path) try {
+  VoxelGrid voxels(transform);
+  if (auto status = voxels.Add({difference.bricks}); !status.ok()) return status;
+  const auto part = openvdb::Int32Grid::create(-1);
+  FillGrid(
+      difference.bricks, difference.marks.data(), 1, [](uint32_t n) { return static_cast<int32_t>(n); }, *part);
+  DescribeDifference(difference, transform, "voxels", *voxels.content().grid);
+  DescribeDifference(difference, transform, NameOf(Attribute::kPart), *part);
+  openvdb::GridCPtrVec grids{voxels.content().grid, part};
+  if (difference.is_band) {
+    const auto changes = openvdb::FloatGrid::create(0);
+    FillGrid(
+        difference.changed, difference.changes.data(), 1, [](float change) { return change; }, *changes);
+    DescribeDifference(difference, transform, "difference", *changes);
+    grids.push_back(changes);
+  }
+  return WriteGridFile(grids, path);
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError("not enough memory for the OpenVDB grids");
+}
+
+}  // namespace latvox::client

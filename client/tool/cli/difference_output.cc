@@ -1,0 +1,161 @@
+#include "client/tool/cli/difference_output.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/grid/difference_file.h"
+#include "client/tool/cli/brick_pairs.h"
+#include "client/tool/cli/value_difference.h"
+#include "client/tool/output/cell_index.h"
+#include "client/tool/output/picture.h"
+#include "client/tool/output/picture_scene.h"
+#include "latvox/for_each_voxel.h"
+
+namespace latvox::client {
+namespace {
+
+struct MarkColor {
+  DifferenceMark mark;
+  uint32_t color;  // as in Attribute
+  const char* name;
+};
+
+// Red and blue of ColorBrewer's RdBu, which color-blind people can tell apart.
+constexpr MarkColor kColors[] = {{DifferenceMark::kSame, 0xB8B8B8, "gray"},
+                                 {DifferenceMark::kOnlyA, 0xCA2A36, "red"},
+                                 {DifferenceMark::kOnlyB, 0x2166AC, "blue"},
+                                 {DifferenceMark::kOtherValues, 0xE8A33D, "orange"}};
+
+// All voxels of both files with their marks, and the distances that differ.
+struct MarkedVoxels {
+  std::vector<Brick> bricks;
+  std::vector<DifferenceMark> marks;  // of each voxel
+  std::vector<float> changes;         // of each voxel with other values, if both files are bands
+};
+
+class Marking {
+ public:
+  Marking(const GridContent& a, const GridContent& b, bool values)
+      : a_(a), b_(b), values_(values), places_(values ? CommonAttributes(a, b) : AttributePlaces{}) {}
+
+  MarkedVoxels Mark() {
+    ForEachPair(a_.file.bricks, b_.file.bricks, [&](const Brick* of_a, const Brick* of_b) {
+      constexpr decltype(Brick::mask) kNone{};
+      const auto &in_a = of_a ? of_a->mask : kNone, &in_b = of_b ? of_b->mask : kNone;
+      Brick any{of_a ? of_a->brick_ijk : of_b->brick_ijk, {}};
+      for (size_t x = 0; x < 8; ++x) any.mask[x] = in_a[x] | in_b[x];
+      ForEachVoxel(any, [&](const Vec3i& ijk) { AddVoxel(HasVoxel(in_a, ijk), HasVoxel(in_b, ijk)); });
+      found_.bricks.push_back(any);
+    });
+    return std::move(found_);
+  }
+
+ private:
+  void AddVoxel(bool in_a, bool in_b) {
+    DifferenceMark mark = in_a ? DifferenceMark::kOnlyA : DifferenceMark::kOnlyB;
+    if (in_a && in_b) mark = HasOtherValues() ? DifferenceMark::kOtherValues : DifferenceMark::kSame;
+    found_.marks.push_back(mark);
+    m_ += in_a;
+    n_ += in_b;
+  }
+
+  // Compares the voxel m_ of A with the voxel n_ of B.
+  bool HasOtherValues() {
+    if (!values_) return false;
+    bool differ = false;
+    if (a_.band && b_.band && a_.distances[m_] != b_.distances[n_]) {
+      found_.changes.push_back(b_.distances[n_] - a_.distances[m_]);
+      differ = true;
+    }
+    for (const auto& [p, q] : places_) {
+      differ |= a_.numbers[a_.attributes.size() * m_ + p] != b_.numbers[b_.attributes.size() * n_ + q];
+    }
+    return differ;
+  }
+
+  const GridContent &a_, &b_;
+  const bool values_;
+  const AttributePlaces places_;
+  size_t m_ = 0, n_ = 0;  // voxels passed
+  MarkedVoxels found_;
+};
+
+// Returns the voxels for which `wanted` is true of their mark.
+template <class Wanted>
+std::vector<Brick> Only(const MarkedVoxels& all, const Wanted& wanted) {
+  std::vector<Brick> some;
+  auto mark = all.marks.begin();
+  for (const Brick& brick : all.bricks) {
+    Brick part{brick.brick_ijk, {}};
+    bool any = false;
+    ForEachVoxel(brick, [&](const Vec3i& ijk) {
+      if (!wanted(*mark++)) return;
+      part.mask[WordInBrick(ijk)] |= BitInWord(ijk);
+      any = true;
+    });
+    if (any) some.push_back(part);
+  }
+  return some;
+}
+
+GridDifference DifferenceOf(const MarkedVoxels& all, const CompareWords& words, bool is_band) {
+  GridDifference difference{words.a, words.b, {}, {}, is_band, {}, {}};
+  difference.bricks = Only(all, [](DifferenceMark mark) { return mark != DifferenceMark::kSame; });
+  for (const DifferenceMark mark : all.marks) {
+    if (mark != DifferenceMark::kSame) difference.marks.push_back(static_cast<uint32_t>(mark));
+  }
+  if (!is_band) return difference;
+  difference.changed = Only(all, [](DifferenceMark mark) { return mark == DifferenceMark::kOtherValues; });
+  difference.changes = all.changes;
+  return difference;
+}
+
+absl::StatusOr<std::string> Draw(const MarkedVoxels& all, const GridTransform& transform,
+                                 const Cancellation& cancellation) {
+  PictureOptions options;
+  options.cancellation = cancellation;
+  std::vector<uint32_t> colors;
+  for (const DifferenceMark mark : all.marks) colors.push_back(kColors[static_cast<size_t>(mark)].color);
+  VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(all.bricks, transform), options));
+  AddBricks(all.bricks, colors, scene);
+  scene.Seal();
+  return DrawVoxels(scene, options);
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::unique_ptr<AtomicFile>>> WriteDifferences(const CompareWords& words,
+                                                                          const GridContent& a, const GridContent& b,
+                                                                          const Cancellation& cancellation) {
+  const GridTransform& transform = a.file.info.transform;
+  const bool is_band = !words.voxels_only && a.band && b.band;
+  const MarkedVoxels all = Marking(a, b, !words.voxels_only).Mark();
+  std::vector<std::unique_ptr<AtomicFile>> files;
+  for (const std::string& path : words.outputs) {
+    auto file = AtomicFile::Create(path);
+    if (!file.ok()) return file.status();
+    if (absl::EndsWithIgnoreCase(path, ".vdb")) {
+      const GridDifference difference = DifferenceOf(all, words, is_band);
+      if (auto status = WriteDifferenceFile(difference, transform, (*file)->temporary()); !status.ok()) return status;
+    } else {
+      const auto png = Draw(all, transform, cancellation);
+      if (!png.ok()) return png.status();
+      if (auto status = (*file)->Append(*png); !status.ok()) return status;
+    }
+    if (auto status = (*file)->Sync(); !status.ok()) return status;
+    files.push_back(*std::move(file));
+  }
+  return files;
+}
+
+std::string DifferenceColorsText() {
+  return absl::StrJoin(kColors, ", ", [](std::string* out, const MarkColor& each) {
+    absl::StrAppend(out, each.name, " ", NameOf(each.mark));
+  });
+}
+
+}  // namespace latvox::client
