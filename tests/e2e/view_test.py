@@ -336,7 +336,7 @@ class View(OnPage):
         self.assert_colors({ijk: [(255, 0, 0), (0, 255, 0)][part] for ijk, part in cut.items()})
         self.open(f"{PLACE}&layer={layer}&by=part")
         counts = [list(numbers.values()).count(part) for part in (0, 1)]
-        self.assertEqual(self.text("legend").splitlines(), [f"part {n}: {count} voxels" for n, count in enumerate(counts)])
+        self.assertEqual(self.text("legend").splitlines(), [f"part {n} ({n}.obj): {count} voxels" for n, count in enumerate(counts)])
         shown = [rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[1].legend)"))]
         self.assertGreater(abs(numpy.subtract(*shown)).max(), 64)
         self.assert_colors({ijk: shown[part] for ijk, part in cut.items()})
