@@ -132,7 +132,7 @@ class Names(Case):
 
     def test_slices_pages_and_batches_have_the_names(self):
         mesh = write_named_obj(self.dir / "m.obj", [("left", "wood"), ("right", "iron")])
-        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": str(mesh), "voxel_size": 1, "attributes": ["material", "part"], "out": ["b.vdb", "b.csv"]}) + "\n")
+        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": str(mesh), "voxel_size": 1, "attributes": ["material", "part"], "out": ["b.vdb", "b.csv", "b.html"]}) + "\n")
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir / "out")
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(self.dir / "out" / "b.csv", newline="") as file:
@@ -143,9 +143,10 @@ class Names(Case):
         with open(self.dir / "s.csv", newline="") as file:
             self.assertEqual(list(csv.DictReader(file)), [row for row in table if row["k"] == table[0]["k"]])
         self.assertEqual(latvox("view", self.dir / "out" / "b.vdb", "-o", self.dir / "v.html").returncode, 0)
-        page = (self.dir / "v.html").read_text()
-        for label in ("part 0 (left): ", "part 1 (right): ", "material 0 (wood): ", "material 1 (iron): "):
-            self.assertIn(label, page)
+        for path in (self.dir / "v.html", self.dir / "out" / "b.html"):
+            page = path.read_text()
+            for label in ("part 0 (left): ", "part 1 (right): ", "material 0 (wood): ", "material 1 (iron): "):
+                self.assertIn(label, page)
         info = latvox("info", mesh).stdout
         self.assertRegex(info, r"part names +left,right\nmaterials +2\nmaterial names +wood,iron\n")
 

@@ -15,11 +15,14 @@ class PageOutput final : public Output {
   PageOutput(std::unique_ptr<AtomicFile> file, const OutputOptions& options, NewVdb new_vdb)
       : file_(std::move(file)), up_(options.picture_up), make_page_(options.make_page), new_vdb_(std::move(new_vdb)) {}
 
+  void SetNames(const CarriedNames& names) override { names_ = names; }
+
   absl::Status Begin(const Accepted& accepted) override {
     auto grid = AtomicFile::Create(file_->target());
     if (!grid.ok()) return grid.status();
     grid_path_ = (*grid)->temporary();
     grid_ = new_vdb_(*std::move(grid));
+    grid_->SetNames(names_);
     return grid_->Begin(accepted);
   }
 
@@ -45,6 +48,7 @@ class PageOutput final : public Output {
   const UpAxis up_;
   const MakePage make_page_;
   const NewVdb new_vdb_;
+  CarriedNames names_;
   std::string grid_path_;
   std::unique_ptr<Output> grid_;
 };
