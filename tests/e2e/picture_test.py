@@ -1,5 +1,6 @@
 """Commands on .vdb files: pictures and slices show the voxels in their places, and differences are found."""
 
+import csv
 import itertools
 import json
 import os
@@ -10,7 +11,7 @@ import zlib
 
 import pyopenvdb
 
-from harness import BIN, BUNNY, Case, latvox, rows
+from harness import BIN, BUNNY, Case, latvox, octahedron, rows
 
 OK, OTHER, USAGE, BAD_INPUT = range(4)
 LATTICES = {
@@ -37,7 +38,7 @@ def write_octahedron(path, basis, radius=12):
 
 
 def read_png(path):
-    """Returns width, height and the rows of (r, g, b) of an 8-bit RGB .png."""
+    """Returns width, height and the rows of an 8-bit .png: (r, g, b), or (r, g, b, opacity)."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", "not a .png"
     at, packed = 8, b""
@@ -46,17 +47,18 @@ def read_png(path):
         body = data[at + 8 : at + 8 + length]
         if kind == b"IHDR":
             width, height, depth, color = struct.unpack_from(">IIBB", body)
-            assert (depth, color) == (8, 2)
+            assert depth == 8 and color in (2, 6)
+            size = {2: 3, 6: 4}[color]
         packed += body if kind == b"IDAT" else b""
         at += 12 + length
-    lines, before, raw = [], bytes(3 * width), zlib.decompress(packed)
+    lines, before, raw = [], bytes(size * width), zlib.decompress(packed)
     for y in range(height):
-        kind, *line = raw[y * (3 * width + 1) : (y + 1) * (3 * width + 1)]
-        for n in range(3 * width):
-            a, b, c = (line[n - 3] if n >= 3 else 0), before[n], (before[n - 3] if n >= 3 else 0)
+        kind, *line = raw[y * (size * width + 1) : (y + 1) * (size * width + 1)]
+        for n in range(size * width):
+            a, b, c = (line[n - size] if n >= size else 0), before[n], (before[n - size] if n >= size else 0)
             paeth = min((a, b, c), key=lambda x: abs(a + b - c - x))
             line[n] = (line[n] + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
-        lines.append([tuple(line[n : n + 3]) for n in range(0, 3 * width, 3)])
+        lines.append([tuple(line[n : n + size]) for n in range(0, size * width, size)])
         before = line
     return width, height, lines
 
@@ -123,6 +125,71 @@ class Picture(Case):
         self.assertGreater(total(first, 2), total(first, 0))
         self.assertGreater(total(red, 0), 2 * total(red, 2))
 
+    def test_backgrounds(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["bcc"], 9)
+        for name, background in [("white", (255, 255, 255)), ("black", (0, 0, 0)), ("#20a0f0", (32, 160, 240)), ("20a0F0", (32, 160, 240))]:
+            _, _, lines = self.render(self.dir / "a.vdb", "--size", 64, "--background", name)
+            self.assertEqual(lines[0][0], background)
+            inside = lines[32][32]
+        _, _, lines = self.render(self.dir / "a.vdb", "--size", 64, "--background", "transparent")
+        self.assertEqual((lines[0][0][3], lines[32][32]), (0, (*inside, 255)))
+        self.assertTrue(any(0 < color[3] < 255 for line in lines for color in line), "the rim is smooth")
+        done = latvox("slice", self.dir / "a.vdb", "--background", "transparent", "-o", self.dir / "a.png", "--size", 200)
+        self.assertEqual(done.returncode, OK, done.stderr)
+        shown = {color[3] for line in read_png(self.dir / "a.png")[2] for color in line}
+        self.assertTrue({0, 255} < shown)
+
+    def test_crops(self):
+        write_octahedron(self.dir / "a.vdb", LATTICES["cartesian"], 9)
+        grid = pyopenvdb.read(str(self.dir / "a.vdb"), "voxels")
+        for x in range(60):
+            grid.getAccessor().setValueOn((x, 0, 0), True)
+        pyopenvdb.write(str(self.dir / "a.vdb"), grids=[grid])
+        width, height, lines = self.render(self.dir / "a.vdb", "--size", 200, "--view", "10,10", "--crop")
+        self.assertLess(abs(width - 200), 3)
+        self.assertLess(height, 120)
+        seen = self.covered(lines)
+        for m, size in enumerate((width, height)):
+            for margin in (min(p[m] for p in seen), size - 1 - max(p[m] for p in seen)):
+                self.assertTrue(1 <= margin <= 5, margin)
+        # A layer's frame is that of all layers, or its own.
+        sizes = []
+        for options in ([], ["--crop"]):
+            done = latvox("slice", self.dir / "a.vdb", "--index", 4, "--size", 300, "-o", self.dir / "a.png", *options)
+            self.assertEqual(done.returncode, OK, done.stderr)
+            sizes.append(read_png(self.dir / "a.png")[:2])
+        self.assertLess(sizes[0][1], 0.5 * sizes[0][0])
+        self.assertEqual(sizes[1], (300, 300))
+
+    def test_legends(self):
+        parts = []
+        for n in (0, 1):
+            parts.append(self.dir / f"{n}.obj")
+            parts[-1].write_text("\n".join([f"v {x + 3 * n} {y} {z}" for x, y, z in octahedron()[0]] + ["f " + " ".join(str(1 + v) for v in t) for t in octahedron()[1]]) + "\n")
+        options = ["--resolution", 40, "--attributes", "part", "-o", self.dir / "a.vdb"]
+        self.assertEqual(latvox("voxelize", *parts, *options).returncode, OK)
+        bare = self.render(self.dir / "a.vdb", "--size", 300)
+        width, height, lines = self.render(self.dir / "a.vdb", "--size", 300, "--legend")
+        self.assertEqual(width, 300)
+        self.assertTrue(310 < height < 400)
+        self.assertEqual(lines[:300], bare[2], "the picture itself stays")
+        below = [color for line in lines[300:] for color in line]
+        for color in [(0xE6, 0x9F, 0), (0x56, 0xB4, 0xE9)]:  # of parts 0 and 1
+            self.assertGreaterEqual(below.count(color), 64)
+        # Slices have one, too. The scale bar is a round number of units.
+        done = latvox("slice", self.dir / "a.vdb", "--size", 600, "--legend", "--axis", "z", "-o", self.dir / "s.png")
+        self.assertEqual(done.returncode, OK, done.stderr)
+        width, height, lines = read_png(self.dir / "s.png")
+        colored = [x for line in lines[: height - 40] for x, color in enumerate(line) if max(color) - min(color) > 60]
+        dark = [max(len(run) for run in "".join("#" if max(color) < 60 else " " for color in line).split(" ")) for line in lines]
+        done = latvox("slice", self.dir / "a.vdb", "--axis", "z", "-o", self.dir / "s.csv")
+        self.assertEqual(done.returncode, OK, done.stderr)
+        with open(self.dir / "s.csv") as table:
+            shown = [float(row["x"]) for row in csv.DictReader(table)]
+        voxel = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)["metadata"]["latvox_voxel_size"]
+        unit = (max(colored) - min(colored)) / (max(shown) - min(shown) + float(voxel))
+        self.assertLess(min(abs(max(dark) / unit / length - 1) for length in (0.5, 1, 2)), 0.03)
+
     def test_bytes_depend_on_no_thread(self):
         write_octahedron(self.dir / "a.vdb", LATTICES["bcc"])
         self.assertEqual(latvox("render", self.dir / "a.vdb", "--size", 300, "-o", self.dir / "all.png").returncode, OK)
@@ -150,6 +217,14 @@ class Slice(Case):
                     self.assertEqual(found.keys(), layer.keys())
                     for ijk, point in layer.items():
                         self.assertLess(max(abs(x - y) for x, y in zip(point, found[ijk])), 1e-12)
+
+    def test_the_middle_layer_is_the_default(self):
+        points = write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 8)
+        for options, m in [([], 2), (["--axis", "i"], 0)]:
+            done = latvox("slice", self.dir / "a.vdb", "-o", self.dir / "a.csv", *options)
+            self.assertEqual(done.returncode, OK, done.stderr)
+            middle = (min(ijk[m] for ijk in points) + max(ijk[m] for ijk in points) + 1) // 2
+            self.assertEqual(rows(self.dir / "a.csv").keys(), {ijk for ijk in points if ijk[m] == middle})
 
     def test_pictures_show_as_much_as_there_is(self):
         points = write_octahedron(self.dir / "a.vdb", LATTICES["fcc"], 8)
@@ -250,7 +325,7 @@ class Errors(Case):
             (BAD_INPUT, "is not a readable .vdb file", "compare", self.no_vdb, self.vdb),
             (USAGE, "--axis.*w", "slice", self.vdb, "--axis", "w", "--index", "0", *out),
             (USAGE, "--index.*1.5", "slice", self.vdb, "--axis", "x", "--index", "1.5", *out),
-            (USAGE, "--index", "slice", self.vdb, "--axis", "x", *out),
+            (USAGE, "--background.*pink.*RRGGBB", "slice", self.vdb, "--background", "pink", *out),
             (BAD_INPUT, "--index 6 .* -5 to 5 across x", "slice", self.vdb, "--axis", "x", "--index", "6", *out),
             (BAD_INPUT, "none.vdb: no such file", "slice", none, "--axis", "x", "--index", "6", *out),
         ]:

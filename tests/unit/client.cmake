@@ -15,6 +15,8 @@ latvox_add_test(client_output_test SOURCES unit/client/tool/output/output_test.c
 latvox_add_test(client_compare_test SOURCES unit/client/tool/cli/compare_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_colors_test SOURCES unit/client/tool/output/colors_test.cc
                 LIBRARIES latvox::tool latvox::grid latvox::openvdb_trees GTest::gmock)
+latvox_add_test(client_picture_style_test SOURCES unit/client/tool/output/picture_style_test.cc
+                LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_scene_test SOURCES unit/client/tool/output/scene_test.cc LIBRARIES latvox::tool GTest::gmock)
 latvox_add_test(client_grid_test SOURCES unit/client/grid/grid_test.cc LIBRARIES latvox::grid latvox::openvdb_trees GTest::gmock)
 foreach(name merge_test merge_errors_test)

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/picture_style_option.h"
 #include "client/tool/output/atomic_file.h"
 #include "client/tool/output/picture_scene.h"
 #include "latvox/grid/grid_content.h"
@@ -19,11 +19,6 @@ std::string CheckView(const std::string& text) {
   std::array<double, 2> view;
   if (ParseNumbers(text, view) && std::abs(view[0]) <= 360 && std::abs(view[1]) <= 90) return "";
   return absl::StrCat("\"", text, "\" is not AZIMUTH,ELEVATION in degrees, at most 360 and 90");
-}
-
-std::string CheckColor(const std::string& text) {
-  const bool hex = text.size() == 6 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
-  return hex ? "" : absl::StrCat("\"", text, "\" is not RRGGBB, six hexadecimal digits");
 }
 
 }  // namespace
@@ -51,6 +46,7 @@ void AddRenderOptions(CommandParser& command, RenderWords& words) {
                 .checks = {{CheckColor}},
                 .standard = "769ed2"},
                ColorByRow(/*distances=*/false, words.color_by)});
+  AddPictureStyleOptions(command, "End the picture near the voxels; --size is its longer side", words.style);
 }
 
 PictureOptions Interpret(const RenderWords& words) {
@@ -64,14 +60,12 @@ PictureOptions Interpret(const RenderWords& words) {
   }
   if (!words.color.empty() && !words.color_by.empty())
     Refuse("--color: cannot be combined with --color-by ", words.color_by);
-  if (!words.color.empty()) {
-    const std::string bytes = absl::HexStringToBytes(words.color);
-    for (size_t m = 0; m < 3; ++m) options.color[m] = static_cast<uint8_t>(bytes[m]);
-  }
+  if (!words.color.empty()) options.color = ParseColor(words.color);
+  options.crop = words.style.crop;
   return options;
 }
 
-absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& options) {
+absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& given) {
   const absl::Time start = absl::Now();
   const std::string& output = words.outputs.front();
   const auto content = ReadGridContent(words.input);
@@ -80,6 +74,8 @@ absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOpt
   const ColorBy by = plain && words.color_by.empty() ? ColorBy::kNone : ColorByOf(words.color_by, false, *content);
   const auto colors = FileColors(words.input, *content, by);
   if (!colors.ok()) return colors.status();
+  PictureOptions options = given;
+  options.style = StyleOf(words.style, *content, by);
   const GridTransform& transform = content->file.info.transform;
   std::vector<Brick> skin;
   if (content->band) skin = SkinOf(content->Batch(), SkinDepth(transform));

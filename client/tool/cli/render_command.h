@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/cli/picture_style_option.h"
 #include "client/tool/output/picture.h"
 #include "deploy/manual/command_parser.h"
 
@@ -16,6 +17,7 @@ struct RenderWords {
   std::string input, view_up, view, color, color_by;
   std::vector<std::string> outputs;
   PictureOptions picture;
+  PictureStyleWords style;
 };
 
 void AddRenderOptions(CommandParser& command, RenderWords& words);
@@ -24,7 +26,7 @@ void AddRenderOptions(CommandParser& command, RenderWords& words);
 PictureOptions Interpret(const RenderWords& words);
 
 // Draws the file. Returns the text for standard output. The output file appears only if everything succeeded.
-absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& options);
+absl::StatusOr<std::string> RunRender(const RenderWords& words, const PictureOptions& given);
 
 }  // namespace latvox::client
 

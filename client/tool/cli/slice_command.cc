@@ -30,8 +30,14 @@ const Names<size_t> kAxes = {{"x", 0}, {"y", 1}, {"z", 2}, {"i", 0}, {"j", 1}, {
 // Returns the two coordinates within a layer, in order.
 std::pair<size_t, size_t> Others(size_t axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
 
+// The layer in which the coordinate `axis` is `index`.
+struct CutAt {
+  size_t axis;
+  int32_t index;
+};
+
 // Returns the voxels of a layer with their values.
-GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
+GridContent Cut(const GridContent& content, const CutAt& place) {
   GridContent layer{{content.file.info, {}}, content.band, {}, content.attributes, {}};
   const size_t count = content.attributes.size();
   size_t voxel = 0;
@@ -40,7 +46,7 @@ GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
     uint64_t any = 0;
     ForEachVoxel(brick, [&](const Vec3i& ijk) {
       const size_t here = voxel++;
-      if (ijk[axis] != index) return;
+      if (ijk[place.axis] != place.index) return;
       any |= cut.mask[WordInBrick(ijk)] |= BitInWord(ijk);
       if (content.band) layer.distances.push_back(content.distances[here]);
       for (size_t n = 0; n < count; ++n) layer.numbers.push_back(content.numbers[count * here + n]);
@@ -50,23 +56,34 @@ GridContent Cut(const GridContent& content, size_t axis, int32_t index) {
   return layer;
 }
 
-// `colors` has one color per voxel of the cut, or is empty.
-absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, const std::vector<uint32_t>& colors,
-                                 size_t axis, const SliceWords& words) {
-  const Layer layer = LayerOf(file.info.transform, axis, words.index);
-  const auto [first, second] = Others(axis);
+// The part of a plane's world that a picture shows.
+struct PlaneBox {
+  Vec2d low, high;
+};
+
+// Returns the frame of the voxels, seen as in the layer.
+PlaneBox FrameOf(const GridFile& file, const Layer& layer) {
   constexpr double kFar = std::numeric_limits<double>::max();
-  Vec2d low = {kFar, kFar}, high = {-kFar, -kFar};
+  PlaneBox frame{{kFar, kFar}, {-kFar, -kFar}};
   for (const Brick& brick : file.bricks) {
     ForEachVoxel(brick, [&](const Vec3i& ijk) {
       const Vec3d world = file.info.transform.ToWorld(ijk);
       const Vec2d at = {Dot(world, layer.right), Dot(world, layer.up)};
       for (size_t m = 0; m < 2; ++m) {
-        low[m] = std::min(low[m], at[m] - layer.grid.pixel_size);
-        high[m] = std::max(high[m], at[m] + layer.grid.pixel_size);
+        frame.low[m] = std::min(frame.low[m], at[m] - layer.grid.pixel_size);
+        frame.high[m] = std::max(frame.high[m], at[m] + layer.grid.pixel_size);
       }
     });
   }
+  return frame;
+}
+
+// `colors` has one color per voxel of the cut, or is empty.
+absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, const std::vector<uint32_t>& colors,
+                                 const CutAt& place, const SliceWords& words, const PictureStyle& style) {
+  const Layer layer = LayerOf(file.info.transform, place.axis, place.index);
+  const auto [first, second] = Others(place.axis);
+  const PlaneBox frame = FrameOf(words.style.crop && !cut.file.bricks.empty() ? cut.file : file, layer);
   std::vector<PictureCell> cells;
   for (const Brick& brick : cut.file.bricks) {
     ForEachVoxel(brick, [&, first = first, second = second](const Vec3i& ijk) {
@@ -76,7 +93,7 @@ absl::StatusOr<std::string> Draw(const GridFile& file, const GridContent& cut, c
       if (cut.band) cell.inside = cut.distances[n] < 0;
     });
   }
-  return DrawCells(layer.grid, cells, low, high, words.size);
+  return DrawCells(layer.grid, cells, frame.low, frame.high, words.size, style);
 }
 
 absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const GridContent& cut) {
@@ -95,7 +112,7 @@ absl::StatusOr<std::unique_ptr<Output>> List(const std::string& path, const Grid
 }
 
 // Returns the meaning of the colors.
-std::string Legend(ColorBy by, const std::optional<Band>& band) {
+std::string ColorsText(ColorBy by, const std::optional<Band>& band) {
   if (by != ColorBy::kDistance || !band) return ColoredText(by);
   const std::string width = absl::StrFormat("%g", band->width);
   return ColoredText(by) + (band->is_signed
@@ -112,11 +129,13 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> WritePicture(const std::string& path
   return picture;
 }
 
-absl::Status CheckIndex(const SliceWords& words, const GridFileInfo& info, size_t axis) {
+absl::StatusOr<CutAt> CutOf(const SliceWords& words, const GridFileInfo& info) {
   if (!info.active_box) return absl::InvalidArgumentError(absl::StrCat(words.input, ": has no voxels"));
+  const size_t axis = ValueNamed(kAxes, words.axis);
   const int64_t low = info.active_box->min[axis], high = int64_t{info.active_box->max[axis]} - 1;
-  if (words.index >= low && words.index <= high) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("--index ", words.index, " is not among the layers ", low, " to ",
+  if (!words.index) return CutAt{axis, static_cast<int32_t>(low + (high - low + 1) / 2)};
+  if (*words.index >= low && *words.index <= high) return CutAt{axis, *words.index};
+  return absl::InvalidArgumentError(absl::StrCat("--index ", *words.index, " is not among the layers ", low, " to ",
                                                  high, " across ", words.axis, " that ", words.input, " has"));
 }
 
@@ -130,15 +149,16 @@ void AddSliceOptions(CommandParser& command, SliceWords& words) {
                 .help = "Lattice coordinate that is constant in the layer; x, y, z are other names of i, j, k",
                 .words = WordsOf(kAxes),
                 .word_help = {"i", "j", "k", "first lattice coordinate", "second", "third"},
-                .required = true},
+                .standard = "z"},
                {.names = "--index",
                 .target = &words.index,
                 .help = "Value of that coordinate in the layer",
                 .value = "N",
                 .checks = {Whole(std::numeric_limits<int>::min(), std::numeric_limits<int>::max())},
-                .required = true},
+                .standard = "the middle of the file's voxels"},
                SizeRow("Pixels along the picture's longer side", words.size),
                ColorByRow(/*distances=*/true, words.color_by)});
+  AddPictureStyleOptions(command, "Show only the part of the world that the layer's voxels take", words.style);
 }
 
 void Check(const SliceWords& words) { CheckOutputs(words.outputs, words.input, "file"); }
@@ -160,11 +180,11 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index) {
 }
 
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation) {
-  const size_t axis = ValueNamed(kAxes, words.axis);
   const auto content = ReadGridContent(words.input);
   if (!content.ok()) return content.status();
-  if (auto status = CheckIndex(words, content->file.info, axis); !status.ok()) return status;
-  const GridContent cut = Cut(*content, axis, words.index);
+  const auto place = CutOf(words, content->file.info);
+  if (!place.ok()) return place.status();
+  const GridContent cut = Cut(*content, *place);
   const ColorBy by = ColorByOf(words.color_by, /*distances=*/true, cut);
   const auto colors = FileColors(words.input, cut, by);
   if (!colors.ok()) return colors.status();
@@ -177,7 +197,7 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
       lists.push_back(*std::move(list));
       continue;
     }
-    const auto png = Draw(content->file, cut, *colors, axis, words);
+    const auto png = Draw(content->file, cut, *colors, *place, words, StyleOf(words.style, cut, by));
     if (!png.ok()) return png.status();
     auto picture = WritePicture(path, *png);
     if (!picture.ok()) return picture.status();
@@ -192,8 +212,8 @@ absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation
   }
   uint64_t voxels = 0;
   for (const Brick& brick : cut.file.bricks) ForEachVoxel(brick, [&](const Vec3i&) { ++voxels; });
-  return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", words.index,
-                      pictures.empty() ? "" : Legend(by, cut.band), "\nwrote ", absl::StrJoin(words.outputs, ", "),
+  return absl::StrCat(words.input, ": ", voxels, " voxels in layer ", words.axis, " = ", place->index,
+                      pictures.empty() ? "" : ColorsText(by, cut.band), "\nwrote ", absl::StrJoin(words.outputs, ", "),
                       "\n");
 }
 

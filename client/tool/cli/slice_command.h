@@ -2,10 +2,12 @@
 #ifndef LATVOX_CLIENT_TOOL_CLI_SLICE_COMMAND_H_
 #define LATVOX_CLIENT_TOOL_CLI_SLICE_COMMAND_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/cli/picture_style_option.h"
 #include "client/tool/output/pixel_picture.h"
 #include "deploy/manual/command_parser.h"
 #include "latvox/cancellation.h"
@@ -16,8 +18,10 @@ namespace latvox::client {
 
 // The words as given. Parsing writes into them.
 struct SliceWords {
-  std::string input, axis, color_by;
-  int index = 0, size = kPixelPictureSide;
+  std::string input, axis = "z", color_by;
+  std::optional<int> index;  // absent: in the middle of the file's voxels
+  int size = kPixelPictureSide;
+  PictureStyleWords style;
   std::vector<std::string> outputs;
 };
 
@@ -37,8 +41,8 @@ Layer LayerOf(const GridTransform& grid, size_t axis, int32_t index);
 // Draws or lists the layer. Returns the text for standard output. The outputs appear only if everything succeeded.
 //   band         lists have a column of distances; pictures are colored by them, with a line where the sign changes
 //   attributes   lists have their columns; pictures are colored by the attribute that --color-by names
-// All layers across one axis show the same part of the world. Errors: INVALID_ARGUMENT: the index is outside the box of
-// the file's voxels.
+// All layers across one axis show the same part of the world, except with --crop. Errors: INVALID_ARGUMENT: the index
+// is outside the box of the file's voxels.
 absl::StatusOr<std::string> RunSlice(const SliceWords& words, const Cancellation& cancellation);
 
 }  // namespace latvox::client

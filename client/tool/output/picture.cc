@@ -11,7 +11,6 @@
 
 #include "client/tool/output/depth_blur.h"
 #include "client/tool/output/facet_rims.h"
-#include "client/tool/output/png.h"
 #include "client/tool/output/srgb.h"
 #include "client/tool/output/vec3.h"
 #include "client/tool/output/voxel_front.h"
@@ -19,13 +18,11 @@
 namespace latvox::client {
 namespace {
 
-constexpr int kSamples = 2;       // per pixel and axis
-constexpr double kFilled = 0.92;  // share of the picture
+constexpr int kSamples = 2;                                // per pixel and axis
+constexpr double kFilled = 0.92, kFilledIfCropped = 0.97;  // share of the picture
 
-using Rgb = std::array<float, 3>;
+using Rgb = std::array<float, 3>;  // linear, as all colors here
 using Vec3f = std::array<float, 3>;
-
-constexpr Rgb kBackground = {0.94F, 0.94F, 0.925F};  // linear, as all colors here
 
 float FloatDot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -50,7 +47,8 @@ class Renderer {
         cancellation_(options.cancellation),
         rims_(scene.facets()),
         side_(options.side),
-        wide_(options.side * kSamples) {
+        wide_(options.side * kSamples),
+        filled_(options.crop ? kFilledIfCropped : kFilled) {
     const double a = options.azimuth * std::numbers::pi / 180, e = options.elevation * std::numbers::pi / 180;
     right_ = Turned({std::cos(a), 0, -std::sin(a)}, options.up);
     towards_ = Turned({std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)}, options.up);
@@ -72,23 +70,22 @@ class Renderer {
     }
   }
 
-  std::vector<uint8_t> Draw() {
-    std::vector<uint8_t> pixels(static_cast<size_t>(side_) * static_cast<size_t>(side_) * 3);
+  // Returns the cells, with nothing behind them.
+  Image Draw() {
+    Image picture(side_, side_);
     Frame();
     MakeFronts();
     ForRows(wide_, [this](int y) { CastRow(y); });
-    if (cancellation_.cancelled()) return pixels;
+    if (cancellation_.cancelled()) return picture;
     smooth_ = SmoothDepth(depth_, wide_, std::clamp(static_cast<int>(2.0F * cell_), 2, 32));
     ForRows(side_, [&](int y) {
-      for (int x = 0; x < side_; ++x) {
-        const Rgb color = ShadePixel(x, y);
-        for (size_t m = 0; m < 3; ++m)
-          pixels[3 * (static_cast<size_t>(y) * static_cast<size_t>(side_) + static_cast<size_t>(x)) + m] =
-              ToLevel(color[m]);
-      }
+      for (int x = 0; x < side_; ++x) ShadePixel(x, y, picture.At(x, y));
     });
-    return pixels;
+    return picture;
   }
+
+  // Returns the pixels of the picture per unit of the world.
+  double Scale() const { return scale_ / kSamples / scene_.cell_size(); }
 
  private:
   template <class Row>
@@ -123,7 +120,7 @@ class Renderer {
       }
     });
     if (scene_.empty()) low = high = {};
-    scale_ = kFilled * wide_ / (std::max(high[0] - low[0] + 2 * reach[0], high[1] - low[1] + 2 * reach[1]));
+    scale_ = filled_ * wide_ / (std::max(high[0] - low[0] + 2 * reach[0], high[1] - low[1] + 2 * reach[1]));
     const Vec3f middle = {static_cast<float>((low[0] + high[0]) / 2), static_cast<float>((low[1] + high[1]) / 2),
                           static_cast<float>(high[2] + reach[2] + 1)};
     eye_ = ToScene(middle);
@@ -232,13 +229,20 @@ class Renderer {
 
   static size_t PhaseOf(int x, int y) { return static_cast<size_t>(x % kSamples + kSamples * (y % kSamples)); }
 
-  Rgb ShadePixel(int px, int py) const {
+  // The opacity is the share of samples that show a cell.
+  void ShadePixel(int px, int py, uint8_t* pixel) const {
     Rgb sum{};
+    int shown = 0;
     for (int s = 0; s < kSamples * kSamples; ++s) {
-      const Rgb sample = Shade(px * kSamples + s % kSamples, py * kSamples + s / kSamples);
-      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kSamples * kSamples);
+      const int x = px * kSamples + s % kSamples, y = py * kSamples + s / kSamples;
+      if (depth_[At(x, y)] == kNoDepth) continue;
+      const Rgb sample = Shade(x, y);
+      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m];
+      ++shown;
     }
-    return sum;
+    if (shown == 0) return;
+    for (size_t m = 0; m < 3; ++m) pixel[m] = ToLevel(sum[m] / static_cast<float>(shown));
+    pixel[3] = static_cast<uint8_t>(255 * shown / (kSamples * kSamples));
   }
 
   Rgb ColorAt(size_t sample) const {
@@ -249,7 +253,6 @@ class Renderer {
 
   Rgb Shade(int x, int y) const {
     const size_t at = At(x, y);
-    if (depth_[at] == kNoDepth) return kBackground;
     const float facets = 0.2F * Share(cell_, 2, 4) + 0.65F * Share(cell_, 6, 24);
     const Vec3f smooth = NormalAt(x, y), &facet = normals_[facet_[at]];
     Vec3f normal;
@@ -276,6 +279,7 @@ class Renderer {
   const Cancellation cancellation_;
   const FacetRims rims_;
   const int side_, wide_;            // pixels, samples
+  const double filled_;              // share of the picture
   Vec3d right_, up_, towards_;       // the view frame's axes in the scene
   Vec3d eye_{};                      // in front of the middle of the picture
   double scale_ = 1;                 // samples per unit of the scene
@@ -291,6 +295,29 @@ class Renderer {
   std::array<std::array<std::array<Tap, kSteps>, kDirections>, kSamples * kSamples> taps_{};
 };
 
+// Returns the part of the picture that has cells, with a margin as on the side that they fill.
+Image Cropped(const Image& picture) {
+  const int margin = static_cast<int>(std::lround((1 - kFilledIfCropped) / 2 * picture.width()));
+  int left = picture.width(), right = 0, top = picture.height(), bottom = 0;
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      if (picture.At(x, y)[3] == 0) continue;
+      left = std::min(left, x);
+      right = std::max(right, x + 1);
+      top = std::min(top, y);
+      bottom = std::max(bottom, y + 1);
+    }
+  }
+  if (right == 0) return picture;
+  left = std::max(left - margin, 0);
+  top = std::max(top - margin, 0);
+  Image cropped(std::min(right + margin, picture.width()) - left, std::min(bottom + margin, picture.height()) - top);
+  for (int y = 0; y < cropped.height(); ++y) {
+    std::copy_n(picture.At(left, top + y), 4 * static_cast<size_t>(cropped.width()), cropped.At(0, y));
+  }
+  return cropped;
+}
+
 }  // namespace
 
 int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& options) {
@@ -300,9 +327,10 @@ int ShiftFor(const GridTransform& grid, double diagonal, const PictureOptions& o
 }
 
 absl::StatusOr<std::string> DrawVoxels(const VoxelScene& scene, const PictureOptions& options) {
-  const std::vector<uint8_t> pixels = Renderer(scene, options).Draw();
+  Renderer renderer(scene, options);
+  const Image picture = renderer.Draw();
   if (options.cancellation.cancelled()) return absl::CancelledError("cancelled");
-  return EncodePng(options.side, options.side, pixels);
+  return FinishPicture(options.crop ? Cropped(picture) : picture, renderer.Scale(), options.style);
 }
 
 }  // namespace latvox::client

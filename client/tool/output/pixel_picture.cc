@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
-#include "client/tool/output/png.h"
+#include "client/tool/output/image.h"
 
 namespace latvox::client {
 namespace {
@@ -17,23 +17,23 @@ constexpr int kShortestSide = 64;
 constexpr double kCellsFilled = 0.94;  // share of the picture
 constexpr int kCellSamples = 3;        // per sample of the picture and axis
 
-using CellColor = std::array<float, 3>;
+using CellColor = std::array<float, 4>;  // red, green, blue and opacity; multiplied by the opacity
 
-constexpr CellColor kPaper = {0.97F, 0.97F, 0.96F};
-constexpr CellColor kEmptyBorder = {0.90F, 0.90F, 0.89F};
-constexpr CellColor kCellBorder = {0.33F, 0.47F, 0.66F};
-constexpr CellColor kCurve = {0.82F, 0.27F, 0.16F};
-constexpr CellColor kContour = {0, 0, 0};
+constexpr CellColor kNoColor = {};
+constexpr CellColor kRuling = {0.5F, 0.5F, 0.5F, 1};  // of empty cells, faint
+constexpr CellColor kCellBorder = {0.33F, 0.47F, 0.66F, 1};
+constexpr CellColor kCurve = {0.82F, 0.27F, 0.16F, 1};
+constexpr CellColor kContour = {0, 0, 0, 1};
 
 CellColor Mix(const CellColor& a, const CellColor& b, float share_of_b) {
   CellColor out;
-  for (size_t m = 0; m < 3; ++m) out[m] = a[m] + (b[m] - a[m]) * share_of_b;
+  for (size_t m = 0; m < out.size(); ++m) out[m] = a[m] + (b[m] - a[m]) * share_of_b;
   return out;
 }
 
 CellColor ToRgb(uint32_t color) {
   const auto part = [color](int shift) { return static_cast<float>(color >> shift & 0xFF) / 255; };
-  return {part(16), part(8), part(0)};
+  return {part(16), part(8), part(0), 1};
 }
 
 Vec2d operator-(const Vec2d& a, const Vec2d& b) { return {a[0] - b[0], a[1] - b[1]}; }
@@ -109,7 +109,12 @@ class CellFinder {
 
 class PixelPicture {
  public:
-  PixelPicture(const PlaneTransform& grid, const std::vector<PictureCell>& cells) : grid_(grid), finder_(grid) {
+  PixelPicture(const PlaneTransform& grid, const std::vector<PictureCell>& cells, const PictureStyle& style)
+      : grid_(grid), finder_(grid), style_(style) {
+    if (const auto& paper = style.background) {
+      for (size_t m = 0; m < 3; ++m) paper_[m] = static_cast<float>((*paper)[m]) / 255;
+      paper_[3] = 1;
+    }
     for (const PictureCell& cell : cells) cells_.emplace(cell.ij, cell);
   }
 
@@ -141,15 +146,18 @@ class PixelPicture {
   }
 
   absl::StatusOr<std::string> Draw() const {
-    std::vector<uint8_t> rgb;
-    rgb.reserve(3 * curve_.size());
+    Image picture(width_, height_);
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
         const CellColor color = Mix(ShadeCells(x, y), kCurve, curve_[At(x, y)]);
-        for (const float component : color) rgb.push_back(static_cast<uint8_t>(component * 255 + 0.5F));
+        uint8_t* const pixel = picture.At(x, y);
+        pixel[3] = static_cast<uint8_t>(std::min(color[3], 1.0F) * 255 + 0.5F);
+        for (size_t m = 0; m < 3 && pixel[3] != 0; ++m) {
+          pixel[m] = static_cast<uint8_t>(std::min(color[m] / color[3], 1.0F) * 255 + 0.5F);
+        }
       }
     }
-    return EncodePng(width_, height_, rgb);
+    return FinishPicture(picture, scale_, style_);
   }
 
  private:
@@ -172,7 +180,7 @@ class PixelPicture {
 
   // Borders of plain cells are blue, those of other cells darker than the cell.
   static CellColor BorderOf(const PictureCell& cell) {
-    return cell.color == kCellColor ? kCellBorder : Mix(ToRgb(cell.color), {}, 0.35F);
+    return cell.color == kCellColor ? kCellBorder : Mix(ToRgb(cell.color), kContour, 0.35F);
   }
 
   // Draws contours always, borders of cells if cells are large enough, and borders of empty cells only at larger sizes.
@@ -186,9 +194,9 @@ class PixelPicture {
       if (cell && other && cell->inside != other->inside) return kContour;
       const bool on_border = cell_ >= kLeastBordered && to_border < half_border;
       if (on_border && (cell || other)) return BorderOf(cell ? *cell : *other);
-      if (on_border && cell_ >= kLeastRuled) return kEmptyBorder;
+      if (on_border && cell_ >= kLeastRuled && style_.background) return Mix(paper_, kRuling, 0.15F);
     }
-    return cell ? ToRgb(cell->color) : kPaper;
+    return cell ? ToRgb(cell->color) : paper_;
   }
 
   CellColor ShadeCells(int x, int y) const {
@@ -196,7 +204,7 @@ class PixelPicture {
     for (int s = 0; s < kCellSamples * kCellSamples; ++s) {
       const CellColor sample = ShadeSample(
           ToWorld(x + (s % kCellSamples + 0.5) / kCellSamples, y + (s / kCellSamples + 0.5) / kCellSamples));
-      for (size_t m = 0; m < 3; ++m) sum[m] += sample[m] / (kCellSamples * kCellSamples);
+      for (size_t m = 0; m < sum.size(); ++m) sum[m] += sample[m] / (kCellSamples * kCellSamples);
     }
     return sum;
   }
@@ -228,6 +236,8 @@ class PixelPicture {
 
   const PlaneTransform grid_;
   const CellFinder finder_;
+  const PictureStyle style_;
+  CellColor paper_ = kNoColor;
   absl::flat_hash_map<Vec2i, PictureCell> cells_;
   int width_ = 0, height_ = 0;
   double scale_ = 1, cell_ = 1, up_ = 1;  // samples per world unit; a pixel's edge in samples; -1: y is downwards
@@ -240,7 +250,7 @@ class PixelPicture {
 absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelization& pixelization) {
   std::vector<PictureCell> cells;
   for (const Vec2i& ij : pixelization.pixels) cells.push_back({ij});
-  PixelPicture picture(pixelization.grid, cells);
+  PixelPicture picture(pixelization.grid, cells, {});
   Vec2d low = drawing.polylines[0].points[0], high = low;
   const auto extend = [&](const Vec2d& p, double by) {
     for (size_t m = 0; m < 2; ++m) {
@@ -258,8 +268,8 @@ absl::StatusOr<std::string> DrawPixels(const Drawing& drawing, const Pixelizatio
 }
 
 absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<PictureCell>& cells,
-                                      const Vec2d& low, const Vec2d& high, int longer_side) {
-  PixelPicture picture(grid, cells);
+                                      const Vec2d& low, const Vec2d& high, int longer_side, const PictureStyle& style) {
+  PixelPicture picture(grid, cells, style);
   picture.Frame(low, high, /*y_down=*/false, longer_side);
   return picture.Draw();
 }

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/tool/curve/curve_file.h"
+#include "client/tool/output/picture_style.h"
 #include "latvox/plane_types.h"
 
 namespace latvox::client {
@@ -28,7 +29,7 @@ struct PictureCell {
 
 // Draws without a curve, at another size, the part of the world within `low` and `high`.
 absl::StatusOr<std::string> DrawCells(const PlaneTransform& grid, const std::vector<PictureCell>& cells,
-                                      const Vec2d& low, const Vec2d& high, int longer_side);
+                                      const Vec2d& low, const Vec2d& high, int longer_side, const PictureStyle& style);
 
 }  // namespace latvox::client
 

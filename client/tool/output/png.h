@@ -2,17 +2,15 @@
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_PNG_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_PNG_H_
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tool/output/image.h"
 
 namespace latvox::client {
 
-// Returns the bytes of a PNG file. Errors: INTERNAL (libpng).
-//   rgb   3 * width * height bytes, rows from the top
-absl::StatusOr<std::string> EncodePng(int width, int height, const std::vector<uint8_t>& rgb);
+// Returns the bytes of a PNG file, without opacity if all of the picture is opaque. Errors: INTERNAL (libpng).
+absl::StatusOr<std::string> EncodePng(const Image& picture);
 
 }  // namespace latvox::client
 

@@ -1,0 +1,58 @@
+#include "client/tool/output/legend.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/string_view.h"
+
+namespace latvox::client {
+namespace {
+
+constexpr int kRampSteps = 32;
+
+// Labels the ends and the middle.
+Legend LegendOfBand(const Band& band) {
+  Legend legend{.is_ramp = true};
+  for (int n = 0; n <= kRampSteps; ++n) {
+    const double share = static_cast<double>(n) / kRampSteps,
+                 distance = band.width * (band.is_signed ? 2 * share - 1 : share);
+    const bool named = n % (kRampSteps / 2) == 0;
+    legend.entries.push_back(
+        {DistanceColor(static_cast<float>(distance), band), named ? absl::StrFormat("%.4g", distance) : ""});
+  }
+  return legend;
+}
+
+std::string NameOfNumber(ColorBy by, uint32_t number) {
+  return by == ColorBy::kColor ? absl::StrFormat("#%06x", number) : absl::StrCat(NameOf(by), " ", number);
+}
+
+}  // namespace
+
+Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
+  if (by == ColorBy::kDistance && content.band) return LegendOfBand(*content.band);
+  Legend legend;
+  for (size_t which = 0; which < content.attributes.size(); ++which) {
+    if (absl::string_view(NameOf(content.attributes[which])) != NameOf(by)) continue;
+    std::map<uint32_t, uint64_t> counts;
+    for (size_t n = which; n < content.numbers.size(); n += content.attributes.size()) ++counts[content.numbers[n]];
+    std::vector<std::pair<uint32_t, uint64_t>> rows(counts.begin(), counts.end());
+    const auto is_more = [](const auto& a, const auto& b) { return a.second > b.second; };
+    if (by == ColorBy::kColor) std::stable_sort(rows.begin(), rows.end(), is_more);
+    for (const auto& [number, voxels] : rows) {
+      if (legend.entries.size() == most) {
+        legend.entries.push_back({std::nullopt, absl::StrCat("and ", rows.size() - most, " more")});
+        break;
+      }
+      legend.entries.push_back(
+          {by == ColorBy::kColor ? number : PaletteColor(number),
+           absl::StrCat(NameOfNumber(by, number), ": ", voxels, voxels == 1 ? " voxel" : " voxels")});
+    }
+  }
+  return legend;
+}
+
+}  // namespace latvox::client
