@@ -114,10 +114,23 @@ GridDifference DifferenceOf(const MarkedVoxels& all, const CompareWords& words, 
   return difference;
 }
 
+// Leaves out other values where there are none.
+Legend LegendOfMarks(const std::vector<DifferenceMark>& marks) {
+  Legend legend;
+  for (const MarkColor& each : kColors) {
+    const auto voxels = std::count(marks.begin(), marks.end(), each.mark);
+    if (voxels == 0 && each.mark == DifferenceMark::kOtherValues) continue;
+    legend.entries.push_back(
+        {each.color, absl::StrCat(NameOf(each.mark), ": ", voxels, voxels == 1 ? " voxel" : " voxels")});
+  }
+  return legend;
+}
+
 absl::StatusOr<std::string> Draw(const MarkedVoxels& all, const GridTransform& transform,
                                  const Cancellation& cancellation) {
   PictureOptions options;
   options.cancellation = cancellation;
+  options.style.legend = LegendOfMarks(all.marks);
   std::vector<uint32_t> colors;
   for (const DifferenceMark mark : all.marks) colors.push_back(kColors[static_cast<size_t>(mark)].color);
   VoxelScene scene(transform, ShiftFor(transform, DiagonalOf(all.bricks, transform), options));

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
+#include "latvox/grid/carried_names.h"
 
 namespace latvox::client {
 namespace {
@@ -26,8 +27,10 @@ Legend LegendOfBand(const Band& band) {
   return legend;
 }
 
-std::string NameOfNumber(ColorBy by, uint32_t number) {
-  return by == ColorBy::kColor ? absl::StrFormat("#%06x", number) : absl::StrCat(NameOf(by), " ", number);
+// `name` is that in the mesh's file, or "".
+std::string NameOfNumber(ColorBy by, uint32_t number, const std::string& name) {
+  if (by == ColorBy::kColor) return absl::StrFormat("#%06x", number);
+  return absl::StrCat(NameOf(by), " ", number, name.empty() ? "" : absl::StrCat(" (", name, ")"));
 }
 
 }  // namespace
@@ -35,6 +38,7 @@ std::string NameOfNumber(ColorBy by, uint32_t number) {
 Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
   if (by == ColorBy::kDistance && content.band) return LegendOfBand(*content.band);
   Legend legend;
+  const CarriedNames names = ReadCarriedNames(content.file.info);
   for (size_t which = 0; which < content.attributes.size(); ++which) {
     if (absl::string_view(NameOf(content.attributes[which])) != NameOf(by)) continue;
     std::map<uint32_t, uint64_t> counts;
@@ -47,9 +51,9 @@ Legend LegendOf(const GridContent& content, ColorBy by, size_t most) {
         legend.entries.push_back({std::nullopt, absl::StrCat("and ", rows.size() - most, " more")});
         break;
       }
-      legend.entries.push_back(
-          {by == ColorBy::kColor ? number : PaletteColor(number),
-           absl::StrCat(NameOfNumber(by, number), ": ", voxels, voxels == 1 ? " voxel" : " voxels")});
+      legend.entries.push_back({by == ColorBy::kColor ? number : PaletteColor(number),
+                                absl::StrCat(NameOfNumber(by, number, names.Of(content.attributes[which], number)),
+                                             ": ", voxels, voxels == 1 ? " voxel" : " voxels")});
     }
   }
   return legend;
