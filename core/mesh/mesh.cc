@@ -30,6 +30,14 @@ bool AreFinite(std::span<const Vec3f> vertices) {
   return infinite == 0;
 }
 
+bool AreFinite(std::span<const Vec3d> vertices) {
+  constexpr uint64_t kInfinity = 0x7FF0000000000000, kMagnitude = 0x7FFFFFFFFFFFFFFF;
+  const std::span numbers(vertices.front().data(), 3 * vertices.size());
+  uint64_t infinite = 0;
+  for (const double x : numbers) infinite |= (std::bit_cast<uint64_t>(x) & kMagnitude) >= kInfinity ? 1 : 0;
+  return infinite == 0;
+}
+
 bool AreBelow(size_t count, std::span<const std::array<uint32_t, 3>> triangles) {
   if (count == 0) return false;
   const auto last = static_cast<uint32_t>(std::min(count - 1, size_t{UINT32_MAX}));
@@ -40,17 +48,18 @@ bool AreBelow(size_t count, std::span<const std::array<uint32_t, 3>> triangles) 
 }
 
 // Names the first element that is not valid.
-absl::Status Complain(const TriangleMesh& mesh) {
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    for (float x : mesh.vertices[v]) {
+template <class Vertices>
+absl::Status Complain(const TriangleMesh& mesh, const Vertices& vertices) {
+  for (size_t v = 0; v < vertices.size(); ++v) {
+    for (const auto x : vertices[v]) {
       if (!std::isfinite(x)) return absl::InvalidArgumentError(absl::StrFormat("mesh: vertex %d is not finite", v));
     }
   }
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (uint32_t v : mesh.triangles[t]) {
-      if (v >= mesh.vertices.size()) {
+      if (v >= vertices.size()) {
         return absl::InvalidArgumentError(
-            absl::StrFormat("mesh: triangle %d uses vertex %d of %d", t, v, mesh.vertices.size()));
+            absl::StrFormat("mesh: triangle %d uses vertex %d of %d", t, v, vertices.size()));
       }
     }
   }
@@ -64,13 +73,15 @@ absl::Status CheckMesh(const TriangleMesh& mesh, StopSignal stop) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // vertices or triangles for each task
   std::atomic<bool> valid = true;
-  oneapi::tbb::parallel_for(Part(0, mesh.vertices.size(), kGrain), [&](const Part& part) {
-    if (!stop.Stopped() && !AreFinite({&mesh.vertices[part.begin()], part.size()})) valid = false;
+  return VisitVertices(mesh, [&](const auto& vertices) {
+    oneapi::tbb::parallel_for(Part(0, vertices.size(), kGrain), [&](const Part& part) {
+      if (!stop.Stopped() && !AreFinite(std::span(&vertices[part.begin()], part.size()))) valid = false;
+    });
+    oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
+      if (!stop.Stopped() && !AreBelow(vertices.size(), {&mesh.triangles[part.begin()], part.size()})) valid = false;
+    });
+    return valid ? absl::OkStatus() : Complain(mesh, vertices);
   });
-  oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
-    if (!stop.Stopped() && !AreBelow(mesh.vertices.size(), {&mesh.triangles[part.begin()], part.size()})) valid = false;
-  });
-  return valid ? absl::OkStatus() : Complain(mesh);
 }
 
 }  // namespace latvox

@@ -13,12 +13,22 @@
 
 namespace latvox {
 
+// Vertices are floats, as codecs store them, or doubles, for positions that floats cannot hold.
 struct TriangleMesh {
   PaddedVector<Vec3f> vertices;                    // world units; new ones are indeterminate until they are assigned
-  std::vector<std::array<uint32_t, 3>> triangles;  // indices into `vertices`
+  std::vector<std::array<uint32_t, 3>> triangles;  // indices of vertices
   // The numbers that voxels may carry: for each vertex one number an attribute, vertex after vertex.
   std::vector<uint32_t> attributes = {};
+  PaddedVector<Vec3d> double_vertices = {};  // in place of `vertices`, which is then empty
+
+  size_t vertex_count() const { return vertices.size() + double_vertices.size(); }
 };
+
+// Calls f with the vertices of the mesh: a const PaddedVector of Vec3f or of Vec3d.
+template <class F>
+decltype(auto) VisitVertices(const TriangleMesh& mesh, const F& f) {
+  return mesh.double_vertices.empty() ? f(mesh.vertices) : f(mesh.double_vertices);
+}
 
 // World-space box, closed on both sides.
 struct Bounds {

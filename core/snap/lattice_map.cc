@@ -22,7 +22,9 @@ namespace {
 constexpr double kRounder = 0x1.8p52;
 static_assert(kPositionBits + kSubvoxelBits < 51);
 
-Vec3d ToLattice(const LatticeMap& map, const Vec3f& p) {
+// Vertex: Vec3f or Vec3d.
+template <class Vertex>
+Vec3d ToLattice(const LatticeMap& map, const Vertex& p) {
   const Vec3d d{p[0] - map.origin[0], p[1] - map.origin[1], p[2] - map.origin[2]};
   Vec3d v;
   for (size_t m = 0; m < 3; ++m) {
@@ -31,7 +33,8 @@ Vec3d ToLattice(const LatticeMap& map, const Vec3f& p) {
   return v;
 }
 
-LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count) {
+template <class Vertex>
+LatticeRange PlainRangeOf(const LatticeMap& map, const Vertex* vertices, size_t count) {
   LatticeRange range;
   for (size_t n = 0; n < count; ++n) {
     const Vec3d v = ToLattice(map, vertices[n]);
@@ -40,11 +43,12 @@ LatticeRange PlainRangeOf(const LatticeMap& map, const Vec3f* vertices, size_t c
   return range;
 }
 
-void PlainRoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
+template <class Vertex>
+void PlainRoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vertex* vertices,
                         size_t count, Vec3i* out) {
   for (size_t n = 0; n < count; ++n) {
-    Vec3f
-        p;  // copied by bytes, and so is the result: the compiler may assume that different types use different memory
+    // Copied by bytes, and so is the result: the compiler may assume that different types use different memory.
+    Vertex p;
     std::memcpy(&p, vertices + n, sizeof(p));
     const Vec3d v = ToLattice(map, p);
     Vec3i rounded;
@@ -75,15 +79,28 @@ struct Vertices {
   V x, y, z;
 };
 
-// ToLattice of Lanes(D) vertices.
-HWY_INLINE Vertices LoadLattice(const LatticeMap& map, const Vec3f* vertices) {
+HWY_INLINE Vertices Load(const Vec3f* vertices) {
   const D d;
   const hn::Rebind<float, D> narrow;
   hn::Vec<hn::Rebind<float, D>> x, y, z;
   hn::LoadInterleaved3(narrow, vertices->data(), x, y, z);
-  const V dx = hn::Sub(hn::PromoteTo(d, x), hn::Set(d, map.origin[0]));
-  const V dy = hn::Sub(hn::PromoteTo(d, y), hn::Set(d, map.origin[1]));
-  const V dz = hn::Sub(hn::PromoteTo(d, z), hn::Set(d, map.origin[2]));
+  return {hn::PromoteTo(d, x), hn::PromoteTo(d, y), hn::PromoteTo(d, z)};
+}
+
+HWY_INLINE Vertices Load(const Vec3d* vertices) {
+  Vertices v;
+  hn::LoadInterleaved3(D(), vertices->data(), v.x, v.y, v.z);
+  return v;
+}
+
+// ToLattice of Lanes(D) vertices.
+template <class Vertex>
+HWY_INLINE Vertices LoadLattice(const LatticeMap& map, const Vertex* vertices) {
+  const D d;
+  const Vertices v = Load(vertices);
+  const V dx = hn::Sub(v.x, hn::Set(d, map.origin[0]));
+  const V dy = hn::Sub(v.y, hn::Set(d, map.origin[1]));
+  const V dz = hn::Sub(v.z, hn::Set(d, map.origin[2]));
   const auto row = [&](size_t m) HWY_ATTR {
     return hn::Add(hn::Add(hn::Mul(hn::Set(d, map.inverse[0][m]), dx), hn::Mul(hn::Set(d, map.inverse[1][m]), dy)),
                    hn::Mul(hn::Set(d, map.inverse[2][m]), dz));
@@ -91,7 +108,8 @@ HWY_INLINE Vertices LoadLattice(const LatticeMap& map, const Vec3f* vertices) {
   return {row(0), row(1), row(2)};
 }
 
-LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count) {
+template <class Vertex>
+HWY_INLINE LatticeRange RangeOfAny(const LatticeMap& map, const Vertex* vertices, size_t count) {
   const D d;
   const size_t lanes = hn::Lanes(d);
   LatticeRange range;
@@ -115,8 +133,9 @@ LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count)
   return range;
 }
 
-void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
-                   size_t count, Vec3i* out) {
+template <class Vertex>
+HWY_INLINE void RoundAny(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk,
+                         const Vertex* vertices, size_t count, Vec3i* out) {
   const D d;
   const hn::Rebind<int32_t, D> narrow;
   const size_t lanes = hn::Lanes(d);
@@ -134,6 +153,24 @@ void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i
   PlainRoundVertices(map, range, base_ijk, vertices + n, count - n, out + n);
 }
 
+LatticeRange RangeOfFloats(const LatticeMap& map, const Vec3f* vertices, size_t count) {
+  return RangeOfAny(map, vertices, count);
+}
+
+LatticeRange RangeOfDoubles(const LatticeMap& map, const Vec3d* vertices, size_t count) {
+  return RangeOfAny(map, vertices, count);
+}
+
+void RoundFloats(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
+                 size_t count, Vec3i* out) {
+  RoundAny(map, range, base_ijk, vertices, count, out);
+}
+
+void RoundDoubles(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3d* vertices,
+                  size_t count, Vec3i* out) {
+  RoundAny(map, range, base_ijk, vertices, count, out);
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace latvox
@@ -145,8 +182,10 @@ HWY_AFTER_NAMESPACE();
 
 namespace latvox {
 
-HWY_EXPORT(RangeOf);
-HWY_EXPORT(RoundVertices);
+HWY_EXPORT(RangeOfFloats);
+HWY_EXPORT(RangeOfDoubles);
+HWY_EXPORT(RoundFloats);
+HWY_EXPORT(RoundDoubles);
 
 void LatticeRange::Add(const LatticeRange& other) {
   for (size_t m = 0; m < 3; ++m) {
@@ -157,13 +196,24 @@ void LatticeRange::Add(const LatticeRange& other) {
 
 LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count) {
   if (SimdIsScalar()) return PlainRangeOf(map, vertices, count);
-  return HWY_DYNAMIC_DISPATCH(RangeOf)(map, vertices, count);
+  return HWY_DYNAMIC_DISPATCH(RangeOfFloats)(map, vertices, count);
+}
+
+LatticeRange RangeOf(const LatticeMap& map, const Vec3d* vertices, size_t count) {
+  if (SimdIsScalar()) return PlainRangeOf(map, vertices, count);
+  return HWY_DYNAMIC_DISPATCH(RangeOfDoubles)(map, vertices, count);
 }
 
 void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
                    size_t count, Vec3i* out) {
   if (SimdIsScalar()) return PlainRoundVertices(map, range, base_ijk, vertices, count, out);
-  HWY_DYNAMIC_DISPATCH(RoundVertices)(map, range, base_ijk, vertices, count, out);
+  HWY_DYNAMIC_DISPATCH(RoundFloats)(map, range, base_ijk, vertices, count, out);
+}
+
+void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3d* vertices,
+                   size_t count, Vec3i* out) {
+  if (SimdIsScalar()) return PlainRoundVertices(map, range, base_ijk, vertices, count, out);
+  HWY_DYNAMIC_DISPATCH(RoundDoubles)(map, range, base_ijk, vertices, count, out);
 }
 
 }  // namespace latvox

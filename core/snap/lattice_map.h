@@ -24,12 +24,15 @@ struct LatticeRange {
 
 // The range of `count` vertices.
 LatticeRange RangeOf(const LatticeMap& map, const Vec3f* vertices, size_t count);
+LatticeRange RangeOf(const LatticeMap& map, const Vec3d* vertices, size_t count);
 
 // Clamps the lattice coordinates of `count` vertices to `range` and rounds them half to even to multiples of
 // 1/kLatticeUnit, which out[n] counts from `base_ijk`.
-//   out   may be where the vertices are: each is read before it is written
+//   out   may be where float vertices are: each is read before it is written
 // Preconditions: the range is not empty, |range| <= 2^kPositionBits, and out[n] fits int32.
 void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3f* vertices,
+                   size_t count, Vec3i* out);
+void RoundVertices(const LatticeMap& map, const LatticeRange& range, const Vec3i& base_ijk, const Vec3d* vertices,
                    size_t count, Vec3i* out);
 
 }  // namespace latvox

@@ -23,7 +23,7 @@ constexpr size_t kGrain = 4096;  // vertices or triangles for each task
 
 // 1 for each vertex that a triangle uses, else 0.
 std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, StopSignal stop) {
-  std::vector<uint8_t> used(mesh.vertices.size());
+  std::vector<uint8_t> used(mesh.vertex_count());
   oneapi::tbb::parallel_for(Part(0, mesh.triangles.size(), kGrain), [&](const Part& part) {
     if (stop.Stopped()) return;
     // Bytes may alias anything, pointers to them included, so these are copies. The marks are not read first, because
@@ -37,12 +37,14 @@ std::vector<uint8_t> UsedVertices(const TriangleMesh& mesh, StopSignal stop) {
   return used;
 }
 
-// The ranges of kBlock vertices each.
+// The ranges of kBlock vertices each. Vertex: Vec3f or Vec3d.
+template <class Vertex>
 class BlockRanges {
  public:
-  // The vertices that `used` marks; all if it is empty. Keeps references to the mesh and the map.
-  BlockRanges(const TriangleMesh& mesh, const LatticeMap& map, const std::vector<uint8_t>& used, StopSignal stop)
-      : mesh_(mesh), map_(map), ranges_((mesh.vertices.size() + kBlock - 1) / kBlock) {
+  // The vertices that `used` marks; all if it is empty. Keeps references to the vertices and the map.
+  BlockRanges(const PaddedVector<Vertex>& vertices, const LatticeMap& map, const std::vector<uint8_t>& used,
+              StopSignal stop)
+      : vertices_(vertices), map_(map), ranges_((vertices.size() + kBlock - 1) / kBlock) {
     oneapi::tbb::parallel_for(Part(0, ranges_.size(), kGrain / kBlock), [&](const Part& part) {
       for (size_t b = part.begin(); b < part.end() && !stop.Stopped(); ++b) ranges_[b] = RangeOfBlock(b * kBlock, used);
     });
@@ -56,14 +58,14 @@ class BlockRanges {
     const auto attains = [&](const LatticeRange& range) { return (range.*side)[axis] == (all_.*side)[axis]; };
     const auto block = std::find_if(ranges_.begin(), ranges_.end() - 1, attains);
     size_t first = static_cast<size_t>(block - ranges_.begin()) * kBlock;
-    size_t count = std::min(kBlock, mesh_.vertices.size() - first);
+    size_t count = std::min(kBlock, vertices_.size() - first);
     while (count > 1) {
       const size_t half = count / 2;
-      const bool before = attains(RangeOf(map_, &mesh_.vertices[first], half));
+      const bool before = attains(RangeOf(map_, &vertices_[first], half));
       first += before ? 0 : half;
       count = before ? half : count - half;
     }
-    if (!attains(RangeOf(map_, &mesh_.vertices[first], 1))) return std::nullopt;
+    if (!attains(RangeOf(map_, &vertices_[first], 1))) return std::nullopt;
     return static_cast<uint32_t>(first);
   }
 
@@ -71,10 +73,10 @@ class BlockRanges {
   static constexpr size_t kBlock = 1024;
 
   LatticeRange RangeOfBlock(size_t first, const std::vector<uint8_t>& used) const {
-    const size_t size = std::min(kBlock, mesh_.vertices.size() - first);
-    const Vec3f* const vertices = &mesh_.vertices[first];
+    const size_t size = std::min(kBlock, vertices_.size() - first);
+    const Vertex* const vertices = &vertices_[first];
     if (used.empty()) return RangeOf(map_, vertices, size);
-    std::array<Vec3f, kBlock> counted;
+    std::array<Vertex, kBlock> counted;
     size_t count = 0;
     for (size_t n = 0; n < size; ++n) {
       counted[count] = vertices[n];
@@ -83,7 +85,7 @@ class BlockRanges {
     return RangeOf(map_, counted.data(), count);
   }
 
-  const TriangleMesh& mesh_;
+  const PaddedVector<Vertex>& vertices_;
   const LatticeMap& map_;
   std::vector<LatticeRange> ranges_;
   LatticeRange all_;
@@ -137,16 +139,18 @@ bool AreSeenUsed(const TriangleMesh& mesh, std::span<const uint32_t> vertices, S
 // It takes a pass over all triangles to mark used vertices, and is hardly ever necessary: where used vertices attain
 // every extreme, the others change nothing.
 LatticeRange RangeOf(const TriangleMesh& mesh, const LatticeMap& map, StopSignal stop) {
-  const BlockRanges ranges(mesh, map, {}, stop);
-  if (stop.Stopped()) return {};
-  const auto of_used = [&] { return BlockRanges(mesh, map, UsedVertices(mesh, stop), stop).all(); };
-  std::array<uint32_t, 6> extreme;
-  for (size_t n = 0; n < 6; ++n) {
-    const auto vertex = ranges.VertexAt(n < 3 ? &LatticeRange::min : &LatticeRange::max, n % 3);
-    if (!vertex) return of_used();
-    extreme[n] = *vertex;
-  }
-  return AreSeenUsed(mesh, extreme, stop) ? ranges.all() : of_used();
+  return VisitVertices(mesh, [&](const auto& vertices) -> LatticeRange {
+    const BlockRanges ranges(vertices, map, {}, stop);
+    if (stop.Stopped()) return {};
+    const auto of_used = [&] { return BlockRanges(vertices, map, UsedVertices(mesh, stop), stop).all(); };
+    std::array<uint32_t, 6> extreme;
+    for (size_t n = 0; n < 6; ++n) {
+      const auto vertex = ranges.VertexAt(n < 3 ? &LatticeRange::min : &LatticeRange::max, n % 3);
+      if (!vertex) return of_used();
+      extreme[n] = *vertex;
+    }
+    return AreSeenUsed(mesh, extreme, stop) ? ranges.all() : of_used();
+  });
 }
 
 Bounds BoundsOf(const TriangleMesh& mesh, StopSignal stop) {

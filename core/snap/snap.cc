@@ -4,7 +4,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "core/snap/lattice_map.h"
@@ -50,8 +49,9 @@ absl::StatusOr<Rounding> RoundingOf(const TriangleMesh& mesh, const Lattice& lat
 }
 
 // Vertices that no triangle uses may lie anywhere; they are clamped, and never read.
-//   out   may be the vertices' own memory
-void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out, StopSignal stop) {
+//   out   may be the own memory of float vertices
+template <class Vertex>
+void Round(const Rounding& rounding, const PaddedVector<Vertex>& vertices, Vec3i* out, StopSignal stop) {
   oneapi::tbb::parallel_for(Part(0, vertices.size(), kGrain), [&](const Part& part) {
     if (stop.Stopped()) return;
     RoundVertices(rounding.map, rounding.range, rounding.base_ijk, &vertices[part.begin()], part.size(),
@@ -61,7 +61,7 @@ void Round(const Rounding& rounding, std::span<const Vec3f> vertices, Vec3i* out
 
 }  // namespace
 
-// Rounds vertices in place, because it takes longer to allocate other memory than to round them.
+// Rounds floats in place, because it takes longer to allocate other memory than to round them.
 absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, const Vec3d& origin, const Vec3i& reach,
                                  StopSignal stop) {
   static_assert(sizeof(Vec3i) == sizeof(Vec3f));
@@ -69,6 +69,12 @@ absl::StatusOr<SnappedMesh> Snap(TriangleMesh mesh, const Lattice& lattice, cons
   auto rounding = RoundingOf(mesh, lattice, origin, reach, stop);
   if (!rounding.ok()) return rounding.status();
   auto taken = std::make_shared<TriangleMesh>(std::move(mesh));
+  if (!taken->double_vertices.empty()) {
+    PaddedVector<Vec3i> vertices_lat(taken->vertex_count());
+    Round(*rounding, taken->double_vertices, vertices_lat.data(), stop);
+    taken->double_vertices = {};
+    return SnappedMesh{rounding->base_ijk, std::move(vertices_lat), {taken, taken->triangles}, rounding->box};
+  }
   auto* const out = reinterpret_cast<Vec3i*>(taken->vertices.data());
   Round(*rounding, taken->vertices, out, stop);
   return SnappedMesh{
@@ -79,8 +85,8 @@ absl::StatusOr<SnappedMesh> Snap(std::shared_ptr<const TriangleMesh> mesh, const
                                  const Vec3i& reach, StopSignal stop) {
   auto rounding = RoundingOf(*mesh, lattice, origin, reach, stop);
   if (!rounding.ok()) return rounding.status();
-  PaddedVector<Vec3i> vertices_lat(mesh->vertices.size());
-  Round(*rounding, mesh->vertices, vertices_lat.data(), stop);
+  PaddedVector<Vec3i> vertices_lat(mesh->vertex_count());
+  VisitVertices(*mesh, [&](const auto& vertices) { Round(*rounding, vertices, vertices_lat.data(), stop); });
   return SnappedMesh{rounding->base_ijk, std::move(vertices_lat), {mesh, mesh->triangles}, rounding->box};
 }
 

@@ -15,24 +15,32 @@ namespace latvox {
 namespace {
 
 // References into the mesh: copies as doubles, written one by one and read as vectors, take four times as long.
+// Vertex: Vec3f or Vec3d.
+template <class Vertex>
 struct Corners {
-  const Vec3f &a, &b, &c;
+  const Vertex &a, &b, &c;
 };
 
-Vec3d Between(const Vec3f& from, const Vec3f& to) {
+template <class Vertex>
+Vec3d Between(const Vertex& from, const Vertex& to) {
   return {double{to[0]} - from[0], double{to[1]} - from[1], double{to[2]} - from[2]};
 }
 
 double LengthOf(const Vec3d& v) { return std::sqrt(Dot(v, v)); }
 
-double TwiceAreaOf(const Corners& at) { return LengthOf(Cross(Between(at.a, at.b), Between(at.a, at.c))); }
+template <class Vertex>
+double TwiceAreaOf(const Corners<Vertex>& at) {
+  return LengthOf(Cross(Between(at.a, at.b), Between(at.a, at.c)));
+}
 
-double LengthAround(const Corners& at) {
+template <class Vertex>
+double LengthAround(const Corners<Vertex>& at) {
   return LengthOf(Between(at.a, at.b)) + LengthOf(Between(at.b, at.c)) + LengthOf(Between(at.c, at.a));
 }
 
 // The volume of the corners' box with a margin, in voxels.
-double VolumeAround(const Corners& at, double size) {
+template <class Vertex>
+double VolumeAround(const Corners<Vertex>& at, double size) {
   double volume = 1;
   for (size_t m = 0; m < 3; ++m) {
     const auto [low, high] = std::minmax({at.a[m], at.b[m], at.c[m]});
@@ -45,20 +53,23 @@ template <class F>
 double SumOver(const TriangleMesh& mesh, StopSignal stop, const F& f) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles for each task
-  return oneapi::tbb::parallel_deterministic_reduce(
-      Part(0, mesh.triangles.size(), kGrain), 0.0,
-      [&](const Part& part, double sum) {
-        for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
-          const auto& [a, b, c] = mesh.triangles[t];
-          sum += f({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
-        }
-        return sum;
-      },
-      std::plus<>());
+  return VisitVertices(mesh, [&](const auto& vertices) {
+    return oneapi::tbb::parallel_deterministic_reduce(
+        Part(0, mesh.triangles.size(), kGrain), 0.0,
+        [&](const Part& part, double sum) {
+          for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
+            const auto& [a, b, c] = mesh.triangles[t];
+            sum += f(Corners{vertices[a], vertices[b], vertices[c]});
+          }
+          return sum;
+        },
+        std::plus<>());
+  });
 }
 
 // The volume within `width` of a triangle: a prism on both sides, half a cylinder along each edge, a ball. World units.
-double VolumeWithin(const Corners& at, double width) {
+template <class Vertex>
+double VolumeWithin(const Corners<Vertex>& at, double width) {
   using std::numbers::pi;
   return width * (TwiceAreaOf(at) + pi / 2 * width * LengthAround(at) + pi * 4 / 3 * width * width);
 }
@@ -81,14 +92,14 @@ double EstimateInterior(const MeshExtent& extent, double size, bool closed) {
 }  // namespace
 
 MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop) {
-  const double twice_area = SumOver(mesh, stop, [](const Corners& corners) { return TwiceAreaOf(corners); });
+  const double twice_area = SumOver(mesh, stop, [](const auto& corners) { return TwiceAreaOf(corners); });
   return {BoundsOf(mesh, stop), twice_area / 2};
 }
 
 double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop) {
   const double size = grid.lattice.voxel_size();
-  const auto grown = [&](const Corners& corners) {
+  const auto grown = [&](const auto& corners) {
     return TwiceAreaOf(corners) / (size * size) + 2 * LengthAround(corners) / size + 1;
   };
   if (request.algorithm() != Algorithm::kExact) return SumOver(mesh, stop, grown);
@@ -108,8 +119,8 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSignal stop) {
   const double size = grid.lattice.voxel_size(), step = LengthOf(grid.lattice.basis()[2]);
   const Mat3d& inverse = grid.lattice.inverse();
-  const auto lines_along = [&](const Corners& at, size_t m) {
-    const auto coordinate = [&](const Vec3f& v) {
+  const auto lines_along = [&](const auto& at, size_t m) {
+    const auto coordinate = [&](const auto& v) {
       double sum = 0;
       for (size_t n = 0; n < 3; ++n) sum += inverse[n][m] * (double{v[n]} - grid.origin[n]);
       return sum;
@@ -117,7 +128,7 @@ double EstimateLineCrossings(const TriangleMesh& mesh, const Grid& grid, StopSig
     const auto [low, high] = std::minmax({coordinate(at.a), coordinate(at.b), coordinate(at.c)});
     return std::max(std::floor(high) - std::ceil(low) + 1, 0.0);
   };
-  return SumOver(mesh, stop, [&](const Corners& corners) {
+  return SumOver(mesh, stop, [&](const auto& corners) {
     const double rows = lines_along(corners, 0), columns = lines_along(corners, 1);
     return TwiceAreaOf(corners) * step / (size * size * size) + std::min(rows * columns, rows + columns);
   });
@@ -131,13 +142,13 @@ double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelReq
   }
   if (request.band() != nullptr) {
     const double size = grid.lattice.voxel_size(), width = WidthOf(*request.band(), grid.lattice);
-    const double volume = SumOver(mesh, stop, [&](const Corners& corners) { return VolumeWithin(corners, width); });
+    const double volume = SumOver(mesh, stop, [&](const auto& corners) { return VolumeWithin(corners, width); });
     const double visits = volume / (size * size * size);
     return request.part.shard ? visits / request.part.shard->count : visits;
   }
   if (request.algorithm() != Algorithm::kBruteForce) return voxels;
   const double size = grid.lattice.voxel_size();
-  return SumOver(mesh, stop, [&](const Corners& corners) { return VolumeAround(corners, size); });
+  return SumOver(mesh, stop, [&](const auto& corners) { return VolumeAround(corners, size); });
 }
 
 }  // namespace latvox

@@ -49,9 +49,9 @@ absl::StatusOr<std::optional<BandPlan>> PlanOfBand(const VoxelRequest& request, 
 }
 
 absl::Status CheckFieldsOf(const TriangleMesh& mesh, const FieldList& fields) {
-  if (mesh.attributes.size() == mesh.vertices.size() * fields.size() || fields.empty()) return absl::OkStatus();
+  if (mesh.attributes.size() == mesh.vertex_count() * fields.size() || fields.empty()) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat("attributes: the mesh has ", mesh.attributes.size(), " for ",
-                                                 mesh.vertices.size(), " vertices, not ", fields.size(), " each"));
+                                                 mesh.vertex_count(), " vertices, not ", fields.size(), " each"));
 }
 
 // Nullopt if voxels carry no field.

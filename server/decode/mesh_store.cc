@@ -67,7 +67,7 @@ std::shared_ptr<const DecodedMesh> MeshStore::KeepDecoded(const MeshDigest& dige
                                                           DecodedMesh&& decoded) {
   const TriangleMesh& mesh = decoded.mesh;
   const uint64_t bytes = sizeof(DecodedMesh) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
-                         mesh.vertices.get_allocator().BytesOf(mesh.vertices.size()) +
+                         VisitVertices(mesh, [](const auto& v) { return v.get_allocator().BytesOf(v.size()); }) +
                          mesh.attributes.size() * sizeof(mesh.attributes[0]);
   Dropped dropped;
   const std::lock_guard lock(mu_);

@@ -118,7 +118,7 @@ bool Computation::FindDecoded() {
   kept_ = environment_.meshes.FindDecoded(*spec_.mesh_digest, spec_.request.fields);
   const Limits& limits = environment_.limits;
   if (kept_ &&
-      (kept_->mesh.triangles.size() > limits.max_triangles || kept_->mesh.vertices.size() > limits.max_vertices)) {
+      (kept_->mesh.triangles.size() > limits.max_triangles || kept_->mesh.vertex_count() > limits.max_vertices)) {
     kept_.reset();
   }
   if (kept_) mesh_.Clear();
@@ -142,7 +142,7 @@ absl::Status Computation::ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh) {
 
 absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-  const uint64_t triangles = mesh.triangles.size(), vertices = mesh.vertices.size();
+  const uint64_t triangles = mesh.triangles.size(), vertices = mesh.vertex_count();
   large_ = LastsLong(triangles, 0);
   return memory_.ReserveMesh(triangles, vertices);
 }

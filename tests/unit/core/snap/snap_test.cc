@@ -97,6 +97,71 @@ TEST(Snap, MovesNoVertexByMoreThanTheStatedBound) {
   }
 }
 
+// The mesh with doubles in place of floats, moved.
+TriangleMesh Doubled(const TriangleMesh& mesh, const Vec3d& by) {
+  TriangleMesh doubled{{}, mesh.triangles};
+  for (const Vec3f& p : mesh.vertices) doubled.double_vertices.push_back({p[0] + by[0], p[1] + by[1], p[2] + by[2]});
+  return doubled;
+}
+
+TEST(Snap, DoublesFarFrom0GiveTheSameUnitsAsFloatsAt0) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> coordinate(-(1 << 20), 1 << 20);
+  TriangleMesh mesh;
+  for (uint32_t n = 0; n < 3001; ++n) {
+    Vec3f p;
+    for (float& x : p) x = std::ldexp(static_cast<float>(coordinate(random)), -20);
+    mesh.vertices.push_back(p);
+    if (n % 3 == 2) mesh.triangles.push_back({n - 2, n - 1, n});
+  }
+  const Vec3d by{691603.5, 5334762.25, 519.75}, origin{0.25, -0.5, 0.125};
+  const TriangleMesh far = Doubled(mesh, by);
+  EXPECT_TRUE(CheckMesh(far).ok());
+  EXPECT_EQ(BoundsOf(far).min, BoundsOf(mesh).min + by);
+  for (NamedLattice name :
+       {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc, NamedLattice::kHexagonal}) {
+    const Lattice lattice = *Lattice::Named(name).Scaled(0.0173);
+    const auto near = Snap(mesh, lattice, origin, {1, 1, 1});
+    const auto moved = Snap(far, lattice, origin + by, {1, 1, 1});
+    const auto shared = Snap(std::make_shared<const TriangleMesh>(far), lattice, origin + by, {1, 1, 1});
+    ASSERT_TRUE(near.ok() && moved.ok() && shared.ok()) << moved.status();
+    EXPECT_EQ(moved->base_ijk, near->base_ijk);
+    for (size_t n = 0; n < mesh.vertices.size(); ++n) {
+      EXPECT_EQ(moved->vertices_lat[n], near->vertices_lat[n]);
+      EXPECT_EQ(shared->vertices_lat[n], near->vertices_lat[n]);
+    }
+  }
+}
+
+TEST(Snap, MovesNoDoubleByMoreThanTheStatedBound) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> coordinate(-40, 40);
+  TriangleMesh mesh;
+  for (uint32_t n = 0; n < 1000; ++n) {
+    mesh.double_vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
+  }
+  for (uint32_t n = 2; n < 1000; ++n) mesh.triangles.push_back({n - 2, n - 1, n});
+  const Lattice lattice = *Lattice::Named(NamedLattice::kFcc).Scaled(0.0173);
+  const auto all = Snap(mesh, lattice, {}, {1, 1, 1});
+  ASSERT_TRUE(all.ok());
+  for (size_t n = 0; n < 1000; ++n) {
+    const Vec3d exact = Apply(lattice.inverse(), mesh.double_vertices[n]);
+    for (size_t m = 0; m < 3; ++m) {
+      EXPECT_LE(std::abs(GlobalUnits(*all, n)[m] / 256.0 - exact[m]), kSnapErrorMax * (1 + 1e-6));
+    }
+  }
+}
+
+TEST(Mesh, ANumberThatIsNotFiniteIsNamedAmongDoubles) {
+  TriangleMesh mesh = Doubled(OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), {});
+  for (const double x : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+    mesh.double_vertices[1][2] = x;
+    EXPECT_EQ(CheckMesh(mesh).message(), "mesh: vertex 1 is not finite");
+  }
+  mesh.double_vertices[1][2] = 1e300;
+  EXPECT_TRUE(CheckMesh(mesh).ok());
+}
+
 TEST(Snap, BaseIsTileAlignedAndVerticesAreNotNegative) {
   const auto snapped =
       Snap(OneTriangle({-130, -64, 0}, {5, -0.001F, 63}, {64, 65, 1e-9F}), Cartesian(), {0, 0, 0}, {1, 1, 1});
