@@ -340,6 +340,11 @@ class View(OnPage):
         shown = [rgb(color) for color, _ in json.loads(self.tab.run("JSON.stringify(data.paints[1].legend)"))]
         self.assertGreater(abs(numpy.subtract(*shown)).max(), 64)
         self.assert_colors({ijk: shown[part] for ijk, part in cut.items()})
+        for x in range(150, 240, 15):
+            if shown := self.point(x, 150):
+                part = numbers[tuple(int(n) for n in shown["i, j, k"].split(", "))]
+                self.assertEqual((shown["part"], shown["color"]), (str(part), ["#ff0000", "#00ff00"][part]))
+        self.assertIn("part", shown)
         self.open(f"{PLACE}&layer={layer}&by=none")
         self.assertEqual(self.text("legend"), "")
         pixels, seen = self.canvas()

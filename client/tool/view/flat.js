@@ -44,8 +44,12 @@ class FlatView {
   }
 
   pick(x, y) {
-    const point = this.placeAt(x, y), far = ({ place }) => Math.hypot(...plus(place, point, -1));
-    const nearest = this.voxels.reduce((best, each) => (best === null || far(each) < far(best) ? each : best), null);
+    const point = this.placeAt(x, y), [a, b, c] = point;
+    let nearest = null, least = Infinity;
+    for (const each of this.voxels) {
+      const [p, q, r] = each.place, square = (p - a) ** 2 + (q - b) ** 2 + (r - c) ** 2;
+      if (square < least) (least = square), (nearest = each);
+    }
     if (nearest === null) return null;
     const [u, v] = [this.right, this.up].map((axis) => dot(axis, plus(point, nearest.place, -1)));
     return this.walls(this.below(nearest)).every(([a, b, most]) => a * u + b * v <= most) ? nearest : null;
