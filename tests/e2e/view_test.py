@@ -224,6 +224,16 @@ class View(OnPage):
         self.assertGreater(marked.sum(), 1000)
         self.assertLess(pixels[marked].std(axis=0).max(), 8)
 
+    def test_a_hollow_that_is_cut_open_has_no_specks(self):
+        self.voxelize(BUNNY, "--lattice", "bcc", "--resolution", 160, out="a.vdb")
+        self.view(self.dir / "a.vdb", place="#axis=i&layer=0&azimuth=80&elevation=20", width=900, height=500)
+        pixels, seen = self.canvas()
+        light, marked = pixels.sum(axis=2), pixels[..., 0] > pixels[..., 2] + 20
+        darkest = numpy.min([numpy.roll(light, shift, axis) for shift in (-1, 1) for axis in (0, 1)], axis=0)
+        shown = inner(seen & ~marked, 3)
+        self.assertGreater(shown.sum(), 20000)
+        self.assertLess((shown & (light < darkest - 120)).sum(), 10)
+
     def test_the_pointer_reads_the_voxel_in_front(self):
         basis, view = LATTICES["bcc"], (25, 35)
         cells = write_shape(self.dir / "a.vdb", basis)

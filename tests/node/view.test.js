@@ -4,8 +4,8 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
 const source = ['voxels', 'cells', 'facets'].map((name) => readFileSync(new URL(`../../client/tool/view/${name}.js`, import.meta.url), 'utf8'));
-const { VoxelSet, Outside, findFacets, findNormals, withHollows, scatter, NO_NORMAL, Cells, Direction } = new Function(
-  `${source.join('')}; return { VoxelSet, Outside, findFacets, findNormals, withHollows, scatter, NO_NORMAL, Cells, Direction };`)();
+const { VoxelSet, Outside, findFacets, findNormals, around, scatter, NO_NORMAL, Cells, Direction } = new Function(
+  `${source.join('')}; return { VoxelSet, Outside, findFacets, findNormals, around, scatter, NO_NORMAL, Cells, Direction };`)();
 
 const both = (steps) => steps.flatMap((step) => [step, step.map((n) => -n)]);
 const STEPS = {
@@ -136,13 +136,31 @@ test('points are all that is seen, each once, with a direction outwards', () => 
   }
 });
 
-test('voxels that only face a hollow have normals, too', () => {
-  const { voxels, low, high } = shapeOf(randomOf(5), false), { set, numbers } = setOf(voxels.values(), low, high);
-  const facets = STEPS.cartesian.map((step) => ({ step, normal: step })), rowsOf = Outside.of(set, STEPS.cartesian).rowsOf;
-  const outer = findNormals(set, facets, rowsOf), all = withHollows(outer, set, facets);
-  const one = numbers.findIndex((name) => name === [low[0] + 1, 8, -3].join());
-  assert.ok(outer[one] === NO_NORMAL && all[one] !== NO_NORMAL);
-  outer.forEach((normal, n) => assert.ok(normal === NO_NORMAL || normal === all[n]));
+test('the facets of a cut face what is outside, a hollow, or a voxel that is hidden', () => {
+  const { voxels, low, high } = shapeOf(randomOf(5), false), { set } = setOf(voxels.values(), low, high), steps = STEPS.bcc;
+  const shown = set.filter((i, j, k) => k <= -3), outside = search(voxels, steps, low, high);
+  const space = around(set, shown, Outside.of(set, steps).rowsOf);
+  const facets = (where) => findFacets(shown, steps, low, where, () => 0, true).cells.flatMap((cell, f) =>
+    Array.from({ length: cell.length / 4 }, (_, n) => `${f} ${low.map((from, m) => from + cell[4 * n + m]).join()}`)).sort();
+  const wanted = (towards) => [...voxels].flatMap(([name, ijk]) => (ijk[2] > -3 ? [] : steps.flatMap((step, f) => {
+    const to = ijk.map((n, m) => n + step[m]);
+    return towards(to.join(), to) ? [`${f} ${name}`] : [];
+  }))).sort();
+  const parts = [
+    [space.outside, (name) => outside.has(name)],
+    [space.hollows, (name) => !voxels.has(name) && !outside.has(name)],
+    [space.hidden, (name, to) => voxels.has(name) && to[2] > -3],
+  ].map(([where, towards]) => {
+    const found = facets(where);
+    assert.ok(found.length > 50);
+    assert.deepEqual(found, wanted(towards));
+    return found;
+  });
+  assert.deepEqual(facets(null), parts.flat().sort());
+  // Without an answer to what is outside, everything that is empty is.
+  const unknown = around(set, shown, null);
+  assert.deepEqual(facets(unknown.outside), [...parts[0], ...parts[1]].sort());
+  assert.deepEqual(facets(unknown.hollows), []);
 });
 
 // Returns the page's data for a lattice with these facets.

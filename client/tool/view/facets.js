@@ -66,21 +66,43 @@ function findNormals(set, facets, outside) {
   return Uint16Array.from({ length: sums.length / 3 }, (_, n) => packed(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]));
 }
 
-// Returns the normals of the voxels, and also of those that only face a hollow.
-function withHollows(normals, set, facets) {
-  const all = findNormals(set, facets, null);
-  return normals.map((normal, voxel) => (normal === NO_NORMAL ? all[voxel] : normal));
+// The points that are not among the `shown` voxels of a set, as three functions from keys to rows: those outside, those
+// in hollows, and the hidden voxels. `outside`: as Outside.rowsOf; null: nobody knows, and nothing is a hollow.
+function around(set, shown, outside) {
+  const cached = (rowsOf) => {
+    const known = new Map();
+    return (key) => known.get(key) ?? (known.set(key, rowsOf(key)), known.get(key));
+  };
+  const without = (rows, others) => rows.map((row, n) => row & ~others[n]);
+  const full = (key) => set.bricks.get(key)?.rows ?? NONE;
+  const empty = cached((key) => (set.bricks.has(key) ? without(ALL, full(key)) : ALL));
+  return {
+    outside: outside ?? empty,
+    hollows: outside === null ? () => NONE : cached((key) => without(empty(key), outside(key))),
+    hidden: cached((key) => (shown.bricks.has(key) ? without(full(key), shown.bricks.get(key).rows) : full(key))),
+  };
 }
 
 // Returns for each step the voxels that show the facet there: four numbers each, coordinates relative to `origin` and
-// the normal. normalOf(i, j, k, voxel, f) returns it, packed. If `numbered`, returns the numbers of the voxels, too.
+// normalOf(voxel), packed. If `numbered`, returns the numbers of the voxels, too.
 function findFacets(set, steps, origin, outside, normalOf, numbered) {
   const cells = steps.map(() => new Growing(Uint16Array)), numbers = steps.map(() => []);
   forEachFacet(set, steps, outside, (i, j, k, voxel, f) => {
-    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normalOf(i, j, k, voxel, f));
+    cells[f].push(i - origin[0], j - origin[1], k - origin[2], normalOf(voxel));
     if (numbered) numbers[f].push(voxel);
   });
   return { cells: cells.map((of) => of.values()), numbers };
+}
+
+// Returns the facets of several calls of findFacets.
+function joined(...found) {
+  const join = (arrays) => {
+    const all = new Uint16Array(arrays.reduce((sum, { length }) => sum + length, 0));
+    arrays.reduce((at, array) => (all.set(array, at), at + array.length), 0);
+    return all;
+  };
+  const steps = found[0].cells.map((_, f) => f);
+  return { cells: steps.map((f) => join(found.map(({ cells }) => cells[f]))), numbers: steps.map((f) => found.flatMap(({ numbers }) => numbers[f])) };
 }
 
 // Returns for voxels, brick by brick, the shift of the largest cube (2^shift a side) whose first voxel it is.

@@ -40,26 +40,23 @@ class Shape {
     return this.surface !== null;
   }
 
-  // A shape that is cut shows all facets, because it has no inside. Those that face what the cut took away get the
-  // plane's normal: in the light of their own normals, small cells would be specks.
   facets() {
     if (this.surface === null) {
-      const start = performance.now(), { set, all, knife, outside, normals, paints } = this;
-      this.surface = new Surface(data, all ? this.whole(set, outside, normals) : this.cutOpen(set, knife), paints, this.layer);
+      const start = performance.now(), { set, all, outside, normals, paints } = this;
+      const found = all ? findFacets(set, steps, data.low, outside, (voxel) => normals[voxel], paints !== null) : this.cutOpen();
+      this.surface = new Surface(data, found, paints, this.layer);
       this.buildTime = performance.now() - start;
     }
     return this.surface;
   }
 
-  whole(set, outside, normals) {
-    return findFacets(set, steps, data.low, outside, (i, j, k, voxel) => normals[voxel], this.paints !== null);
-  }
-
-  cutOpen(set, { keep, inLayer, towards }) {
-    const normals = (this.allNormals ??= withHollows(this.normals, set, data.facets)), plane = packed(...towards);
-    const isCut = (i, j, k, [x, y, z]) => inLayer(i, j, k) && set.has(i + x, j + y, k + z);
-    const normalOf = (i, j, k, voxel, f) => (isCut(i, j, k, steps[f]) ? plane : normals[voxel]);
-    return findFacets(set.filter(keep), steps, data.low, null, normalOf, this.paints !== null);
+  // A shape that is cut shows all facets, each in the light of a surface: the outer one, that of the hollow behind it, or
+  // the plane. In the light of one facet or of another surface, small cells would be specks.
+  cutOpen() {
+    const { set, knife, normals, paints } = this, shown = set.filter(knife.keep), space = around(set, shown, this.outside);
+    const inner = (this.innerNormals ??= findNormals(set, data.facets, space.hollows)), plane = packed(...knife.towards);
+    const find = (where, normalOf) => findFacets(shown, steps, data.low, where, normalOf, paints !== null);
+    return joined(find(space.outside, (voxel) => normals[voxel]), find(space.hollows, (voxel) => inner[voxel]), find(space.hidden, () => plane));
   }
 
   points() {
