@@ -277,6 +277,13 @@ class View(OnPage):
                 read.add(ijk)
         self.assertGreater(len(read), 2)
 
+    def test_the_pointer_reads_names(self):
+        mesh = write_obj(self.dir / "a.obj", octahedron())
+        mesh.write_text("o tail of\n" + mesh.read_text())
+        self.voxelize(mesh, "--resolution", 8, "--attributes", "part", out="a.vdb")
+        self.view(self.dir / "a.vdb", place="#azimuth=0&elevation=5")
+        self.assertEqual(self.point(189, 150)["part"], "0 (tail of)")
+
     def test_tools(self):
         cells = write_shape(self.dir / "a.vdb", LATTICES["cartesian"])
         self.view(self.dir / "a.vdb", place="#azimuth=25&elevation=35")
@@ -353,7 +360,7 @@ class View(OnPage):
         for x in range(150, 240, 15):
             if shown := self.point(x, 150):
                 part = numbers[tuple(int(n) for n in shown["i, j, k"].split(", "))]
-                self.assertEqual((shown["part"], shown["color"]), (str(part), ["#ff0000", "#00ff00"][part]))
+                self.assertEqual((shown["part"], shown["color"]), (f"{part} ({part}.obj)", ["#ff0000", "#00ff00"][part]))
         self.assertIn("part", shown)
         self.open(f"{PLACE}&layer={layer}&by=none")
         self.assertEqual(self.text("legend"), "")

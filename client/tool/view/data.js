@@ -29,11 +29,22 @@ function readValues() {
       const hex = (voxel) => [...colors.subarray(3 * (count * n + voxel), 3 * (count * n + voxel + 1))].map((level) => level.toString(16).padStart(2, "0"));
       return [name, (voxel) => `#${hex(voxel).join("")}`];
     }
-    const from = at, view = new DataView(values.buffer);
+    const from = at, view = new DataView(values.buffer), names = namesOf(name);
     at += 4 * count;
     const numberOf = kind === "float32" ? (voxel) => shortest(view.getFloat32(from + 4 * voxel, true)) : (voxel) => view.getUint32(from + 4 * voxel, true);
-    return [name, (voxel) => String(numberOf(voxel))];
+    const named = (number) => (names[number] ? `${number} (${names[number]})` : String(number));
+    return [name, (voxel) => named(numberOf(voxel))];
   });
+}
+
+// Returns the names of parts or materials by their numbers, as far as the file has them.
+function namesOf(attribute) {
+  const found = data.metadata.find(([name]) => name === `${attribute}_names`);
+  try {
+    return JSON.parse(found?.[1] ?? "[]");
+  } catch {
+    return []; // of another program
+  }
 }
 
 // Returns the number of fewest digits that is the same as a float32.
