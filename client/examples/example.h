@@ -2,8 +2,6 @@
 #ifndef LATVOX_CLIENT_EXAMPLES_EXAMPLE_H_
 #define LATVOX_CLIENT_EXAMPLES_EXAMPLE_H_
 
-#include <latvox/error.h>
-
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -28,11 +26,7 @@ inline uint32_t Number(const char* text) { return static_cast<uint32_t>(std::str
 inline int Usage(const char* usage) { return std::fprintf(stderr, "usage: %s\n", usage), 2; }
 
 inline int Fail(const absl::Status& status) {
-  // The other content of a status is for programs: GetErrorDetails reads it.
-  std::fprintf(stderr, "%s\n", status.ToString(absl::StatusToStringMode::kWithNoExtraData).c_str());
-  if (const auto details = latvox::client::GetErrorDetails(status); !details.field.empty()) {
-    std::fprintf(stderr, "field %s, limit %s\n", details.field.c_str(), details.limit.c_str());
-  }
+  std::fprintf(stderr, "%s\n", status.ToString().c_str());  // GetErrorDetails reads its details
   return 1;
 }
 

@@ -8,6 +8,7 @@
 #include "client/grid/grid_reading.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/tree_nodes.h"
+#include "client/internal/printable.h"
 
 namespace latvox::client {
 namespace {
@@ -75,7 +76,7 @@ bool ToNumber(const openvdb::Vec3s& color, uint32_t& number) {
 template <class Grid>
 absl::Status ReadNumbers(openvdb::GridBase& base, const std::string& path, size_t n, GridContent& content) {
   const auto wrong = [&](const auto&... what) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", base.getName(), "\" ", what...));
+    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", Printable(base.getName()), "\" ", what...));
   };
   if (base.type() != Grid::gridType()) return wrong("is a ", base.type(), ", not a ", Grid::gridType());
   const auto leaves = SortedLeaves(static_cast<Grid&>(base).tree(), path);

@@ -17,6 +17,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
 #include "client/internal/digest.h"
+#include "client/internal/printable.h"
 
 namespace latvox::client {
 namespace {
@@ -41,7 +42,7 @@ std::optional<std::string> Find(const PartFile& part, const std::string& name) {
   return found ? std::optional(found->str()) : std::nullopt;
 }
 
-std::string Show(const std::optional<std::string>& value) { return value.value_or("absent"); }
+std::string Show(const std::optional<std::string>& value) { return Printable(value.value_or("absent")); }
 
 absl::Status Differ(const PartFile& part, absl::string_view field, const std::string& value, const PartFile& first,
                     const std::string& first_value) {

@@ -14,6 +14,7 @@
 #include "client/grid/nano_file.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
+#include "client/internal/printable.h"
 #include "latvox/error.h"
 #include "latvox/grid/openvdb_grid.h"
 
@@ -23,8 +24,8 @@ namespace {
 absl::StatusOr<GridFile> Content(const openvdb::GridBase::Ptr& first, const std::string& path) {
   const auto grid = openvdb::gridPtrCast<openvdb::BoolGrid>(first);
   if (!grid) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", first->getName(), "\" is a ", first->type(),
-                                                   ", not a ", openvdb::BoolGrid::gridType()));
+    return absl::InvalidArgumentError(absl::StrCat(path, ": the grid \"", Printable(first->getName()), "\" is a ",
+                                                   first->type(), ", not a ", openvdb::BoolGrid::gridType()));
   }
   if (auto status = CheckTransform(*grid, path); !status.ok()) return status;
   const auto leaves = SortedLeaves(grid->tree(), path);

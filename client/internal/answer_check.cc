@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/internal/brick_codec.h"
+#include "client/internal/printable.h"
 #include "client/internal/wire.h"
 #include "latvox/for_each_voxel.h"
 
@@ -20,7 +21,7 @@ constexpr int kTileBitsInBricks = 3;  // log2 of a tile's side in bricks
 
 template <class... Parts>
 absl::Status Broken(const Parts&... parts) {
-  return absl::DataLossError(absl::StrCat("the server broke the protocol: ", parts...));
+  return absl::DataLossError(Printable(absl::StrCat("the server broke the protocol: ", parts...)));
 }
 
 bool IsFinite(const Vec3d& v) {

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_split.h"
 #include "client/internal/connection.h"
+#include "client/internal/printable.h"
 #include "client/internal/private_server.h"
 #include "client/internal/remote_service.h"
 #include "client/internal/request_check.h"
@@ -50,13 +51,13 @@ absl::StatusOr<Client> Client::Connect(const std::vector<std::string>& addresses
   }
   if (addresses.empty()) return absl::InvalidArgumentError("addresses: there is none to connect to");
   auto connection = Connection::Open(addresses, options, connection_options);
-  if (!connection.ok()) return connection.status();
+  if (!connection.ok()) return PrintableStatus(connection.status());
   return Client(std::make_shared<RemoteService>(*std::move(connection)));
 }
 
 absl::StatusOr<Client> Client::StartPrivate(const PrivateServerOptions& server_options, const CallOptions& options) {
   auto server = PrivateServer::Start(server_options, options);
-  if (!server.ok()) return server.status();
+  if (!server.ok()) return PrintableStatus(server.status());
   absl::StatusOr<Client> client = Connect((*server)->address(), options);
   if (!client.ok()) return client.status();
   (*server)->RemoveDirectory();

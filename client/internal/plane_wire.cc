@@ -6,13 +6,14 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "client/internal/digest.h"
+#include "client/internal/printable.h"
 
 namespace latvox::client {
 namespace {
 
 template <class... Parts>
 absl::Status BrokenPlane(const Parts&... parts) {
-  return absl::DataLossError(absl::StrCat("the server broke the protocol: ", parts...));
+  return absl::DataLossError(Printable(absl::StrCat("the server broke the protocol: ", parts...)));
 }
 
 v1::Vector2 ToProto(const Vec2d& v) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/internal/printable.h"
 #include "client/internal/voxelize_stream.h"
 #include "client/internal/wire.h"
 
@@ -31,7 +32,7 @@ absl::StatusOr<Summary> VoxelizeCall::Run() {
   }
   absl::StatusOr<Summary> summary = check_.End();
   if (summary.ok() && request_.cover == Cover::kSupercover && summary->certificate.cover != "supercover") {
-    return absl::UnimplementedError(absl::StrCat("cover: the server, version ", summary->certificate.version,
+    return absl::UnimplementedError(absl::StrCat("cover: the server, version ", Printable(summary->certificate.version),
                                                  ", does not know supercovers and sent a separating set"));
   }
   if (summary.ok()) {

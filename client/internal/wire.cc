@@ -1,5 +1,6 @@
 #include "client/internal/wire.h"
 
+#include "client/internal/printable.h"
 #include "latvox/error.h"
 
 namespace latvox::client {
@@ -244,7 +245,7 @@ Limits FromProto(const v1::GetLimitsResponse& limits) {
 
 absl::Status FromGrpc(const grpc::Status& status) {
   // Both enumerations are the canonical codes, with the same numbers.
-  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), Printable(status.error_message()));
   AttachWireDetails(status.error_details(), out);
   return out;
 }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/internal/printable.h"
 #include "client/mesh_files/draco_file.h"
 #include "client/mesh_files/gltf_file.h"
 #include "client/mesh_files/input.h"
@@ -37,10 +38,13 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std
   return ParseGltf(WithoutByteOrderMark(bytes), folder);
 }
 
-// Puts the path before an error. A mesh without triangles is an error, too.
+// Puts the path before an error, and makes the file's own words printable. A mesh without triangles is an error, too.
 absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
   const std::string name = NameOfInput(path);
-  if (!mesh.ok()) return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", mesh.status().message()));
+  if (!mesh.ok()) {
+    return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", Printable(mesh.status().message())));
+  }
+  for (std::string& warning : mesh->warnings) warning = Printable(warning);
   if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles"));
   return mesh;
 }

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/internal/printable.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/mesh_source.h"
 
@@ -48,10 +49,10 @@ TriangleMesh ToPublic(Mesh mesh) {
 
 absl::StatusOr<TriangleMesh> ReadMeshFile(const std::string& path, const ReadMeshOptions& options) {
   auto read = ReadMeshSource({.paths = {path}, .format = options.format, .up = options.up, .scale = options.scale});
-  if (!read.ok()) return read.status();
+  if (!read.ok()) return PrintableStatus(read.status());
   if (auto* mesh = std::get_if<Mesh>(&*read)) return ToPublic(std::move(*mesh));
   auto decoded = ParseMeshFile(path, std::get<std::string>(*read), MeshFormat::kDraco);
-  if (!decoded.ok()) return decoded.status();
+  if (!decoded.ok()) return PrintableStatus(decoded.status());
   return ToPublic(*std::move(decoded));
 }
 

@@ -128,7 +128,7 @@ class Sdk(TlsCase):
                 self.assertEqual(done.returncode, 1)
                 line = f"{self.mesh}: {voxels} voxels"
                 self.assertRegex(done.stdout, rf"^{line}\n{box}: \d+ voxels\n{line}\n$")
-                self.assertRegex(done.stderr, rf"^{bad}: INVALID_ARGUMENT: .*\nfield ")
+                self.assertRegex(done.stderr, rf"^{bad}: INVALID_ARGUMENT: .*\[latvox.field='")
             with self.subTest("to_vdb"):
                 summary = whole("--lattice", "fcc", "--separability", 2)
                 self.assertEqual(self.output("to_vdb", latvoxd.address, self.mesh, 200, self.dir / "out.vdb"),
@@ -137,7 +137,9 @@ class Sdk(TlsCase):
             with self.subTest("a refusal names its field"):
                 refused = self.example("hello", latvoxd.address, self.mesh, 70000)
                 self.assertEqual(refused.returncode, 1)
-                self.assertRegex(refused.stderr, r"^[A-Z_]+: .*\nfield resolution, limit 65536\n$")
+                self.assertRegex(refused.stderr, r"^[A-Z_]+: .*\n$")
+                for detail in "latvox.field='resolution'", "latvox.value='70000'", "latvox.limit='65536'":
+                    self.assertIn(f"[{detail}]", refused.stderr)
             with self.subTest("a mesh that cannot be read is named"):
                 empty = self.dir / "empty.drc"
                 empty.touch()

@@ -13,11 +13,11 @@ namespace latvox::client {
 
 // All are optional.
 struct CallOptions {
-  std::optional<absl::Time> deadline;  // DEADLINE_EXCEEDED after it, over all tries; default: none
-  Cancellation cancellation = {};      // CANCELLED soon after its Cancel()
-  RetryPolicy retry = {};              // number and timing of further tries
-  std::string traceparent = {};        // W3C trace context of the call; a malformed one is not sent
-  std::string tracestate = {};         // its vendor part; sent only with a valid traceparent, up to 512 characters
+  std::optional<absl::Time> deadline = std::nullopt;  // DEADLINE_EXCEEDED after it, over all tries; default: none
+  Cancellation cancellation = {};                     // CANCELLED soon after its Cancel()
+  RetryPolicy retry = {};                             // number and timing of further tries
+  std::string traceparent = {};                       // W3C trace context of the call; a malformed one is not sent
+  std::string tracestate = {};  // its vendor part; sent only with a valid traceparent, up to 512 characters
 };
 
 }  // namespace latvox::client

@@ -33,7 +33,8 @@ struct ErrorDetails {
 };
 
 // Returns the details of a status of this SDK, from the server's google.rpc.ErrorInfo and RetryInfo, or from the client
-// itself. All are empty if there are none.
+// itself. All are empty if there are none. A status keeps them as texts, one payload each, so it prints as one readable
+// line: "INVALID_ARGUMENT: resolution 70000 exceeds 65536 [latvox.field='resolution'] ...".
 LATVOX_EXPORT ErrorDetails GetErrorDetails(const absl::Status& status);
 
 // Sets the details of a status, and replaces old ones. An OK status stays as it is.

@@ -138,17 +138,17 @@ struct Solid {
 // exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
 struct VoxelizeRequest {
   std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a sampling scales a Basis uniformly
-  std::optional<double> voxel_size;         // edge of a cube with a Voronoi cell's volume, world units
-  std::optional<uint32_t> resolution;       // voxels along the longest side of the mesh's bounding box
-  std::optional<Vec3d> origin;              // world position of lattice point 0; default: the mesh's low corner
-  uint32_t separability = 0;                // k: 0, 1 or 2
-  std::optional<bool> minimal;              // thin the surface to k-minimality; default: wherever that is possible
-  std::optional<IndexBox> region;           // only these voxels, as in the whole
-  std::optional<Shard> shard;               // only this part of the tiles, as in the whole
+  std::optional<double> voxel_size = std::nullopt;    // edge of a cube with a Voronoi cell's volume, world units
+  std::optional<uint32_t> resolution = std::nullopt;  // voxels along the longest side of the mesh's bounding box
+  std::optional<Vec3d> origin = std::nullopt;  // world position of lattice point 0; default: the mesh's low corner
+  uint32_t separability = 0;                   // k: 0, 1 or 2
+  std::optional<bool> minimal = std::nullopt;  // thin the surface to k-minimality; default: wherever that is possible
+  std::optional<IndexBox> region = std::nullopt;  // only these voxels, as in the whole
+  std::optional<Shard> shard = std::nullopt;      // only this part of the tiles, as in the whole
   bool verify = false;                      // count tunnels and redundant voxels of the finished set independently
   Algorithm algorithm = Algorithm::kExact;  // the way to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // their encoding on the wire
-  std::optional<Solid> solid;                       // the points inside the mesh, too
+  std::optional<Solid> solid = std::nullopt;        // the points inside the mesh, too
   Cover cover = Cover::kSeparating;                 // kSupercover: the same voxels for every separability
   std::optional<Band> band = std::nullopt;          // points near the mesh, with distances, instead of a surface
   std::vector<Attribute> attributes = {};           // carried by voxels, each once; the mesh must have them

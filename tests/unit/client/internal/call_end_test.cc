@@ -4,6 +4,7 @@
 #include <atomic>
 #include <thread>
 
+#include "client/internal/printable.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "latvox/error.h"
@@ -13,6 +14,7 @@ namespace latvox::client {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 grpc::Status Detailed() {
   google::rpc::ErrorInfo info;
@@ -47,6 +49,36 @@ TEST(Call, ErrorsCarryTheServersDetails) {
   EXPECT_EQ(details.value, "3000000");
   EXPECT_EQ(details.limit, "1000");
   EXPECT_EQ(details.retry_after, absl::Milliseconds(2500));
+}
+
+TEST(Call, ErrorsPrintReadablyWithTheirDetails) {
+  const Fake fake([](grpc::ServerContext*, Stream*) { return Detailed(); });
+  const std::string printed = fake.client().Voxelize({}, kMesh, {}, OneTry()).status().ToString();
+  EXPECT_THAT(printed, StartsWith("RESOURCE_EXHAUSTED: mesh_bytes 3000000 exceeds 1000 ["));
+  for (const char* detail :
+       {"reason='MESH_TOO_LARGE'", "field='mesh_bytes'", "value='3000000'", "limit='1000'", "retry_after='2.5s'"}) {
+    EXPECT_THAT(printed, HasSubstr(absl::StrCat("[latvox.", detail, "]")));
+  }
+}
+
+TEST(Call, ErrorsOfAServerThatSendsBinaryTextArePrintable) {
+  const std::string binary("\0\x1b[2J\r\n\xff\x80", 9);
+  google::rpc::ErrorInfo info;
+  info.set_reason("\x01");
+  (*info.mutable_metadata())["value"] = "\x1b[2J";
+  google::rpc::Status details;
+  details.add_details()->PackFrom(info);
+  const Fake fake([&](grpc::ServerContext*, Stream*) {
+    return grpc::Status(grpc::StatusCode::UNAVAILABLE, "no: " + binary, details.SerializeAsString());
+  });
+  CallOptions twice = OneTry();
+  for (const int retries : {0, 1}) {
+    twice.retry.max_retries = retries;
+    const absl::Status status = fake.client().Voxelize({}, kMesh, {}, twice).status();
+    EXPECT_THAT(std::string(status.message()), StartsWith("no: \\x00\\x1b[2J\\r\\n\\xff\\x80"));
+    EXPECT_EQ(GetErrorDetails(status).value, "\x1b[2J");
+    EXPECT_EQ(Printable(status.ToString()), status.ToString());
+  }
 }
 
 TEST(Call, GarbageInTheDetailsLeavesTheErrorItself) {

@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "client/internal/printable.h"
 #include "client/mesh/mesh_encoder.h"
 #include "client/mesh_files/mesh_file.h"
+#include "client/mesh_files/mesh_format.h"
 #include "latvox/mesh/encode_mesh.h"
 #include "tests/unit/client/files.h"
 
@@ -78,6 +80,30 @@ TEST_F(MeshFile, ThatIsMissingOrDamagedIsNamed) {
   const absl::Status damaged = ReadMeshFile(Write("bad.obj", "v 0 0\n")).status();
   EXPECT_EQ(damaged.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(damaged.message()), HasSubstr(Path("bad.obj") + ": line 1"));
+}
+
+TEST_F(MeshFile, OfGarbageIsRefusedInPrintableWords) {
+  const std::string garbage("\x01\x1b[2J\xff \0\r", 9);
+  const std::string zip("PK\x03\x04", 4);
+  const std::string heads[] = {"",
+                               "v ",
+                               "v 1 2 3\nf ",
+                               "ply\nformat ",
+                               "ply\nformat ascii 1.0\nelement ",
+                               "solid a\nfacet ",
+                               "glTF",
+                               R"({"asset": {"version": ")",
+                               R"({"asset": )",
+                               zip,
+                               "DRACO"};
+  for (const auto& [extension, format] : MeshFormats()) {
+    for (const std::string& head : heads) {
+      const absl::Status status = ReadMeshFile(Write("\x1b." + extension, head + garbage)).status();
+      EXPECT_FALSE(status.ok()) << extension;
+      EXPECT_EQ(status.ToString(), Printable(status.ToString())) << extension;
+      EXPECT_THAT(std::string(status.message()), HasSubstr("/\\x1b." + extension));
+    }
+  }
 }
 
 TEST_F(MeshFile, IsEncodedWithItsAttributesAsTheToolEncodesIt) {
