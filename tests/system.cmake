@@ -65,6 +65,7 @@ if(NOT latvox_sanitized)
   latvox_add_system_test(e2e.protocol "${latvox_python};e2e/protocol_test.py")
   latvox_add_system_test(e2e.trace "${latvox_python};e2e/trace_test.py")
   latvox_add_system_test(e2e.values "${latvox_python};e2e/values_test.py")
+  latvox_add_system_test(e2e.warnings "${latvox_python};e2e/warnings_test.py")
   latvox_add_system_test(e2e.view "${latvox_python};e2e/view_test.py")
   latvox_add_system_test(node.view "node;--test;node/view.test.js")
   # They need both cores for themselves, because their figures assume an otherwise idle machine.

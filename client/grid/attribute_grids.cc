@@ -9,6 +9,7 @@
 #include "client/grid/names_metadata.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
+#include "client/grid/warning_metadata.h"
 #include "latvox/grid/openvdb_grid.h"
 #include "latvox/grid/voxel_grid.h"
 
@@ -81,6 +82,11 @@ void AttributeGrids::SetNames(const CarriedNames& names) {
 void AttributeGrids::SetCertificate(const Certificate& certificate) {
   content_->voxels.SetCertificate(certificate);
   for (const openvdb::GridBase::Ptr& grid : content_->grids) Describe(certificate, *grid);
+}
+
+void AttributeGrids::SetWarnings(const std::vector<Warning>& warnings) {
+  content_->voxels.SetWarnings(warnings);
+  for (const openvdb::GridBase::Ptr& grid : content_->grids) DescribeWarnings(warnings, *grid);
 }
 
 absl::Status AttributeGrids::Write(const std::string& path) {

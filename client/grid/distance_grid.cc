@@ -13,6 +13,7 @@
 #include "client/grid/grid_metadata.h"
 #include "client/grid/openvdb_trees.h"
 #include "client/grid/request_metadata.h"
+#include "client/grid/warning_metadata.h"
 
 namespace latvox::client {
 namespace {
@@ -58,6 +59,8 @@ void DistanceGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& no
 }
 
 void DistanceGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
+
+void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
 
 absl::Status DistanceGrid::Write(const std::string& path) try {
   if (content_->is_level_set) openvdb::tools::signedFloodFill(content_->grid->tree());

@@ -16,6 +16,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
+#include "client/grid/warning_metadata.h"
 #include "client/internal/digest.h"
 #include "client/internal/printable.h"
 
@@ -33,7 +34,7 @@ using Parts = std::vector<std::unique_ptr<PartFile>>;
 
 bool IsOwn(absl::string_view name) {
   return name == "latvox_digest" || name == kShard || name == kVerified || name == kTrueIfAll[0] ||
-         name == kTrueIfAll[1] || name == kRequest || absl::c_linear_search(kCutOut, name) ||
+         name == kTrueIfAll[1] || name == kRequest || name == kWarningsName || absl::c_linear_search(kCutOut, name) ||
          absl::StartsWith(name, "file_");
 }
 
@@ -165,6 +166,14 @@ absl::StatusOr<std::string> CutOut(const Parts& parts, const char* name, bool sh
   return cut ? absl::StrJoin(boxes, "; ") : "";
 }
 
+std::string WarningsOf(const Parts& parts) {
+  std::vector<std::string> texts;
+  for (const auto& part : parts) {
+    if (auto text = Find(*part, kWarningsName)) texts.push_back(*std::move(text));
+  }
+  return JoinedWarnings(texts);
+}
+
 bool IsTrue(const PartFile& part, const char* name) {
   const auto found = part.metadata().getMetadata<openvdb::BoolMetadata>(name);
   return found && found->value();
@@ -193,6 +202,9 @@ absl::StatusOr<CommonFacts> JoinMetadata(const Parts& parts) {
   const auto request = Find(first, kRequest);
   const auto has_it = [&](const auto& part) { return Find(*part, kRequest) == request; };
   if (request && absl::c_all_of(parts, has_it)) common.metadata.insertMeta(kRequest, openvdb::StringMetadata(*request));
+  if (const std::string warnings = WarningsOf(parts); !warnings.empty()) {
+    common.metadata.insertMeta(kWarningsName, openvdb::StringMetadata(warnings));
+  }
   for (const char* name : kTrueIfAll) {
     const auto is_true = [name](const auto& part) { return IsTrue(*part, name); };
     common.metadata.insertMeta(name, openvdb::BoolMetadata(std::all_of(parts.begin(), parts.end(), is_true)));

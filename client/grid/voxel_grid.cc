@@ -14,6 +14,7 @@
 #include "client/grid/nano_file.h"
 #include "client/grid/request_metadata.h"
 #include "client/grid/tree_nodes.h"
+#include "client/grid/warning_metadata.h"
 #include "client/internal/printable.h"
 #include "latvox/error.h"
 #include "latvox/grid/openvdb_grid.h"
@@ -79,6 +80,8 @@ void VoxelGrid::SetRequest(const VoxelizeRequest& request, const MeshNote& note)
 }
 
 void VoxelGrid::SetCertificate(const Certificate& certificate) { Describe(certificate, *content_->grid); }
+
+void VoxelGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeWarnings(warnings, *content_->grid); }
 
 uint64_t VoxelGrid::CountActiveVoxels() const { return content_->grid->activeVoxelCount(); }
 

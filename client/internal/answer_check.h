@@ -33,6 +33,7 @@ class AnswerCheck {
 
   // Whether Accepted has been passed on, and the tile of the last brick passed on: batches hold whole tiles.
   bool accepted() const { return accepted_.has_value(); }
+  const Accepted& accepted_facts() const { return *accepted_; }  // precondition: accepted()
   const std::optional<Vec3i>& resume_after() const { return resume_after_; }
 
   // Returns the last stream's summary, with counts and digest of all streams together. Errors: DATA_LOSS if there was

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/internal/printable.h"
+#include "client/internal/result_warnings.h"
 #include "client/internal/voxelize_stream.h"
 #include "client/internal/wire.h"
 
@@ -39,6 +40,7 @@ absl::StatusOr<Summary> VoxelizeCall::Run() {
     summary->resumed = resumed_;
     summary->bytes_sent = bytes_sent_;
     summary->bytes_received = bytes_received_;
+    summary->warnings = WarningsOf(request_, check_.accepted_facts(), *summary);
   }
   return summary;
 }

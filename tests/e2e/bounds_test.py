@@ -102,9 +102,9 @@ class Bounds(Case):
         whole = self.voxelize(mesh, *options)
         region, bounds = "--region=40,0,0,41,1,1", "--bounds=-0.5,9.25,0,1,10,1"
         for given, says in (
-            ([bounds], r"no voxel lies in --bounds -0.5,9.25,0,1,10,1 \(the mesh lies in -4,-4,-4,4,4,4\)\n"),
-            ([region], r"no voxel lies in --region 40,0,0,41,1,1 \(the mesh lies about in ([-\d,]+)\)\n"),
-            ([region, bounds], r"no voxel lies in --region .*\) and in --bounds .*\)\n"),
+            ([bounds], r"warning: no voxel lies in the bounds -0.5,9.25,0,1,10,1 \(the mesh lies in -4,-4,-4,4,4,4\)\n"),
+            ([region], r"warning: no voxel lies in the region 40,0,0,41,1,1 \(the mesh lies about in ([-\d,]+)\)\n"),
+            ([region, bounds], r"no voxel lies in the region .*\) and in the bounds .*\)\n"),
             (["--shard=0/9999", "--resolution=2"], None),
             ([option([-9] * 3 + [9] * 3)], None),
         ):
@@ -112,11 +112,17 @@ class Bounds(Case):
                 used = options[:2] if "--resolution=2" in given else options
                 done = latvox("voxelize", mesh, *used, *given, "--json", "-o", self.dir / "out.vdb")
                 self.assertEqual(done.returncode, 0, done.stderr)
-                lines = done.stderr.splitlines()
+                lines = [line for line in done.stderr.splitlines() if "warning: " in line]
                 self.assertEqual(len(lines), 0 if says is None else 1, done.stderr)
                 if says is None:
                     continue
-                self.assertEqual(json.loads(done.stdout)["voxels"], 0)
+                summary = json.loads(done.stdout)
+                self.assertEqual(summary["voxels"], 0)
+                (warning,) = summary["warnings"]
+                self.assertEqual(warning["code"], "EMPTY_RESULT")
+                self.assertIn("warning: " + warning["message"] + "\n", done.stderr)
+                names = [word[2:].split("=")[0] for word in given]
+                self.assertEqual(warning["element"], ", ".join(names))
                 found = re.search(says, done.stderr)
                 self.assertTrue(found, done.stderr)
                 if found.groups():
@@ -130,10 +136,13 @@ class Bounds(Case):
         info = latvox("info", self.dir / "out.vdb").stdout
         for line in ("active voxels  0", "active box     empty", "file_bbox_max = empty", "file_bbox_min = empty"):
             self.assertIn(line + "\n", info)
+        self.assertRegex(info, r'latvox_warnings = \[\{"code":"EMPTY_RESULT","message":".*","element":"bounds"\}\]\n')
         (self.dir / "jobs.jsonl").write_text(
             json.dumps({"mesh": "octahedron.obj", "voxel_size": 1, "bounds": [9, 9, 9, 10, 10, 10], "out": "a.csv"}))
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
-        self.assertIn("latvox: a.csv: no voxel lies in --bounds 9,9,9,10,10,10 (the mesh", done.stderr)
+        self.assertIn("latvox: a.csv: warning: no voxel lies in the bounds 9,9,9,10,10,10 (the mesh", done.stderr)
+        (line,) = (self.dir / "results.jsonl").read_text().splitlines()
+        self.assertEqual([warning["code"] for warning in json.loads(line)["summary"]["warnings"]], ["EMPTY_RESULT"])
 
     def test_bad_bounds_are_refused(self):
         for bounds, says in (("0,0,0,1,1", "6 finite numbers"), ("0,0,1,1,1,0", "0 is below 1 on axis 2")):

@@ -14,6 +14,8 @@
 #include <variant>
 #include <vector>
 
+#include "latvox/warning.h"
+
 namespace latvox::client {
 
 using Vec3d = std::array<double, 3>;   // a world position or vector: x, y, z
@@ -276,15 +278,16 @@ struct ServerTimings {
 
 // The last answer: nothing is missing.
 struct Summary {
-  uint64_t voxels = 0;          // passed on, over all streams
-  uint64_t bricks = 0;          // likewise
-  uint64_t tiles = 0;           // 64^3 tiles with voxels, likewise
-  Certificate certificate;      // properties of the result
-  ServerTimings timings;        // time of each stage
-  uint64_t mesh_bytes = 0;      // of the encoded mesh
-  int resumed = 0;              // times that the stream broke and another one continued
-  uint64_t bytes_sent = 0;      // of messages as counted by this client, over all tries
-  uint64_t bytes_received = 0;  // likewise
+  uint64_t voxels = 0;                 // passed on, over all streams
+  uint64_t bricks = 0;                 // likewise
+  uint64_t tiles = 0;                  // 64^3 tiles with voxels, likewise
+  Certificate certificate;             // properties of the result
+  ServerTimings timings;               // time of each stage
+  uint64_t mesh_bytes = 0;             // of the encoded mesh
+  int resumed = 0;                     // times that the stream broke and another one continued
+  uint64_t bytes_sent = 0;             // of messages as counted by this client, over all tries
+  uint64_t bytes_received = 0;         // likewise
+  std::vector<Warning> warnings = {};  // what is probably not meant, such as an empty result
 };
 
 // A whole voxelization in memory.

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client/internal/vec3.h"
 #include "client/tool/cli/color_by_option.h"
 #include "client/tool/cli/common_options.h"
 #include "client/tool/cli/picture_style_option.h"

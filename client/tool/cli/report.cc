@@ -120,6 +120,14 @@ Json ErrorJson(const absl::Status& error) {
 
 Json BoxJson(const std::optional<IndexBox>& box) { return box ? Json{{"min", box->min}, {"max", box->max}} : Json(); }
 
+Json WarningsJson(const std::vector<Warning>& warnings) {
+  Json list = Json::array();
+  for (const auto& [code, message, element] : warnings) {
+    list.push_back({{"code", code}, {"message", message}, {"element", element}});
+  }
+  return list;
+}
+
 Json WeldJson(const WeldReport& weld) {
   return {{"vertices", weld.vertices},
           {"triangles", weld.triangles},
@@ -168,6 +176,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                   {"max", mesh.max}};
   if (report.weld) json["mesh"]["weld_report"] = WeldJson(*report.weld);
   json["outputs"] = report.outputs;
+  json["warnings"] = WarningsJson(summary.warnings);
   return json;
 }
 

@@ -15,8 +15,6 @@
 #include "client/mesh_files/mesh_source.h"
 #include "client/mesh_files/weld_report.h"
 #include "client/tool/cli/abandoned_work.h"
-#include "client/tool/cli/empty_box.h"
-#include "client/tool/cli/few_voxels.h"
 #include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/output/output.h"
@@ -34,6 +32,7 @@ struct Upload {
   uint64_t skipped = 0;
   std::optional<WeldReport> weld = std::nullopt;
   CarriedNames names = {};
+  std::vector<Warning> warnings = {};
 };
 
 // Estimates the voxels along the longest side of the mesh. In a basis of short and long vectors, counts along the short
@@ -53,14 +52,18 @@ double VoxelsAlong(double side, const VoxelizeRequest& request) {
 }
 
 // A Draco stream is sent as it is. Only --weld-report needs to decode it here.
-absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks,
-                                    std::string drc) {
-  if (options.quantization_bits) hooks.say("--quantization does not apply to .drc, which is sent as it is");
-  if (!options.weld_report) return Upload{.drc = std::move(drc)};
-  const auto count = [path = options.mesh.paths[0], drc = std::move(drc)]() -> absl::StatusOr<Upload> {
-    const auto mesh = ParseMeshFile(path, drc, MeshFormat::kDraco);
+absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, std::string drc) {
+  Upload upload{.drc = std::move(drc)};
+  if (options.quantization_bits) {
+    upload.warnings.push_back(
+        {"QUANTIZATION_IGNORED", "--quantization does not apply to .drc, which is sent as it is", "--quantization"});
+  }
+  if (!options.weld_report) return upload;
+  const auto count = [path = options.mesh.paths[0], upload]() mutable -> absl::StatusOr<Upload> {
+    const auto mesh = ParseMeshFile(path, upload.drc, MeshFormat::kDraco);
     if (!mesh.ok()) return mesh.status();
-    return Upload{.drc = drc, .weld = Weld(*mesh)};
+    upload.weld = Weld(*mesh);
+    return upload;
   };
   return DoAbandonably(count, call);
 }
@@ -69,10 +72,9 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions
   hooks.on_stage(absl::StrCat("reading ", NameOf(options.mesh)));
   auto read = DoAbandonably([source = options.mesh] { return ReadMeshSource(source); }, call);
   if (!read.ok()) return read.status();
-  if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, call, hooks, std::move(*drc));
+  if (auto* drc = std::get_if<std::string>(&*read)) return PrepareDraco(options, call, std::move(*drc));
   const auto shared_mesh = std::make_shared<const Mesh>(std::get<Mesh>(*std::move(read)));
   const Mesh& mesh = *shared_mesh;
-  for (const Warning& warning : mesh.warnings) hooks.say(warning.message);
   hooks.on_stage(absl::StrCat("encoding ", mesh.triangles.size(), " triangles"));
   const int bits =
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
@@ -80,7 +82,7 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions
                        weld = options.weld_report]() -> absl::StatusOr<Upload> {
     auto encoded = EncodeMesh(*shared_mesh, bits, attributes);
     if (!encoded.ok()) return encoded.status();
-    Upload upload{.drc = std::move(encoded->drc), .skipped = shared_mesh->skipped};
+    Upload upload{.drc = std::move(encoded->drc), .skipped = shared_mesh->skipped, .warnings = shared_mesh->warnings};
     upload.names = NamesOf(*shared_mesh, attributes);
     if (weld) upload.weld = Weld(*shared_mesh);
     return upload;
@@ -123,6 +125,10 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
   return named;
 }
 
+void Warn(const std::vector<Warning>& warnings, const JobHooks& hooks) {
+  for (const Warning& warning : warnings) hooks.say(absl::StrCat("warning: ", warning.message));
+}
+
 // Runs the call and writes its results to the outputs.
 absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
                   const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
@@ -148,10 +154,6 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
   auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
-  if (report.summary.voxels == 0) {
-    if (const auto line = EmptyBoxLine(options.request, report.accepted); !line.empty()) hooks.say(line);
-  }
-  if (const auto line = FewVoxelsLine(options.request, report.accepted); !line.empty()) hooks.say(line);
   return absl::OkStatus();
 }
 
@@ -181,9 +183,15 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   for (const auto& output : *outputs) output->SetNames(upload->names);
   report.skipped = upload->skipped;
   report.weld = upload->weld;
+  std::vector<Warning> warnings = hooks.warnings;
+  warnings.insert(warnings.end(), upload->warnings.begin(), upload->warnings.end());
+  Warn(warnings, hooks);
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
+  std::vector<Warning>& all = report.summary.warnings;
+  Warn(all, hooks);
+  all.insert(all.begin(), warnings.begin(), warnings.end());
   if (!outputs->empty()) hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };
   if (auto status = ForEach(*outputs, finish); !status.ok()) return status;
@@ -226,8 +234,8 @@ absl::StatusOr<VoxelizeReport> RunVoxelize(const VoxelizeOptions& given, const C
   hooks.on_stage = [&](const std::string& stage) { bar.Stage(stage); };
   hooks.on_progress = [&](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); };
   hooks.say = [&](const std::string& line) { bar.Say("latvox: " + line); };
-  const std::string warning = options.json ? "" : WarningOfPlace(options.outputs);  // JSON has the transform
-  if (!warning.empty()) hooks.say(warning);
+  // A summary in JSON has the transform.
+  if (auto warning = WarningOfPlace(options.outputs); warning && !options.json) hooks.warnings = {*std::move(warning)};
   return options.standard_output ? RunToStandardOutput(options, call, hooks) : RunJob(options, call, hooks);
 }
 

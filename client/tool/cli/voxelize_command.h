@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -12,6 +13,7 @@
 #include "client/tool/cli/voxelize_options.h"
 #include "latvox/cancellation.h"
 #include "latvox/client.h"
+#include "latvox/warning.h"
 
 namespace latvox::client {
 
@@ -26,6 +28,7 @@ struct JobHooks {
   std::function<void(const std::string& stage)> on_stage;  // called when a stage begins
   std::function<void(double share, uint64_t bricks)> on_progress;
   std::function<void(const std::string& line)> say;  // prints a line for people
+  std::vector<Warning> warnings = {};                // of the command itself: the report begins with them
 };
 
 // Reads and encodes the mesh, lets the server voxelize it and writes every output. The outputs appear only if

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "client/tool/output/vec3.h"
+#include "client/internal/vec3.h"
 #include "client/tool/output/voxel_scene.h"
 
 namespace latvox::client {

@@ -51,6 +51,7 @@ class GridOutput final : public Output {
     grid_->SetRequest(request_, note_);
     grid_->SetCertificate(summary.certificate);
     if constexpr (std::is_same_v<Grid, AttributeGrids>) grid_->SetNames(names_);
+    grid_->SetWarnings(summary.warnings);
     if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return Named(status);
     return file_->Sync();
   }
@@ -211,7 +212,7 @@ const std::vector<std::string>& OutputExtensions() {
   return *kExtensions;
 }
 
-std::string WarningOfPlace(const std::vector<std::string>& paths) {
+std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths) {
   const auto is_placed = [](const std::string& path) {
     return std::any_of(std::begin(kFormats), std::end(kFormats), [extension = ExtensionOf(path)](const Format& format) {
       return extension == format.extension && format.is_placed;
@@ -219,8 +220,9 @@ std::string WarningOfPlace(const std::vector<std::string>& paths) {
   };
   const auto npy =
       std::find_if(paths.begin(), paths.end(), [](const auto& path) { return HasExtension(path, {kNpy}); });
-  if (npy == paths.end() || std::any_of(paths.begin(), paths.end(), is_placed)) return "";
-  return absl::StrCat(*npy, " does not tell where its voxels are in the world; a .npz does");
+  if (npy == paths.end() || std::any_of(paths.begin(), paths.end(), is_placed)) return std::nullopt;
+  return Warning{"NO_TRANSFORM", absl::StrCat(*npy, " does not tell where its voxels are in the world; a .npz does"),
+                 *npy};
 }
 
 absl::StatusOr<std::unique_ptr<Output>> OpenOutput(const std::string& path, const VoxelizeRequest& request,

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "latvox/grid/grid_content.h"
 #include "latvox/mesh_files/up_axis.h"
 #include "latvox/types.h"
+#include "latvox/warning.h"
 
 namespace latvox::client {
 
@@ -55,9 +57,9 @@ std::vector<std::string> AttributeExtensions(const std::vector<Attribute>& attri
 // Returns whether the path has one of these extensions.
 bool HasExtension(const std::string& path, const std::vector<std::string>& extensions);
 
-// Returns a warning if a .npy is among the paths, and none of the files tells where in the world the voxels are.
-// Otherwise returns nothing.
-std::string WarningOfPlace(const std::vector<std::string>& paths);
+// Returns the warning NO_TRANSFORM if a .npy is among the paths, and none of the files tells where in the world the
+// voxels are. Otherwise returns nothing.
+std::optional<Warning> WarningOfPlace(const std::vector<std::string>& paths);
 
 // Opens the output for the path's extension:
 //   .vdb   OpenVDB, see latvox/grid/voxel_grid.h

@@ -9,10 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/depth_blur.h"
 #include "client/tool/output/facet_rims.h"
 #include "client/tool/output/srgb.h"
-#include "client/tool/output/vec3.h"
 #include "client/tool/output/voxel_front.h"
 
 namespace latvox::client {

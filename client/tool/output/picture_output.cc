@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/picture.h"
 #include "client/tool/output/picture_scene.h"
-#include "client/tool/output/vec3.h"
 #include "client/tool/output/voxel_colors.h"
 
 namespace latvox::client {

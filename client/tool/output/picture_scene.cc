@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/cell_index.h"
-#include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "latvox/for_each_voxel.h"
 

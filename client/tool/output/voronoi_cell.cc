@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "client/tool/output/vec3.h"
+#include "client/internal/vec3.h"
 
 namespace latvox::client {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/tool/output/vec3.h"
+#include "client/internal/vec3.h"
 #include "latvox/plane_types.h"
 
 namespace latvox::client {

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/cell_index.h"
-#include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
 
 namespace latvox::client {

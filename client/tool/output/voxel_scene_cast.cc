@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/cell_index.h"
-#include "client/tool/output/vec3.h"
 #include "client/tool/output/voxel_scene.h"
 
 namespace latvox::client {

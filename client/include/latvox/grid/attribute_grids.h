@@ -44,6 +44,10 @@ class LATVOX_EXPORT AttributeGrids {
   // Writes the certificate into the grids' metadata.
   void SetCertificate(const Certificate& certificate);
 
+  // Writes the warnings into the grids' metadata: latvox_warnings, a JSON array of objects with code, message and
+  // element. Without warnings, writes nothing.
+  void SetWarnings(const std::vector<Warning>& warnings);
+
   // Writes a .vdb file of all grids to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path
   // and OpenVDB's message.
   absl::Status Write(const std::string& path);

@@ -41,6 +41,10 @@ class LATVOX_EXPORT DistanceGrid {
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);
 
+  // Writes the warnings into the grid's metadata: latvox_warnings, a JSON array of objects with code, message and
+  // element. Without warnings, writes nothing.
+  void SetWarnings(const std::vector<Warning>& warnings);
+
   // Writes a .vdb file to `path`, replacing an existing file; not atomic. Errors: UNKNOWN, with the path and OpenVDB's
   // message.
   absl::Status Write(const std::string& path);

@@ -49,6 +49,10 @@ class LATVOX_EXPORT VoxelGrid {
   // Writes the certificate into the grid's metadata.
   void SetCertificate(const Certificate& certificate);
 
+  // Writes the warnings into the grid's metadata: latvox_warnings, a JSON array of objects with code, message and
+  // element. Without warnings, writes nothing.
+  void SetWarnings(const std::vector<Warning>& warnings);
+
   // Returns the number of voxels added. Visits each leaf.
   uint64_t CountActiveVoxels() const;
 

@@ -16,6 +16,8 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Key;
+using testing::Not;
 using testing::Pair;
 
 class Grid : public FilesTest {};
@@ -103,6 +105,27 @@ TEST_F(Grid, FilesKeepVoxelsTransformAndCertificate) {
   const auto digest = ReadGridFileDigest(Path("g.vdb"));
   ASSERT_TRUE(digest.ok()) << digest.status();
   EXPECT_EQ(*digest, certificate.digest);
+}
+
+TEST_F(Grid, WarningsAreMetadataOfEveryGrid) {
+  const std::vector<Warning> warnings = {{"NO_END", "cut \"short\"", "line 7"}, {"FEW_VOXELS", "small"}};
+  const char* const kText = R"([{"code":"NO_END","message":"cut \"short\"","element":"line 7"},)"
+                            R"({"code":"FEW_VOXELS","message":"small","element":""}])";
+  VoxelGrid voxels(kCubes);
+  voxels.SetWarnings({});
+  ASSERT_TRUE(voxels.Write(Path("none.vdb")).ok());
+  EXPECT_THAT(ReadGridFileInfo(Path("none.vdb"))->metadata, Not(Contains(Key("latvox_warnings"))));
+  voxels.SetWarnings(warnings);
+  ASSERT_TRUE(voxels.Write(Path("voxels.vdb")).ok());
+  DistanceGrid distances(kCubes, 1, false, true);
+  distances.SetWarnings(warnings);
+  ASSERT_TRUE(distances.Write(Path("distances.vdb")).ok());
+  AttributeGrids attributes(kCubes, {Attribute::kPart});
+  attributes.SetWarnings(warnings);
+  ASSERT_TRUE(attributes.Write(Path("attributes.vdb")).ok());
+  for (const char* name : {"voxels.vdb", "distances.vdb", "attributes.vdb"}) {
+    EXPECT_THAT(ReadGridFileInfo(Path(name))->metadata, Contains(Pair("latvox_warnings", kText))) << name;
+  }
 }
 
 // A shell of six voxels around one that is not in the band.

@@ -114,6 +114,17 @@ TEST_F(Merge, ShardsMergeInAnyOrderAndLoseTheirNames) {
   Check({Part("only.vdb", bricks, Shard("0/1"))}, bricks);
 }
 
+TEST_F(Merge, WarningsOfAllPartsHoldForTheWholeExceptEmptyResults) {
+  const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({1, 0, 0})};
+  const auto warn = [](const std::string& text) {
+    return [=](openvdb::BoolGrid& grid) { grid.insertMeta("latvox_warnings", openvdb::StringMetadata(text)); };
+  };
+  const std::string a = Part("a.vdb", {bricks[0]}, warn(R"([{"code":"A"},{"code":"B"}])"));
+  const std::string b = Part("b.vdb", {bricks[1]}, warn(R"([{"code":"A"},{"code":"EMPTY_RESULT"},{"code":"C"}])"));
+  Check({a, b}, bricks, warn(R"([{"code":"A"},{"code":"B"},{"code":"C"}])"));
+  Check({Part("c.vdb", {}, warn(R"([{"code":"EMPTY_RESULT"}])")), Part("d.vdb", {bricks[0]})}, {bricks[0]});
+}
+
 TEST_F(Merge, FactsOfEveryPartHoldForTheWholeExceptVerification) {
   const Bricks bricks = {MakeBrick({0, 0, 0}), MakeBrick({1, 0, 0})};
   const auto set = [](const char* name, bool value) {

@@ -7,10 +7,10 @@
 #include <random>
 #include <set>
 
+#include "client/internal/vec3.h"
 #include "client/tool/cli/slice_command.h"
 #include "client/tool/cli/value_difference.h"
 #include "client/tool/cli/voxel_difference.h"
-#include "client/tool/output/vec3.h"
 #include "latvox/for_each_voxel.h"
 
 namespace latvox::client {

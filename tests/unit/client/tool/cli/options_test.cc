@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "client/internal/vec3.h"
 #include "client/tool/cli/voxelize_command.h"
 #include "client/tool/cli/voxelize_options.h"
-#include "client/tool/output/vec3.h"
 #include "deploy/manual/command_parser.h"
 #include "latvox/stretched.h"
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "client/internal/vec3.h"
 #include "client/tool/output/depth_blur.h"
 #include "client/tool/output/picture.h"
-#include "client/tool/output/vec3.h"
 #include "client/tool/output/voronoi_cell.h"
 #include "client/tool/output/voxel_front.h"
 #include "client/tool/output/voxel_scene.h"

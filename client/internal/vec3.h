@@ -1,6 +1,6 @@
 // Arithmetic of vectors.
-#ifndef LATVOX_CLIENT_TOOL_OUTPUT_VEC3_H_
-#define LATVOX_CLIENT_TOOL_OUTPUT_VEC3_H_
+#ifndef LATVOX_CLIENT_INTERNAL_VEC3_H_
+#define LATVOX_CLIENT_INTERNAL_VEC3_H_
 
 #include <cmath>
 
@@ -38,4 +38,4 @@ inline Basis Dual(const Basis& basis) {
 
 }  // namespace latvox::client
 
-#endif  // LATVOX_CLIENT_TOOL_OUTPUT_VEC3_H_
+#endif  // LATVOX_CLIENT_INTERNAL_VEC3_H_

@@ -1,0 +1,24 @@
+// Warnings in the metadata of our grids. Internal to latvox::grid.
+#ifndef LATVOX_CLIENT_GRID_WARNING_METADATA_H_
+#define LATVOX_CLIENT_GRID_WARNING_METADATA_H_
+
+#include <string>
+#include <vector>
+
+#include "client/grid/openvdb_trees.h"
+#include "latvox/warning.h"
+
+namespace latvox::client {
+
+inline constexpr char kWarningsName[] = "latvox_warnings";
+
+// Writes the warnings as JSON, or nothing if there are none.
+void DescribeWarnings(const std::vector<Warning>& warnings, openvdb::MetaMap& metadata);
+
+// Returns the JSON of all different warnings in several such texts, in their order; empty if there are none. Leaves out
+// EMPTY_RESULT, because parts are joined. Returns nothing for a text that is not JSON.
+std::string JoinedWarnings(const std::vector<std::string>& texts);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_GRID_WARNING_METADATA_H_

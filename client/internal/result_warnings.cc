@@ -1,0 +1,86 @@
+#include "client/internal/result_warnings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/internal/vec3.h"
+
+namespace latvox::client {
+namespace {
+
+template <class Box>
+std::string Corners(const Box& box) {
+  return absl::StrCat(absl::StrJoin(box.min, ","), ",", absl::StrJoin(box.max, ","));
+}
+
+int32_t ToIndex(double x) {
+  constexpr double kMost = std::numeric_limits<int32_t>::max();
+  return static_cast<int32_t>(std::clamp(x, -kMost, kMost));
+}
+
+// Returns the box of lattice points around a world box: its corners, rounded outward.
+IndexBox IndexBoxOf(const WorldBox& box, const GridTransform& grid) {
+  const Basis dual = Dual(grid.basis);
+  const std::array<Vec3d, 3> axes = {dual.a, dual.b, dual.c};
+  IndexBox around;
+  for (size_t m = 0; m < 3; ++m) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (size_t corner = 0; corner < 8; ++corner) {
+      Vec3d offset;
+      for (size_t n = 0; n < 3; ++n) offset[n] = ((corner >> n & 1) != 0 ? box.max : box.min)[n] - grid.origin[n];
+      const double index = Dot(offset, axes[m]);
+      low = std::min(low, index);
+      high = std::max(high, index);
+    }
+    around.min[m] = ToIndex(std::floor(low));
+    around.max[m] = ToIndex(std::ceil(high) + 1);
+  }
+  return around;
+}
+
+// Names the requested box, and that of the mesh in the same coordinates.
+Warning EmptyBox(const VoxelizeRequest& request, const Accepted& accepted) {
+  const WorldBox mesh{accepted.mesh.min, accepted.mesh.max};
+  std::vector<std::string> boxes, names;
+  if (request.region) {
+    names.emplace_back("region");
+    const std::string around = Corners(IndexBoxOf(mesh, accepted.grid));
+    boxes.push_back(absl::StrCat("the region ", Corners(*request.region), " (the mesh lies about in ", around, ")"));
+  }
+  if (request.bounds) {
+    names.emplace_back("bounds");
+    boxes.push_back(
+        absl::StrCat("the bounds ", Corners(*request.bounds), " (the mesh lies in ", Corners(mesh), ")"));
+  }
+  return {"EMPTY_RESULT", absl::StrCat("no voxel lies in ", absl::StrJoin(boxes, " and in ")),
+          absl::StrJoin(names, ", ")};
+}
+
+double LongestSide(const MeshFacts& mesh) {
+  double side = 0;
+  for (size_t m = 0; m < 3; ++m) side = std::max(side, mesh.max[m] - mesh.min[m]);
+  return side;
+}
+
+}  // namespace
+
+std::vector<Warning> WarningsOf(const VoxelizeRequest& request, const Accepted& accepted, const Summary& summary) {
+  constexpr double kFew = 4;
+  std::vector<Warning> warnings;
+  if (summary.voxels == 0 && (request.region || request.bounds)) warnings.push_back(EmptyBox(request, accepted));
+  const double side = LongestSide(accepted.mesh);
+  if (!request.resolution && side < kFew * accepted.grid.voxel_size) {
+    warnings.push_back(
+        {"FEW_VOXELS", absl::StrCat("the mesh is small: its longest side, ", side, ", is below ", kFew,
+                                    " voxel sizes of ", accepted.grid.voxel_size, "; a scale changes its unit")});
+  }
+  return warnings;
+}
+
+}  // namespace latvox::client

@@ -1,0 +1,65 @@
+"""Warnings: their codes, their places, and their documentation."""
+
+import json
+import pathlib
+import re
+import unittest
+
+from harness import Case, latvox, octahedron, write_obj
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CODE = re.compile(r'(?:\bWarning|[wW]arnings?\.push_back\(|[wW]arnings \+?= |\breturn|\bWarn\()\s*\{\s*"([A-Z]+(?:_[A-Z]+)*)"')
+
+
+class Codes(unittest.TestCase):
+    def test_the_table_of_codes_is_that_of_the_sources(self):
+        sources = [path for path in (ROOT / "client").rglob("*.cc") if "examples" not in path.parts]
+        used = {code for path in sources for code in CODE.findall(path.read_text())}
+        self.assertLess({"FEW_VOXELS", "EMPTY_RESULT"}, used)
+        page = (ROOT / "client/docs/limits.md").read_text()
+        section = page[page.index("## Warnings") :].split("\n## ")[0] if "## Warnings" in page else ""
+        documented = re.findall(r"^\| `([A-Z_]+)` \|", section, re.MULTILINE)
+        self.assertEqual(documented, sorted(documented))
+        self.assertEqual(set(documented), used)
+
+
+class Warnings(Case):
+    def setUp(self):
+        super().setUp()
+        self.mesh = write_obj(self.dir / "octahedron.obj", octahedron(1))
+        self.cut = self.dir / "cut.stl"
+        self.cut.write_text(
+            "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+        )
+
+    def test_a_warning_of_each_origin_is_everywhere(self):
+        done = latvox("voxelize", self.cut, "--voxel-size", "1", "-o", self.dir / "a.vdb", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        warnings = json.loads(done.stdout)["warnings"]
+        self.assertEqual([warning["code"] for warning in warnings], ["NO_END", "FEW_VOXELS"])
+        said = [line for line in done.stderr.splitlines() if "warning" in line]
+        self.assertEqual(said, ["latvox: warning: " + warning["message"] for warning in warnings])
+        info = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)
+        self.assertEqual(json.loads(info["metadata"]["latvox_warnings"]), warnings)
+        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": "cut.stl", "voxel_size": 1, "out": "b.vdb"}))
+        done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for warning in warnings:
+            self.assertIn(f"latvox: b.vdb: warning: {warning['message']}\n", done.stderr)
+        self.assertEqual(json.loads((self.dir / "results.jsonl").read_text())["summary"]["warnings"], warnings)
+
+    def test_without_a_warning_the_list_is_empty(self):
+        done = latvox("voxelize", self.mesh, "--voxel-size", "0.1", "-o", self.dir / "a.vdb", "--json")
+        self.assertEqual(json.loads(done.stdout)["warnings"], [])
+        self.assertNotIn("warning", done.stderr)
+        self.assertNotIn("latvox_warnings", latvox("info", self.dir / "a.vdb").stdout)
+
+    def test_quantization_does_not_apply_to_draco(self):
+        drc = self.dir / "a.drc"
+        self.assertEqual(latvox("encode", self.mesh, "-o", drc).returncode, 0)
+        done = latvox("voxelize", drc, "--resolution", "9", "--quantization", "5", "--json")
+        self.assertEqual([warning["code"] for warning in json.loads(done.stdout)["warnings"]], ["QUANTIZATION_IGNORED"])
+
+
+if __name__ == "__main__":
+    unittest.main()
