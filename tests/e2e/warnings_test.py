@@ -54,6 +54,41 @@ class Warnings(Case):
         self.assertNotIn("warning", done.stderr)
         self.assertNotIn("latvox_warnings", latvox("info", self.dir / "a.vdb").stdout)
 
+    def test_strict_makes_each_warning_an_error_and_writes_nothing(self):
+        kept = sorted(self.dir.iterdir())
+        for mesh, options, code in (
+            (self.cut, ["--resolution", "9"], "NO_END"),
+            (self.mesh, ["--voxel-size", "1"], "FEW_VOXELS"),
+            (self.mesh, ["--resolution", "9", "--bounds", "5,5,5,6,6,6"], "EMPTY_RESULT"),
+        ):
+            with self.subTest(code):
+                done = latvox("voxelize", mesh, *options, "--strict", "-o", self.dir / "a.vdb", "-o", self.dir / "a.csv")
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn(f"latvox: strict: no warning is allowed, and there is {code}\n", done.stderr)
+                self.assertEqual(sorted(self.dir.iterdir()), kept)
+        done = latvox("voxelize", self.mesh, "--resolution", "9", "--strict", "-o", self.dir / "a.vdb")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_strict_holds_for_encode_and_for_jobs(self):
+        out = self.dir / "a.drc"
+        done = latvox("encode", self.cut, "--strict", "-o", out)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("there is NO_END", done.stderr)
+        self.assertFalse(out.exists())
+        done = latvox("encode", self.cut, "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("latvox: warning: ", done.stderr)
+        self.assertTrue(out.exists())
+        jobs = self.dir / "jobs.jsonl"
+        job = {"mesh": "cut.stl", "resolution": 9, "out": "b.vdb"}
+        for strict, status in ((False, 0), (True, 3)):
+            jobs.write_text(json.dumps({**job, "strict": strict}))
+            done = latvox("batch", jobs, "--out", self.dir, "--resume")
+            self.assertEqual(done.returncode, status, done.stderr)
+        line = json.loads((self.dir / "results.jsonl").read_text().splitlines()[-1])
+        self.assertEqual(line["status"], "failed")
+        self.assertIn("NO_END", line["error"]["message"])
+
     def test_quantization_does_not_apply_to_draco(self):
         drc = self.dir / "a.drc"
         self.assertEqual(latvox("encode", self.mesh, "-o", drc).returncode, 0)

@@ -9,6 +9,8 @@
 #include "client/mesh_files/mesh_file.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/common_options.h"
+#include "client/tool/cli/progress_bar.h"
+#include "client/tool/cli/warnings.h"
 #include "client/tool/output/atomic_file.h"
 
 namespace latvox::client {
@@ -53,6 +55,9 @@ absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource
   auto read = DoAbandonably([source] { return ReadMesh(source); }, call);
   if (!read.ok()) return read.status();
   const auto mesh = std::make_shared<const Mesh>(*std::move(read));
+  ProgressBar bar;
+  const auto say = [&bar](const std::string& line) { bar.Say("latvox: " + line); };
+  if (auto status = Warn(mesh->warnings, words.strict, say); !status.ok()) return status;
   const auto encode = [mesh, bits = words.quantization] { return EncodeMesh(*mesh, bits); };
   const auto encoded = DoAbandonably(encode, call);
   if (!encoded.ok()) return encoded.status();

@@ -17,24 +17,26 @@ OptionRow MeshRow(MeshSource& mesh) {
 }
 
 std::vector<OptionRow> MeshRows(MeshWords& words) {
-  return {{.names = "--up-axis",
-           .target = &words.up_axis,
-           .help = "Axis of the mesh that a quarter turn makes z",
-           .words = WordsOf(UpNames()),
-           .word_help = {"no turn", "x becomes z", "y becomes z"},
-           .standard = "z, without a turn"},
-          {.names = "--scale",
-           .target = &words.scale,
-           .help = "Factor of the mesh's coordinates, applied after --up-axis",
-           .value = "FACTOR",
-           .checks = {{CheckPositive}},
-           .standard = "1"},
-          {.names = "--input-format",
-           .target = &words.input_format,
-           .help = "Format of MESH, in place of its extension or its first bytes",
-           .words = WordsOf(MeshFormats()),
-           .word_help = {"Draco", "Wavefront", "Stanford polygons", "stereolithography", "glTF, binary", "glTF, JSON",
-                         "3D Manufacturing Format"}}};
+  return {
+      {.names = "--up-axis",
+       .target = &words.up_axis,
+       .help = "Axis of the mesh that a quarter turn makes z",
+       .words = WordsOf(UpNames()),
+       .word_help = {"no turn", "x becomes z", "y becomes z"},
+       .standard = "z, without a turn"},
+      {.names = "--scale",
+       .target = &words.scale,
+       .help = "Factor of the mesh's coordinates, applied after --up-axis",
+       .value = "FACTOR",
+       .checks = {{CheckPositive}},
+       .standard = "1"},
+      {.names = "--input-format",
+       .target = &words.input_format,
+       .help = "Format of MESH, in place of its extension or its first bytes",
+       .words = WordsOf(MeshFormats()),
+       .word_help = {"Draco", "Wavefront", "Stanford polygons", "stereolithography", "glTF, binary", "glTF, JSON",
+                     "3D Manufacturing Format"}},
+      {.names = "--strict", .target = &words.strict, .help = "Make every warning an error, and write nothing then"}};
 }
 
 void InterpretMesh(const MeshWords& words, MeshSource& mesh) {

@@ -13,12 +13,13 @@ namespace latvox::client {
 // The words as given. Parsing writes into them.
 struct MeshWords {
   std::string up_axis, scale, input_format;
+  bool strict = false;  // a warning is an error
 };
 
 // Returns the row of the positional MESH, one or several.
 OptionRow MeshRow(MeshSource& mesh);
 
-// Returns the rows of --up-axis, --scale and --input-format.
+// Returns the rows of --up-axis, --scale, --input-format and --strict.
 std::vector<OptionRow> MeshRows(MeshWords& words);
 
 // Writes the meaning of the words to `mesh`.

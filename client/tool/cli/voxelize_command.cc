@@ -17,6 +17,7 @@
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/mesh_names.h"
 #include "client/tool/cli/progress_bar.h"
+#include "client/tool/cli/warnings.h"
 #include "client/tool/output/output.h"
 #include "client/tool/output/standard_output.h"
 #include "latvox/error.h"
@@ -125,10 +126,6 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
   return named;
 }
 
-void Warn(const std::vector<Warning>& warnings, const JobHooks& hooks) {
-  for (const Warning& warning : warnings) hooks.say(absl::StrCat("warning: ", warning.message));
-}
-
 // Runs the call and writes its results to the outputs.
 absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
                   const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
@@ -185,12 +182,12 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.weld = upload->weld;
   std::vector<Warning> warnings = hooks.warnings;
   warnings.insert(warnings.end(), upload->warnings.begin(), upload->warnings.end());
-  Warn(warnings, hooks);
+  if (auto status = Warn(warnings, options.strict, hooks.say); !status.ok()) return status;
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
   if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
   std::vector<Warning>& all = report.summary.warnings;
-  Warn(all, hooks);
+  if (auto status = Warn(all, options.strict, hooks.say); !status.ok()) return status;
   all.insert(all.begin(), warnings.begin(), warnings.end());
   if (!outputs->empty()) hooks.on_stage(absl::StrCat("writing ", absl::StrJoin(options.outputs, ", ")));
   const auto finish = [&](Output& output) { return output.Finish(report.summary); };

@@ -191,6 +191,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   InterpretPart(words, request);
   InterpretNpy(words, options);
   InterpretMesh(words, options.mesh);
+  options.strict = words.strict;
   if (!words.up_axis.empty()) options.output_options.picture_up = UpAxis::kZ;
   InterpretBand(words, options);
   InterpretAttributes(words, options);

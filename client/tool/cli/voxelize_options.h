@@ -28,6 +28,7 @@ struct VoxelizeOptions {
   bool has_default_resolution = false;
   std::optional<int> quantization_bits;  // absent: auto
   std::string align;                     // .vdb file whose grid the request uses; empty: none
+  bool strict = false;                   // a warning is an error
   bool json = false;
   ServerChoice server;
 };

@@ -1,0 +1,20 @@
+// What commands do with warnings.
+#ifndef LATVOX_CLIENT_TOOL_CLI_WARNINGS_H_
+#define LATVOX_CLIENT_TOOL_CLI_WARNINGS_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "latvox/warning.h"
+
+namespace latvox::client {
+
+// Says each warning in a line. Errors: INVALID_ARGUMENT naming the codes, if `strict` and there are any.
+absl::Status Warn(const std::vector<Warning>& warnings, bool strict,
+                  const std::function<void(const std::string& line)>& say);
+
+}  // namespace latvox::client
+
+#endif  // LATVOX_CLIENT_TOOL_CLI_WARNINGS_H_
