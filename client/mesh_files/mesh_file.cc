@@ -44,7 +44,7 @@ absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
   if (!mesh.ok()) {
     return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", Printable(mesh.status().message())));
   }
-  for (std::string& warning : mesh->warnings) warning = Printable(warning);
+  for (Warning& warning : mesh->warnings) warning.message = Printable(warning.message);
   if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles"));
   return mesh;
 }

@@ -14,6 +14,7 @@ CASES = {  # (lattice, k) -> title; in the thesis's order
 THESIS = ("brute-force", "incremental", "optimized-incremental")
 ALGORITHMS = (*THESIS, "exact")
 IDEAL = 1 / (6 * math.sqrt(2) ** 3)  # the tetrahedron's share of its box
+QUICK_STEP = 12  # a quick run measures every 12th angle
 
 
 class Data:
@@ -24,10 +25,15 @@ class Data:
 
         self.settings = {row["key"]: row["value"] for row in rows("settings.csv")}
         self.quick = self.settings["quick"] == "1"
-        self.models, self.tables = rows("models.csv"), rows("tables.csv")
-        self.accuracy, self.timing = self._grouped(rows("accuracy.csv")), self._grouped(rows("timing.csv"))
+        self.models, self.tables, self.precision = rows("models.csv"), rows("tables.csv"), rows("precision.csv")
+        self.accuracy = self._grouped(rows("accuracy.csv"))
+        rounds = range(1, 1 + len(list(pathlib.Path(directory).glob("timing-*.csv"))))
+        self.timing = [self._grouped(rows(f"timing-{n}.csv")) for n in rounds]
+        self.orientation = [rows(f"orientation-{n}.csv") for n in rounds]
         self.resolutions = sorted({key[2] for key in self.accuracy})
+        self.timed = sorted({key[2] for key in self.timing[0]})
         self.top = self.resolutions[-1]
+        self.upper = [d for d in self.timed if 2 * d >= self.top]  # for trends
 
     @staticmethod
     def _grouped(rows):
@@ -46,20 +52,33 @@ class Data:
         """Returns all values of an algorithm, over all lattices, resolutions and angles."""
         return [x for case in CASES for d in self.resolutions for x in self.values(case, algorithm, d, column)]
 
-    def time(self, case, algorithm, resolution, column="array_seconds"):
-        """Returns mean seconds; the exact algorithm has only those of the whole call."""
-        column = "seconds" if algorithm == "exact" else column
-        return mean([float(row[column]) for row in self.timing[case, algorithm, resolution]])
+    def times(self, case, algorithm, resolution, column="array_seconds"):
+        """Returns for each round the mean seconds over the angles; the exact algorithm has only those of the whole call."""
+        column = "seconds" if algorithm == "exact" and column == "array_seconds" else column
+        return [mean([float(row[column]) for row in timing[case, algorithm, resolution]]) for timing in self.timing]
 
-    def fill_rate(self, case, algorithm, resolution):
+    def fill_rates(self, case, algorithm, resolution):
+        """Returns for each round the voxels a second."""
         column = "voxels" if algorithm == "exact" else "array_voxels"
-        voxels = mean([float(row[column]) for row in self.timing[case, algorithm, resolution]])
-        return voxels / self.time(case, algorithm, resolution)
+        voxels = mean([float(row[column]) for row in self.timing[0][case, algorithm, resolution]])
+        return [voxels / seconds for seconds in self.times(case, algorithm, resolution)]
 
-    def lead(self, case, resolution, column):
-        """Returns the lead of optimized incremental, as a share of incremental's time."""
-        fast, slow = (self.time(case, name, resolution, column) for name in ("optimized-incremental", "incremental"))
-        return 1 - fast / slow
+    def leads(self, case, resolution, column):
+        """Returns for each round the lead of optimized incremental, as a share of incremental's time."""
+        fast, slow = (self.times(case, name, resolution, column) for name in ("optimized-incremental", "incremental"))
+        return [1 - a / b for a, b in zip(fast, slow)]
+
+    def across(self, case, algorithm, resolution):
+        """Returns for each round the time for a voxel of the triangle across the volume, over that of the parallel one."""
+        ratios = []
+        for rows in self.orientation:
+            found = {
+                row["orientation"]: float(row["array_seconds"]) / float(row["array_voxels"])
+                for row in rows
+                if (row["lattice"], row["k"]) == case and (row["algorithm"], row["resolution"]) == (algorithm, str(resolution))
+            }
+            ratios.append(found["across"] / found["parallel"])
+        return ratios
 
     def errors(self, case, algorithm):
         """Returns |Delta(V) - ideal| * D of every run; D is the cube root of the number of points."""
@@ -77,11 +96,12 @@ class Data:
             values.append(self.mean(case, algorithm, d, "displaced_volume") / x)
         return least_squares(rows, values)[0]
 
-    def slope(self, case, algorithm):
-        """Returns the power of the resolution with which time grows: least squares of the logarithms, upper half."""
-        half = [d for d in self.resolutions if 2 * d >= self.top]
-        rows = [(1, math.log(d)) for d in half]
-        return least_squares(rows, [math.log(self.time(case, algorithm, d)) for d in half])[1]
+    def slopes(self, case, algorithm):
+        """Returns for each round the power of the resolution with which time grows: least squares of the logarithms, upper
+        half of the resolutions."""
+        rows = [(1, math.log(d)) for d in self.upper]
+        times = [self.times(case, algorithm, d) for d in self.upper]
+        return [least_squares(rows, [math.log(seconds) for seconds in row])[1] for row in zip(*times)]
 
     def model(self, name, case, algorithm):
         for row in self.models:

@@ -40,18 +40,22 @@ std::vector<double> Angles() {
   return angles;
 }
 
-TriangleMesh RotatedTetrahedron(double degrees, double side) {
+std::array<Vec3d, 4> TetrahedronCorners(double degrees, double side) {
   const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180), leg = side / std::sqrt(2.0);
   std::array<Vec3d, 4> corners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (Vec3d& p : corners) p = Vec3d{p[0], c * p[1] - s * p[2], s * p[1] + c * p[2]} * leg;
-  TriangleMesh mesh{{}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
-  for (const Vec3d& p : corners) {
-    Vec3f placed;
-    for (size_t m = 0; m < 3; ++m) {
-      const auto [low, high] = std::minmax({corners[0][m], corners[1][m], corners[2][m], corners[3][m]});
-      placed[m] = static_cast<float>(p[m] + (side - low - high) / 2);
-    }
-    mesh.vertices.push_back(placed);
+  std::array<Vec3d, 4> placed = corners;
+  for (size_t m = 0; m < 3; ++m) {
+    const auto [low, high] = std::minmax({corners[0][m], corners[1][m], corners[2][m], corners[3][m]});
+    for (Vec3d& p : placed) p[m] += (side - low - high) / 2;
+  }
+  return placed;
+}
+
+TriangleMesh RotatedTetrahedron(double degrees, double side) {
+  TriangleMesh mesh{{}, {kTetrahedronFaces.begin(), kTetrahedronFaces.end()}};
+  for (const Vec3d& p : TetrahedronCorners(degrees, side)) {
+    mesh.vertices.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
   return mesh;
 }

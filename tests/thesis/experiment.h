@@ -2,6 +2,7 @@
 #ifndef LATVOX_TESTS_THESIS_EXPERIMENT_H_
 #define LATVOX_TESTS_THESIS_EXPERIMENT_H_
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ Experiment MakeExperiment(const LatticeCase& lattice_case, int32_t resolution);
 // Returns 0, 5 .. 355 degrees, each plus a fixed jitter of 0 to 4 degrees.
 std::vector<double> Angles();
 inline constexpr unsigned kAngleSeed = 2006;
+
+// The corners of the tetrahedron below, in doubles, and the corners of its faces.
+std::array<Vec3d, 4> TetrahedronCorners(double degrees, double side);
+inline constexpr std::array<std::array<uint32_t, 3>, 4> kTetrahedronFaces{{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 
 // Returns the corner of a cube (figure 5.1) turned about the X axis, centered in the cube of the given side. Its
 // longest edge is as long as the side (figure 5.5), so it fits at every angle.

@@ -1,22 +1,29 @@
-"""Line charts as SVG text."""
+"""Line charts as SVG text, for light and dark pages."""
 
 import html
 import math
 from dataclasses import dataclass, field
 
 FONT = "font-family='Helvetica, Arial, sans-serif'"
-INK, FAINT, GRID = "#222", "#666", "#e3e3e3"
+INK, FAINT, GRID, PAPER = "#222222", "#666666", "#e3e3e3", "#ffffff"
+DARK = {  # color -> the same on a dark page
+    INK: "#e4e4e4", FAINT: "#a6a6a6", GRID: "#3a3a3a", PAPER: "#181818",
+    "#D55E00": "#ff8f4d", "#0072B2": "#5cb8f2", "#009E73": "#3fd6a6", "#8E44AD": "#d9a1f5", "#8a8a8a": "#8f8f8f",
+}  # fmt: skip
 LEFT, RIGHT, TOP, BOTTOM = 62, 14, 30, 42  # room around the axes
+LINE = 24  # of the legend
 
 
 @dataclass
 class Series:
     name: str
-    color: str
+    color: str  # a key of DARK
     points: list  # (x, y), ascending x
     dash: str = ""  # as SVG's stroke-dasharray
     marker: str = "circle"  # circle, square, diamond, none
     band: list = field(default_factory=list)  # (x, low, high)
+    width: float = 1.8  # of the line; a wide one shows below a narrow one with the same points
+    size: float = 2.8  # of the markers, half their width; hollow from 3 on
 
 
 @dataclass
@@ -27,7 +34,6 @@ class Chart:
     series: list
     level: tuple = None  # (y, name) of a horizontal line
     log: bool = False  # y axis
-    y_range: tuple = None  # default: from the data
     x_names: dict = None  # x -> label on the axis; default: numbers
 
     def svg(self, x0, y0, width, height):
@@ -38,29 +44,49 @@ class Chart:
 def figure(charts, columns=2, width=470, height=290):
     """Returns charts in rows, below one legend, as a whole SVG document."""
     charts = list(charts)
-    entries = {series.name: series for chart in charts for series in chart.series}
-    levels = {chart.level[1]: chart.level for chart in charts if chart.level}
-    rows = math.ceil(len(charts) / columns)
-    total_width, legend = width * min(columns, len(charts)), 30
-    body, x = [], LEFT
-    for series in entries.values():
-        body.append(_stroke([(x, 15), (x + 28, 15)], series))
-        body.append(_marker(x + 14, 15, series))
-        body.append(_text(x + 34, 19, series.name, size=13))
-        x += 54 + 7 * len(series.name)
-    for name in levels:
-        body.append(f"<path d='M{x} 15h28' stroke='{INK}' stroke-width='1.5'/>")
-        body.append(_text(x + 34, 19, name, size=13))
-        x += 54 + 7 * len(name)
+    total_width = width * min(columns, len(charts))
+    body, legend = _legend(charts, total_width)
     for n, chart in enumerate(charts):
         body.append(chart.svg(width * (n % columns), legend + height * (n // columns), width, height))
-    total_width = max(total_width, x)
-    total_height = legend + height * rows
+    total_height = legend + height * math.ceil(len(charts) / columns)
     return (
         f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {total_width} {total_height}' "
-        f"width='{total_width}' height='{total_height}' {FONT}>\n"
-        f"<rect width='{total_width}' height='{total_height}' fill='white'/>\n" + "\n".join(body) + "\n</svg>\n"
+        f"width='{total_width}' height='{total_height}' {FONT}>\n{_dark_style()}"
+        f"<rect width='{total_width}' height='{total_height}' {_fill(PAPER)}/>\n" + "\n".join(body) + "\n</svg>\n"
     )
+
+
+def _legend(charts, width):
+    """Returns the drawing of the legend, in as many lines as the width needs, and its height."""
+    entries = {series.name: series for chart in charts for series in chart.series}
+    entries |= {chart.level[1]: None for chart in charts if chart.level}
+    body, x, y = [], LEFT, 15
+    for name, series in entries.items():
+        if x > LEFT and x + 34 + 7 * len(name) > width:
+            x, y = LEFT, y + LINE
+        if series:
+            body.append(_stroke([(x, y), (x + 28, y)], series))
+            body.append(_marker(x + 14, y, series))
+        else:
+            body.append(f"<path d='M{x} {y}h28' stroke-width='1.5' {_line(INK)}/>")
+        body.append(_text(x + 34, y + 4, name, size=13))
+        x += 54 + 7 * len(name)
+    return body, y + 15
+
+
+def _fill(color):
+    return f"fill='{color}' class='f{color[1:]}'"
+
+
+def _line(color, fill="none"):
+    """Returns the attributes of a line and of its filling."""
+    classes = f"s{color[1:]}" + (f" f{fill[1:]}" if fill in DARK else "")
+    return f"stroke='{color}' fill='{fill}' class='{classes}'"
+
+
+def _dark_style():
+    rules = "".join(f".f{light[1:]}{{fill:{dark}}}.s{light[1:]}{{stroke:{dark}}}" for light, dark in DARK.items())
+    return f"<style>@media(prefers-color-scheme:dark){{{rules}}}</style>\n"
 
 
 class _Drawing:
@@ -70,7 +96,7 @@ class _Drawing:
         self.top, self.bottom = y0 + TOP, y0 + height - BOTTOM
         xs = [x for series in chart.series for x, _ in series.points]
         self.x_low, self.x_high = 0, max(xs, default=0) or 1
-        self.y_low, self.y_high = chart.y_range or self.range_of_data()
+        self.y_low, self.y_high = self.range_of_data()
 
     def range_of_data(self):
         ys = [y for series in self.chart.series for _, y in series.points]
@@ -93,10 +119,10 @@ class _Drawing:
     def y(self, value):
         if self.chart.log:
             low, high = math.log10(self.y_low), math.log10(self.y_high)
-            share = (math.log10(max(value, self.y_low)) - low) / (high - low)
+            share = (math.log10(value) - low) / (high - low)
         else:
             share = (value - self.y_low) / (self.y_high - self.y_low)
-        return self.bottom - min(max(share, 0), 1) * (self.bottom - self.top)
+        return self.bottom - share * (self.bottom - self.top)
 
     def text(self):
         chart, out = self.chart, self.axes()
@@ -104,9 +130,9 @@ class _Drawing:
             if series.band:
                 edge = [(x, high) for x, _, high in series.band] + [(x, low) for x, low, _ in reversed(series.band)]
                 path = "L".join(f"{self.x(x):.1f} {self.y(y):.1f}" for x, y in edge)
-                out.append(f"<path d='M{path}Z' fill='{series.color}' opacity='0.15'/>")
+                out.append(f"<path d='M{path}Z' opacity='0.2' {_fill(series.color)}/>")
         if chart.level:
-            out.append(f"<path d='M{self.left} {self.y(chart.level[0]):.1f}H{self.right}' stroke='{INK}' stroke-width='1.5'/>")
+            out.append(f"<path d='M{self.left} {self.y(chart.level[0]):.1f}H{self.right}' stroke-width='1.5' {_line(INK)}/>")
         for series in chart.series:
             places = [(self.x(x), self.y(y)) for x, y in series.points]
             out.append(_stroke(places, series))
@@ -118,14 +144,14 @@ class _Drawing:
         chart, out = self.chart, []
         for value, label in self.y_ticks():
             y = self.y(value)
-            out.append(f"<path d='M{self.left} {y:.1f}H{self.right}' stroke='{GRID}'/>")
+            out.append(f"<path d='M{self.left} {y:.1f}H{self.right}' {_line(GRID)}/>")
             if label:
                 out.append(_text(self.left - 6, y + 4, label, anchor="end"))
         for value in chart.x_names or _ticks(self.x_low, self.x_high):
             x = self.x(value)
-            out.append(f"<path d='M{x:.1f} {self.bottom}v4' stroke='{FAINT}'/>")
+            out.append(f"<path d='M{x:.1f} {self.bottom}v4' {_line(FAINT)}/>")
             out.append(_text(x, self.bottom + 17, self.x_name(value), anchor="middle"))
-        out.append(f"<path d='M{self.left} {self.top}V{self.bottom}H{self.right}' fill='none' stroke='{FAINT}'/>")
+        out.append(f"<path d='M{self.left} {self.top}V{self.bottom}H{self.right}' {_line(FAINT)}/>")
         middle = (self.top + self.bottom) / 2
         out.append(_text((self.left + self.right) / 2, self.bottom + 34, chart.x_label, anchor="middle"))
         turn = f"transform='rotate(-90 {self.left - 48} {middle})'"
@@ -161,23 +187,24 @@ def _ticks(low, high):
 def _text(x, y, text, anchor="start", size=12, weight="normal", extra=""):
     return (
         f"<text x='{x:.1f}' y='{y:.1f}' text-anchor='{anchor}' font-size='{size}' font-weight='{weight}' "
-        f"fill='{INK}' {extra}>{html.escape(text)}</text>"
+        f"{_fill(INK)} {extra}>{html.escape(text)}</text>"
     )
 
 
 def _stroke(places, series):
     path = "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
     dash = f" stroke-dasharray='{series.dash}'" if series.dash else ""
-    return f"<path d='M{path}' fill='none' stroke='{series.color}' stroke-width='1.8'{dash}/>" if places else ""
+    return f"<path d='M{path}' stroke-width='{series.width}'{dash} {_line(series.color)}/>" if places else ""
 
 
 def _marker(x, y, series, tip=""):
+    r = series.size
     shapes = {
-        "circle": f"<circle cx='{x:.1f}' cy='{y:.1f}' r='2.8'",
-        "square": f"<path d='M{x - 2.6:.1f} {y - 2.6:.1f}h5.2v5.2h-5.2z'",
-        "diamond": f"<path d='M{x:.1f} {y - 3.8:.1f}l3.8 3.8l-3.8 3.8l-3.8 -3.8z'",
+        "circle": f"<circle cx='{x:.1f}' cy='{y:.1f}' r='{r}'",
+        "square": f"<path d='M{x - r:.1f} {y - r:.1f}h{2 * r:.1f}v{2 * r:.1f}h{-2 * r:.1f}z'",
+        "diamond": f"<path d='M{x:.1f} {y - 1.4 * r:.1f}l{1.4 * r:.1f} {1.4 * r:.1f}l{-1.4 * r:.1f} {1.4 * r:.1f}l{-1.4 * r:.1f} {-1.4 * r:.1f}z'",
     }
     if series.marker not in shapes:
         return ""
-    shape = f"{shapes[series.marker]} fill='{series.color}'"
+    shape = f"{shapes[series.marker]} stroke-width='1.4' {_line(series.color, PAPER if r >= 3 else series.color)}"
     return f"<g><title>{html.escape(tip)}</title>{shape}/></g>" if tip else f"{shape}/>"

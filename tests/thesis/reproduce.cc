@@ -1,76 +1,30 @@
 // Measures everything that the page of tests/thesis/run shows.
+//   thesis_reproduce [--quick] --times ROUND DIRECTORY
 //   thesis_reproduce [--quick] DIRECTORY [NAME=MESH ...]
-// Writes into DIRECTORY: accuracy.csv, timing.csv, models.csv, tables.csv, settings.csv. Each has a header line.
+// The first writes the times of one round, timing-ROUND.csv and orientation-ROUND.csv. The second writes everything
+// else: accuracy.csv, precision.csv, models.csv, tables.csv, settings.csv.
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "absl/strings/str_format.h"
 #include "client/mesh_files/mesh_file.h"
 #include "tests/thesis/measure.h"
 #include "tests/thesis/models.h"
+#include "tests/thesis/plan.h"
+#include "tests/thesis/precision.h"
+#include "tests/thesis/table_file.h"
 #include "tests/thesis/tables.h"
-#include "tests/thesis/timing.h"
+#include "tests/thesis/times.h"
 
 namespace latvox::thesis {
 namespace {
-
-struct Plan {
-  bool quick = false;
-  std::string directory;
-  std::vector<std::pair<std::string, std::string>> meshes;  // name, path
-  std::vector<int32_t> resolutions;
-  std::vector<double> angles, timed_angles;
-};
-
-Plan PlanFor(bool quick) {
-  Plan plan;
-  plan.quick = quick;
-  const std::vector<double> angles = Angles();
-  const int32_t top = quick ? 80 : 200;
-  for (int32_t resolution = 10; resolution <= top; resolution += 10) plan.resolutions.push_back(resolution);
-  for (size_t n = 0; n < angles.size(); n += quick ? 12 : 1) plan.angles.push_back(angles[n]);
-  for (size_t n = 3; n < angles.size(); n += quick ? 72 : 17) plan.timed_angles.push_back(angles[n]);
-  return plan;
-}
-
-class Table {
- public:
-  Table(const Plan& plan, const char* name, const char* columns) : file_(plan.directory + "/" + name) {
-    file_ << columns << "\n";
-  }
-  template <class... Args>
-  void Add(const absl::FormatSpec<Args...>& format, const Args&... args) {
-    file_ << absl::StrFormat(format, args...) << "\n";
-  }
-  void Close() {
-    file_.close();
-    if (file_) return;
-    std::perror("thesis_reproduce: a table could not be written");
-    std::exit(1);
-  }
-
- private:
-  std::ofstream file_;
-};
-
-class Stopwatch {
- public:
-  double Seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start_ = Clock::now();
-};
 
 struct Run {
   const LatticeCase* lattice_case;
@@ -107,9 +61,9 @@ double MeasureAccuracy(const Plan& plan) {
     }
   });
 
-  Table table(plan, "accuracy.csv",
-              "lattice,k,resolution,algorithm,degrees,voxels,points,displaced_volume,r,minimal,at_seam,"
-              "by_other_surface,not_minimal,tunnels,redundant,tunnels_rounded,redundant_rounded");
+  TableFile table(plan.directory + "/accuracy.csv",
+                  "lattice,k,resolution,algorithm,degrees,voxels,points,displaced_volume,r,minimal,at_seam,"
+                  "by_other_surface,not_minimal,tunnels,redundant,tunnels_rounded,redundant_rounded");
   for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
     const Measurement& m = run->measured;
     table.Add("%s,%d,%d,%s,%.4f,%d,%d,%.9f,%.9f,%d,%d,%d,%d,%d,%d,%d,%d", run->lattice_case->name, run->lattice_case->k,
@@ -122,22 +76,14 @@ double MeasureAccuracy(const Plan& plan) {
   return watch.Seconds();
 }
 
-double MeasureTiming(const Plan& plan) {
+double MeasurePrecision(const Plan& plan) {
   const Stopwatch watch;
-  Table table(plan, "timing.csv",
-              "lattice,k,resolution,algorithm,degrees,voxels,seconds,array_voxels,array_seconds,scan_seconds");
-  for (const LatticeCase& lattice_case : LatticeCases()) {
-    for (int32_t resolution : plan.resolutions) {
-      const Experiment experiment = MakeExperiment(lattice_case, resolution);
-      for (double degrees : plan.timed_angles) {
-        for (const auto& [algorithm, name] : kAlgorithms) {
-          const Timing t = Time(experiment, degrees, algorithm);
-          table.Add("%s,%d,%d,%s,%.4f,%d,%.9f,%d,%.9f,%.9f", lattice_case.name, lattice_case.k, resolution, name,
-                    degrees, t.voxels, t.seconds, t.array_voxels, t.array_seconds, t.scan_seconds);
-        }
-      }
-    }
-    std::fprintf(stderr, "timing: %s k=%d, %.0f s\n", lattice_case.name.c_str(), lattice_case.k, watch.Seconds());
+  TableFile table(plan.directory + "/precision.csv",
+                  "lattice,k,resolution,placement,precision,planes,voxels,doubled,empty,wrong");
+  for (const PrecisionRow& row : PrecisionRows(plan)) {
+    const PrecisionCounts& n = row.counts;
+    table.Add("%s,%d,%d,%s,%s,%d,%d,%d,%d,%d", row.lattice_case.name, row.lattice_case.k, row.resolution, row.placement,
+              row.precision, n.planes, n.voxels, n.doubled, n.empty, n.wrong);
   }
   table.Close();
   return watch.Seconds();
@@ -156,8 +102,8 @@ TriangleMesh Read(const std::string& path) {
 
 double MeasureModels(const Plan& plan) {
   const Stopwatch watch;
-  Table table(plan, "models.csv",
-              "model,triangles,case,algorithm,voxels,tunnels,redundant,tunnels_rounded,redundant_rounded,seconds");
+  TableFile table(plan.directory + "/models.csv",
+                  "model,triangles,case,algorithm,voxels,tunnels,redundant,tunnels_rounded,redundant_rounded,seconds");
   for (const auto& [model, path] : plan.meshes) {
     const TriangleMesh mesh = Read(path);
     std::vector<ModelCase> cases = ModelCases();
@@ -177,7 +123,8 @@ double MeasureModels(const Plan& plan) {
 }
 
 void CheckTables(const Plan& plan) {
-  Table table(plan, "tables.csv", "table,direction,m,n,det_n,true_n,spans,is_last,n_right,our_m,our_n,our_det_n");
+  TableFile table(plan.directory + "/tables.csv",
+                  "table,direction,m,n,det_n,true_n,spans,is_last,n_right,our_m,our_n,our_det_n");
   for (const TableRow& row : CheckedTables()) {
     table.Add("%s,%d %d %d,%s,%s,%g,%s,%d,%d,%d,%s,%s,%g", row.table, row.direction[0], row.direction[1],
               row.direction[2], TextOf(row.m), TextOf(row.n), row.det_n, TextOf(row.true_n), row.spans, row.is_last,
@@ -188,18 +135,22 @@ void CheckTables(const Plan& plan) {
 
 void MeasureAll(const Plan& plan) {
   CheckTables(plan);
-  const double timing = MeasureTiming(plan);  // first, before the machine warms up
-  const double accuracy = MeasureAccuracy(plan), models = MeasureModels(plan);
-  Table table(plan, "settings.csv", "key,value");
+  const double precision = MeasurePrecision(plan), accuracy = MeasureAccuracy(plan), models = MeasureModels(plan);
+  TableFile table(plan.directory + "/settings.csv", "key,value");
   table.Add("quick,%d", plan.quick);
   table.Add("angles,%d", plan.angles.size());
   table.Add("timed_angles,%d", plan.timed_angles.size());
   table.Add("angle_seed,%d", kAngleSeed);
   table.Add("threads,%d", oneapi::tbb::this_task_arena::max_concurrency());
-  table.Add("accuracy_seconds,%.1f", accuracy);
-  table.Add("timing_seconds,%.1f", timing);
-  table.Add("models_seconds,%.1f", models);
+  table.Add("seconds,%.1f", precision + accuracy + models);
   table.Close();
+}
+
+int Usage() {
+  std::fprintf(stderr,
+               "Usage: thesis_reproduce [--quick] --times ROUND DIRECTORY\n"
+               "       thesis_reproduce [--quick] DIRECTORY [NAME=MESH ...]\n");
+  return 2;
 }
 
 }  // namespace
@@ -210,15 +161,17 @@ int main(int argc, char** argv) {
   const bool quick = !arguments.empty() && arguments[0] == "--quick";
   if (quick) arguments.erase(arguments.begin());
   latvox::thesis::Plan plan = latvox::thesis::PlanFor(quick);
+  if (!arguments.empty() && arguments[0] == "--times") {
+    if (arguments.size() != 3) return latvox::thesis::Usage();
+    plan.directory = arguments[2];
+    latvox::thesis::MeasureTimes(plan, arguments[1]);
+    return 0;
+  }
+  if (arguments.empty()) return latvox::thesis::Usage();
   for (size_t n = 1; n < arguments.size(); ++n) {
     const size_t equals = arguments[n].find('=');
-    if (equals == std::string::npos) arguments.clear();
-    if (arguments.empty()) break;
+    if (equals == std::string::npos) return latvox::thesis::Usage();
     plan.meshes.emplace_back(arguments[n].substr(0, equals), arguments[n].substr(equals + 1));
-  }
-  if (arguments.empty()) {
-    std::fprintf(stderr, "Usage: thesis_reproduce [--quick] DIRECTORY [NAME=MESH ...]\n");
-    return 2;
   }
   plan.directory = arguments[0];
   latvox::thesis::MeasureAll(plan);

@@ -9,7 +9,8 @@ namespace latvox::thesis {
 
 struct Timing {
   uint64_t voxels = 0;
-  double seconds = 0;  // of the library's call: snap, voxelize, deliver a sparse set
+  double seconds = 0;        // of the library's call: snap, voxelize, deliver a sparse set
+  double fresh_seconds = 0;  // of the exact algorithm's call if core keeps no memory between calls; else 0
   // The thesis's algorithms into an array of bits, as in the thesis; 0 for the exact algorithm.
   uint64_t array_voxels = 0;
   double array_seconds = 0;
@@ -18,7 +19,7 @@ struct Timing {
 
 // Measures processor time, like the thesis, so that other processes disturb it little. Takes the least of several runs.
 // Uses the calling thread alone.
-Timing Time(const Experiment& experiment, double degrees, Algorithm algorithm);
+Timing Time(const TriangleMesh& mesh, const Experiment& experiment, Algorithm algorithm);
 
 }  // namespace latvox::thesis
 
