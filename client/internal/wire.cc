@@ -158,6 +158,15 @@ Certificate FromProto(const v1::Certificate& certificate) {
 
 }  // namespace
 
+v1::RawMesh ToProto(const RawMeshLayout& layout) {
+  v1::RawMesh raw;
+  raw.set_vertices(layout.vertices);
+  raw.set_triangles(layout.triangles);
+  raw.set_positions(layout.has_doubles ? v1::POSITION_TYPE_FLOAT64 : v1::POSITION_TYPE_FLOAT32);
+  for (const Attribute attribute : layout.attributes) raw.add_attributes(ToProto(attribute));
+  return raw;
+}
+
 v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, const std::optional<Vec3i>& resume_after) {
   v1::VoxelizeSpec spec;
   if (const Basis* basis = std::get_if<Basis>(&request.lattice)) {
@@ -194,6 +203,7 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   spec.set_encoding(ToProto(request.encoding));
   if (request.band) *spec.mutable_band() = ToProto(*request.band);
   for (const Attribute attribute : request.attributes) spec.add_attributes(ToProto(attribute));
+  if (request.raw_mesh) *spec.mutable_raw_mesh() = ToProto(*request.raw_mesh);
   return spec;
 }
 

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh/mesh_encoder.h"
+#include "client/mesh/raw_mesh.h"
 
 namespace latvox::client {
 namespace {
@@ -101,6 +102,21 @@ absl::StatusOr<std::string> EncodeMesh(std::span<const std::array<float, 3>> pos
   if (absl::Status status = CopyPositions(positions, mesh); !status.ok()) return status;
   if (absl::Status status = CopyTriangles(triangles, mesh); !status.ok()) return status;
   return BytesOf(EncodeMesh(mesh, quantization_bits));
+}
+
+absl::StatusOr<RawMesh> EncodeRawMesh(const TriangleMesh& mesh, const std::vector<Attribute>& attributes) {
+  Mesh copy;
+  for (size_t p = 0; p < mesh.positions.size(); ++p) {
+    for (const double x : mesh.positions[p]) {
+      if (!std::isfinite(x)) return Wrong("positions[", p, "]: ", x, " is not finite");
+    }
+  }
+  copy.positions = mesh.positions;
+  if (mesh.triangles.empty()) return Wrong("the mesh has no triangles");
+  if (absl::Status status = CopyTriangles(mesh.triangles, copy); !status.ok()) return status;
+  if (absl::Status status = CopyAttributes(mesh, copy); !status.ok()) return status;
+  if (absl::Status status = CheckAttributes(attributes, copy); !status.ok()) return status;
+  return ToRaw(copy, attributes);
 }
 
 absl::StatusOr<std::string> EncodeMesh(const TriangleMesh& mesh, const EncodeOptions& options) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/base/exceptions.h"
+#include "server/wire/convert.h"
 
 namespace latvox {
 
@@ -23,6 +24,11 @@ absl::StatusOr<bool> PutMeshReactor::ReceiveSpec(const v1::PutMeshSpec& spec) {
   if (spec.mesh_bytes() > capacity) {
     return LimitExceeded("mesh_bytes", spec.mesh_bytes(), capacity, "mesh_store_bytes");
   }
+  if (spec.has_raw_mesh()) {
+    const absl::StatusOr<RawMeshLayout> layout = RawMeshFromProto(spec.raw_mesh(), environment_.limits);
+    if (!layout.ok()) return layout.status();
+    raw_mesh_.emplace(*layout);
+  }
   if (environment_.meshes.Find(digest_)) {
     response_.set_already_stored(true);
     return false;
@@ -33,7 +39,9 @@ absl::StatusOr<bool> PutMeshReactor::ReceiveSpec(const v1::PutMeshSpec& spec) {
 
 // A piece that is refused is not counted.
 absl::Status PutMeshReactor::ReceivePiece(std::string&& piece) {
-  if (absl::Status status = upload_->Append(std::move(piece)); !status.ok()) return status;
+  absl::Status status = raw_mesh_ ? raw_mesh_->Add(piece) : absl::OkStatus();
+  status.Update(upload_->Append(std::move(piece)));
+  if (!status.ok()) return status;
   bytes_in_ = upload_->size();
   return memory_.Grow(bytes_in_);
 }

@@ -35,6 +35,7 @@ class PutMeshReactor final : public UploadCall<grpc::ServerReadReactor<v1::PutMe
   v1::PutMeshResponse& response_;
   MeshDigest digest_{};
   MemoryReservation memory_;
+  std::optional<RawMeshCheck> raw_mesh_;  // of the pieces, if they are plain arrays
 };
 
 }  // namespace latvox

@@ -11,6 +11,7 @@ absl::StatusOr<bool> VoxelizeReactor::ReceiveSpec(const v1::VoxelizeSpec& proto)
   if (!spec.ok()) return spec.status();
   upload_.emplace(spec->mesh_bytes, environment_.limits.max_mesh_bytes);
   may_be_kept_ = spec->mesh_digest.has_value();
+  if (spec->raw_mesh) raw_mesh_.emplace(*spec->raw_mesh);
   // The whole mesh must fit, but its memory counts only as it comes, so that a mere announcement takes none.
   if (spec->mesh_bytes > environment_.memory.total()) {
     return LimitExceeded("memory", spec->mesh_bytes, environment_.memory.total());
@@ -23,7 +24,8 @@ absl::StatusOr<bool> VoxelizeReactor::ReceiveSpec(const v1::VoxelizeSpec& proto)
 
 // A piece that is refused is counted, too.
 absl::Status VoxelizeReactor::ReceivePiece(std::string&& piece) {
-  absl::Status status = upload_->Append(std::move(piece));
+  absl::Status status = raw_mesh_ ? raw_mesh_->Add(piece) : absl::OkStatus();
+  status.Update(upload_->Append(std::move(piece)));
   bytes_in_ = upload_->size();
   return status.ok() ? computation_->Receive(bytes_in_) : status;
 }

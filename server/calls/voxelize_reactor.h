@@ -73,6 +73,7 @@ class VoxelizeReactor final
   void Proceed();
   void ProceedFrom(const WorkQueue& queue);
 
+  std::optional<RawMeshCheck> raw_mesh_;  // of the pieces, if they are plain arrays
   bool may_be_kept_ = false;              // a mesh that may be stored: it need not be sent
   v1::VoxelizeResponse writing_message_;  // the write under way; no thread touches it meanwhile
 

@@ -66,14 +66,16 @@ absl::StatusOr<Band> BandFromProto(const v1::Band& band) {
   return BadSpec("band: neither width nor voxels is set", "band", "");
 }
 
-absl::StatusOr<FieldList> FieldsFromProto(const google::protobuf::RepeatedField<int>& numbers) {
+//   name   of the request's field
+absl::StatusOr<FieldList> FieldsFromProto(const google::protobuf::RepeatedField<int>& numbers,
+                                          const char* name_of_list) {
   FieldList fields;
   for (const int number : numbers) {
-    const absl::StatusOr<Field> field = Meaning(kFieldNumbers, number, "attributes", "an attribute");
+    const absl::StatusOr<Field> field = Meaning(kFieldNumbers, number, name_of_list, "an attribute");
     if (!field.ok()) return field.status();
     const std::string name{NameOf(*field)};
     if (fields.Contains(*field)) {
-      return BadSpec(absl::StrCat("attributes: ", name, " stands twice"), "attributes", name);
+      return BadSpec(absl::StrCat(name_of_list, ": ", name, " stands twice"), name_of_list, name);
     }
     fields.Add(*field);
   }
@@ -101,13 +103,30 @@ absl::StatusOr<VoxelRequest> RequestFromProto(const v1::VoxelizeSpec& spec) {
   if (spec.has_bounds()) status.Update(Assign(BoundsFromProto(spec.bounds()), options.bounds));
   status.Update(Assign(SolidFromProto(spec.fill()), options.solid));
   if (spec.has_band()) status.Update(Assign(BandFromProto(spec.band()), options.band));
-  status.Update(Assign(FieldsFromProto(spec.attributes()), options.fields));
+  status.Update(Assign(FieldsFromProto(spec.attributes(), "attributes"), options.fields));
   if (!status.ok()) return status;
   auto request = MakeRequest(options);
   return request.ok() ? std::move(request) : WithCauseOfCore(request.status());
 }
 
 }  // namespace
+
+absl::StatusOr<RawMeshLayout> RawMeshFromProto(const v1::RawMesh& raw, const Limits& limits) {
+  if (raw.triangles() == 0) return BadSpec("raw_mesh.triangles 0 is below 1", "raw_mesh.triangles", "0", "1");
+  if (raw.vertices() > limits.max_vertices) return LimitExceeded("mesh.vertices", raw.vertices(), limits.max_vertices);
+  if (raw.triangles() > limits.max_triangles) {
+    return LimitExceeded("mesh.triangles", raw.triangles(), limits.max_triangles);
+  }
+  const auto doubles = Meaning(kPositionTypeNumbers, raw.positions(), "raw_mesh.positions", "a type of numbers");
+  if (!doubles.ok()) return doubles.status();
+  const auto attributes = FieldsFromProto(raw.attributes(), "raw_mesh.attributes");
+  if (!attributes.ok()) return attributes.status();
+  const RawMeshLayout layout{raw.vertices(), raw.triangles(), *doubles, *attributes};
+  if (layout.bytes() > limits.max_mesh_bytes) {
+    return LimitExceeded("mesh_bytes", layout.bytes(), limits.max_mesh_bytes);
+  }
+  return layout;
+}
 
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits) {
   if (spec.mesh_bytes() > limits.max_mesh_bytes) {
@@ -124,6 +143,17 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
     const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
     if (!digest.ok()) return digest.status();
     job.mesh_digest = *digest;
+  }
+  if (spec.has_raw_mesh()) {
+    const absl::StatusOr<RawMeshLayout> layout = RawMeshFromProto(spec.raw_mesh(), limits);
+    if (!layout.ok()) return layout.status();
+    if (job.mesh_bytes != 0 && job.mesh_bytes != layout->bytes()) {
+      return BadSpec(
+          absl::StrCat("mesh_bytes ", job.mesh_bytes, " is not ", layout->bytes(), ", as raw_mesh describes"),
+          "mesh_bytes", absl::StrCat(job.mesh_bytes), absl::StrCat(layout->bytes()));
+    }
+    job.mesh_bytes = layout->bytes();
+    job.raw_mesh = *layout;
   }
   return job;
 }

@@ -13,6 +13,7 @@
 #include "server/base/errors.h"
 #include "server/base/limits.h"
 #include "server/decode/mesh_store.h"
+#include "server/decode/raw_mesh.h"
 #include "server/wire/brick_batch.h"
 
 namespace latvox {
@@ -25,10 +26,12 @@ struct JobSpec {
   uint64_t mesh_bytes = 0;  // declared length of the encoded mesh; 0: unknown
   std::optional<MeshDigest> mesh_digest = std::nullopt;
   RequestFields fields = {};
+  std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // absent: the mesh is Draco-encoded
 };
 
 // Errors, all with an ErrorCause: INVALID_ARGUMENT for a number outside its enumeration, for a missing part, and for
-// every error of MakeRequest and MakeGridRequest; RESOURCE_EXHAUSTED for mesh_bytes over its limit.
+// every error of MakeRequest and MakeGridRequest; RESOURCE_EXHAUSTED for a mesh over its limits.
+absl::StatusOr<RawMeshLayout> RawMeshFromProto(const v1::RawMesh& raw, const Limits& limits);
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits);
 
 }  // namespace latvox

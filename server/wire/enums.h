@@ -50,6 +50,10 @@ inline constexpr EnumTable<InteriorRule, 3> kInteriorRuleNumbers{
      {v1::INTERIOR_RULE_PARITY, InteriorRule::kParity},
      {v1::INTERIOR_RULE_WINDING, InteriorRule::kWinding}}};
 
+// Whether positions are doubles.
+inline constexpr EnumTable<bool, 3> kPositionTypeNumbers{
+    {{v1::POSITION_TYPE_UNSPECIFIED, false}, {v1::POSITION_TYPE_FLOAT32, false}, {v1::POSITION_TYPE_FLOAT64, true}}};
+
 inline constexpr EnumTable<BrickEncoding, 4> kEncodingNumbers{
     {{v1::BRICK_ENCODING_UNSPECIFIED, BrickEncoding::kMasks},
      {v1::BRICK_ENCODING_MASKS, BrickEncoding::kMasks},

@@ -34,6 +34,10 @@ absl::Status UnknownMesh() {
                    {kMeshNotFound, "mesh_sha256", "", ""});
 }
 
+// Returns the number of float vertices that take as much memory as this many doubles: twice the size, and no rounding
+// in place.
+uint64_t AsFloats(uint64_t doubles) { return 3 * doubles; }
+
 // Adds the time of a scope to `sum`.
 class Stopwatch {
  public:
@@ -98,7 +102,23 @@ absl::Status Computation::ReceiveMesh(MeshUpload upload) {
   });
 }
 
+// It takes no longer than a copy, so it needs no process of its own.
+absl::Status Computation::ReadRaw(const RawMeshLayout& layout) {
+  return WithoutExceptions([&]() -> absl::Status {
+    absl::Status status = memory_.ReserveDecode(mesh_bytes_, layout.triangles,
+                                                layout.has_doubles ? AsFloats(layout.vertices) : layout.vertices);
+    if (!status.ok()) return status;
+    auto mesh = ReadRawMesh(std::exchange(mesh_, {}), layout, spec_.request.fields, stop_.Signal());
+    facts_.decode_ms = MillisecondsSince(decode_began_);
+    return mesh.ok() ? ReceiveDecoded(DecodedMesh{*std::move(mesh)}) : mesh.status();
+  });
+}
+
 void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
+  if (spec_.raw_mesh) {
+    decode_began_ = Clock::now();
+    return decoded(ReadRaw(*spec_.raw_mesh));
+  }
   if (FindDecoded()) return decoded(ReserveForJob(kept_->mesh));
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
@@ -142,7 +162,8 @@ absl::Status Computation::ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh) {
 
 absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-  const uint64_t triangles = mesh.triangles.size(), vertices = mesh.vertex_count();
+  const uint64_t triangles = mesh.triangles.size();
+  const uint64_t vertices = mesh.vertices.size() + AsFloats(mesh.double_vertices.size());
   large_ = LastsLong(triangles, 0);
   return memory_.ReserveMesh(triangles, vertices);
 }
@@ -150,7 +171,8 @@ absl::Status Computation::ReserveForJob(const TriangleMesh& mesh) {
 // Finds the mesh's extent. Lets the store keep a mesh that has come again; most meshes come once.
 void Computation::ShareIfItComesAgain() {
   decoded_.extent = ExtentOf(decoded_.mesh, stop_.Signal());
-  if (!mesh_comes_again_ || stop_.Stopped()) return;
+  // The digest of raw arrays does not tell their layout.
+  if (!mesh_comes_again_ || spec_.raw_mesh || stop_.Stopped()) return;
   kept_ = environment_.meshes.KeepDecoded(*spec_.mesh_digest, spec_.request.fields, std::move(decoded_));
 }
 

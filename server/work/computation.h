@@ -81,6 +81,7 @@ class Computation {
 
   absl::Status CheckCancelled() const;
   bool FindDecoded();
+  absl::Status ReadRaw(const RawMeshLayout& layout);
   absl::Status ReceiveDecoded(absl::StatusOr<DecodedMesh> mesh);
   absl::Status ReserveForJob(const TriangleMesh& mesh);
   void ShareIfItComesAgain();

@@ -6,6 +6,7 @@ target_link_libraries(latvox_server_meshes PUBLIC latvox::core PRIVATE latvox_bu
 
 latvox_add_test(server_decoder_test SOURCES unit/server/decode/decoder_test.cc
                 LIBRARIES latvox::server latvox_server_meshes draco::draco GTest::gmock)
+latvox_add_test(server_raw_mesh_test SOURCES unit/server/decode/raw_mesh_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_decoder_protocol_test SOURCES unit/server/decode/decoder_protocol_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 # Seccomp forbids calls that AddressSanitizer needs.

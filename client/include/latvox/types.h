@@ -136,6 +136,16 @@ struct Solid {
   bool operator==(const Solid&) const = default;
 };
 
+// The layout of a mesh that is sent as plain arrays instead of a Draco stream: positions, triangles and attributes, one
+// after the other. See RawMesh in the protocol; EncodeRawMesh makes one.
+struct RawMeshLayout {
+  uint64_t vertices = 0;
+  uint64_t triangles = 0;
+  bool has_doubles = false;                // positions are float64, otherwise float32
+  std::vector<Attribute> attributes = {};  // one uint32 for each vertex and attribute
+  bool operator==(const RawMeshLayout&) const = default;
+};
+
 // The job. Give at most one of voxel_size and resolution; a named lattice needs one. The server refuses options that
 // exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
 struct VoxelizeRequest {
@@ -156,6 +166,7 @@ struct VoxelizeRequest {
   std::vector<Attribute> attributes = {};           // carried by voxels, each once; the mesh must have them
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
+  std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
 };
 
 // The way in which a mesh was read and encoded, as far as it is not the default. Grids record it with the request, so

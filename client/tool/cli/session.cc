@@ -42,9 +42,6 @@ absl::Status Session::StartPrivate(const ServerChoice& choice, const CallOptions
   }
   if (!server.ok()) return server.status();
   server_ = *std::move(server);
-  // Overwrites a progress line, if there is one.
-  std::fprintf(stderr, "%slatvox: no --server given, started a private %s for this call\n",
-               ErrorIsTerminal() ? "\r\x1b[K" : "", server_->program().c_str());
   return absl::OkStatus();
 }
 

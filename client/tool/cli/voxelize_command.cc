@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client/mesh/mesh_encoder.h"
+#include "client/mesh/raw_mesh.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/mesh_source.h"
 #include "client/mesh_files/weld_report.h"
@@ -29,7 +30,8 @@ namespace {
 using Outputs = std::vector<std::unique_ptr<Output>>;
 
 struct Upload {
-  std::string drc;
+  std::string bytes;  // a Draco stream, or the arrays of `raw`
+  std::optional<RawMeshLayout> raw = std::nullopt;
   uint64_t skipped = 0;
   std::optional<WeldReport> weld = std::nullopt;
   CarriedNames names = {};
@@ -54,19 +56,30 @@ double VoxelsAlong(double side, const VoxelizeRequest& request) {
 
 // A Draco stream is sent as it is. Only --weld-report needs to decode it here.
 absl::StatusOr<Upload> PrepareDraco(const VoxelizeOptions& options, const CallOptions& call, std::string drc) {
-  Upload upload{.drc = std::move(drc)};
+  Upload upload{.bytes = std::move(drc)};
   if (options.quantization_bits) {
     upload.warnings.push_back(
         {"QUANTIZATION_IGNORED", "--quantization does not apply to .drc, which is sent as it is", "--quantization"});
   }
   if (!options.weld_report) return upload;
   const auto count = [path = options.mesh.paths[0], upload]() mutable -> absl::StatusOr<Upload> {
-    const auto mesh = ParseMeshFile(path, upload.drc, MeshFormat::kDraco);
+    const auto mesh = ParseMeshFile(path, upload.bytes, MeshFormat::kDraco);
     if (!mesh.ok()) return mesh.status();
     upload.weld = Weld(*mesh);
     return upload;
   };
   return DoAbandonably(count, call);
+}
+
+// Sends doubles only if the mesh needs them, because Draco streams are smaller.
+absl::StatusOr<Upload> Encode(const Mesh& mesh, int bits, const std::vector<Attribute>& attributes) {
+  if (NeedsDoubles(mesh, bits)) {
+    RawMesh raw = ToRaw(mesh, attributes);
+    return Upload{.bytes = std::move(raw.bytes), .raw = std::move(raw.layout)};
+  }
+  auto encoded = EncodeMesh(mesh, bits, attributes);
+  if (!encoded.ok()) return encoded.status();
+  return Upload{.bytes = std::move(encoded->drc)};
 }
 
 absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions& call, const JobHooks& hooks) {
@@ -81,11 +94,12 @@ absl::StatusOr<Upload> Prepare(const VoxelizeOptions& options, const CallOptions
       options.quantization_bits.value_or(AutoQuantizationBits(VoxelsAlong(LongestSide(mesh), options.request)));
   const auto encode = [shared_mesh, bits, attributes = options.request.attributes,
                        weld = options.weld_report]() -> absl::StatusOr<Upload> {
-    auto encoded = EncodeMesh(*shared_mesh, bits, attributes);
-    if (!encoded.ok()) return encoded.status();
-    Upload upload{.drc = std::move(encoded->drc), .skipped = shared_mesh->skipped, .warnings = shared_mesh->warnings};
-    upload.names = NamesOf(*shared_mesh, attributes);
-    if (weld) upload.weld = Weld(*shared_mesh);
+    auto upload = Encode(*shared_mesh, bits, attributes);
+    if (!upload.ok()) return upload;
+    upload->skipped = shared_mesh->skipped;
+    upload->warnings = shared_mesh->warnings;
+    upload->names = NamesOf(*shared_mesh, attributes);
+    if (weld) upload->weld = Weld(*shared_mesh);
     return upload;
   };
   return DoAbandonably(encode, call);
@@ -127,8 +141,8 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
 }
 
 // Runs the call and writes its results to the outputs.
-absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const CallOptions& call,
-                  const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
+absl::Status Call(const VoxelizeOptions& options, const Upload& upload, const CallOptions& call, const JobHooks& hooks,
+                  Outputs& outputs, VoxelizeReport& report) {
   hooks.on_stage("connecting");
   const absl::StatusOr<const Client*> client = hooks.connect();
   if (!client.ok()) return client.status();
@@ -148,7 +162,9 @@ absl::Status Call(const VoxelizeOptions& options, const std::string& drc, const 
   handlers.on_resumed = [&](const Resumption& resumption) {
     return hooks.say(ResumptionLine(resumption)), absl::OkStatus();
   };
-  auto summary = (*client)->Voxelize(options.request, drc, handlers, call);
+  VoxelizeRequest request = options.request;
+  request.raw_mesh = upload.raw;
+  auto summary = (*client)->Voxelize(request, upload.bytes, handlers, call);
   if (!summary.ok()) return WithMesh(summary.status(), options.mesh);
   report.summary = *std::move(summary);
   return absl::OkStatus();
@@ -185,7 +201,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   if (auto status = Warn(warnings, options.strict, hooks.say); !status.ok()) return status;
   report.encode_ms = absl::ToDoubleMilliseconds(absl::Now() - start);
   if (auto status = CheckTime(call); !status.ok()) return status;
-  if (auto status = Call(options, upload->drc, call, hooks, *outputs, report); !status.ok()) return status;
+  if (auto status = Call(options, *upload, call, hooks, *outputs, report); !status.ok()) return status;
   std::vector<Warning>& all = report.summary.warnings;
   if (auto status = Warn(all, options.strict, hooks.say); !status.ok()) return status;
   all.insert(all.begin(), warnings.begin(), warnings.end());

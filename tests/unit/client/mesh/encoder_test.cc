@@ -8,6 +8,7 @@
 #include <set>
 
 #include "client/mesh/mesh_encoder.h"
+#include "client/mesh/raw_mesh.h"
 #include "latvox/mesh/encode_mesh.h"
 
 namespace latvox::client {
@@ -154,6 +155,47 @@ TEST(EncodeMesh, IsTheEncoderForPlainArraysAndNamesWhatIsWrong) {
       {EncodeMesh(infinite, triangles).status(), "positions[1]: inf is not finite"},
       {EncodeMesh({positions.data(), 2}, triangles).status(), "triangles[0]: index 2 is not below 2, the positions"}};
   for (const auto& [status, message] : refusals) EXPECT_EQ(status, absl::InvalidArgumentError(message));
+}
+
+TEST(EncodeRawMesh, ArraysAreFloatsWhereTheyAreExactAndDoublesElsewhere) {
+  TriangleMesh mesh{{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}}, {{0, 1, 2}, {1, 0, 2}}};
+  const auto floats = EncodeRawMesh(mesh);
+  ASSERT_TRUE(floats.ok()) << floats.status();
+  EXPECT_EQ(floats->layout, (RawMeshLayout{3, 2, false, {}}));
+  EXPECT_EQ(floats->bytes.size(), 3 * 12 + 2 * 12u);
+  mesh.positions[0][0] = 0.1;
+  EXPECT_EQ(EncodeRawMesh(mesh)->layout, (RawMeshLayout{3, 2, true, {}}));
+  EXPECT_EQ(EncodeRawMesh(mesh)->bytes.size(), 3 * 24 + 2 * 12u);
+}
+
+TEST(EncodeRawMesh, AVertexOfTwoPartsBecomesTwo) {
+  const TriangleMesh mesh{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 2}}, /*parts=*/{3, 5}};
+  const auto raw = EncodeRawMesh(mesh, {Attribute::kPart});
+  ASSERT_TRUE(raw.ok()) << raw.status();
+  EXPECT_EQ(raw->layout, (RawMeshLayout{6, 2, false, {Attribute::kPart}}));
+  std::array<uint32_t, 12> numbers;  // two triangles, six parts
+  std::memcpy(numbers.data(), raw->bytes.data() + 6 * 12, sizeof(numbers));
+  EXPECT_EQ(numbers, (std::array<uint32_t, 12>{0, 1, 2, 3, 4, 5, 3, 3, 3, 5, 5, 5}));
+}
+
+TEST(EncodeRawMesh, NamesWhatIsWrong) {
+  const auto refusal = [](const TriangleMesh& mesh, const std::vector<Attribute>& attributes) {
+    return std::string(EncodeRawMesh(mesh, attributes).status().message());
+  };
+  const TriangleMesh good{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}}};
+  EXPECT_EQ(refusal({good.positions, {}}, {}), "the mesh has no triangles");
+  EXPECT_EQ(refusal({good.positions, {{0, 1, 3}}}, {}), "triangles[0]: index 3 is not below 3, the positions");
+  EXPECT_EQ(refusal({{{1, 0, 0}, {0, NAN, 0}, {0, 0, 1}}, {{0, 1, 2}}}, {}), "positions[1]: nan is not finite");
+  EXPECT_EQ(refusal(good, {Attribute::kColor}), "the mesh, or some of it, has no color");
+  EXPECT_EQ(refusal({{{1e300, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}}}, {}), "");
+}
+
+TEST(RawMesh, DoublesAreNeededWhereFloatsAreCoarserThanTheQuantization) {
+  const auto mesh_at = [](double x) { return Mesh{{{x, 0, 0}, {x + 1.1, 0, 0}, {x, 1, 0}}, {{0, 1, 2}}}; };
+  EXPECT_FALSE(NeedsDoubles(mesh_at(0), 16));
+  EXPECT_TRUE(NeedsDoubles(mesh_at(0), 0));
+  EXPECT_TRUE(NeedsDoubles(mesh_at(1000), 16));
+  EXPECT_FALSE(NeedsDoubles({{{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6, 1, 0}}, {{0, 1, 2}}}, 0));  // float32 holds these
 }
 
 TEST(MeshEncoder, AutoBitsGiveStepsOfAtMostOneSnappingStep) {
