@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstdint>
 #include <iterator>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,42 @@ class LinkList {
   std::vector<std::vector<uint64_t>> pieces_;
 };
 
+// A place of triangles.
+struct Place {
+  Triangle corners;  // ascending
+  uint32_t triangle;
+  bool operator<(const Place& other) const {
+    return std::tie(corners, triangle) < std::tie(other.corners, other.triangle);
+  }
+};
+
+bool IsLong(const Triangle& corners) {
+  constexpr int32_t kLong = 16 * kLatticeUnit;
+  const auto reaches = [&](size_t m) {
+    const auto [low, high] = std::minmax({corners[0][m], corners[1][m], corners[2][m]});
+    return high - low >= kLong;
+  };
+  return reaches(0) || reaches(1) || reaches(2);
+}
+
+// Returns which triangles need no scan, because another one has the same corners: the same links cross both, whatever
+// the order of the corners. Only long triangles count, which cross many links, so that a fine mesh costs no sorting.
+std::vector<bool> FindRepeated(const SnappedMesh& mesh, StopSignal stop) {
+  std::vector<Place> places;
+  for (size_t t = 0; t < mesh.triangles.size() && !stop.Stopped(); ++t) {
+    Triangle corners = mesh.TriangleAt(t);
+    if (!IsLong(corners)) continue;
+    std::sort(corners.begin(), corners.end());
+    places.push_back({corners, static_cast<uint32_t>(t)});
+  }
+  Sort(places, stop);
+  std::vector<bool> repeated(mesh.triangles.size());
+  for (size_t n = 1; n < places.size(); ++n) {
+    if (places[n].corners == places[n - 1].corners) repeated[places[n].triangle] = true;
+  }
+  return repeated;
+}
+
 }  // namespace
 
 absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<Frame>& frames, const VoxelSet& voxels,
@@ -59,6 +96,7 @@ absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<
   constexpr IndexBox kEverywhere{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
   constexpr size_t kGrain = 256;
   std::vector<std::atomic<uint64_t>> essential(voxels.words());
+  const std::vector<bool> repeated = FindRepeated(mesh, stop);
 
   using oneapi::tbb::blocked_range;
   oneapi::tbb::enumerable_thread_specific<LinkList> found;
@@ -66,6 +104,7 @@ absl::StatusOr<Verdict> CountTunnels(const SnappedMesh& mesh, const std::vector<
       blocked_range<size_t>(0, mesh.triangles.size(), kGrain), [&](const blocked_range<size_t>& part) {
         LinkList& uncovered = found.local();
         for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
+          if (repeated[t]) continue;
           const Triangle triangle = mesh.TriangleAt(t);
           size_t direction = 0;
           const auto judge = [&](const Vec3i& nearer, const Vec3i& farther) {

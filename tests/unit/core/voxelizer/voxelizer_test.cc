@@ -321,6 +321,33 @@ TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
             6000);
 }
 
+// Large triangles, which Verify scans once for each place, and small ones.
+TEST(Verify, CountsTrianglesAtOnePlaceOnce) {
+  for (const ExactLattice& l : ExactLattices()) {
+    TriangleMesh mesh = Sphere(4, 40);
+    const TriangleMesh once = mesh;
+    for (const auto& [a, b, c] : once.triangles) {
+      for (const auto& triangle : {std::array{b, c, a}, {c, b, a}, {a, b, c}}) mesh.triangles.push_back(triangle);
+    }
+    const auto verdict = [&](const TriangleMesh& of) {
+      auto job = *VoxelizeJob::Create(of, Unscaled(l.lattice), {});
+      VoxelSet damaged;
+      EXPECT_TRUE(job->Advance([&](TileBricks&& tile) {
+                       for (size_t n = 0; n < tile.bricks.size(); n += 2) damaged.Add(tile.bricks[n]);
+                       return true;
+                     })
+                      .ok());
+      damaged.Add({{100, 100, 100}, {7}});
+      return *job->Verify(damaged);
+    };
+    const Verdict expected = verdict(once), counted = verdict(mesh);
+    EXPECT_GT(expected.tunnels, 100U) << l.name;
+    EXPECT_GE(expected.redundant, 3U) << l.name;
+    EXPECT_EQ(counted.tunnels, expected.tunnels) << l.name;
+    EXPECT_EQ(counted.redundant, expected.redundant) << l.name;
+  }
+}
+
 TEST(ResolveGrid, MapsTheLongestSideToOneVoxelLessThanTheResolution) {
   const Bounds bounds{{-1, 0, 2}, {1, 8, 3}};
   for (NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kHexagonal}) {
