@@ -28,7 +28,8 @@ std::string JoinedWarnings(const std::vector<std::string>& texts) {
     const Json list = Json::parse(text, nullptr, /*allow_exceptions=*/false);
     if (!list.is_array()) continue;
     for (const Json& warning : list) {
-      if (warning.is_object() && warning.value("code", Json()) == "EMPTY_RESULT") continue;
+      const Json code = warning.is_object() ? warning.value("code", Json()) : Json();
+      if (code == "EMPTY_RESULT" || code == "EMPTY_SHARD") continue;
       if (std::find(joined.begin(), joined.end(), warning) == joined.end()) joined.push_back(warning);
     }
   }

@@ -16,7 +16,7 @@ inline constexpr char kWarningsName[] = "latvox_warnings";
 void DescribeWarnings(const std::vector<Warning>& warnings, openvdb::MetaMap& metadata);
 
 // Returns the JSON of all different warnings in several such texts, in their order; empty if there are none. Leaves out
-// EMPTY_RESULT, because parts are joined. Returns nothing for a text that is not JSON.
+// EMPTY_RESULT and EMPTY_SHARD, because parts are joined. Returns nothing for a text that is not JSON.
 std::string JoinedWarnings(const std::vector<std::string>& texts);
 
 }  // namespace latvox::client

@@ -55,11 +55,36 @@ Warning EmptyBox(const VoxelizeRequest& request, const Accepted& accepted) {
   }
   if (request.bounds) {
     names.emplace_back("bounds");
-    boxes.push_back(
-        absl::StrCat("the bounds ", Corners(*request.bounds), " (the mesh lies in ", Corners(mesh), ")"));
+    boxes.push_back(absl::StrCat("the bounds ", Corners(*request.bounds), " (the mesh lies in ", Corners(mesh), ")"));
   }
   return {"EMPTY_RESULT", absl::StrCat("no voxel lies in ", absl::StrJoin(boxes, " and in ")),
           absl::StrJoin(names, ", ")};
+}
+
+std::string WhyNothingIsInside(const SolidFacts& solid, const GridTransform& grid) {
+  if (solid.unbalanced_lines > 0) {
+    return absl::StrCat("the mesh is not closed, and ", solid.unbalanced_lines, " lattice lines end unbalanced");
+  }
+  return absl::StrCat("no lattice point lies inside the mesh, which is thinner than their distances (voxel size ",
+                      grid.voxel_size, ")", solid.rule == "positive" ? ", or turned inside out" : "");
+}
+
+// Precondition: the request has neither region nor bounds.
+Warning EmptyWhole(const Accepted& accepted, const Certificate& certificate) {
+  if (const auto& shard = certificate.shard; shard && shard->count > 1) {
+    return {"EMPTY_SHARD",
+            absl::StrCat("shard ", shard->index, "/", shard->count, " has no voxel; others may have some"), "shard"};
+  }
+  if (const auto& band = certificate.band) {
+    return {"EMPTY_RESULT", absl::StrCat("no lattice point lies within ", band->width, " of the mesh"), "band"};
+  }
+  if (const auto& solid = certificate.solid) {
+    return {"EMPTY_RESULT", WhyNothingIsInside(*solid, accepted.grid), "fill"};
+  }
+  return {"EMPTY_RESULT",
+          absl::StrCat("the mesh crosses no step between neighboring lattice points (voxel size ",
+                       accepted.grid.voxel_size, ")"),
+          ""};
 }
 
 double LongestSide(const MeshFacts& mesh) {
@@ -73,7 +98,10 @@ double LongestSide(const MeshFacts& mesh) {
 std::vector<Warning> WarningsOf(const VoxelizeRequest& request, const Accepted& accepted, const Summary& summary) {
   constexpr double kFew = 4;
   std::vector<Warning> warnings;
-  if (summary.voxels == 0 && (request.region || request.bounds)) warnings.push_back(EmptyBox(request, accepted));
+  if (summary.voxels == 0) {
+    warnings.push_back(request.region || request.bounds ? EmptyBox(request, accepted)
+                                                        : EmptyWhole(accepted, summary.certificate));
+  }
   const double side = LongestSide(accepted.mesh);
   if (!request.resolution && side < kFew * accepted.grid.voxel_size) {
     warnings.push_back(

@@ -164,6 +164,13 @@ def octahedron(radius=1.0):
     return vertices, triangles
 
 
+def box(low, high):
+    """Returns a closed box, oriented outwards."""
+    vertices = [tuple((high if n >> m & 1 else low)[m] for m in range(3)) for n in range(8)]
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return vertices, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+
+
 def shuffled(mesh, seed):
     """Returns the same triangles in another order, each starting at another corner."""
     vertices, triangles = mesh

@@ -5,7 +5,7 @@ import pathlib
 import re
 import unittest
 
-from harness import Case, latvox, octahedron, write_obj
+from harness import Case, box, latvox, octahedron, write_obj
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CODE = re.compile(r'(?:\bWarning|[wW]arnings?\.push_back\(|[wW]arnings \+?= |\breturn|\bWarn\()\s*\{\s*"([A-Z]+(?:_[A-Z]+)*)"')
@@ -33,7 +33,7 @@ class Warnings(Case):
         )
 
     def test_a_warning_of_each_origin_is_everywhere(self):
-        done = latvox("voxelize", self.cut, "--voxel-size", "1", "-o", self.dir / "a.vdb", "--json")
+        done = latvox("voxelize", self.cut, "--voxel-size", "0.3", "-o", self.dir / "a.vdb", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         warnings = json.loads(done.stdout)["warnings"]
         self.assertEqual([warning["code"] for warning in warnings], ["NO_END", "FEW_VOXELS"])
@@ -41,7 +41,7 @@ class Warnings(Case):
         self.assertEqual(said, ["latvox: warning: " + warning["message"] for warning in warnings])
         info = json.loads(latvox("info", "--json", self.dir / "a.vdb").stdout)
         self.assertEqual(json.loads(info["metadata"]["latvox_warnings"]), warnings)
-        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": "cut.stl", "voxel_size": 1, "out": "b.vdb"}))
+        (self.dir / "jobs.jsonl").write_text(json.dumps({"mesh": "cut.stl", "voxel_size": 0.3, "out": "b.vdb"}))
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir)
         self.assertEqual(done.returncode, 0, done.stderr)
         for warning in warnings:
@@ -88,6 +88,28 @@ class Warnings(Case):
         line = json.loads((self.dir / "results.jsonl").read_text().splitlines()[-1])
         self.assertEqual(line["status"], "failed")
         self.assertIn("NO_END", line["error"]["message"])
+
+    def test_every_empty_result_has_its_reason(self):
+        plate = write_obj(self.dir / "plate.obj", box((0, 0, 0.01), (9, 9, 0.02)))
+        speck = write_obj(self.dir / "speck.obj", box((0.1, 0.15, 0.32), (0.12, 0.17, 0.34)))
+        hole = write_obj(self.dir / "hole.obj", (octahedron(4)[0], octahedron(4)[1][:1]))
+        step, solid = ["--voxel-size", "1", "--origin", "0,0,0"], ["--fill", "solid", "--without-surface"]
+        for mesh, options, code, reason in (
+            (plate, [*step, *solid], "EMPTY_RESULT", "no lattice point lies inside the mesh, which is thinner than"),
+            (plate, [*step, *solid, "--interior-rule", "positive"], "EMPTY_RESULT", "or turned inside out"),
+            (hole, [*step, *solid, "--force-open"], "EMPTY_RESULT", "the mesh is not closed, and [0-9]+ lattice lines"),
+            (speck, step, "EMPTY_RESULT", "the mesh crosses no step between neighboring lattice points"),
+            (speck, [*step, "--band", "0.01"], "EMPTY_RESULT", "no lattice point lies within 0.01 of the mesh"),
+            (speck, ["--resolution", "2", "--shard", "0/9999"], "EMPTY_SHARD", "shard 0/9999 has no voxel"),
+        ):
+            with self.subTest(reason):
+                summary = self.voxelize(mesh, *options)
+                self.assertEqual(summary["voxels"], 0)
+                self.assertEqual(summary["warnings"][0]["code"], code)
+                self.assertRegex(summary["warnings"][0]["message"], reason)
+        done = latvox("voxelize", speck, "--resolution", "2", "--shard", "0/9999", "--strict", "-o", self.dir / "a.csv")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("latvox: note: shard 0/9999 has no voxel; others may have some\n", done.stderr)
 
     def test_quantization_does_not_apply_to_draco(self):
         drc = self.dir / "a.drc"

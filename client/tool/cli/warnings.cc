@@ -4,14 +4,23 @@
 #include "absl/strings/str_join.h"
 
 namespace latvox::client {
+namespace {
+
+// Shards may be empty, and then the whole lacks nothing.
+bool IsNote(const Warning& warning) { return warning.code == "EMPTY_SHARD"; }
+
+}  // namespace
 
 absl::Status Warn(const std::vector<Warning>& warnings, bool strict,
                   const std::function<void(const std::string& line)>& say) {
-  for (const Warning& warning : warnings) say(absl::StrCat("warning: ", warning.message));
-  if (!strict || warnings.empty()) return absl::OkStatus();
-  const auto code = [](std::string* out, const Warning& warning) { *out += warning.code; };
+  std::vector<std::string> codes;
+  for (const Warning& warning : warnings) {
+    say(absl::StrCat(IsNote(warning) ? "note: " : "warning: ", warning.message));
+    if (!IsNote(warning)) codes.push_back(warning.code);
+  }
+  if (!strict || codes.empty()) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrCat("strict: no warning is allowed, and there is ", absl::StrJoin(warnings, ", ", code)));
+      absl::StrCat("strict: no warning is allowed, and there is ", absl::StrJoin(codes, ", ")));
 }
 
 }  // namespace latvox::client

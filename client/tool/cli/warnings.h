@@ -11,7 +11,8 @@
 
 namespace latvox::client {
 
-// Says each warning in a line. Errors: INVALID_ARGUMENT naming the codes, if `strict` and there are any.
+// Says each warning in a line, and EMPTY_SHARD as a note. Errors: INVALID_ARGUMENT naming the codes, if `strict` and
+// there are any, except notes.
 absl::Status Warn(const std::vector<Warning>& warnings, bool strict,
                   const std::function<void(const std::string& line)>& say);
 
