@@ -21,7 +21,7 @@ std::string Corners(const Box& box) {
 
 void AddSolid(const Solid& solid, Json& json) {
   json["fill"] = "solid";
-  json["interior_rule"] = solid.rule == InteriorRule::kParity ? "parity" : "winding";
+  json["interior_rule"] = NameOf(solid.rule);
   if (!solid.surface) json["without_surface"] = true;
   if (solid.force_open) json["force_open"] = true;
 }

@@ -67,10 +67,14 @@ v1::BrickEncoding ToProto(BrickEncoding encoding) {
 
 v1::InteriorRule ToProto(InteriorRule rule) {
   switch (rule) {
+    case InteriorRule::kAuto:
+      return v1::INTERIOR_RULE_UNSPECIFIED;
     case InteriorRule::kParity:
       return v1::INTERIOR_RULE_PARITY;
     case InteriorRule::kWinding:
       return v1::INTERIOR_RULE_WINDING;
+    case InteriorRule::kPositive:
+      return v1::INTERIOR_RULE_POSITIVE;
   }
   return v1::INTERIOR_RULE_UNSPECIFIED;
 }

@@ -20,17 +20,18 @@ BitsLayout LayoutOf(const Vec3i& tile_ijk) { return {tile_ijk * kTileSide, {}}; 
 // A closed mesh is balanced on every line. For another mesh, all lines must be checked.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,
-                                                             uint64_t& unbalanced_lines) {
-  const bool parity = solid.rule == InteriorRule::kParity;
-  const bool has_inside = parity ? closed : IsOriented(mesh, stop);
-  unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, solid.rule, stop);
+                                                             InteriorRule& rule, uint64_t& unbalanced_lines) {
+  const bool oriented = solid.rule != InteriorRule::kParity && IsOriented(mesh, stop);
+  rule = solid.rule != InteriorRule::kAuto ? solid.rule : oriented ? InteriorRule::kWinding : InteriorRule::kParity;
+  const bool has_inside = rule == InteriorRule::kParity ? closed : oriented;
+  unbalanced_lines = has_inside ? 0 : CountUnbalancedLines(mesh, rule, stop);
   if (!has_inside && !solid.force_open && !stop.Stopped()) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "mesh: it is not closed%s, and %d lattice lines along k end unbalanced; force_open fills the others",
-        closed ? " with one orientation, as the rule winding asks" : "", unbalanced_lines));
+        closed ? absl::StrFormat(" with one orientation, as the rule %s asks", NameOf(rule)) : "", unbalanced_lines));
   }
-  std::unique_ptr<const Interior> interior = has_inside ? MakeClosedInterior(mesh, solid.rule, region, stop)
-                                                        : MakeOpenInterior(mesh, solid.rule, region, stop);
+  std::unique_ptr<const Interior> interior =
+      has_inside ? MakeClosedInterior(mesh, rule, region, stop) : MakeOpenInterior(mesh, rule, region, stop);
   if (stop.Stopped()) return absl::CancelledError("voxelization cancelled");
   return interior;
 }

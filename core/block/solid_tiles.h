@@ -20,13 +20,14 @@
 
 namespace latvox {
 
-// Returns the interior of a solid, and the number of the mesh's lines along k that end unbalanced.
+// Returns the interior of a solid, the rule for it (that of `solid`, or what kAuto becomes), and the number of the
+// mesh's lines along k that end unbalanced.
 //   closed   from the mesh's SurfaceFacts
 //   region   local voxels for which the interior is needed
 // Errors: INVALID_ARGUMENT if the mesh has no inside and solid.force_open is not set; CANCELLED.
 absl::StatusOr<std::unique_ptr<const Interior>> MakeInterior(const SnappedMesh& mesh, const Solid& solid, bool closed,
                                                              const IndexBox& region, StopSignal stop,
-                                                             uint64_t& unbalanced_lines);
+                                                             InteriorRule& rule, uint64_t& unbalanced_lines);
 
 // Returns whether the frames include those along the three axes of lattice coordinates. Then a triangle that touches no
 // line along the frames does not matter to the interior, either.

@@ -2,6 +2,7 @@
 #ifndef LATVOX_CORE_REQUEST_SOLID_H_
 #define LATVOX_CORE_REQUEST_SOLID_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -10,18 +11,29 @@ namespace latvox {
 // The rule for the inside, by the signed crossings of a path that comes from far away. A crossing counts +1 where the
 // path goes against the triangle's normal, else -1.
 enum class InteriorRule {
-  kParity,   // an odd sum: every second shell is hollow; the triangles' orientation does not matter
-  kWinding,  // a sum other than 0, the winding number: overlapping bodies are one
+  kAuto,      // kWinding for an oriented mesh (core/solid/balance.h), otherwise kParity; a job decides
+  kParity,    // an odd sum: every second shell is hollow; the triangles' orientation does not matter
+  kWinding,   // a sum other than 0, the winding number: overlapping bodies are one
+  kPositive,  // a sum above 0: the same, and what is turned inside out is nowhere inside
 };
 
-constexpr std::string_view NameOf(InteriorRule rule) { return rule == InteriorRule::kParity ? "parity" : "winding"; }
+constexpr std::string_view NameOf(InteriorRule rule) {
+  constexpr std::string_view kNames[] = {"auto", "parity", "winding", "positive"};
+  return kNames[static_cast<size_t>(rule)];
+}
 
+// Precondition: the rule is not kAuto.
 constexpr bool IsInside(InteriorRule rule, int32_t sum) {
+  return rule == InteriorRule::kParity ? (sum & 1) != 0 : rule == InteriorRule::kPositive ? sum > 0 : sum != 0;
+}
+
+// Whether a line that ends with this sum is unbalanced. Precondition: the rule is not kAuto.
+constexpr bool IsUnbalanced(InteriorRule rule, int32_t sum) {
   return rule == InteriorRule::kParity ? (sum & 1) != 0 : sum != 0;
 }
 
 struct Solid {
-  InteriorRule rule = InteriorRule::kParity;
+  InteriorRule rule = InteriorRule::kAuto;
   bool surface = true;      // whether the surface's voxels belong to the solid
   bool force_open = false;  // fill a mesh that is not closed, where its lines along k are balanced
 };

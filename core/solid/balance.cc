@@ -86,7 +86,7 @@ class LineCount {
                                          });
     }
     return static_cast<uint64_t>(
-        std::count_if(sums.begin(), sums.end(), [&](int32_t sum) { return IsInside(rule_, sum); }));
+        std::count_if(sums.begin(), sums.end(), [&](int32_t sum) { return IsUnbalanced(rule_, sum); }));
   }
 
   const SnappedMesh& mesh_;

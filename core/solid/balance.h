@@ -16,8 +16,8 @@ namespace latvox {
 bool IsOriented(const SnappedMesh& mesh, StopSignal stop = {});
 
 // Returns the number of lattice lines along k that end unbalanced: the sum of their signed crossings is odd (kParity),
-// or not 0 (kWinding). A closed (kParity) or oriented (kWinding) mesh has none. Another mesh may have none as well, if
-// no line passes through its holes. Memory: O(triangles).
+// or not 0 (other rules). A closed (kParity) or oriented (other rules) mesh has none. Another mesh may have none as
+// well, if no line passes through its holes. Memory: O(triangles).
 uint64_t CountUnbalancedLines(const SnappedMesh& mesh, InteriorRule rule, StopSignal stop = {});
 
 }  // namespace latvox

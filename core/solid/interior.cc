@@ -32,7 +32,7 @@ class ClosedInterior : public Interior {
         stop_(stop),
         first_tile_(Shifted(region.min, kTileBits)),
         corners_(FindLineCrossings<kCornerBits>(mesh, region, stop)) {
-    // Sums over whole lines are even, or 0 (for kWinding), so no line affects the lines after it.
+    // Sums over whole lines are even, or 0 (for other rules than kParity), so no line affects the lines after it.
     sums_.reserve(corners_.size());
     int32_t sum = 0;
     for (const uint64_t corner : corners_) sums_.push_back(sum += LineCrossing::Turn(corner));
@@ -51,7 +51,7 @@ class ClosedInterior : public Interior {
     std::fill(rows.rows_.begin(), rows.rows_.end(), triangles.empty() && IsInside(rule_, at_corner) ? From(0) : 0);
     if (triangles.empty()) return;
     std::fill(rows.starts_.begin(), rows.starts_.end(), 0);
-    if (rule_ == InteriorRule::kWinding) rows.turns_.resize(InteriorRows::kRows * kTileSide);
+    if (rule_ != InteriorRule::kParity) rows.turns_.resize(InteriorRows::kRows * kTileSide);
     std::array<int32_t, kTileSide> along_i{};
     along_i[0] = at_corner;
     for (const uint32_t t : triangles) {
@@ -96,7 +96,7 @@ class ClosedInterior : public Interior {
         });
   }
 
-  // For kParity, rows mark the changes of parity; for kWinding, possible changes of the sum.
+  // For kParity, rows mark the changes of parity; for other rules, possible changes of the sum.
   void AddToRow(size_t row, int32_t k, int32_t turn, InteriorRows& rows) const {
     const uint64_t bit = uint64_t{1} << k;
     if (rule_ == InteriorRule::kParity) {
@@ -126,20 +126,20 @@ class ClosedInterior : public Interior {
       if (changes == 0 || rule_ == InteriorRule::kParity) {
         rows.rows_[row] = RunningParity(changes) ^ (starts_inside ? From(0) : 0);
       } else {
-        rows.rows_[row] = WindingRow(changes, rows.starts_[row], &rows.turns_[row * kTileSide]);
+        rows.rows_[row] = SumRow(changes, rows.starts_[row], &rows.turns_[row * kTileSide]);
       }
     }
   }
 
   // Clears the turns that it reads.
-  static uint64_t WindingRow(uint64_t changes, int32_t sum, int32_t* turns) {
-    uint64_t inside = sum != 0 ? From(0) : 0;
+  uint64_t SumRow(uint64_t changes, int32_t sum, int32_t* turns) const {
+    uint64_t inside = IsInside(rule_, sum) ? From(0) : 0;
     for (; changes != 0; changes &= changes - 1) {
       const int k = std::countr_zero(changes);
-      const bool was_inside = sum != 0;
+      const bool was_inside = IsInside(rule_, sum);
       sum += turns[k];
       turns[k] = 0;
-      if ((sum != 0) != was_inside) inside ^= From(k);
+      if (IsInside(rule_, sum) != was_inside) inside ^= From(k);
     }
     return inside;
   }
@@ -200,7 +200,7 @@ class OpenInterior : public Interior {
       if (IsInside(rule_, sum) != was_inside)
         inside ^= From(std::clamp(LineCrossing::Above(crossing) - low, 0, kTileSide));
     }
-    return IsInside(rule_, sum) ? 0 : inside;
+    return IsUnbalanced(rule_, sum) ? 0 : inside;
   }
 
   const InteriorRule rule_;

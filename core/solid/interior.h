@@ -38,7 +38,7 @@ class InteriorRows {
 
   std::vector<uint64_t> rows_;
   std::vector<int32_t> starts_;  // sums at k = 0
-  std::vector<int32_t> turns_;   // kWinding: the change of its row's sum at each point; otherwise all 0
+  std::vector<int32_t> turns_;   // unless kParity: the change of its row's sum at each point; otherwise all 0
 };
 
 class Interior {
@@ -57,7 +57,7 @@ class Interior {
 // Both keep a reference to the mesh, and the signal. Once cancelled, results are meaningless.
 //   region   local voxels: others are not needed
 //
-// Precondition: the mesh is closed (kParity) or oriented (kWinding).
+// Precondition: the mesh is closed (kParity) or oriented (other rules). The rule is not kAuto.
 std::unique_ptr<Interior> MakeClosedInterior(const SnappedMesh& mesh, InteriorRule rule, const IndexBox& region,
                                              StopSignal stop = {});
 // For any mesh. Memory: kBytesPerLineCrossing for each crossing of a line along k.

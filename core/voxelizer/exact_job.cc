@@ -59,7 +59,7 @@ absl::Status ExactJob::Prepare() {
   if (!plan_->solid || interior_) return absl::OkStatus();
   JobFacts& facts = plan_->facts;
   auto interior = MakeInterior(plan_->input.mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
-                               facts.unbalanced_lines);
+                               facts.interior_rule, facts.unbalanced_lines);
   if (!interior.ok()) return interior.status();
   interior_ = *std::move(interior);
   units_.AddInterior(*interior_);

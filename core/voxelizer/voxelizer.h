@@ -26,6 +26,7 @@ struct JobFacts {
   bool cut_by_bounds = false;                        // part.bounds may leave out voxels of the whole
   uint64_t tiles_in_box = 0;                         // 64^3 tiles that meet index_box
   Vec3i first_tile_ijk{};                            // of the canonical order (core/brick/tile_order.h)
+  InteriorRule interior_rule = InteriorRule::kAuto;  // for a solid, once prepared: never kAuto
   uint64_t unbalanced_lines = 0;                     // for a solid, once prepared: see CountUnbalancedLines
   double band_width = 0;                             // world units; 0: there is no band
 

@@ -70,7 +70,7 @@ void BandToProto(const Band& band, const JobFacts& facts, const JobTotals& total
 }
 
 void SolidToProto(const Solid& solid, const JobFacts& facts, v1::FillFacts& out) {
-  out.set_rule(std::string{NameOf(solid.rule)});
+  out.set_rule(std::string{NameOf(facts.interior_rule)});
   out.set_surface(solid.surface);
   out.set_unbalanced_lines(facts.unbalanced_lines);
 }

@@ -45,10 +45,11 @@ inline constexpr EnumTable<Cover, 3> kCoverNumbers{{{v1::COVER_UNSPECIFIED, Cove
 inline constexpr EnumTable<bool, 3> kFillModeNumbers{
     {{v1::FILL_MODE_UNSPECIFIED, false}, {v1::FILL_MODE_SURFACE, false}, {v1::FILL_MODE_SOLID, true}}};
 
-inline constexpr EnumTable<InteriorRule, 3> kInteriorRuleNumbers{
-    {{v1::INTERIOR_RULE_UNSPECIFIED, InteriorRule::kParity},
+inline constexpr EnumTable<InteriorRule, 4> kInteriorRuleNumbers{
+    {{v1::INTERIOR_RULE_UNSPECIFIED, InteriorRule::kAuto},
      {v1::INTERIOR_RULE_PARITY, InteriorRule::kParity},
-     {v1::INTERIOR_RULE_WINDING, InteriorRule::kWinding}}};
+     {v1::INTERIOR_RULE_WINDING, InteriorRule::kWinding},
+     {v1::INTERIOR_RULE_POSITIVE, InteriorRule::kPositive}}};
 
 // Whether positions are doubles.
 inline constexpr EnumTable<bool, 3> kPositionTypeNumbers{

@@ -120,19 +120,27 @@ enum class BrickEncoding {
   kPackedZstd,  // a quarter less again, for twice the time on both sides: for networks below about one gigabit a second
 };
 
-// The rule for the inside of a mesh: an odd number of crossings on the way from outside, or a sum of crossings other
-// than 0. Each crossing counts + or - by the triangle's orientation.
+// The rule for the inside of a mesh: by the number of crossings on the way from outside, or by their sum. Each crossing
+// counts + or - by the triangle's orientation.
 enum class InteriorRule {
-  kParity,   // an odd number
-  kWinding,  // a sum other than 0
+  kAuto,      // kWinding if triangles use every edge equally often both ways, otherwise kParity
+  kParity,    // an odd number
+  kWinding,   // a sum other than 0: overlapping bodies are one
+  kPositive,  // a sum above 0: the same, and what is turned inside out is nowhere inside
 };
 
+// "auto", "parity", "winding" or "positive".
+constexpr const char* NameOf(InteriorRule rule) {
+  constexpr const char* kNames[] = {"auto", "parity", "winding", "positive"};
+  return kNames[static_cast<size_t>(rule)];
+}
+
 // The fill of a mesh, which must be closed: every edge belongs to an even number of triangles (kParity), or is used
-// equally often both ways (kWinding).
+// equally often both ways (kWinding, kPositive).
 struct Solid {
-  InteriorRule rule = InteriorRule::kParity;  // the rule for the inside
-  bool surface = true;                        // include the surface's voxels
-  bool force_open = false;                    // fill a mesh that is not closed, along the balanced lattice lines in k
+  InteriorRule rule = InteriorRule::kAuto;  // the rule for the inside
+  bool surface = true;                      // include the surface's voxels
+  bool force_open = false;                  // fill a mesh that is not closed, along the balanced lattice lines in k
   bool operator==(const Solid&) const = default;
 };
 
@@ -238,7 +246,7 @@ struct BrickBatch {
 
 // The fill of a mesh.
 struct SolidFacts {
-  std::string rule;               // "parity" or "winding"
+  std::string rule;               // the one that was used: "parity", "winding" or "positive"
   bool surface = true;            // the set includes the surface's voxels
   uint64_t unbalanced_lines = 0;  // along k, which have no interior; 0 if the mesh is closed
 };

@@ -16,8 +16,10 @@ const Names<Algorithm>& AlgorithmNames() {
 }
 
 const Names<InteriorRule>& RuleNames() {
-  static const auto* const kNames =
-      new Names<InteriorRule>{{"parity", InteriorRule::kParity}, {"winding", InteriorRule::kWinding}};
+  static const auto* const kNames = new Names<InteriorRule>{{"auto", InteriorRule::kAuto},
+                                                            {"parity", InteriorRule::kParity},
+                                                            {"winding", InteriorRule::kWinding},
+                                                            {"positive", InteriorRule::kPositive}};
   return *kNames;
 }
 

@@ -78,9 +78,20 @@ MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   return note;
 }
 
+// Without a word, the rule is that of the mesh's format. A mesh without an extension has its format only by that word.
+InteriorRule RuleOf(const VoxelizeWords& words) {
+  if (!words.interior_rule.empty()) return ValueNamed(RuleNames(), words.interior_rule);
+  const auto is_3mf = [&words](const std::string& path) {
+    return words.input_format.empty() ? HasExtension(path, {".3mf"}) : words.input_format == "3mf";
+  };
+  const std::vector<std::string>& paths = words.options.mesh.paths;
+  const bool all = !paths.empty() && std::all_of(paths.begin(), paths.end(), is_3mf);
+  return all ? InteriorRule::kPositive : InteriorRule::kAuto;
+}
+
 std::optional<Solid> InterpretSolid(const VoxelizeWords& words) {
   if (words.fill == "solid") {
-    return Solid{ValueNamed(RuleNames(), words.interior_rule), !words.without_surface, words.force_open};
+    return Solid{RuleOf(words), !words.without_surface, words.force_open};
   }
   if (!words.interior_rule.empty()) Refuse("--interior-rule: needs --fill solid");
   if (words.without_surface) Refuse("--without-surface: needs --fill solid");

@@ -21,7 +21,18 @@ namespace {
 
 using oracle::Int3;
 
-constexpr InteriorRule kRules[] = {InteriorRule::kParity, InteriorRule::kWinding};
+constexpr InteriorRule kRules[] = {InteriorRule::kParity, InteriorRule::kWinding, InteriorRule::kPositive};
+
+bool IsIn(InteriorRule rule, int sum) {
+  switch (rule) {
+    case InteriorRule::kParity:
+      return sum % 2 != 0;
+    case InteriorRule::kPositive:
+      return sum > 0;
+    default:
+      return sum != 0;
+  }
+}
 
 struct LineFill {
   std::set<Int3> inside;    // on balanced lines
@@ -43,7 +54,7 @@ LineFill FillAlong(const oracle::Mesh& mesh, const Int3& q, InteriorRule rule) {
     int sum = 0;
     int64_t last = 0;
     for (const auto& [step, change] : changes) {
-      for (int64_t m = last; m < step && (rule == InteriorRule::kParity ? sum % 2 != 0 : sum != 0); ++m) {
+      for (int64_t m = last; m < step && IsIn(rule, sum); ++m) {
         inside.insert({line[0] + m * q[0], line[1] + m * q[1], line[2] + m * q[2]});
       }
       sum += change;
@@ -177,6 +188,45 @@ TEST(InteriorRules, DifferWhereBodiesOverlap) {
   const TriangleMesh world = ToWorld(mesh, lattice);
   EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kParity, false}).totals.voxels, 1000U);
   EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kWinding, false}).totals.voxels, 1500U);
+  EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kPositive, false}).totals.voxels, 1500U);
+}
+
+TEST(InteriorRules, DifferWhereBodiesAreTurnedInsideOut) {
+  const auto turned = [](oracle::Mesh mesh) {
+    for (auto& triangle : mesh) std::swap(triangle[1], triangle[2]);
+    return mesh;
+  };
+  const oracle::Mesh outer = Box({0, 0, 0}, {2560, 2560, 2560}), inner = Box({768, 768, 768}, {1792, 1792, 1792});
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  const auto count = [&](oracle::Mesh mesh, const oracle::Mesh& more, InteriorRule rule) {
+    mesh.insert(mesh.end(), more.begin(), more.end());
+    return VoxelizeSolid(ToWorld(mesh, lattice), lattice, {rule, false}).totals.voxels;
+  };
+  for (const InteriorRule rule : {InteriorRule::kAuto, InteriorRule::kWinding, InteriorRule::kPositive}) {
+    EXPECT_EQ(count(outer, turned(inner), rule), 1000U - 64U) << NameOf(rule);  // a cavity
+    EXPECT_EQ(count(outer, inner, rule), 1000U) << NameOf(rule);
+  }
+  EXPECT_EQ(count(turned(outer), {}, InteriorRule::kWinding), 1000U);
+  EXPECT_EQ(count(turned(outer), {}, InteriorRule::kPositive), 0U);
+}
+
+// One triangle that is turned around makes a mesh that is closed, and not oriented.
+TEST(InteriorRules, AutoIsWindingForOrientedMeshesOtherwiseParity) {
+  const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
+  oracle::Mesh mesh = Box({0, 0, 0}, {2560, 2560, 2560});
+  const oracle::Mesh other = Box({1280, 0, 0}, {3840, 2560, 2560});
+  mesh.insert(mesh.end(), other.begin(), other.end());
+  const auto check = [&](InteriorRule rule) {
+    const TriangleMesh world = ToWorld(mesh, lattice);
+    auto job = VoxelizeJob::Create(world, Unscaled(lattice), {.solid = Solid{.surface = false}});
+    ASSERT_TRUE(job.ok() && (*job)->Prepare().ok());
+    EXPECT_EQ((*job)->facts().interior_rule, rule);
+    EXPECT_EQ(VoxelizeSolid(world, lattice, {InteriorRule::kAuto, false}).totals.digest.ToHex(),
+              VoxelizeSolid(world, lattice, {rule, false}).totals.digest.ToHex());
+  };
+  check(InteriorRule::kWinding);
+  std::swap(mesh[0][1], mesh[0][2]);
+  check(InteriorRule::kParity);
 }
 
 SnappedMesh Snapped(const oracle::Mesh& mesh, const Lattice& lattice) {

@@ -41,7 +41,7 @@ TEST(Fill, IsReadFromTheSpecification) {
     return request.solid() != nullptr ? std::optional(*request.solid()) : std::nullopt;
   };
   ASSERT_TRUE(solid());
-  EXPECT_TRUE(solid()->rule == InteriorRule::kParity && solid()->surface && !solid()->force_open);
+  EXPECT_TRUE(solid()->rule == InteriorRule::kAuto && solid()->surface && !solid()->force_open);
   proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
   proto.mutable_fill()->set_surface(false);
   proto.mutable_fill()->set_force_open(true);
@@ -61,7 +61,7 @@ TEST(Fill, IsRefusedByItsField) {
     return FieldOf(status);
   };
   EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_mode(static_cast<v1::FillMode>(3)); }), "BAD_SPEC fill.mode");
-  EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_rule(static_cast<v1::InteriorRule>(3)); }),
+  EXPECT_EQ(refusal([](auto& s) { s.mutable_fill()->set_rule(static_cast<v1::InteriorRule>(4)); }),
             "BAD_SPEC fill.rule");
   EXPECT_EQ(refusal([](auto& s) { s.set_verify(true); }), "BAD_SPEC verify");
   EXPECT_EQ(refusal([](auto& s) { s.set_algorithm(v1::ALGORITHM_BRUTE_FORCE); }), "BAD_SPEC fill.mode");
@@ -105,7 +105,7 @@ TEST(Fill, IsInTheCertificate) {
   const Outcome solid = Compute(proto, Sphere(20));
   ASSERT_TRUE(solid.status.ok()) << solid.status;
   const v1::Certificate& certificate = solid.summary().certificate();
-  EXPECT_EQ(certificate.fill().rule(), "parity");
+  EXPECT_EQ(certificate.fill().rule(), "winding");  // by auto
   EXPECT_TRUE(certificate.fill().surface() && certificate.tunnel_free() && certificate.minimal());
   proto.mutable_fill()->set_rule(v1::INTERIOR_RULE_WINDING);
   proto.mutable_fill()->set_surface(false);

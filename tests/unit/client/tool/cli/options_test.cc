@@ -135,7 +135,9 @@ TEST(Options, OfASolidSayWhatIsInside) {
   EXPECT_EQ(Parse({"--resolution", "9"}).request.solid, std::nullopt);
   EXPECT_EQ(Parse({"--resolution", "9", "--fill", "surface"}).request.solid, std::nullopt);
   EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid"}).request.solid, Solid{});
-  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "parity"}).request.solid, Solid{});
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "auto"}).request.solid, Solid{});
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "parity"}).request.solid,
+            (Solid{.rule = InteriorRule::kParity}));
   EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--interior-rule", "winding"}).request.solid,
             (Solid{.rule = InteriorRule::kWinding}));
   EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--without-surface"}).request.solid,
