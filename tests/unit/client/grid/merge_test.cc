@@ -120,7 +120,8 @@ TEST_F(Merge, WarningsOfAllPartsHoldForTheWholeExceptEmptyResults) {
     return [=](openvdb::BoolGrid& grid) { grid.insertMeta("latvox_warnings", openvdb::StringMetadata(text)); };
   };
   const std::string a = Part("a.vdb", {bricks[0]}, warn(R"([{"code":"A"},{"code":"B"}])"));
-  const std::string b = Part("b.vdb", {bricks[1]}, warn(R"([{"code":"A"},{"code":"EMPTY_RESULT"},{"code":"EMPTY_SHARD"},{"code":"C"}])"));
+  const std::string b =
+      Part("b.vdb", {bricks[1]}, warn(R"([{"code":"A"},{"code":"EMPTY_RESULT"},{"code":"EMPTY_SHARD"},{"code":"C"}])"));
   Check({a, b}, bricks, warn(R"([{"code":"A"},{"code":"B"},{"code":"C"}])"));
   Check({Part("c.vdb", {}, warn(R"([{"code":"EMPTY_RESULT"}])")), Part("d.vdb", {bricks[0]})}, {bricks[0]});
 }
