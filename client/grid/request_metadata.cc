@@ -64,6 +64,7 @@ Json RequestJson(const VoxelizeRequest& request) {
   if (request.voxel_size) json["voxel_size"] = *request.voxel_size;
   if (request.resolution) json["resolution"] = *request.resolution;
   if (request.origin) json["origin"] = *request.origin;
+  if (request.placement) json["placement"] = NameOf(*request.placement);
   if (request.band) {
     AddBand(*request.band, json);
     return json;

@@ -206,6 +206,9 @@ v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, con
   spec.set_cover(ToProto(request.cover));
   spec.set_encoding(ToProto(request.encoding));
   if (request.band) *spec.mutable_band() = ToProto(*request.band);
+  if (request.placement) {
+    spec.set_placement(*request.placement == Placement::kCells ? v1::PLACEMENT_CELLS : v1::PLACEMENT_POINTS);
+  }
   for (const Attribute attribute : request.attributes) spec.add_attributes(ToProto(attribute));
   if (request.raw_mesh) *spec.mutable_raw_mesh() = ToProto(*request.raw_mesh);
   return spec;
@@ -223,6 +226,7 @@ Accepted FromProto(const v1::Accepted& accepted) {
   }
   out.tiles_in_box = accepted.tiles_in_box();
   out.mesh = FromProto(accepted.mesh());
+  out.placement = grid.placement() == v1::PLACEMENT_CELLS ? Placement::kCells : Placement::kPoints;
   return out;
 }
 

@@ -54,11 +54,12 @@ absl::StatusOr<GridRequest> MakeGridRequest(const GridOptions& options) {
 }
 
 absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Sampling& sampling, const std::optional<Vec3d>& origin,
-                                 const Bounds& bounds) {
+                                 const Bounds& bounds, Placement placement) {
   if (absl::Status status = CheckSamplingAndOrigin(sampling, origin); !status.ok()) return status;
   std::optional<double> voxel_size = sampling.voxel_size;
   if (sampling.resolution) {
-    voxel_size = bounds.LongestSide() / (*sampling.resolution - 1);
+    const uint32_t steps = placement == Placement::kCells ? *sampling.resolution : *sampling.resolution - 1;
+    voxel_size = bounds.LongestSide() / steps;
     if (!(*voxel_size > 0)) {
       return absl::InvalidArgumentError("resolution: the mesh is a single point; give voxel_size");
     }
@@ -69,7 +70,14 @@ absl::StatusOr<Grid> ResolveGrid(const Lattice& lattice, const Sampling& samplin
                          absl::StrFormat("voxel_size: at %g, %s", *voxel_size, std::string(scaled.status().message()))),
                      absl::StrFormat("%g", *voxel_size));
   }
-  return Grid{*std::move(scaled), origin.value_or(bounds.min)};
+  Vec3d low = bounds.min;
+  for (double& x : low) x += placement == Placement::kCells ? scaled->voxel_size() / 2 : 0;
+  return Grid{*std::move(scaled), origin.value_or(low)};
+}
+
+Placement PlacementFor(Placement asked, bool is_solid) {
+  if (asked != Placement::kBySet) return asked;
+  return is_solid ? Placement::kCells : Placement::kPoints;
 }
 
 }  // namespace latvox

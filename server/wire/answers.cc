@@ -23,13 +23,14 @@ bool IsUncut(const Part& part, const JobFacts& facts) {
   return true;
 }
 
-void GridToProto(const Grid& grid, v1::Grid& out) {
+void GridToProto(const Grid& grid, Placement placement, v1::Grid& out) {
   const Mat3d& basis = grid.lattice.basis();
   ToProto(basis[0], *out.mutable_basis()->mutable_a());
   ToProto(basis[1], *out.mutable_basis()->mutable_b());
   ToProto(basis[2], *out.mutable_basis()->mutable_c());
   ToProto(grid.origin, *out.mutable_origin());
   out.set_voxel_size(grid.lattice.voxel_size());
+  out.set_placement(static_cast<v1::Placement>(NumberOf(kPlacementNumbers, placement)));
 }
 
 void MeshFactsToProto(const JobFacts& facts, const MeshSource& source, v1::MeshFacts& out) {
@@ -82,11 +83,11 @@ void FieldsToProto(const FieldList& fields, const JobTotals& totals, v1::Attribu
 
 }  // namespace
 
-v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, const JobFacts& facts,
-                             const MeshSource& source) {
+v1::Accepted AcceptedToProto(const std::string& request_id, const Grid& grid, Placement placement,
+                             const JobFacts& facts, const MeshSource& source) {
   v1::Accepted accepted;
   accepted.set_request_id(request_id);
-  GridToProto(grid, *accepted.mutable_grid());
+  GridToProto(grid, placement, *accepted.mutable_grid());
   if (facts.index_box) {
     ToProto(facts.index_box->min, *accepted.mutable_index_box()->mutable_min());
     ToProto(facts.index_box->max, *accepted.mutable_index_box()->mutable_max());

@@ -138,7 +138,12 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Lim
   if (!request.ok()) return request.status();
   const auto encoding = Meaning(kEncodingNumbers, spec.encoding(), "encoding", "an encoding");
   if (!encoding.ok()) return encoding.status();
-  JobSpec job{*std::move(grid), *std::move(request), *encoding, spec.mesh_bytes(), std::nullopt, FieldNamesOf(spec)};
+  const auto placement = Meaning(kPlacementNumbers, spec.placement(), "placement", "a placement");
+  if (!placement.ok()) return placement.status();
+  JobSpec job{*std::move(grid),    PlacementFor(*placement, request->solid() != nullptr),
+              *std::move(request), *encoding,
+              spec.mesh_bytes(),   std::nullopt,
+              FieldNamesOf(spec)};
   if (!spec.mesh_sha256().empty()) {
     const absl::StatusOr<MeshDigest> digest = MeshDigestFrom(spec.mesh_sha256());
     if (!digest.ok()) return digest.status();

@@ -21,6 +21,7 @@ namespace latvox {
 // A request that lacks only a mesh.
 struct JobSpec {
   GridRequest grid;
+  Placement placement = Placement::kPoints;  // never kBySet
   VoxelRequest request = {};
   BrickEncoding encoding = BrickEncoding::kMasks;
   uint64_t mesh_bytes = 0;  // declared length of the encoded mesh; 0: unknown

@@ -12,6 +12,7 @@
 #include "core/lattice/named.h"
 #include "core/request/algorithm.h"
 #include "core/request/fields.h"
+#include "core/request/grid_request.h"
 #include "core/request/solid.h"
 #include "latvox/v1/voxelizer.pb.h"
 #include "server/base/errors.h"
@@ -54,6 +55,10 @@ inline constexpr EnumTable<InteriorRule, 4> kInteriorRuleNumbers{
 // Whether positions are doubles.
 inline constexpr EnumTable<bool, 3> kPositionTypeNumbers{
     {{v1::POSITION_TYPE_UNSPECIFIED, false}, {v1::POSITION_TYPE_FLOAT32, false}, {v1::POSITION_TYPE_FLOAT64, true}}};
+
+inline constexpr EnumTable<Placement, 3> kPlacementNumbers{{{v1::PLACEMENT_UNSPECIFIED, Placement::kBySet},
+                                                            {v1::PLACEMENT_POINTS, Placement::kPoints},
+                                                            {v1::PLACEMENT_CELLS, Placement::kCells}}};
 
 inline constexpr EnumTable<BrickEncoding, 4> kEncodingNumbers{
     {{v1::BRICK_ENCODING_UNSPECIFIED, BrickEncoding::kMasks},

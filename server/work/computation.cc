@@ -202,7 +202,8 @@ absl::Status Computation::CreateJob() {
   facts_.triangles = decoded.mesh.triangles.size();
   source_ = {decoded.extent.bounds, decoded.quantization_bits};
   if (absl::Status status = CheckCancelled(); !status.ok()) return status;
-  absl::StatusOr<Grid> grid = ResolveGrid(spec_.grid.lattice, spec_.grid.sampling, spec_.grid.origin, source_.bounds);
+  absl::StatusOr<Grid> grid =
+      ResolveGrid(spec_.grid.lattice, spec_.grid.sampling, spec_.grid.origin, source_.bounds, spec_.placement);
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
@@ -230,7 +231,7 @@ absl::Status Computation::Start(const Deliver& deliver) {
     if (absl::Status status = CheckCancelled(); !status.ok()) return status;
     if (absl::Status status = CreateJob(); !status.ok()) return status;
     v1::VoxelizeResponse response;
-    *response.mutable_accepted() = AcceptedToProto(request_id_, *grid_, job_->facts(), source_);
+    *response.mutable_accepted() = AcceptedToProto(request_id_, *grid_, spec_.placement, job_->facts(), source_);
     deliver(std::move(response));
     last_delivery_ = paused_at_ = Clock::now();
     return absl::OkStatus();

@@ -4,7 +4,8 @@ import json
 import math
 import unittest
 
-from harness import Case, latvox, octahedron, rows, write_obj
+from harness import Case, box, latvox, octahedron, rows, write_obj
+from inputs import joined, mesh_xml, model, write_3mf
 
 LATTICES = ("cartesian", "bcc", "fcc", "hexagonal")
 
@@ -44,7 +45,7 @@ class Solids(Case):
     def test_a_solid_has_its_meshs_volume_on_every_lattice(self):
         for lattice in LATTICES:
             grid = ("--lattice", lattice, "--voxel-size", "0.1")
-            surface = self.voxelize(self.torus, *grid)
+            surface = self.voxelize(self.torus, *grid, "--placement", "cells")
             self.assertEqual(surface["certificate"]["fill"], "surface")
             on_surface = set(rows(self.dir / "out.csv"))
             solid = self.voxelize(self.torus, *grid, "--fill", "solid", out="solid.csv")
@@ -103,11 +104,70 @@ class Solids(Case):
         done = latvox("merge", *parts, "-o", self.dir / "merged.vdb", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)["digest"], whole["digest"])
-        hollow = (*options[:4], "--shard", "1/2")
+        hollow = (*options[:4], "--placement", "cells", "--shard", "1/2")
         self.voxelize(self.torus, *hollow, out="part1.vdb")
         done = latvox("merge", *parts, "-o", self.dir / "merged.vdb")
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertIn("latvox_fill", done.stderr)
+
+    def test_bodies_that_overlap_are_united_and_a_cavity_stays_hollow(self):
+        low, high = box((0, 0, 0), (10, 10, 10)), box((5, 0, 0), (15, 10, 10))
+        inner = box((3, 3, 3), (7, 7, 7))
+        cavity = (inner[0], [(a, c, b) for a, b, c in inner[1]])
+        turned = (high[0], [(a, c, b) for a, b, c in high[1][:1]] + high[1][1:])
+        solid = ("--voxel-size", "0.5", "--fill", "solid", "--without-surface")
+        for bodies, rule, voxels in (
+            ((low, high), "winding", 24000 // 2),
+            ((low, cavity), "winding", 8000 - 512),
+            ((low, turned), "parity", 8000),
+        ):
+            mesh = write_obj(self.dir / "m.obj", joined(*bodies))
+            whole = self.voxelize(mesh, *solid, out="whole.vdb")
+            self.assertEqual((whole["voxels"], whole["certificate"]["interior_rule"]), (voxels, rule))
+            self.assertEqual(whole["placement"], "cells")
+            explicit = self.voxelize(mesh, *solid, "--interior-rule", rule, "--placement", "cells")
+            self.assertEqual(explicit["digest"], whole["digest"])
+            parts = []
+            for name, part in (("a", "--region=-99,-99,-99,9,99,99"), ("b", "--region=9,-99,-99,99,99,99")):
+                done = self.voxelize(mesh, *solid, part, out=f"{name}.vdb")
+                self.assertEqual(done["certificate"]["interior_rule"], rule)
+                parts.append(self.dir / f"{name}.vdb")
+            self.assertEqual(self.merged(parts), whole["digest"])
+            parts = []
+            for index in range(3):
+                self.voxelize(mesh, *solid, "--shard", f"{index}/3", out=f"{index}.vdb")
+                parts.append(self.dir / f"{index}.vdb")
+            self.assertEqual(self.merged(parts), whole["digest"])
+
+    def merged(self, parts):
+        done = latvox("merge", *parts, "-o", self.dir / "merged.vdb", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)["digest"]
+
+    def test_3mf_unites_its_items_by_the_positive_rule(self):
+        low, high = box((0, 0, 0), (10, 10, 10)), box((5, 0, 0), (15, 10, 10))
+        resources = "".join(f'<object id="{n}">{mesh_xml(mesh)}</object>' for n, mesh in ((1, low), (2, high)))
+        mesh = write_3mf(self.dir / "m.3mf", model(resources, '<item objectid="1"/><item objectid="2"/>'))
+        solid = ("--voxel-size", "0.5", "--fill", "solid", "--without-surface")
+        united = self.voxelize(mesh, *solid)
+        self.assertEqual((united["voxels"], united["certificate"]["interior_rule"]), (12000, "positive"))
+        self.assertEqual(self.voxelize(mesh, *solid, "--interior-rule", "parity")["voxels"], 8000)
+
+    def test_cells_keep_a_plate_that_points_lose(self):
+        plate = write_obj(self.dir / "plate.obj", box((0, 0, 0), (96, 0.8, 96)))
+        solid = ("--resolution", "96", "--fill", "solid", "--without-surface")
+        cells = self.voxelize(plate, *solid)
+        self.assertEqual((cells["voxels"], cells["placement"], cells["voxel_size"]), (96 * 96, "cells", 1))
+        self.assertEqual(cells["origin"], [0.5, 0.5, 0.5])
+        self.assertEqual(self.voxelize(plate, *solid, "--origin", "0.5,0.5,0.5")["digest"], cells["digest"])
+        self.assertEqual(self.voxelize(plate, *solid, "--region=0,0,0,96,1,96")["digest"], cells["digest"])
+        points = self.voxelize(plate, *solid, "--placement", "points")
+        self.assertEqual((points["placement"], points["origin"]), ("points", [0, 0, 0]))
+        self.assertAlmostEqual(points["voxel_size"], 96 / 95)
+        self.assertEqual(self.voxelize(plate, "--resolution", "96")["placement"], "points")
+        self.assertEqual(self.voxelize(plate, "--resolution", "96", "--placement", "cells")["placement"], "cells")
+        done = latvox("voxelize", plate, *solid, "-o", self.dir / "a.csv")
+        self.assertIn("voxel size 1, cells placement, interior", done.stdout)
 
     def test_jobs_of_a_batch_take_the_same_words(self):
         job = {"mesh": str(self.torus), "resolution": 30, "out": "a.csv"}

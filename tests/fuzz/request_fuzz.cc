@@ -42,8 +42,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   if (!spec.ok() || !latvox::CheckMesh(mesh).ok()) return 0;
   // The other algorithms promise neither separation nor an early first tile.
   if (spec->request.algorithm() != latvox::Algorithm::kExact) return 0;
-  const auto grid =
-      latvox::ResolveGrid(spec->grid.lattice, spec->grid.sampling, spec->grid.origin, latvox::BoundsOf(mesh));
+  const auto grid = latvox::ResolveGrid(spec->grid.lattice, spec->grid.sampling, spec->grid.origin,
+                                        latvox::BoundsOf(mesh), spec->placement);
   if (!grid.ok()) return 0;
   const latvox::Solid* const solid = spec->request.solid();
   // Before the first tile, the job counts the crossings of all lines of a mesh that is not closed.

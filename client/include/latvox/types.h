@@ -135,6 +135,15 @@ constexpr const char* NameOf(InteriorRule rule) {
   return kNames[static_cast<size_t>(rule)];
 }
 
+// The place of lattice points in the mesh's bounding box: see Placement in the protocol.
+enum class Placement {
+  kPoints,  // `resolution` points span the longest side; lattice point 0 is the low corner
+  kCells,   // `resolution` cells divide the longest side; lattice point 0 is half a voxel size above the low corner
+};
+
+// "points" or "cells".
+constexpr const char* NameOf(Placement placement) { return placement == Placement::kPoints ? "points" : "cells"; }
+
 // The fill of a mesh, which must be closed: every edge belongs to an even number of triangles (kParity), or is used
 // equally often both ways (kWinding, kPositive).
 struct Solid {
@@ -158,13 +167,13 @@ struct RawMeshLayout {
 // exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
 struct VoxelizeRequest {
   std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a sampling scales a Basis uniformly
-  std::optional<double> voxel_size = std::nullopt;    // edge of a cube with a Voronoi cell's volume, world units
-  std::optional<uint32_t> resolution = std::nullopt;  // voxels along the longest side of the mesh's bounding box
-  std::optional<Vec3d> origin = std::nullopt;  // world position of lattice point 0; default: the mesh's low corner
-  uint32_t separability = 0;                   // k: 0, 1 or 2
-  std::optional<bool> minimal = std::nullopt;  // thin the surface to k-minimality; default: wherever that is possible
-  std::optional<IndexBox> region = std::nullopt;  // only these voxels, as in the whole
-  std::optional<Shard> shard = std::nullopt;      // only this part of the tiles, as in the whole
+  std::optional<double> voxel_size;         // edge of a cube with a Voronoi cell's volume, world units
+  std::optional<uint32_t> resolution;       // voxels along the longest side of the mesh's bounding box
+  std::optional<Vec3d> origin;              // world position of lattice point 0; default: by the placement
+  uint32_t separability = 0;                // k: 0, 1 or 2
+  std::optional<bool> minimal;              // thin the surface to k-minimality; default: wherever that is possible
+  std::optional<IndexBox> region;           // only these voxels, as in the whole
+  std::optional<Shard> shard;               // only this part of the tiles, as in the whole
   bool verify = false;                      // count tunnels and redundant voxels of the finished set independently
   Algorithm algorithm = Algorithm::kExact;  // the way to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // their encoding on the wire
@@ -175,6 +184,8 @@ struct VoxelizeRequest {
   // Only voxels whose centers lie in this box, exactly as in the whole; the lattice does not move.
   std::optional<WorldBox> bounds = std::nullopt;
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // layout of the mesh's bytes; default: they are a Draco stream
+  // The place of lattice points, as far as size and origin leave it open; default: kCells for a solid, else kPoints.
+  std::optional<Placement> placement = std::nullopt;
 };
 
 // The way in which a mesh was read and encoded, as far as it is not the default. Grids record it with the request, so
@@ -224,6 +235,7 @@ struct Accepted {
   std::optional<IndexBox> index_box;  // no voxel lies outside; absent: there are no voxels
   uint64_t tiles_in_box = 0;          // 64^3 tiles that meet index_box
   MeshFacts mesh;                     // facts from the server
+  Placement placement = {};           // the one that was used
 };
 
 // 8 x 8 x 8 voxels; brick_ijk is ijk >> 3. Voxel (x, y, z) of the brick is bit (y<<3 | z) of word x.

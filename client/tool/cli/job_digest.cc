@@ -78,6 +78,7 @@ Json RequestJson(const VoxelizeRequest& request) {
                {"verify", request.verify},
                {"algorithm", static_cast<int>(request.algorithm)}};
   if (request.cover == Cover::kSupercover) json["cover"] = "supercover";
+  if (request.placement) json["placement"] = NameOf(*request.placement);
   if (request.region) json["region"] = {request.region->min, request.region->max};
   if (request.bounds) json["bounds"] = {request.bounds->min, request.bounds->max};
   if (request.band) json["band"] = {request.band->width, request.band->in_voxels, request.band->is_signed};

@@ -155,6 +155,7 @@ Json SummaryJson(const VoxelizeReport& report) {
                {"basis", Flat(report.accepted.grid.basis)},
                {"origin", report.accepted.grid.origin},
                {"voxel_size", report.accepted.grid.voxel_size},
+               {"placement", NameOf(report.accepted.placement)},
                {"index_box", BoxJson(report.accepted.index_box)},
                {"separability", summary.certificate.separability},
                {"digest", summary.certificate.digest},
@@ -213,8 +214,9 @@ std::string ToText(const VoxelizeReport& report) {
   if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
   const std::string resolution =
       report.default_resolution ? absl::StrCat(" (resolution ", *report.default_resolution, ", the default)") : "";
-  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s\n", certificate.lattice,
-                        report.accepted.grid.voxel_size, resolution, SeparationText(certificate));
+  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s placement, %s\n", certificate.lattice,
+                        report.accepted.grid.voxel_size, resolution, NameOf(report.accepted.placement),
+                        SeparationText(certificate));
   absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
                   ", digest ", certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
   const std::string did = report.outputs.empty() ? "done" : absl::StrCat("wrote ", absl::StrJoin(report.outputs, ", "));

@@ -23,6 +23,11 @@ const Names<InteriorRule>& RuleNames() {
   return *kNames;
 }
 
+const Names<Placement>& PlacementNames() {
+  static const auto* const kNames = new Names<Placement>{{"points", Placement::kPoints}, {"cells", Placement::kCells}};
+  return *kNames;
+}
+
 const Names<Cover>& CoverNames() {
   static const auto* const kNames =
       new Names<Cover>{{"separating", Cover::kSeparating}, {"supercover", Cover::kSupercover}};

@@ -11,6 +11,7 @@ namespace latvox::client {
 const Names<NamedLattice>& LatticeNames();
 const Names<Algorithm>& AlgorithmNames();
 const Names<InteriorRule>& RuleNames();
+const Names<Placement>& PlacementNames();  // the default depends on the set
 const Names<Cover>& CoverNames();
 const Names<BrickEncoding>& EncodingNames();
 

@@ -198,6 +198,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   InterpretVoxelSize(words, request);
   CheckCubes(options);
   if (!words.resolution.empty()) ParseNumber(words.resolution, request.resolution.emplace());
+  if (!words.placement.empty()) request.placement = ValueNamed(PlacementNames(), words.placement);
   if (!words.origin.empty()) ParseNumbers(words.origin, request.origin.emplace());
   InterpretPart(words, request);
   InterpretNpy(words, options);

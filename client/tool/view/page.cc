@@ -100,12 +100,12 @@ Basis TurnedBasis(const Basis& basis, UpAxis up) {
 }
 
 // Places the voxels within distance 1 of 0.
-struct Placement {
+struct Place {
   Basis basis;
   Vec3d middle{};  // lattice coordinates relative to the low corner of the box
 };
 
-Placement PlacementOf(const GridFile& file, const IndexBox& box) {
+Place PlacementOf(const GridFile& file, const IndexBox& box) {
   const GridTransform& grid = file.info.transform;
   Vec3d low = grid.ToWorld(box.min), high = low;
   const auto visit = [&](const auto& each) {
@@ -189,7 +189,7 @@ absl::StatusOr<std::string> ViewPage(const GridContent& content, const std::stri
   if (auto status = CheckSize(file.info, box); !status.ok()) return status;
   const auto paints = PaintsOf(content);
   if (!paints.ok()) return paints.status();
-  const Placement placement = PlacementOf(file, box);
+  const Place placement = PlacementOf(file, box);
   const Basis basis = TurnedBasis(placement.basis, up);
   const VoronoiCell cell = VoronoiCellOf(basis);
   if (auto status = CheckSteps(cell); !status.ok()) return status;

@@ -358,6 +358,30 @@ TEST(ResolveGrid, MapsTheLongestSideToOneVoxelLessThanTheResolution) {
   }
 }
 
+TEST(ResolveGrid, PlacesCellsHalfAVoxelSizeInside) {
+  const Bounds bounds{{-1, 0, 2}, {1, 8, 3}};
+  for (NamedLattice name : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kHexagonal}) {
+    const Lattice lattice = Lattice::Named(name);
+    const auto grid = ResolveGrid(lattice, {.resolution = 16}, std::nullopt, bounds, Placement::kCells);
+    ASSERT_TRUE(grid.ok());
+    EXPECT_NEAR(grid->lattice.voxel_size(), 0.5, 1e-12);
+    for (size_t m = 0; m < 3; ++m) EXPECT_NEAR(grid->origin[m], bounds.min[m] + 0.25, 1e-12);
+    const auto sized = ResolveGrid(lattice, {.voxel_size = 0.125}, std::nullopt, bounds, Placement::kCells);
+    for (size_t m = 0; m < 3; ++m) EXPECT_NEAR(sized->origin[m], bounds.min[m] + 0.0625, 1e-12);
+    const auto given = ResolveGrid(lattice, {.resolution = 16}, Vec3d{7, 8, 9}, bounds, Placement::kCells);
+    EXPECT_EQ(given->origin, (Vec3d{7, 8, 9}));
+  }
+}
+
+TEST(Placement, IsCellsForASolidUnlessGiven) {
+  EXPECT_EQ(PlacementFor(Placement::kBySet, true), Placement::kCells);
+  EXPECT_EQ(PlacementFor(Placement::kBySet, false), Placement::kPoints);
+  for (const Placement asked : {Placement::kPoints, Placement::kCells}) {
+    EXPECT_EQ(PlacementFor(asked, true), asked);
+    EXPECT_EQ(PlacementFor(asked, false), asked);
+  }
+}
+
 TEST(ResolveGrid, RefusesWhatIsOutOfRangeByName) {
   const Lattice lattice = Lattice::Named(NamedLattice::kCartesian);
   const Bounds bounds{{0, 0, 0}, {1, 1, 1}}, point{{1, 1, 1}, {1, 1, 1}};

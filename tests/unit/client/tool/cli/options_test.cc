@@ -145,6 +145,30 @@ TEST(Options, OfASolidSayWhatIsInside) {
   EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid", "--force-open"}).request.solid, (Solid{.force_open = true}));
 }
 
+TEST(Options, ThreeMfAsksForThePositiveRule) {
+  const auto rule = [](const std::vector<std::string>& words) {
+    VoxelizeWords given;
+    CommandParser parser;
+    AddVoxelizeOptions(parser, given);
+    std::vector<std::string> all = {"--resolution", "9", "--fill", "solid", "-o", "o.vdb"};
+    all.insert(all.end(), words.begin(), words.end());
+    parser.Parse(all);
+    return InterpretRequest(given).request.solid->rule;
+  };
+  EXPECT_EQ(rule({"a.3mf"}), InteriorRule::kPositive);
+  EXPECT_EQ(rule({"a.3MF", "b.3mf"}), InteriorRule::kPositive);
+  EXPECT_EQ(rule({"a.bin", "--input-format", "3mf"}), InteriorRule::kPositive);
+  EXPECT_EQ(rule({"a.3mf", "b.obj"}), InteriorRule::kAuto);
+  EXPECT_EQ(rule({"a.3mf", "--input-format", "obj"}), InteriorRule::kAuto);
+  EXPECT_EQ(rule({"a.3mf", "--interior-rule", "auto"}), InteriorRule::kAuto);
+}
+
+TEST(Options, PlacementIsLeftToTheServerUnlessGiven) {
+  EXPECT_EQ(Parse({"--resolution", "9", "--fill", "solid"}).request.placement, std::nullopt);
+  EXPECT_EQ(Parse({"--resolution", "9", "--placement", "points"}).request.placement, Placement::kPoints);
+  EXPECT_EQ(Parse({"--resolution", "9", "--placement", "cells"}).request.placement, Placement::kCells);
+}
+
 TEST(Options, ASupercoverIsNotMinimal) {
   const VoxelizeRequest request = Parse({"--resolution", "9", "--cover", "supercover"}).request;
   EXPECT_EQ(request.cover, Cover::kSupercover);
