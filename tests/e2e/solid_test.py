@@ -167,7 +167,7 @@ class Solids(Case):
         self.assertEqual(self.voxelize(plate, "--resolution", "96")["placement"], "points")
         self.assertEqual(self.voxelize(plate, "--resolution", "96", "--placement", "cells")["placement"], "cells")
         done = latvox("voxelize", plate, *solid, "-o", self.dir / "a.csv")
-        self.assertIn("voxel size 1, cells placement, interior", done.stdout)
+        self.assertIn("voxel size 1, interior, placement cells\n", done.stdout)
 
     def test_jobs_of_a_batch_take_the_same_words(self):
         job = {"mesh": str(self.torus), "resolution": 30, "out": "a.csv"}

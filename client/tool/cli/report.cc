@@ -214,9 +214,9 @@ std::string ToText(const VoxelizeReport& report) {
   if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
   const std::string resolution =
       report.default_resolution ? absl::StrCat(" (resolution ", *report.default_resolution, ", the default)") : "";
-  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s placement, %s\n", certificate.lattice,
-                        report.accepted.grid.voxel_size, resolution, NameOf(report.accepted.placement),
-                        SeparationText(certificate));
+  absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s, placement %s\n", certificate.lattice,
+                        report.accepted.grid.voxel_size, resolution, SeparationText(certificate),
+                        NameOf(report.accepted.placement));
   absl::StrAppend(&text, Count(report.summary.voxels, "voxel"), " in ", Count(report.summary.bricks, "brick"),
                   ", digest ", certificate.digest, "\n", FillText(certificate), VerificationText(certificate));
   const std::string did = report.outputs.empty() ? "done" : absl::StrCat("wrote ", absl::StrJoin(report.outputs, ", "));
