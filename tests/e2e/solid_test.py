@@ -161,6 +161,8 @@ class Solids(Case):
         self.assertEqual(cells["origin"], [0.5, 0.5, 0.5])
         self.assertEqual(self.voxelize(plate, *solid, "--origin", "0.5,0.5,0.5")["digest"], cells["digest"])
         self.assertEqual(self.voxelize(plate, *solid, "--region=0,0,0,96,1,96")["digest"], cells["digest"])
+        self.voxelize(plate, *solid, out="a.vdb")
+        self.assertIn('"placement":"cells"', latvox("info", self.dir / "a.vdb").stdout)
         points = self.voxelize(plate, *solid, "--placement", "points")
         self.assertEqual((points["placement"], points["origin"]), ("points", [0, 0, 0]))
         self.assertAlmostEqual(points["voxel_size"], 96 / 95)

@@ -44,6 +44,7 @@ class GridOutput final : public Output {
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
     grid_.emplace(new_grid_(accepted.grid));
+    request_.placement = accepted.placement;  // the metadata state it, whatever a later version's default is
     return absl::OkStatus();
   }
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
@@ -66,7 +67,7 @@ class GridOutput final : public Output {
   }
 
   std::unique_ptr<AtomicFile> file_;
-  const VoxelizeRequest request_;
+  VoxelizeRequest request_;
   const MeshNote note_;
   const NewGrid new_grid_;
   const Write write_;
