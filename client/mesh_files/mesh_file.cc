@@ -3,10 +3,14 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/internal/printable.h"
+#include "client/mesh_files/decode.h"
 #include "client/mesh_files/draco_file.h"
 #include "client/mesh_files/gltf_file.h"
 #include "client/mesh_files/input.h"
@@ -18,19 +22,20 @@
 namespace latvox::client {
 namespace {
 
-// `folder` is that of the files that a glTF refers to.
-absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std::filesystem::path& folder) {
+// `folder` is that of the files that a glTF or an OBJ refers to.
+absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std::filesystem::path& folder,
+                           const ParseOptions& options) {
   switch (format) {
     case MeshFormat::kDraco:
       return ParseDraco(bytes);
     case MeshFormat::kObj:
-      return ParseObj(WithoutByteOrderMark(bytes));
+      return ParseObj(WithoutByteOrderMark(bytes), options, folder);
     case MeshFormat::kPly:
-      return ParsePly(WithoutByteOrderMark(bytes));
+      return ParsePly(WithoutByteOrderMark(bytes), options);
     case MeshFormat::kThreeMf:
       return Parse3mf(bytes);
     case MeshFormat::kStl:
-      return ParseStl(WithoutByteOrderMark(bytes));
+      return ParseStl(WithoutByteOrderMark(bytes), options);
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
       break;
@@ -54,11 +59,39 @@ std::string Known() {
   return absl::StrJoin(MeshFormats(), " ", name);
 }
 
+std::string NameOf(MeshFormat format) {
+  for (const auto& [name, known] : MeshFormats()) {
+    if (known == format) return name;
+  }
+  return "";
+}
+
+// Decodes the bytes and parses them. Without `is_sure`, bytes that begin like another format are read as that.
+absl::StatusOr<Mesh> ParseBytes(const std::string& path, std::string bytes, MeshFormat format, bool is_sure,
+                                const std::filesystem::path& folder, const ParseOptions& options) {
+  std::vector<Warning> warnings;
+  const auto decoded = Decode(std::move(bytes), warnings);
+  if (!decoded.ok()) return Named(path, decoded.status());
+  const auto found = is_sure ? format : FormatOfBytes(*decoded).value_or(format);
+  const auto is_gltf = [](MeshFormat one) { return one == MeshFormat::kGlb || one == MeshFormat::kGltf; };
+  if (found != format && !(is_gltf(found) && is_gltf(format))) {
+    warnings.push_back({"FORMAT_MISMATCH", absl::StrCat("is named .", NameOf(format), ", and is read as .",
+                                                        NameOf(found), ", by its first bytes")});
+  }
+  auto mesh = Named(path, Parse(*decoded, found, folder, options));
+  if (mesh.ok()) mesh->warnings.insert(mesh->warnings.begin(), warnings.begin(), warnings.end());
+  return mesh;
+}
+
 }  // namespace
 
-absl::StatusOr<Mesh> ReadMesh(const std::string& path) {
+absl::StatusOr<Mesh> ReadMesh(const std::string& path, const ParseOptions& options) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  if (!std::filesystem::exists(path, error)) {
+    if (!absl::StrContains(path, "://")) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        path, ": is a URL; latvox reads files, and standard input as -: download it, or pipe it into latvox"));
+  }
   if (std::filesystem::is_directory(path, error)) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": is a directory"));
   }
@@ -67,13 +100,14 @@ absl::StatusOr<Mesh> ReadMesh(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(
         path, ": mesh format \"", std::filesystem::path(path).extension().string(), "\" is not one of ", Known()));
   }
-  const auto bytes = ReadBytes(path);
+  auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
-  return Named(path, Parse(*bytes, *format, std::filesystem::path(path).parent_path()));
+  return ParseBytes(path, *std::move(bytes), *format, false, std::filesystem::path(path).parent_path(), options);
 }
 
-absl::StatusOr<Mesh> ParseMeshFile(const std::string& path, absl::string_view bytes, MeshFormat format) {
-  return Named(path, Parse(bytes, format, ""));
+absl::StatusOr<Mesh> ParseMeshFile(const std::string& path, absl::string_view bytes, MeshFormat format,
+                                   const ParseOptions& options) {
+  return ParseBytes(path, std::string(bytes), format, true, "", options);
 }
 
 }  // namespace latvox::client

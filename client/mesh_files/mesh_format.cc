@@ -15,7 +15,7 @@ bool IsObj(absl::string_view bytes) {
   constexpr size_t kMost = size_t{1} << 16;  // the first vertex may follow comments
   const absl::string_view head = bytes.substr(0, kMost);
   if (absl::StrContains(head, '\0')) return false;
-  for (const absl::string_view line : absl::StrSplit(head, '\n')) {
+  for (const absl::string_view line : absl::StrSplit(head, absl::ByAnyChar("\r\n"))) {
     const absl::string_view text = absl::StripLeadingAsciiWhitespace(line);
     if (absl::StartsWith(text, "v ") || absl::StartsWith(text, "v\t")) return true;
   }
@@ -32,7 +32,9 @@ const std::vector<std::pair<std::string, MeshFormat>>& MeshFormats() {
 }
 
 std::optional<MeshFormat> FormatOfPath(const std::string& path) {
-  const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  std::filesystem::path name_of_file(path);
+  if (absl::AsciiStrToLower(name_of_file.extension().string()) == ".gz") name_of_file.replace_extension();
+  const std::string extension = absl::AsciiStrToLower(name_of_file.extension().string());
   for (const auto& [name, format] : MeshFormats()) {
     if (extension == "." + name) return format;
   }

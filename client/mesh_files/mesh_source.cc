@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/mesh_files/decode.h"
 #include "client/mesh_files/input.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/mesh_join.h"
@@ -36,14 +37,16 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   const bool standard_input = path == kStandardInput;
   const auto by_name = FormatOfPath(path);
   if (!standard_input && !(keep_draco && by_name == MeshFormat::kDraco) && (!input.format || input.format == by_name)) {
-    return ReadMesh(path);
+    return ReadMesh(path, {input.skip_bad});
   }
   auto bytes = standard_input ? ReadStandardInput("a mesh") : ReadBytes(path);
+  std::vector<Warning> warnings;
+  if (bytes.ok()) bytes = Decode(*std::move(bytes), warnings);
   if (!bytes.ok()) return bytes.status();
   const auto format = standard_input || input.format ? FormatOf(path, input, *bytes) : *by_name;
   if (!format.ok()) return format.status();
   if (keep_draco && *format == MeshFormat::kDraco) return *std::move(bytes);
-  return ParseMeshFile(path, *bytes, *format);
+  return ParseMeshFile(path, *bytes, *format, {input.skip_bad});
 }
 
 // Of several files, one whose parts have no names is a part by itself, or some.

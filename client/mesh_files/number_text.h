@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <system_error>
 
@@ -12,7 +13,12 @@
 namespace latvox::client {
 
 // Reads the whole `word` as the nearest double, infinite if it is too large. Returns false if it is not a number.
+// "1.#IND" and the like, which old C libraries write, are NaN.
 inline bool ParseDouble(absl::string_view word, double& value) {
+  if (word.find(".#") != absl::string_view::npos) {
+    value = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
   if (!word.empty() && word[0] == '+') word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size()) return false;

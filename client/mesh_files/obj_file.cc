@@ -1,16 +1,22 @@
 #include "client/mesh_files/obj_file.h"
 
+#include <algorithm>
 #include <charconv>
-#include <cmath>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/mesh/mesh_attributes.h"
-#include "client/mesh_files/number_text.h"
+#include "client/mesh_files/bad_elements.h"
+#include "client/mesh_files/mtl_file.h"
+#include "client/mesh_files/obj_statements.h"
+#include "client/mesh_files/obj_vertices.h"
 #include "client/mesh_files/polygon.h"
 
 // No assimp: its decimal parser misses the nearest number for about one number in a hundred. It gives each face corner
@@ -19,161 +25,200 @@
 namespace latvox::client {
 namespace {
 
-template <class... Parts>
-absl::Status LineError(size_t line, const Parts&... parts) {
-  return absl::InvalidArgumentError(absl::StrCat("line ", line, ": ", parts...));
-}
+// Keywords without geometry of their own. Those of the last rows belong to a curve or a surface.
+constexpr absl::string_view kSettings[] = {"vt",        "vn",  "s",     "mg",       "usemap",   "maplib", "shadow_obj",
+                                           "trace_obj", "lod", "bevel", "c_interp", "d_interp", "ctech",  "stech",
+                                           "cstype",    "deg", "bmat",  "step",     "parm",     "trim",   "hole",
+                                           "scrv",      "sp",  "con",   "end"};
 
-bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+// Keywords of elements that are not polygons.
+constexpr absl::string_view kElements[] = {"l",   "p",   "curv", "curv2", "surf", "vp", "call",
+                                           "csh", "bsp", "bzp",  "cdc",   "cdp",  "res"};
 
-// Takes the next word off the front of `rest`. Returns "" at the end.
-absl::string_view NextWord(absl::string_view& rest) {
-  size_t begin = 0;
-  while (begin < rest.size() && IsSpace(rest[begin])) ++begin;
-  size_t end = begin;
-  while (end < rest.size() && !IsSpace(rest[end])) ++end;
-  const absl::string_view word = rest.substr(begin, end - begin);
-  rest.remove_prefix(end);
-  return word;
-}
-
-// Reads the statements of the text. A line that ends in a backslash continues on the next one.
-class Statements {
- public:
-  explicit Statements(absl::string_view text) : rest_(text) {}
-
-  // Returns false at the end.
-  bool Next(absl::string_view& statement) {
-    if (rest_.empty()) return false;
-    line_ = next_line_;
-    statement = ReadLine();
-    if (!IsContinued(statement)) return true;
-    joined_.clear();
-    while (IsContinued(statement)) {
-      statement.remove_suffix(1);
-      absl::StrAppend(&joined_, statement, " ");
-      statement = ReadLine();
-    }
-    absl::StrAppend(&joined_, statement);
-    statement = joined_;
-    return true;
-  }
-
-  // Returns the first line of the statement, counted from 1.
-  size_t line() const { return line_; }
-
- private:
-  static bool IsContinued(absl::string_view line) { return !line.empty() && line.back() == '\\'; }
-
-  absl::string_view ReadLine() {
-    ++next_line_;
-    const size_t end = rest_.find('\n');
-    absl::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(end == absl::string_view::npos ? rest_.size() : end + 1);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    return line;
-  }
-
-  absl::string_view rest_;
-  std::string joined_;
-  size_t line_ = 1, next_line_ = 1;
-};
-
-// Reads the three numbers from 0 to 1 that many programs write after a position. Anything else is not a color.
-std::optional<Color> ReadColor(absl::string_view rest) {
-  Color color;
-  for (uint8_t& part : color) {
-    double x = 0;
-    if (!ParseDouble(NextWord(rest), x) || !(x >= 0 && x <= 1)) return std::nullopt;
-    part = static_cast<uint8_t>(std::nearbyint(x * 255));
-  }
-  return color;
-}
-
-absl::Status ReadPositions(absl::string_view text, Mesh& mesh) {
-  std::vector<Vec3d>& positions = mesh.positions;
-  Statements statements(text);
-  for (absl::string_view rest; statements.Next(rest);) {
-    if (NextWord(rest) != "v") continue;
-    Vec3d position;
-    for (double& coordinate : position) {
-      const absl::string_view word = NextWord(rest);
-      if (!ParseDouble(word, coordinate)) {
-        return LineError(statements.line(), "coordinate \"", word, "\" of vertex ", positions.size() + 1,
-                         " is not a number");
-      }
-      if (!std::isfinite(coordinate)) {
-        return LineError(statements.line(), "vertex ", positions.size() + 1, " is not finite (", word, ")");
-      }
-    }
-    positions.push_back(position);
-    if (const auto color = ReadColor(rest)) mesh.colors.push_back(*color);
-  }
-  return absl::OkStatus();
+template <size_t kSize>
+bool IsOneOf(absl::string_view word, const absl::string_view (&words)[kSize]) {
+  return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
 std::string Name(absl::string_view rest) { return std::string(absl::StripAsciiWhitespace(rest)); }
 
 // Reads "7", "7/1", "7//3" or "-2": the index of a position, counted from 1, or backwards from the last vertex before
 // this line.
-absl::StatusOr<uint32_t> ParseCorner(absl::string_view word, size_t line, size_t vertices_before, size_t vertices) {
+absl::StatusOr<uint32_t> ParseCorner(absl::string_view word, size_t line, size_t vertices_before,
+                                     const std::vector<Vec3d>& positions) {
   const absl::string_view number = word.substr(0, word.find('/'));
   int64_t index = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   if (error == std::errc::result_out_of_range) {
-    return LineError(line, "vertex index ", number, " of a face exceeds the file's ", vertices, " vertices");
+    return LineError(line, "vertex index ", number, " of a face exceeds the file's ", positions.size(), " vertices");
   }
   if (error != std::errc() || end != number.data() + number.size()) {
     return LineError(line, "vertex index \"", word, "\" of a face is not a number");
   }
   const int64_t from_zero = index > 0 ? index - 1 : static_cast<int64_t>(vertices_before) + index;
-  if (index == 0 || from_zero < 0 || from_zero >= static_cast<int64_t>(vertices)) {
-    return LineError(line, "vertex index ", index, " of a face is not within the file's ", vertices, " vertices");
+  if (index == 0 || from_zero < 0 || from_zero >= static_cast<int64_t>(positions.size())) {
+    return LineError(line, "vertex index ", index, " of a face is not within the file's ", positions.size(),
+                     " vertices");
   }
-  return static_cast<uint32_t>(from_zero);
+  const Vec3d& position = positions[static_cast<size_t>(from_zero)];
+  if (IsFinite(position)) return static_cast<uint32_t>(from_zero);
+  return LineError(line, "vertex ", from_zero + 1, " of a face is not finite (", absl::StrJoin(position, " "), ")");
 }
 
-absl::Status ReadFaces(absl::string_view text, Mesh& mesh) {
-  Statements statements(text);
-  size_t vertices_before = 0;
-  std::vector<uint32_t> polygon;
-  absl::flat_hash_map<std::string, uint32_t> materials;
-  Stretch stretch;
-  for (absl::string_view rest; statements.Next(rest);) {
-    const absl::string_view keyword = NextWord(rest);
-    if (keyword == "v") ++vertices_before;
-    if (keyword == "l" || keyword == "p") ++mesh.skipped;
-    if (keyword == "o") {
-      stretch.part = NextPart(mesh);
-      SetName(stretch.part, Name(rest), mesh.part_names);
+// Elements that are not read.
+class Skipped {
+ public:
+  void Add(absl::string_view keyword, size_t line) {
+    if (first_line_ == 0) first_line_ = line;
+    if (IsOneOf(keyword, kElements)) {
+      ++counts_[keyword];
+    } else if (unknown_++ == 0) {
+      first_unknown_ = absl::StrCat("the first: \"", keyword.substr(0, 20), "\" in line ", line);
     }
-    if (keyword == "usemtl") {
-      stretch.material = materials.try_emplace(Name(rest), static_cast<uint32_t>(materials.size())).first->second;
-      SetName(*stretch.material, Name(rest), mesh.material_names);
-    }
-    if (keyword == "o" || keyword == "usemtl") BeginStretch(stretch.part, stretch.material, mesh);
-    if (keyword != "f") continue;
-    polygon.clear();
-    for (absl::string_view word = NextWord(rest); !word.empty() && word[0] != '#'; word = NextWord(rest)) {
-      const auto corner = ParseCorner(word, statements.line(), vertices_before, mesh.positions.size());
-      if (!corner.ok()) return corner.status();
-      polygon.push_back(*corner);
-    }
-    if (polygon.size() < 3)
-      return LineError(statements.line(), "a face has ", polygon.size(), " corners, not 3 or more");
-    Triangulate(polygon, mesh.positions, mesh.triangles);
   }
-  mesh.materials = static_cast<uint32_t>(materials.size());
-  return absl::OkStatus();
+
+  void Report(Mesh& mesh) const {
+    std::vector<std::string> kinds;
+    for (const auto& [keyword, count] : counts_) kinds.push_back(absl::StrCat(count, " \"", keyword, "\""));
+    if (unknown_ > 0) kinds.push_back(absl::StrCat(unknown_, " of unknown kinds (", first_unknown_, ")"));
+    if (kinds.empty()) return;
+    for (const auto& [keyword, count] : counts_) mesh.skipped += count;
+    mesh.skipped += unknown_;
+    mesh.warnings.push_back(
+        {"SKIPPED_ELEMENTS",
+         absl::StrCat(mesh.skipped, " elements are no polygons, and are left out: ", absl::StrJoin(kinds, ", ")),
+         NameOfLine(first_line_)});
+  }
+
+ private:
+  std::map<absl::string_view, uint64_t> counts_;  // of the known keywords
+  uint64_t unknown_ = 0;
+  std::string first_unknown_;
+  size_t first_line_ = 0;
+};
+
+bool HasObjects(absl::string_view text) {
+  ObjStatements statements(text);
+  for (absl::string_view rest; statements.Next(rest);) {
+    if (TakeWord(rest) == "o") return true;
+  }
+  return false;
 }
+
+// Reads everything but vertices.
+class Faces {
+ public:
+  Faces(absl::string_view text, BadElements& bad, Mesh& mesh) : text_(text), bad_(bad), mesh_(mesh) {}
+
+  absl::Status Read(absl::string_view statement, size_t line) {
+    absl::string_view rest = statement;
+    const absl::string_view keyword = TakeWord(rest);
+    if (keyword.empty() || keyword[0] == '#') return absl::OkStatus();
+    if (keyword == "v") {
+      ++vertices_before_;
+    } else if (keyword == "f" || keyword == "fo") {  // "fo" in the first versions of the format
+      const absl::Status status = ReadFace(rest, line);
+      return status.ok() ? status : bad_.Add(status, NameOfLine(line));
+    } else if (keyword == "o" || keyword == "g" || keyword == "usemtl") {
+      BeginGroup(keyword[0], Name(rest));
+    } else if (keyword == "mtllib") {
+      libraries_.emplace_back(Name(rest), line);
+    } else if (!IsOneOf(keyword, kSettings)) {
+      skipped_.Add(keyword, line);
+    }
+    return absl::OkStatus();
+  }
+
+  void Finish(const std::filesystem::path& folder) {
+    mesh_.materials = static_cast<uint32_t>(materials_.size());
+    skipped_.Report(mesh_);
+    MaterialColors colors;
+    for (const auto& [names, line] : libraries_) ReadMaterials(names, line, folder, colors, mesh_.warnings);
+    if (mesh_.colors.empty() && !colors.empty()) ColorByMaterial(colors);
+  }
+
+ private:
+  absl::Status ReadFace(absl::string_view words, size_t line) {
+    polygon_.clear();
+    for (absl::string_view word = TakeWord(words); !word.empty() && word[0] != '#'; word = TakeWord(words)) {
+      const auto corner = ParseCorner(word, line, vertices_before_, mesh_.positions);
+      if (!corner.ok()) return corner.status();
+      polygon_.push_back(*corner);
+    }
+    if (polygon_.size() < 3) return LineError(line, "a face has ", polygon_.size(), " corners, not 3 or more");
+    Triangulate(polygon_, mesh_.positions, mesh_.triangles);
+    return absl::OkStatus();
+  }
+
+  // `kind` is the first letter of the keyword.
+  void BeginGroup(char kind, const std::string& name) {
+    if (kind == 'g') {
+      if (!has_objects_) has_objects_ = HasObjects(text_);
+      if (*has_objects_ || name == group_) return;
+      group_ = name;
+    }
+    if (kind == 'u') {
+      const auto number = static_cast<uint32_t>(materials_.size());
+      stretch_.material = materials_.try_emplace(name, number).first->second;
+      SetName(*stretch_.material, name, mesh_.material_names);
+    } else {
+      stretch_.part = NextPart(mesh_);
+      SetName(stretch_.part, name, mesh_.part_names);
+    }
+    BeginStretch(stretch_.part, stretch_.material, mesh_);
+  }
+
+  void ColorByMaterial(const MaterialColors& known) {
+    constexpr Color kWhite{255, 255, 255};
+    std::vector<std::optional<Color>> of_material(materials_.size());
+    for (const auto& [name, number] : materials_) {
+      if (const auto found = known.find(name); found != known.end()) of_material[number] = found->second;
+    }
+    std::vector<std::array<Color, 3>> corners;
+    corners.reserve(mesh_.triangles.size());
+    size_t white = 0;
+    for (size_t s = 0; s <= mesh_.stretches.size(); ++s) {
+      const size_t end = s < mesh_.stretches.size() ? mesh_.stretches[s].first : mesh_.triangles.size();
+      const auto material = s > 0 ? mesh_.stretches[s - 1].material : std::nullopt;
+      const auto color = material ? of_material[*material] : std::nullopt;
+      if (!color) white += end - corners.size();
+      corners.resize(end, {color.value_or(kWhite), color.value_or(kWhite), color.value_or(kWhite)});
+    }
+    ColorCorners(corners, mesh_);
+    if (white == 0) return;
+    mesh_.warnings.push_back({"PARTIAL_COLORS", absl::StrCat(white, " of ", mesh_.triangles.size(),
+                                                             " triangles have no color, and are white")});
+  }
+
+  absl::string_view text_;
+  BadElements& bad_;
+  Mesh& mesh_;
+  size_t vertices_before_ = 0;
+  std::vector<uint32_t> polygon_;
+  absl::flat_hash_map<std::string, uint32_t> materials_;
+  std::vector<std::pair<std::string, size_t>> libraries_;  // with their lines
+  std::optional<bool> has_objects_;                        // known from the first group on
+  std::optional<std::string> group_;
+  Stretch stretch_;
+  Skipped skipped_;
+};
 
 }  // namespace
 
 // Two passes: faces may refer to later vertices, and cutting a polygon needs the positions of its corners.
-absl::StatusOr<Mesh> ParseObj(absl::string_view text) {
+absl::StatusOr<Mesh> ParseObj(absl::string_view text, const ParseOptions& options,
+                              const std::filesystem::path& folder) {
   Mesh mesh;
-  if (auto status = ReadPositions(text, mesh); !status.ok()) return status;
-  if (auto status = ReadFaces(text, mesh); !status.ok()) return status;
+  BadElements bad(options);
+  if (auto status = ReadObjVertices(text, bad, mesh); !status.ok()) return status;
+  Faces faces(text, bad, mesh);
+  ObjStatements statements(text);
+  for (absl::string_view statement; statements.Next(statement);) {
+    if (auto status = faces.Read(statement, statements.line()); !status.ok()) return status;
+  }
+  faces.Finish(folder);
+  bad.Report(mesh);
+  RemoveNotFinite(mesh);
   return mesh;
 }
 

@@ -3,26 +3,65 @@
 #define LATVOX_CLIENT_MESH_FILES_PLY_BODY_H_
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
+#include <cstdint>
 #include <cstring>
 #include <string>
-#include <system_error>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/mesh_files/number_text.h"
 #include "client/mesh_files/ply_header.h"
+#include "client/mesh_files/text_lines.h"
 
 namespace latvox::client {
 
-// Reads the numbers after the header in order. After the end or an unreadable number, `ok` stays false.
+// Reads the numbers after the header in order, element by element. In text, each element is a line.
 class PlyBody {
  public:
-  PlyBody(absl::string_view rest, PlyFormat format) : rest_(rest), format_(format) {}
+  // `lines` is the number of lines before `rest`.
+  PlyBody(absl::string_view rest, PlyFormat format, size_t lines)
+      : rest_(rest), format_(format), lines_(is_text() ? rest : ""), lines_before_(lines) {}
 
+  // Whether all numbers of the element so far could be read. In text, each element begins anew.
   bool ok() const { return ok_; }
 
+  // Whether the file has ended before the element.
+  bool ended() const { return ended_; }
+
+  void BeginElement() {
+    if (!is_text()) return;
+    line_ = "";
+    while (line_.empty() && !ended_) {
+      ended_ = !lines_.Next(line_);
+      line_ = ended_ ? "" : absl::StripAsciiWhitespace(line_);
+    }
+    ok_ = !ended_;
+  }
+
+  // Counts the element if values are left on its line.
+  void EndElement() {
+    if (line_.empty() || !ok_ || TakeWord(line_).empty()) return;
+    if (longer_++ == 0) first_longer_ = line();
+  }
+
+  // Returns the lines that have more values than the header tells, and the first of them.
+  uint64_t longer() const { return longer_; }
+  size_t first_longer() const { return first_longer_; }
+
+  // Returns whether more than white space follows the last element.
+  bool HasMore() {
+    BeginElement();
+    return is_text() ? !ended_ : !absl::StripAsciiWhitespace(rest_).empty();
+  }
+
+  bool is_text() const { return format_ == PlyFormat::kAscii; }
+
+  // Returns the line of the element in the file, counted from 1.
+  size_t line() const { return lines_before_ + lines_.number(); }
+
   double ReadNumber(PlyScalar type) {
-    if (format_ == PlyFormat::kAscii) return ReadText();
+    if (is_text()) return ReadText();
     switch (type) {
       case PlyScalar::kInt8:
         return ReadBinary<int8_t>();
@@ -47,7 +86,10 @@ class PlyBody {
  private:
   template <class T>
   T ReadBinary() {
-    if (!ok_ || rest_.size() < sizeof(T)) return ok_ = false, T{};
+    if (!ok_ || rest_.size() < sizeof(T)) {
+      ended_ = true;
+      return ok_ = false, T{};
+    }
     char bytes[sizeof(T)];
     std::memcpy(bytes, rest_.data(), sizeof(T));
     rest_.remove_prefix(sizeof(T));
@@ -58,18 +100,19 @@ class PlyBody {
   }
 
   double ReadText() {
-    const size_t begin = std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size());
-    const size_t end = std::min(rest_.find_first_of(" \t\r\n", begin), rest_.size());
-    absl::string_view word = rest_.substr(begin, end - begin);
-    rest_.remove_prefix(end);
     double value = 0;
-    ok_ = ok_ && ParseDouble(word, value);
+    ok_ = ok_ && ParseDouble(TakeWord(line_), value);
     return value;
   }
 
-  absl::string_view rest_;
+  absl::string_view rest_;  // of binary data
   PlyFormat format_;
-  bool ok_ = true;
+  TextLines lines_;
+  size_t lines_before_;
+  absl::string_view line_;  // the rest of it
+  bool ok_ = true, ended_ = false;
+  uint64_t longer_ = 0;
+  size_t first_longer_ = 0;
 };
 
 }  // namespace latvox::client

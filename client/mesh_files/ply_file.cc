@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/mesh_files/bad.h"
+#include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/ply_body.h"
 #include "client/mesh_files/ply_header.h"
 #include "client/mesh_files/polygon.h"
@@ -18,7 +20,11 @@
 namespace latvox::client {
 namespace {
 
-absl::Status EndsEarly(const PlyElement& element, uint64_t at) {
+absl::Status EndsEarly(const PlyElement& element, uint64_t at, const PlyBody& body) {
+  if (body.is_text() && !body.ended()) {
+    return Bad("line ", body.line(), ": ", element.name, " ", at, " of ", element.count,
+               " has fewer values than the header tells, or one that is not a number");
+  }
   return Bad("ends or is damaged at ", element.name, " ", at, " of ", element.count);
 }
 
@@ -88,6 +94,7 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
   if (const char* axis = Missing(element, kAxes)) return Bad("PLY header: element vertex has no property ", axis);
   const Names* const color_names = ColorNamesOf(element);
   for (uint64_t n = 0; n < element.count; ++n) {
+    body.BeginElement();
     Vec3d position{};
     Color color{};
     for (const PlyProperty& property : element.properties) {
@@ -99,10 +106,8 @@ absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) 
         SkipProperty(property, body);
       }
     }
-    if (!body.ok()) return EndsEarly(element, n);
-    for (const double coordinate : position) {
-      if (!std::isfinite(coordinate)) return Bad("vertex ", n, " is not finite (", coordinate, ")");
-    }
+    if (!body.ok()) return EndsEarly(element, n, body);
+    body.EndElement();
     mesh.positions.push_back(position);
     if (color_names != nullptr && mesh.no_color.empty()) mesh.colors.push_back(color);
   }
@@ -114,47 +119,62 @@ bool IsCorners(const PlyProperty& property) {
 }
 
 // Returns the vertex that element n of this kind refers to.
-absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n, size_t vertices) {
-  if (index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index))
-    return static_cast<uint32_t>(index);
-  return Bad("vertex index ", index, " of ", element, " ", n, " is not within the ", vertices, " vertices");
+absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n, const std::vector<Vec3d>& positions) {
+  if (!(index >= 0 && index < static_cast<double>(positions.size()) && index == std::floor(index)))
+    return Bad("vertex index ", index, " of ", element, " ", n, " is not within the ", positions.size(), " vertices");
+  const auto vertex = static_cast<uint32_t>(index);
+  if (IsFinite(positions[vertex])) return vertex;
+  return Bad("vertex ", vertex, " is not finite (", absl::StrJoin(positions[vertex], " "), "), and ", element, " ", n,
+             " uses it");
 }
 
-// Reads the corners of face n.
-absl::Status ReadCorners(const PlyProperty& property, uint64_t n, size_t vertices, PlyBody& body,
-                         std::vector<uint32_t>& corners) {
-  corners.clear();
+void ReadIndices(const PlyProperty& property, PlyBody& body, std::vector<double>& indices) {
+  indices.clear();
   for (double count = body.ReadNumber(*property.count_type); body.ok() && count >= 1; --count) {
-    const double index = body.ReadNumber(property.type);
-    if (!body.ok()) break;
-    const auto vertex = ToVertex(index, "face", n, vertices);
+    indices.push_back(body.ReadNumber(property.type));
+  }
+}
+
+// Appends the triangles of face n.
+absl::Status AppendFace(const std::vector<double>& indices, uint64_t n, std::vector<uint32_t>& corners, Mesh& mesh) {
+  corners.clear();
+  for (const double index : indices) {
+    const auto vertex = ToVertex(index, "face", n, mesh.positions);
     if (!vertex.ok()) return vertex.status();
     corners.push_back(*vertex);
+  }
+  if (corners.size() >= 3) {
+    Triangulate(corners, mesh.positions, mesh.triangles);
+  } else if (mesh.skipped++ == 0) {
+    mesh.warnings.push_back({"SKIPPED_ELEMENTS",
+                             absl::StrCat("faces of fewer than three corners are left out; the ", "first: face ", n),
+                             absl::StrCat("face ", n)});
   }
   return absl::OkStatus();
 }
 
-absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, BadElements& bad, Mesh& mesh) {
   if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
     return Bad("PLY header: element face has no list vertex_indices");
   }
   if (ColorNamesOf(element) != nullptr && mesh.colors.empty() && mesh.no_color.empty())
     mesh.no_color = "colors of faces are not read, only those of vertices";
+  std::vector<double> indices;
   std::vector<uint32_t> corners;
   for (uint64_t n = 0; n < element.count; ++n) {
+    body.BeginElement();
     for (const PlyProperty& property : element.properties) {
-      if (!IsCorners(property)) {
+      if (IsCorners(property)) {
+        ReadIndices(property, body, indices);
+      } else {
         SkipProperty(property, body);
-      } else if (auto status = ReadCorners(property, n, mesh.positions.size(), body, corners); !status.ok()) {
-        return status;
       }
     }
-    if (!body.ok()) return EndsEarly(element, n);
-    if (corners.size() < 3) {
-      ++mesh.skipped;
-    } else {
-      Triangulate(corners, mesh.positions, mesh.triangles);
-    }
+    absl::Status status = body.ok() ? AppendFace(indices, n, corners, mesh) : EndsEarly(element, n, body);
+    if (body.ended()) return status;
+    if (!status.ok()) status = bad.Add(status, absl::StrCat("face ", n));
+    if (!status.ok()) return status;
+    body.EndElement();
   }
   return absl::OkStatus();
 }
@@ -171,7 +191,7 @@ absl::Status ReadStripList(const PlyProperty& property, uint64_t n, PlyBody& bod
       length = 0;
       continue;
     }
-    const auto vertex = ToVertex(index, "tristrips", n, mesh.positions.size());
+    const auto vertex = ToVertex(index, "tristrips", n, mesh.positions);
     if (!vertex.ok()) return vertex.status();
     const auto [a, b] = before;
     // Every other triangle is turned, so that all have one orientation.
@@ -187,6 +207,7 @@ absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
     return Bad("PLY header: element tristrips has no list vertex_indices");
   }
   for (uint64_t n = 0; n < element.count; ++n) {
+    body.BeginElement();
     for (const PlyProperty& property : element.properties) {
       if (!IsCorners(property)) {
         SkipProperty(property, body);
@@ -194,7 +215,8 @@ absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
         return status;
       }
     }
-    if (!body.ok()) return EndsEarly(element, n);
+    if (!body.ok()) return EndsEarly(element, n, body);
+    body.EndElement();
   }
   return absl::OkStatus();
 }
@@ -202,8 +224,10 @@ absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
 absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
   if (element.properties.empty()) return absl::OkStatus();
   for (uint64_t n = 0; n < element.count; ++n) {
+    body.BeginElement();
     for (const PlyProperty& property : element.properties) SkipProperty(property, body);
-    if (!body.ok()) return EndsEarly(element, n);
+    if (!body.ok()) return EndsEarly(element, n, body);
+    body.EndElement();
   }
   return absl::OkStatus();
 }
@@ -211,18 +235,31 @@ absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
 }  // namespace
 
 // No declared count is trusted with an allocation: vectors grow with the bytes that exist.
-absl::StatusOr<Mesh> ParsePly(absl::string_view bytes) {
+absl::StatusOr<Mesh> ParsePly(absl::string_view bytes, const ParseOptions& options) {
   const absl::StatusOr<PlyHeader> header = ReadPlyHeader(bytes);
   if (!header.ok()) return header.status();
-  PlyBody body(bytes, header->format);
+  PlyBody body(bytes, header->format, header->lines);
+  BadElements bad(options);
   Mesh mesh;
   for (const PlyElement& element : header->elements) {
     absl::Status status = element.name == "vertex"      ? ReadVertices(element, body, mesh)
-                          : element.name == "face"      ? ReadPlyFaces(element, body, mesh)
+                          : element.name == "face"      ? ReadPlyFaces(element, body, bad, mesh)
                           : element.name == "tristrips" ? ReadStrips(element, body, mesh)
                                                         : SkipElement(element, body);
     if (!status.ok()) return status;
   }
+  if (!header->unmarked.empty()) {
+    mesh.warnings.push_back({"UNKNOWN_HEADER", absl::StrCat("header line \"", header->unmarked, "\" is ignored")});
+  }
+  if (body.longer() > 0) {
+    mesh.warnings.push_back({"EXTRA_VALUES",
+                             absl::StrCat(body.longer(), " lines have more values than the header tells, which are ",
+                                          "ignored; the first: line ", body.first_longer()),
+                             absl::StrCat("line ", body.first_longer())});
+  }
+  if (body.HasMore()) mesh.warnings.push_back({"TRAILING_DATA", "data after the last element are ignored"});
+  bad.Report(mesh);
+  RemoveNotFinite(mesh);
   return mesh;
 }
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -56,7 +58,11 @@ absl::Status ParseHeaderLine(absl::string_view line, PlyHeader& header) {
       return absl::OkStatus();
     }
   }
-  return Bad("PLY header: \"", line.substr(0, 80), "\" is not understood");
+  if (words[0] == "format" || words[0] == "element" || words[0] == "property") {
+    return Bad("PLY header: \"", line.substr(0, 80), "\" is not understood");
+  }
+  if (header.unmarked.empty()) header.unmarked = std::string(line.substr(0, 80));
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -68,18 +74,27 @@ absl::string_view NameOf(PlyScalar scalar) {
   return "";
 }
 
+// Takes the next line off the front of `rest`. Returns nothing if no line end follows. A file whose first line ends in
+// CR alone ends all lines so: then LF after "end_header" belongs to binary data.
+static std::optional<absl::string_view> TakeHeaderLine(absl::string_view& rest, PlyHeader& header) {
+  const size_t end = rest.find_first_of("\r\n");
+  if (end == absl::string_view::npos) return std::nullopt;
+  const absl::string_view line = rest.substr(0, end);
+  const bool crlf = absl::StartsWith(rest.substr(end), "\r\n");
+  if (header.lines++ == 0) header.ends_in_cr = rest[end] == '\r' && !crlf;
+  rest.remove_prefix(end + (crlf && !header.ends_in_cr ? 2 : 1));
+  return absl::StripTrailingAsciiWhitespace(line);
+}
+
 absl::StatusOr<PlyHeader> ReadPlyHeader(absl::string_view& rest) {
   PlyHeader header;
   for (bool first = true;; first = false) {
-    const size_t end = rest.find('\n');
-    if (end == absl::string_view::npos) return Bad(first ? "not a PLY file" : "PLY header: end_header is missing");
-    absl::string_view line = rest.substr(0, end);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    rest.remove_prefix(end + 1);
-    if (first && line != "ply") return Bad("not a PLY file");
-    if (line == "end_header") return header;
+    const auto line = TakeHeaderLine(rest, header);
+    if (!line) return Bad(first ? "not a PLY file" : "PLY header: end_header is missing");
+    if (first && *line != "ply") return Bad("not a PLY file");
+    if (*line == "end_header") return header;
     if (first) continue;
-    if (auto status = ParseHeaderLine(line, header); !status.ok()) return status;
+    if (auto status = ParseHeaderLine(*line, header); !status.ok()) return status;
   }
 }
 

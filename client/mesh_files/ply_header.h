@@ -30,6 +30,9 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
+  size_t lines = 0;         // of the header
+  bool ends_in_cr = false;  // its lines end in CR alone
+  std::string unmarked;     // the first line that is a comment without "comment"
 };
 
 // Returns "uchar", "float", ...

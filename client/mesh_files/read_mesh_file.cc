@@ -48,7 +48,11 @@ TriangleMesh ToPublic(Mesh mesh) {
 }  // namespace
 
 absl::StatusOr<TriangleMesh> ReadMeshFile(const std::string& path, const ReadMeshOptions& options) {
-  auto read = ReadMeshSource({.paths = {path}, .format = options.format, .up = options.up, .scale = options.scale});
+  auto read = ReadMeshSource({.paths = {path},
+                              .format = options.format,
+                              .up = options.up,
+                              .scale = options.scale,
+                              .skip_bad = options.skip_bad});
   if (!read.ok()) return PrintableStatus(read.status());
   if (auto* mesh = std::get_if<Mesh>(&*read)) return ToPublic(std::move(*mesh));
   auto decoded = ParseMeshFile(path, std::get<std::string>(*read), MeshFormat::kDraco);

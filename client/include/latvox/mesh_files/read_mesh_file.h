@@ -33,6 +33,7 @@ struct ReadMeshOptions {
   std::optional<MeshFormat> format = std::nullopt;
   UpAxis up = UpAxis::kZ;  // the axis of the file that becomes z
   double scale = 1;        // multiplies positions, after the turn
+  bool skip_bad = false;   // go on without broken elements; the warning BAD_ELEMENTS counts them
 };
 
 // Reads a file of triangles or polygons, or standard input for "-"; polygons are triangulated. All objects of the file

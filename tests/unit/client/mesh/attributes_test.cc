@@ -51,11 +51,10 @@ TEST(MeshAttributes, OfObjAreItsObjectsMaterialsAndVertexColors) {
 
 TEST(MeshAttributes, ThatSomeOfAnObjLacksAreMissed) {
   const Mesh late = ParseObj("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nusemtl a\nf 3 2 1\n").value();
-  EXPECT_THAT(Refusal(Attribute::kColor, late), HasSubstr("has no color"));
   EXPECT_THAT(Refusal(Attribute::kMaterial, late), HasSubstr("has no material"));
   EXPECT_THAT(NumbersOf(late, Attribute::kPart), ElementsAre(0, 0));
-  // A weight, numbers up to 255, and a comment are not colors.
-  for (const char* more : {" 1", " 255 0 0", " # 1 1 1", " 1 1", " 1 1 x"}) {
+  // A weight, numbers below 0, and a comment are not colors.
+  for (const char* more : {" 1", " -1 0 0", " # 1 1 1", " 1 1", " 1 1 x"}) {
     const std::string v = std::string(more) + "\n";
     const auto mesh = ParseObj("v 0 0 0" + v + "v 1 0 0" + v + "v 0 1 0" + v + "f 1 2 3\n");
     ASSERT_TRUE(mesh.ok()) << mesh.status();

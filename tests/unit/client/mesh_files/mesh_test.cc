@@ -112,8 +112,9 @@ TEST(ObjFile, ErrorsNameLineValueAndLimit) {
   EXPECT_THAT(Message(ParseObj(good + "f 1 2 99999999999999999999\n").status()), HasSubstr("99999999999999999999"));
   EXPECT_THAT(Message(ParseObj(good + "f 1 x 3\n").status()), HasSubstr("\"x\""));
   EXPECT_THAT(Message(ParseObj(good + "f 1 2\n").status()), HasSubstr("2 corners"));
-  EXPECT_THAT(Message(ParseObj("v 0 nan 0\n").status()), HasSubstr("line 1: vertex 1 is not finite"));
-  EXPECT_THAT(Message(ParseObj("v 0 1e999 0\n").status()), HasSubstr("vertex 1 is not finite"));
+  EXPECT_THAT(Message(ParseObj(good + "v 0 nan 0\nf 1 2 4\n").status()),
+              HasSubstr("line 5: vertex 4 of a face is not finite (0 nan 0)"));
+  EXPECT_THAT(Message(ParseObj(good + "v 0 1e999 0\nf 1 2 4\n").status()), HasSubstr("vertex 4 of a face"));
   EXPECT_THAT(Message(ParseObj("v 0 1\n").status()), HasSubstr("is not a number"));
 }
 
@@ -181,14 +182,16 @@ TEST(PlyFile, StripsAreTrianglesOfOneSense) {
     EXPECT_THAT(Message(ParsePly(head + list + vertices + body).status()), HasSubstr(text));
   };
   says("vertex_indices", "3 0 1 4\n", "vertex index 4 of tristrips 0 is not within the 4 vertices");
-  says("vertex_indices", "3 0 1\n", "ends or is damaged at tristrips 0 of 1");
+  says("vertex_indices", "3 0 1\n", "line 14: tristrips 0 of 1 has fewer values than the header tells");
+  says("vertex_indices", "", "ends or is damaged at tristrips 0 of 1");
   says("indices", "3 0 1 2\n", "element tristrips has no list vertex_indices");
 }
 
 TEST(PlyFile, ErrorsNameVertexFaceAndLimit) {
   EXPECT_THAT(Message(ParsePly(BinaryPly(false, 99)).status()), HasSubstr("vertex index 99 of face 1"));
   EXPECT_THAT(Message(ParsePly(BinaryPly(false, -1)).status()), HasSubstr("vertex index -1 of face 1"));
-  EXPECT_THAT(Message(ParsePly(BinaryPly(true, 2, NAN)).status()), HasSubstr("vertex 3 is not finite"));
+  EXPECT_THAT(Message(ParsePly(BinaryPly(true, 2, NAN)).status()),
+              HasSubstr("vertex 3 is not finite (1 1 nan), and face 1"));
   EXPECT_THAT(Message(ParsePly("ply\nformat ascii 1.0\nelement vertex 18446744073709551615\nproperty float x\n"
                                "property float y\nproperty float z\nend_header\n1 2 3\n")
                           .status()),
