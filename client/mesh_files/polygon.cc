@@ -58,6 +58,12 @@ bool IsEar(const std::vector<Corner>& ring, size_t tip) {
   return true;
 }
 
+// Returns whether corners 1 and 3 cut the quad into two triangles that turn left.
+bool IsCutAlong13(const std::vector<Corner>& quad) {
+  const Point &a = quad[0].at, &b = quad[1].at, &c = quad[2].at, &d = quad[3].at;
+  return Turn(a, b, c) > 0 && Turn(a, c, d) > 0;
+}
+
 }  // namespace
 
 // Ear clipping: between quadratic and cubic in the corners, which are few in files.
@@ -68,6 +74,11 @@ void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3d>& po
     return;
   }
   std::vector<Corner> ring = Project(polygon, positions);
+  if (polygon.size() == 4 && IsCutAlong13(ring)) {
+    triangles.push_back({polygon[0], polygon[1], polygon[2]});
+    triangles.push_back({polygon[0], polygon[2], polygon[3]});
+    return;
+  }
   while (ring.size() >= 3) {
     size_t tip = 0;
     while (tip < ring.size() && !IsEar(ring, tip)) ++tip;
