@@ -39,6 +39,14 @@ class Input(InputCase):
         obj = self.dir / "expected.obj"
         self.assert_refused(3, "standard input: not a PLY file", "-", "--input-format", "ply", stdin=obj)
 
+    def test_broken_elements_are_left_out_on_request(self):
+        path = write_obj(self.dir / "broken.obj", MESH)
+        wanted = self.digest(path)
+        with path.open("a") as obj:
+            obj.write("\nv nan 0 0\nf 1 2\nf 1 2 -1\n")
+        self.assert_refused(3, "broken.obj: line .*: a face has 2 corners", path)
+        self.assertEqual(self.digest(path, "--skip-bad"), wanted)
+
     def test_standard_input_that_is_no_mesh_is_refused(self):
         (self.dir / "text").write_text("this is no mesh\n")
         self.assert_refused(3, "standard input: .*--input-format", "-", stdin=self.dir / "text")

@@ -102,6 +102,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   const MeshSource& input = job.options.mesh;
   if (input.up != UpAxis::kZ) json["up"] = static_cast<int>(input.up);
   if (input.scale != 1) json["scale"] = input.scale;
+  if (input.skip_bad) json["skip_bad"] = true;
   if (input.format) json["input_format"] = static_cast<int>(*input.format);
   if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
   if (job.options.output_options.dense_npy) json["npy"] = "dense";

@@ -46,6 +46,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"encoding", Kind::kText},
     {"up_axis", Kind::kText},
     {"scale", Kind::kNumber},
+    {"skip_bad", Kind::kFlag},
     {"input_format", Kind::kText},
     {"weld_report", Kind::kFlag},
     {"strict", Kind::kFlag},

@@ -30,6 +30,9 @@ std::vector<OptionRow> MeshRows(MeshWords& words) {
        .value = "FACTOR",
        .checks = {{CheckPositive}},
        .standard = "1"},
+      {.names = "--skip-bad",
+       .target = &words.skip_bad,
+       .help = "Leave out broken elements, such as faces with a corner that is not finite, and count them"},
       {.names = "--input-format",
        .target = &words.input_format,
        .help = "Format of MESH, in place of its extension or its first bytes",
@@ -42,6 +45,7 @@ std::vector<OptionRow> MeshRows(MeshWords& words) {
 void InterpretMesh(const MeshWords& words, MeshSource& mesh) {
   if (!words.up_axis.empty()) mesh.up = ValueNamed(UpNames(), words.up_axis);
   if (!words.scale.empty()) ParseNumber(words.scale, mesh.scale);
+  mesh.skip_bad = words.skip_bad;
   if (!words.input_format.empty()) mesh.format = ValueNamed(MeshFormats(), words.input_format);
 }
 

@@ -14,12 +14,13 @@ namespace latvox::client {
 struct MeshWords {
   std::string up_axis, scale, input_format;
   bool strict = false;  // a warning is an error
+  bool skip_bad = false;  // leave out broken elements
 };
 
 // Returns the row of the positional MESH, one or several.
 OptionRow MeshRow(MeshSource& mesh);
 
-// Returns the rows of --up-axis, --scale, --input-format and --strict.
+// Returns the rows of --up-axis, --scale, --skip-bad, --input-format and --strict.
 std::vector<OptionRow> MeshRows(MeshWords& words);
 
 // Writes the meaning of the words to `mesh`.
