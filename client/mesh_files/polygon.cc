@@ -58,10 +58,12 @@ bool IsEar(const std::vector<Corner>& ring, size_t tip) {
   return true;
 }
 
-// Returns whether corners 1 and 3 cut the quad into two triangles that turn left.
-bool IsCutAlong13(const std::vector<Corner>& quad) {
-  const Point &a = quad[0].at, &b = quad[1].at, &c = quad[2].at, &d = quad[3].at;
-  return Turn(a, b, c) > 0 && Turn(a, c, d) > 0;
+// Returns whether all triangles of corner 1 and two corners in a row turn left, as those of a convex polygon do.
+bool IsFan(const std::vector<Corner>& ring) {
+  for (size_t n = 1; n + 1 < ring.size(); ++n) {
+    if (!(Turn(ring[0].at, ring[n].at, ring[n + 1].at) > 0)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -74,9 +76,8 @@ void Triangulate(std::span<const uint32_t> polygon, const std::vector<Vec3d>& po
     return;
   }
   std::vector<Corner> ring = Project(polygon, positions);
-  if (polygon.size() == 4 && IsCutAlong13(ring)) {
-    triangles.push_back({polygon[0], polygon[1], polygon[2]});
-    triangles.push_back({polygon[0], polygon[2], polygon[3]});
+  if (IsFan(ring)) {
+    for (size_t n = 1; n + 1 < polygon.size(); ++n) triangles.push_back({polygon[0], polygon[n], polygon[n + 1]});
     return;
   }
   while (ring.size() >= 3) {

@@ -12,7 +12,7 @@
 namespace latvox::client {
 
 // Cuts a polygon with n >= 3 corners into n - 2 triangles with the same corners and orientation, and appends them.
-//   convex quad         cut along corners 1 and 3, as most programs do
+//   convex              cut from the first corner on, quads along corners 1 and 3, as most programs do
 //   concave             cut inside
 //   not planar          cut as its projection along its mean normal
 //   self-intersecting   gets n - 2 triangles that cover all its corners
