@@ -35,6 +35,13 @@ inline Vec3d Apply(const Affine& map, const Vec3d& v) {
   return out;
 }
 
+// Returns whether the map turns the orientation of triangles around.
+inline bool Mirrors(const Affine& map) {
+  const auto& [a, b, c] = map;
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]) <
+         0;
+}
+
 }  // namespace latvox::client
 
 #endif  // LATVOX_CLIENT_MESH_AFFINE_H_

@@ -9,34 +9,34 @@
 #include <new>
 
 #include "absl/strings/str_cat.h"
-#include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/bad.h"
 
 namespace latvox::client {
 namespace {
 
-// Returns the full intensity of a color, as Draco converts the numbers of an attribute to floats.
-float FullColor(const draco::PointAttribute& colors) {
+// Returns the full intensity of a color, as Draco converts the numbers of an attribute.
+double FullColor(const draco::PointAttribute& colors) {
   if (colors.normalized()) return 1;
   return colors.data_type() == draco::DT_UINT8 ? 255 : colors.data_type() == draco::DT_UINT16 ? 65535 : 1;
 }
 
-absl::Status StoreColors(const draco::Mesh& decoded, uint32_t id, Mesh& mesh) {
-  const draco::PointAttribute* colors = decoded.GetAttributeByUniqueId(id);
-  if (colors == nullptr || colors->num_components() < 3) return Bad("has no colors of three numbers");
+absl::StatusOr<DracoNumbers> ReadDracoNumbers(const draco::Mesh& decoded, uint32_t id) {
+  const draco::PointAttribute* attribute = decoded.GetAttributeByUniqueId(id);
+  if (attribute == nullptr || attribute->num_components() == 0) return Bad("has no attribute ", id);
+  DracoNumbers numbers{static_cast<size_t>(attribute->num_components()), FullColor(*attribute)};
   for (uint32_t p = 0; p < decoded.num_points(); ++p) {
-    const auto entry = colors->mapped_index(draco::PointIndex(p));
-    std::array<float, 4> color{};
-    if (entry.value() >= colors->size() || !colors->ConvertValue<float>(entry, 3, color.data())) {
-      return Bad("vertex ", p, " has no color");
+    const auto entry = attribute->mapped_index(draco::PointIndex(p));
+    numbers.values.resize(numbers.values.size() + numbers.components);
+    double* const out = &numbers.values[numbers.values.size() - numbers.components];
+    if (entry.value() >= attribute->size() ||
+        !attribute->ConvertValue<double>(entry, attribute->num_components(), out)) {
+      return Bad("vertex ", p, " has no number of attribute ", id);
     }
-    for (float& part : color) part /= FullColor(*colors);
-    mesh.colors.push_back(ToColor(color.data()));
   }
-  return absl::OkStatus();
+  return numbers;
 }
 
-absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids) {
+absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids, std::vector<DracoNumbers>* numbers) {
   const draco::PointAttribute* positions = ids.positions
                                                ? decoded.GetAttributeByUniqueId(*ids.positions)
                                                : decoded.GetNamedAttribute(draco::GeometryAttribute::POSITION);
@@ -44,14 +44,14 @@ absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids) 
   Mesh mesh;
   for (uint32_t p = 0; p < decoded.num_points(); ++p) {
     const auto entry = positions->mapped_index(draco::PointIndex(p));
-    std::array<float, 3> position{};
-    if (entry.value() >= positions->size() || !positions->ConvertValue<float>(entry, 3, position.data())) {
+    Vec3d position{};
+    if (entry.value() >= positions->size() || !positions->ConvertValue<double>(entry, 3, position.data())) {
       return Bad("vertex ", p, " has no position");
     }
     for (const double coordinate : position) {
       if (!std::isfinite(coordinate)) return Bad("vertex ", p, " is not finite (", coordinate, ")");
     }
-    mesh.positions.push_back({position[0], position[1], position[2]});
+    mesh.positions.push_back(position);
   }
   for (uint32_t f = 0; f < decoded.num_faces(); ++f) {
     auto& triangle = mesh.triangles.emplace_back();
@@ -63,21 +63,23 @@ absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids) 
       }
     }
   }
-  if (ids.colors) {
-    if (auto status = StoreColors(decoded, *ids.colors, mesh); !status.ok()) return status;
+  for (const uint32_t id : ids.numbers) {
+    auto read = ReadDracoNumbers(decoded, id);
+    if (!read.ok()) return read.status();
+    numbers->push_back(*std::move(read));
   }
   return mesh;
 }
 
 }  // namespace
 
-absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids) try {
+absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids, std::vector<DracoNumbers>* numbers) try {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   draco::Decoder decoder;
   const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) return Bad("is not a Draco mesh (", decoded.status().error_msg_string(), ")");
-  return FromDraco(*decoded.value(), ids);
+  return FromDraco(*decoded.value(), ids, numbers);
 } catch (const std::bad_alloc&) {
   return absl::ResourceExhaustedError("not enough memory to decode the mesh");
 } catch (const std::exception& error) {

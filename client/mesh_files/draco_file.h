@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -14,14 +15,22 @@ namespace latvox::client {
 // Unique ids of the attributes to read.
 struct DracoIds {
   std::optional<uint32_t> positions = std::nullopt;  // absent: the attribute that the stream marks as positions
-  std::optional<uint32_t> colors = std::nullopt;     // absent: no colors
+  std::vector<uint32_t> numbers = {};                // of other attributes
 };
 
-// Reads positions, triangles and colors of a Draco mesh. Draco may take much time and memory before it reports a
-// damaged stream.
-// Errors: INVALID_ARGUMENT: not a Draco mesh, positions that are not three floats, a vertex that is not finite or has
-// no color, an index out of range; RESOURCE_EXHAUSTED (memory).
-absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids = {});
+// The numbers of an attribute, one vertex after the other.
+struct DracoNumbers {
+  size_t components = 0;
+  double full = 1;  // the full intensity of a color in these numbers
+  std::vector<double> values = {};
+};
+
+// Reads positions and triangles of a Draco mesh, and writes the numbers of ids.numbers, in their order. Draco may take
+// much time and memory before it reports a damaged stream. Errors: INVALID_ARGUMENT: not a Draco mesh, positions that
+// are not three floats, a vertex that is not finite or has no number of an attribute, an index out of range;
+// RESOURCE_EXHAUSTED (memory).
+absl::StatusOr<Mesh> ParseDraco(absl::string_view bytes, const DracoIds& ids = {},
+                                std::vector<DracoNumbers>* numbers = nullptr);
 
 }  // namespace latvox::client
 

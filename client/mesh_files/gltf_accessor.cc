@@ -40,12 +40,13 @@ struct Elements {
 };
 
 absl::StatusOr<uint64_t> ComponentsOf(const SortedJson& accessor) {
-  constexpr std::pair<absl::string_view, uint64_t> kTypes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
+  constexpr std::pair<absl::string_view, uint64_t> kTypes[] = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
   const auto type = accessor.at("type").get<std::string>();
   for (const auto& [name, components] : kTypes) {
     if (type == name) return components;
   }
-  return Bad("type \"", type, "\" is not one of SCALAR, VEC2, VEC3, VEC4");
+  return Bad("type \"", type, "\" is not one of SCALAR, VEC2, VEC3, VEC4, MAT4");
 }
 
 absl::Status ReadBase(const SortedJson& accessor, const SortedJson& root, GltfBuffers& buffers, Elements& elements) {
@@ -120,29 +121,29 @@ T NumberAt(const Elements& elements, uint64_t n) {
 }
 
 template <class T>
-std::vector<float> ToFloats(const Elements& elements, bool normalized) {
-  std::vector<float> floats(elements.count * elements.components);
-  for (uint64_t n = 0; n < floats.size(); ++n) {
-    floats[n] = static_cast<float>(NumberAt<T>(elements, n));
+std::vector<double> ToDoubles(const Elements& elements, bool normalized) {
+  std::vector<double> numbers(elements.count * elements.components);
+  for (uint64_t n = 0; n < numbers.size(); ++n) {
+    numbers[n] = NumberAt<T>(elements, n);
     if constexpr (std::is_integral_v<T>) {
-      if (normalized) floats[n] = std::max(floats[n] / static_cast<float>(std::numeric_limits<T>::max()), -1.0F);
+      if (normalized) numbers[n] = std::max(numbers[n] / std::numeric_limits<T>::max(), -1.0);
     }
   }
-  return floats;
+  return numbers;
 }
 
-absl::StatusOr<std::vector<float>> ToFloats(const Elements& elements, bool normalized) {
+absl::StatusOr<std::vector<double>> ToDoubles(const Elements& elements, bool normalized) {
   switch (elements.component_type) {
     case 5120:
-      return ToFloats<int8_t>(elements, normalized);
+      return ToDoubles<int8_t>(elements, normalized);
     case 5121:
-      return ToFloats<uint8_t>(elements, normalized);
+      return ToDoubles<uint8_t>(elements, normalized);
     case 5122:
-      return ToFloats<int16_t>(elements, normalized);
+      return ToDoubles<int16_t>(elements, normalized);
     case 5123:
-      return ToFloats<uint16_t>(elements, normalized);
+      return ToDoubles<uint16_t>(elements, normalized);
     case 5126:
-      return ToFloats<float>(elements, normalized);
+      return ToDoubles<float>(elements, normalized);
     default:
       return Bad("componentType ", elements.component_type, " is not one of 5120, 5121, 5122, 5123, 5126");
   }
@@ -163,13 +164,13 @@ absl::StatusOr<Result> OfAccessor(uint64_t number, const SortedJson& root, const
 
 }  // namespace
 
-absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers) {
-  return OfAccessor<GltfFloats>(accessor, root, [&](const SortedJson& described) -> absl::StatusOr<GltfFloats> {
+absl::StatusOr<GltfNumbers> ReadGltfNumbers(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers) {
+  return OfAccessor<GltfNumbers>(accessor, root, [&](const SortedJson& described) -> absl::StatusOr<GltfNumbers> {
     const auto elements = ReadElements(described, root, buffers);
     if (!elements.ok()) return elements.status();
-    auto values = ToFloats(*elements, described.value("normalized", false));
+    auto values = ToDoubles(*elements, described.value("normalized", false));
     if (!values.ok()) return values.status();
-    return GltfFloats{elements->components, *std::move(values)};
+    return GltfNumbers{elements->components, *std::move(values)};
   });
 }
 

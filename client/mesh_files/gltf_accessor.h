@@ -13,9 +13,9 @@
 namespace latvox::client {
 
 // Elements of `components` numbers each, one after the other.
-struct GltfFloats {
+struct GltfNumbers {
   size_t components = 0;
-  std::vector<float> values;
+  std::vector<double> values;
 };
 
 // Read an accessor, also an interleaved or sparse one. Without a buffer view all numbers are 0.
@@ -24,9 +24,9 @@ struct GltfFloats {
 //   INVALID_ARGUMENT     a field is missing, has an impossible type, or reaches beyond its buffer
 //   RESOURCE_EXHAUSTED   more elements without a buffer view than the limit
 
-// Converts integers by KHR_mesh_quantization: normalized ones are divided by the largest value of their type and
-// clamped at -1, others keep their value.
-absl::StatusOr<GltfFloats> ReadGltfFloats(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);
+// Floats keep their value. Converts integers by KHR_mesh_quantization, in double: normalized ones are divided by the
+// largest value of their type and clamped at -1, others keep their value.
+absl::StatusOr<GltfNumbers> ReadGltfNumbers(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);
 
 // Reads unsigned integers, one per element.
 absl::StatusOr<std::vector<uint32_t>> ReadGltfIndices(uint64_t accessor, const SortedJson& root, GltfBuffers& buffers);

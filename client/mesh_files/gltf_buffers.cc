@@ -1,5 +1,6 @@
 #include "client/mesh_files/gltf_buffers.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -37,8 +38,10 @@ absl::StatusOr<std::string> ReadUri(absl::string_view uri, const std::filesystem
       return bytes;
     return Bad("its data: URI is not base64");
   }
-  const std::filesystem::path path = folder / Unescaped(uri);
   std::error_code error;
+  std::string name = Unescaped(uri);
+  if (!std::filesystem::exists(folder / name, error)) std::replace(name.begin(), name.end(), '\\', '/');  // of Windows
+  const std::filesystem::path path = folder / name;
   // Only regular files: others may never end.
   if (!std::filesystem::is_regular_file(path, error)) return Bad("file \"", uri, "\" cannot be read");
   return ReadBytes(path);

@@ -46,11 +46,29 @@ absl::StatusOr<Chunks> SplitChunks(absl::string_view bytes) {
 // Returns whether an extension leaves the positions of triangles alone, because it describes only appearance or
 // meaning.
 bool LeavesTrianglesAlone(absl::string_view extension) {
-  constexpr absl::string_view kBeginnings[] = {
-      "KHR_materials_",    "EXT_materials_",         "ADOBE_materials_", "KHR_texture_",
-      "EXT_texture_",      "MSFT_texture_",          "MSFT_packing_",    "KHR_lights_",
-      "EXT_lights_",       "KHR_techniques_",        "KHR_xmp",          "KHR_animation_pointer",
-      "EXT_mesh_features", "EXT_structural_metadata"};
+  constexpr absl::string_view kBeginnings[] = {"KHR_materials_",
+                                               "EXT_materials_",
+                                               "ADOBE_materials_",
+                                               "KHR_texture_",
+                                               "EXT_texture_",
+                                               "MSFT_texture_",
+                                               "MSFT_packing_",
+                                               "KHR_lights_",
+                                               "EXT_lights_",
+                                               "KHR_techniques_",
+                                               "KHR_xmp",
+                                               "KHR_animation_pointer",
+                                               "EXT_mesh_features",
+                                               "EXT_structural_metadata",
+                                               "EXT_instance_features",
+                                               "EXT_feature_metadata",
+                                               "EXT_image_",
+                                               "CESIUM_primitive_outline",
+                                               "GOOGLE_",
+                                               "VRM",
+                                               "VRMC_",
+                                               "KHR_audio",
+                                               "MOZ_"};
   return std::any_of(std::begin(kBeginnings), std::end(kBeginnings),
                      [&](absl::string_view beginning) { return absl::StartsWith(extension, beginning); });
 }
@@ -63,11 +81,30 @@ absl::Status CheckVersion(const SortedJson& root) {
   return absl::OkStatus();
 }
 
-absl::Status CheckExtensions(const SortedJson& root) {
-  for (const SortedJson& each : root.value("extensionsRequired", SortedJson::array())) {
+bool IsRead(absl::string_view extension) {
+  constexpr absl::string_view kRead[] = {"KHR_draco_mesh_compression", "KHR_mesh_quantization",
+                                         "EXT_mesh_gpu_instancing", "CESIUM_RTC"};
+  return std::find(std::begin(kRead), std::end(kRead), extension) != std::end(kRead);
+}
+
+// Returns whether a file has the same triangles without the extension, if it is not required.
+bool HasFallback(absl::string_view extension) {
+  return absl::EndsWith(extension, "_meshopt_compression") || extension == "MSFT_lod";
+}
+
+// Refuses required extensions that may place triangles, and warns of others.
+absl::Status CheckExtensions(const SortedJson& root, std::vector<Warning>& warnings) {
+  const SortedJson none = SortedJson::array();
+  for (const SortedJson& each : root.value("extensionsRequired", none)) {
     const auto name = each.get<std::string>();
-    const bool read = name == "KHR_draco_mesh_compression" || name == "KHR_mesh_quantization";
-    if (!read && !LeavesTrianglesAlone(name)) return Bad("extensionsRequired: ", name, " is not supported");
+    if (!IsRead(name) && !LeavesTrianglesAlone(name)) return Bad("extensionsRequired: ", name, " is not supported");
+  }
+  for (const SortedJson& each : root.value("extensionsUsed", none)) {
+    const auto name = each.get<std::string>();
+    if (IsRead(name) || LeavesTrianglesAlone(name) || HasFallback(name)) continue;
+    warnings.push_back({"UNKNOWN_EXTENSION",
+                        absl::StrCat("extensionsUsed: ", name, " is not read, and may place or change triangles"),
+                        name});
   }
   return absl::OkStatus();
 }
@@ -90,9 +127,9 @@ absl::Status GltfError(const SortedJson::exception& error) {
 absl::StatusOr<GltfDocument> ParseGltfDocument(absl::string_view bytes) try {
   const auto chunks = SplitChunks(bytes);
   if (!chunks.ok()) return chunks.status();
-  GltfDocument document{SortedJson::parse(chunks->json), chunks->binary};
+  GltfDocument document{SortedJson::parse(chunks->json), chunks->binary, {}};
   if (auto status = CheckVersion(document.root); !status.ok()) return status;
-  if (auto status = CheckExtensions(document.root); !status.ok()) return status;
+  if (auto status = CheckExtensions(document.root, document.warnings); !status.ok()) return status;
   return document;
 } catch (const SortedJson::exception& error) {
   return GltfError(error);

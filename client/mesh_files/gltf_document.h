@@ -4,22 +4,26 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "client/json/json.h"
+#include "latvox/warning.h"
 
 namespace latvox::client {
 
 struct GltfDocument {
   SortedJson root;
   absl::string_view binary;  // the chunk of a .glb; null if there is none
+  std::vector<Warning> warnings;
 };
 
 // Splits a .glb or .gltf. `bytes` must outlive the result. Errors: INVALID_ARGUMENT naming one of these:
 //   the byte where the file is cut short or is not JSON
 //   a version other than 2.0
 //   a required extension that this reader lacks and that may move triangles
+// Warnings: UNKNOWN_EXTENSION for such an extension that is not required.
 absl::StatusOr<GltfDocument> ParseGltfDocument(absl::string_view bytes);
 
 // Returns a field that is a whole number. Errors: INVALID_ARGUMENT: it is missing and there is no `otherwise`, or it is

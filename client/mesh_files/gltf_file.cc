@@ -6,17 +6,23 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/json/json.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/bad.h"
+#include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/gltf_buffers.h"
+#include "client/mesh_files/gltf_color.h"
 #include "client/mesh_files/gltf_document.h"
+#include "client/mesh_files/gltf_node.h"
+#include "client/mesh_files/gltf_pose.h"
 #include "client/mesh_files/gltf_primitive.h"
 
 // No assimp, although it has an importer: it crashes on skins without matrices and takes quantized positions for
@@ -31,46 +37,13 @@ absl::Status In(absl::string_view list, size_t number, const absl::Status& statu
   return absl::Status(status.code(), absl::StrCat(list, number, "]: ", status.message()));
 }
 
-// Reads kCount numbers of a node.
-template <size_t kCount>
-absl::StatusOr<std::array<double, kCount>> Numbers(const SortedJson& node, const char* name,
-                                                   const std::array<double, kCount>& otherwise) {
-  const auto found = node.find(name);
-  if (found == node.end()) return otherwise;
-  const auto is_number = [](const SortedJson& each) { return each.is_number(); };
-  if (!found->is_array() || found->size() != kCount || !std::all_of(found->begin(), found->end(), is_number)) {
-    return Bad(name, " is not ", kCount, " numbers");
-  }
-  return found->get<std::array<double, kCount>>();
-}
-
-// Applies scale, then rotation by the quaternion (x, y, z, w), which may not be exactly a unit, then translation.
-absl::StatusOr<Affine> PlaceOfParts(const SortedJson& node) {
-  const auto t = Numbers<3>(node, "translation", {0, 0, 0}), s = Numbers<3>(node, "scale", {1, 1, 1});
-  const auto q = Numbers<4>(node, "rotation", {0, 0, 0, 1});
-  if (!t.ok() || !s.ok()) return t.ok() ? s.status() : t.status();
-  if (!q.ok()) return q.status();
-  const auto [x, y, z, w] = *q;
-  const double norm = x * x + y * y + z * z + w * w;
-  if (norm == 0) return Bad("rotation is 0");
-  const double k = 2 / norm;
-  Affine place = {{{1 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w), (*t)[0]},
-                   {k * (x * y + z * w), 1 - k * (x * x + z * z), k * (y * z - x * w), (*t)[1]},
-                   {k * (x * z - y * w), k * (y * z + x * w), 1 - k * (x * x + y * y), (*t)[2]}}};
-  for (auto& row : place) {
-    for (size_t c = 0; c < 3; ++c) row[c] *= (*s)[c];
-  }
-  return place;
-}
-
-absl::StatusOr<Affine> PlaceOf(const SortedJson& node) {
-  if (!node.contains("matrix")) return PlaceOfParts(node);
-  const auto columns = Numbers<16>(node, "matrix", {});
-  if (!columns.ok()) return columns.status();
-  Affine place;
-  for (size_t r = 0; r < 3; ++r) {
-    for (size_t c = 0; c < 4; ++c) place[r][c] = (*columns)[4 * c + r];
-  }
+// Returns the translation that CESIUM_RTC applies to the whole scene.
+absl::StatusOr<Affine> OriginOf(const SortedJson& root) {
+  const SortedJson extensions = root.value("extensions", SortedJson::object());
+  const auto rtc = extensions.find("CESIUM_RTC");
+  if (rtc == extensions.end()) return kIdentity;
+  const auto place = GltfPlaceOf({{"translation", rtc->at("center")}});
+  if (!place.ok()) return Bad("extensions.CESIUM_RTC: center is not 3 numbers");
   return place;
 }
 
@@ -80,30 +53,20 @@ std::string NameOf(const SortedJson& object) {
   return name != object.end() && name->is_string() ? name->get<std::string>() : "";
 }
 
-std::string NameOfMaterial(const SortedJson& material, uint64_t number) {
-  const std::string name = material.value("name", "");
-  return name.empty() ? absl::StrCat("materials[", number, "]") : absl::StrCat("material \"", name, "\"");
-}
-
-// Returns the color of a whole part: the factor of its material. With a texture there is no single color: then returns
-// nothing and writes the reason to no_color.
-std::optional<Color> BaseColorOf(uint64_t number, const SortedJson& root, std::string& no_color) {
-  const SortedJson& material = root.at("materials").at(number);
-  const SortedJson none = SortedJson::object(), extensions = material.value("extensions", none);
-  const bool specular = extensions.contains("KHR_materials_pbrSpecularGlossiness");
-  const SortedJson look =
-      specular ? extensions.at("KHR_materials_pbrSpecularGlossiness") : material.value("pbrMetallicRoughness", none);
-  if (look.contains(specular ? "diffuseTexture" : "baseColorTexture")) {
-    no_color = absl::StrCat(NameOfMaterial(material, number), " has a texture, and textures are not sampled");
-    return std::nullopt;
-  }
-  return ToColor(look.value(specular ? "diffuseFactor" : "baseColorFactor", std::array<float, 4>{1, 1, 1, 1}).data());
+// Returns the weights of the morph targets, up to the last one that is not 0.
+std::vector<double> WeightsOf(const SortedJson& node, const SortedJson& mesh) {
+  auto weights = (node.contains("weights") ? node : mesh).value("weights", std::vector<double>());
+  while (!weights.empty() && weights.back() == 0) weights.pop_back();
+  return weights;
 }
 
 class SceneReader {
  public:
-  SceneReader(const GltfDocument& document, const std::filesystem::path& folder, size_t most)
-      : root_(document.root), most_(most), buffers_(document, folder) {}
+  SceneReader(const GltfDocument& document, const std::filesystem::path& folder, const ParseOptions& options,
+              size_t most)
+      : root_(document.root), most_(most), buffers_(document, folder), bad_(options) {
+    mesh_.warnings = document.warnings;
+  }
 
   // Errors: also exceptions of the JSON library.
   absl::StatusOr<Mesh> Read();
@@ -117,30 +80,45 @@ class SceneReader {
 
   absl::Status Push(const SortedJson& owner, const char* list, const Affine& parent);
   absl::Status Add(const Visit& visit);
-  absl::Status AddMesh(uint64_t number, const std::string& node_name, const Affine& to_world);
+  absl::StatusOr<std::vector<Affine>> JointsOf(const SortedJson& node);
+  absl::Status AddMesh(uint64_t number, const std::string& node_name, const GltfPose& pose,
+                       const std::vector<Affine>& joints, const Affine& to_world);
+  absl::Status AddSkinned(const SortedJson& described, const GltfPrimitive& primitive,
+                          const std::vector<Affine>& joints, uint32_t part);
   absl::Status AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part, const Affine& to_world);
   absl::Status CheckSize(size_t triangles, size_t vertices) const;
-  absl::StatusOr<std::vector<Mesh>> ReadPrimitives(const SortedJson& mesh);
+  absl::StatusOr<std::vector<GltfPrimitive>> ReadPrimitives(const SortedJson& mesh, const GltfPose& pose);
   absl::StatusOr<uint32_t> NumberOfMaterial(const SortedJson& primitive);
-  void WarnOfWeights(const SortedJson& node);
+  void AppendColors(const SortedJson& described, const Mesh& primitive);
+  void FinishColors();
+  void WarnOfAnimations();
 
   const SortedJson& root_;
   const size_t most_;  // limit of triangles, and of vertices
   GltfBuffers buffers_;
-  std::vector<Visit> open_;                       // a stack
-  std::vector<bool> seen_;                        // for each node
-  std::map<uint64_t, std::vector<Mesh>> meshes_;  // primitives of the meshes placed so far
-  std::map<uint64_t, uint32_t> materials_;        // glTF index to our number
+  BadElements bad_;
+  std::vector<Visit> open_;                                                     // a stack
+  std::vector<bool> seen_;                                                      // for each node
+  std::optional<GltfWorldPlaces> places_;                                       // of joints
+  std::map<std::pair<uint64_t, GltfPose>, std::vector<GltfPrimitive>> meshes_;  // placed so far
+  std::map<uint64_t, uint32_t> materials_;                                      // glTF index to our number
+  std::set<std::string> textured_;                                              // materials with a warning
+  size_t bare_ = 0, colored_ = 0;                                               // triangles without and with colors
   Mesh mesh_;
 };
 
 absl::StatusOr<Mesh> SceneReader::Read() {
+  if (root_.value("scenes", SortedJson::array()).empty()) return Bad("the file has no scene");
   const auto number = GltfIndex(root_, "scene", root_, "scenes", 0);
   if (!number.ok()) return number.status();
   seen_.resize(root_.value("nodes", SortedJson::array()).size());
-  if (auto status = Push(root_.at("scenes").at(*number), "nodes", kIdentity); !status.ok()) {
+  const auto origin = OriginOf(root_);
+  if (!origin.ok()) return origin.status();
+  places_.emplace(root_, *origin);
+  if (auto status = Push(root_.at("scenes").at(*number), "nodes", *origin); !status.ok()) {
     return Bad("scenes[", *number, "]: ", status.message());
   }
+  WarnOfAnimations();
   while (!open_.empty()) {
     const Visit visit = open_.back();
     open_.pop_back();
@@ -154,6 +132,9 @@ absl::StatusOr<Mesh> SceneReader::Read() {
     bare = true;
   }
   mesh_.materials += bare;
+  FinishColors();
+  RemoveNotFinite(mesh_);
+  bad_.Report(mesh_);
   return std::move(mesh_);
 }
 
@@ -174,17 +155,35 @@ absl::Status SceneReader::Push(const SortedJson& owner, const char* list, const 
 absl::Status SceneReader::Add(const Visit& visit) {
   const auto named = [&](const absl::Status& status) { return Bad("nodes[", visit.node, "]: ", status.message()); };
   const SortedJson& node = root_.at("nodes").at(visit.node);
-  const auto place = PlaceOf(node);
+  const auto place = GltfPlaceOf(node);
   if (!place.ok()) return named(place.status());
   const Affine to_world = visit.parent * *place;
   if (node.contains("mesh")) {
     const auto number = GltfIndex(node, "mesh", root_, "meshes");
-    if (!number.ok()) return named(number.status());
-    WarnOfWeights(node);
-    if (auto status = AddMesh(*number, NameOf(node), to_world); !status.ok()) return status;
+    const auto instances = ReadGltfInstances(node, root_, buffers_);
+    const auto joints = JointsOf(node);
+    if (!number.ok() || !instances.ok()) return named(number.ok() ? instances.status() : number.status());
+    if (!joints.ok()) return named(joints.status());
+    const GltfPose pose{WeightsOf(node, root_.at("meshes").at(*number)), node.contains("skin")};
+    for (const Affine& instance : *instances) {
+      if (auto status = AddMesh(*number, NameOf(node), pose, *joints, to_world * instance); !status.ok()) return status;
+    }
   }
   if (auto status = Push(node, "children", to_world); !status.ok()) return named(status);
   return absl::OkStatus();
+}
+
+// Returns the transforms of the joints of the node's skin; none without a skin.
+absl::StatusOr<std::vector<Affine>> SceneReader::JointsOf(const SortedJson& node) {
+  if (!node.contains("skin")) return std::vector<Affine>();
+  const auto skin = GltfIndex(node, "skin", root_, "skins");
+  if (!skin.ok()) return skin.status();
+  if (node.value("extensions", SortedJson::object()).contains("EXT_mesh_gpu_instancing")) {
+    return Bad("a skin together with EXT_mesh_gpu_instancing is not defined");
+  }
+  auto joints = ReadGltfJoints(*skin, root_, buffers_, *places_);
+  if (!joints.ok()) return In("skins[", *skin, joints.status());
+  return joints;
 }
 
 absl::Status SceneReader::CheckSize(size_t triangles, size_t vertices) const {
@@ -192,48 +191,72 @@ absl::Status SceneReader::CheckSize(size_t triangles, size_t vertices) const {
   return absl::ResourceExhaustedError(absl::StrCat("the scene has more than ", most_, " triangles or vertices"));
 }
 
-absl::StatusOr<std::vector<Mesh>> SceneReader::ReadPrimitives(const SortedJson& mesh) {
-  std::vector<Mesh> primitives;
+absl::StatusOr<std::vector<GltfPrimitive>> SceneReader::ReadPrimitives(const SortedJson& mesh, const GltfPose& pose) {
+  std::vector<GltfPrimitive> primitives;
   size_t triangles = mesh_.triangles.size(), vertices = mesh_.positions.size();
   for (const SortedJson& described : mesh.at("primitives")) {
-    absl::StatusOr<Mesh> primitive;
+    absl::StatusOr<GltfPrimitive> primitive;
     try {
-      primitive = ReadGltfPrimitive(described, root_, buffers_);
+      primitive = ReadGltfPrimitive(described, pose, root_, buffers_, bad_);
     } catch (const SortedJson::exception& error) {
       primitive = GltfError(error);
     }
     const absl::Status& status = primitive.status();
     if (!status.ok()) return In("primitives[", primitives.size(), status);
-    if (primitive->triangles.empty()) {  // its vertices are not needed
-      primitive->positions = {};
-      primitive->colors = {};
+    Mesh& read = primitive->mesh;
+    if (read.triangles.empty()) {  // its vertices are not needed
+      read.positions = {};
+      read.colors = {};
     }
-    triangles += primitive->triangles.size();
-    vertices += primitive->positions.size();
+    triangles += read.triangles.size();
+    vertices += read.positions.size();
     if (auto enough = CheckSize(triangles, vertices); !enough.ok()) return enough;
     primitives.push_back(*std::move(primitive));
   }
   return primitives;
 }
 
-absl::Status SceneReader::AddMesh(uint64_t number, const std::string& node_name, const Affine& to_world) {
+absl::Status SceneReader::AddMesh(uint64_t number, const std::string& node_name, const GltfPose& pose,
+                                  const std::vector<Affine>& joints, const Affine& to_world) {
   const SortedJson& mesh = root_.at("meshes").at(number);
-  const auto [found, is_new] = meshes_.try_emplace(number);
+  const auto [found, is_new] = meshes_.try_emplace(std::pair(number, pose));
   const auto named = [&](const absl::Status& status) {
     return absl::Status(status.code(), absl::StrCat("meshes[", number, "].", status.message()));
   };
   if (is_new) {
-    auto primitives = ReadPrimitives(mesh);
+    auto primitives = ReadPrimitives(mesh, pose);
     if (!primitives.ok()) return named(primitives.status());
     found->second = *std::move(primitives);
+  }
+  const auto is_rigid = [](const GltfPrimitive& p) { return !p.mesh.triangles.empty() && p.influences.empty(); };
+  if (pose.is_skinned && is_new && std::any_of(found->second.begin(), found->second.end(), is_rigid)) {
+    const std::string element = absl::StrCat("meshes[", number, "]");
+    mesh_.warnings.push_back({"SKIN_WITHOUT_WEIGHTS",
+                              absl::StrCat(element, " has no JOINTS_0 and WEIGHTS_0, and its skin has no effect"),
+                              element});
   }
   const uint32_t part = NextPart(mesh_);
   SetName(part, node_name.empty() ? NameOf(mesh) : node_name, mesh_.part_names);
   for (size_t n = 0; n < found->second.size(); ++n) {
-    const absl::Status status = AddPrimitive(mesh.at("primitives").at(n), found->second[n], part, to_world);
+    const SortedJson& described = mesh.at("primitives").at(n);
+    const GltfPrimitive& primitive = found->second[n];
+    const absl::Status status = primitive.influences.empty() ? AddPrimitive(described, primitive.mesh, part, to_world)
+                                                             : AddSkinned(described, primitive, joints, part);
     if (!status.ok()) return named(In("primitives[", n, status));
   }
   return absl::OkStatus();
+}
+
+// The node's own place has no effect.
+absl::Status SceneReader::AddSkinned(const SortedJson& described, const GltfPrimitive& primitive,
+                                     const std::vector<Affine>& joints, uint32_t part) {
+  Mesh posed = primitive.mesh;
+  const auto mirrors = ApplySkin(primitive.influences, joints, posed.positions);
+  if (!mirrors.ok()) return mirrors.status();
+  if (*mirrors) {
+    for (auto& triangle : posed.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  return AddPrimitive(described, posed, part, kIdentity);
 }
 
 absl::Status SceneReader::AddPrimitive(const SortedJson& described, const Mesh& primitive, uint32_t part,
@@ -246,23 +269,22 @@ absl::Status SceneReader::AddPrimitive(const SortedJson& described, const Mesh& 
   }
   for (size_t v = 0; v < vertices; ++v) {
     const Vec3d position = Apply(to_world, primitive.positions[v]);
-    for (const double coordinate : position) {
-      if (!std::isfinite(coordinate)) return Bad("vertex ", v, " is not finite (", coordinate, ")");
+    if (!IsFinite(position)) {
+      const absl::Status error = Bad("vertex ", v, " is not finite (", absl::StrJoin(position, " "), ")");
+      if (auto status = bad_.Add(error, absl::StrCat("vertex ", v)); !status.ok()) return status;
     }
     mesh_.positions.push_back(position);
   }
   const auto material = NumberOfMaterial(described);
   if (!material.ok()) return material.status();
-  if (mesh_.colors.size() == base && !primitive.colors.empty()) {
-    mesh_.colors.insert(mesh_.colors.end(), primitive.colors.begin(), primitive.colors.end());
-  } else if (mesh_.colors.size() == base && *material != kNoMaterial) {
-    const auto color = BaseColorOf(GltfNumber(described, "material").value(), root_, mesh_.no_color);
-    if (color) mesh_.colors.insert(mesh_.colors.end(), vertices, *color);
-  }
+  AppendColors(described, primitive);
   BeginStretch(part, *material, mesh_);
+  const bool mirrors = Mirrors(to_world);
   for (auto triangle : primitive.triangles) {
     for (uint32_t& vertex : triangle) vertex += static_cast<uint32_t>(base);
-    mesh_.triangles.push_back(triangle);
+    if (mirrors) std::swap(triangle[1], triangle[2]);
+    const auto is_whole = [&](uint32_t vertex) { return IsFinite(mesh_.positions[vertex]); };
+    if (std::all_of(triangle.begin(), triangle.end(), is_whole)) mesh_.triangles.push_back(triangle);
   }
   return absl::OkStatus();
 }
@@ -276,24 +298,40 @@ absl::StatusOr<uint32_t> SceneReader::NumberOfMaterial(const SortedJson& primiti
   return ours;
 }
 
-void SceneReader::WarnOfWeights(const SortedJson& node) {
-  const SortedJson& mesh = root_.at("meshes").at(node.at("mesh").get<size_t>());
-  const SortedJson weights = (node.contains("weights") ? node : mesh).value("weights", SortedJson::array());
-  const auto moves = [](const SortedJson& weight) { return weight != 0; };
-  if (mesh_.warnings.empty() && std::any_of(weights.begin(), weights.end(), moves)) {
-    const std::string element = absl::StrCat("meshes[", node.at("mesh").dump(), "]");
-    mesh_.warnings.push_back(
-        {"MORPH_TARGETS",
-         absl::StrCat(element, " has morph targets of weights ", weights.dump(), ", which are not applied"), element});
-  }
+void SceneReader::AppendColors(const SortedJson& described, const Mesh& primitive) {
+  const size_t triangles = primitive.triangles.size();
+  (primitive.colors.empty() ? bare_ : colored_) += triangles;
+  mesh_.colors.insert(mesh_.colors.end(), primitive.colors.begin(), primitive.colors.end());
+  mesh_.colors.resize(mesh_.positions.size(), Color{255, 255, 255});
+  const std::string textured = GltfBaseColorOf(described, root_).textured;
+  if (textured.empty() || !textured_.insert(textured).second) return;
+  mesh_.warnings.push_back({"TEXTURE_NOT_READ",
+                            absl::StrCat(textured,
+                                         " has a texture, which is not read; its color is the base color "
+                                         "factor times the colors of vertices"),
+                            textured});
+}
+
+void SceneReader::FinishColors() {
+  if (colored_ == 0) mesh_.colors.clear();
+  if (colored_ == 0 || bare_ == 0) return;
+  mesh_.warnings.push_back(
+      {"PARTIAL_COLORS",
+       absl::StrCat(bare_, " of ", bare_ + colored_, " triangles have neither colors nor a material, and are white")});
+}
+
+void SceneReader::WarnOfAnimations() {
+  const size_t count = root_.value("animations", SortedJson::array()).size();
+  if (count > 0) mesh_.warnings.push_back({"ANIMATIONS", absl::StrCat(count, " animations are not applied")});
 }
 
 }  // namespace
 
-absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::path& folder, size_t most) try {
+absl::StatusOr<Mesh> ParseGltf(absl::string_view bytes, const std::filesystem::path& folder,
+                               const ParseOptions& options, size_t most) try {
   const auto document = ParseGltfDocument(bytes);
   if (!document.ok()) return document.status();
-  return SceneReader(*document, folder, most).Read();
+  return SceneReader(*document, folder, options, most).Read();
 } catch (const SortedJson::exception& error) {
   return GltfError(error);
 }

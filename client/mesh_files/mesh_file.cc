@@ -33,14 +33,14 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std
     case MeshFormat::kPly:
       return ParsePly(WithoutByteOrderMark(bytes), options);
     case MeshFormat::kThreeMf:
-      return Parse3mf(bytes);
+      return Parse3mf(bytes, options);
     case MeshFormat::kStl:
       return ParseStl(WithoutByteOrderMark(bytes), options);
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
       break;
   }
-  return ParseGltf(WithoutByteOrderMark(bytes), folder);
+  return ParseGltf(WithoutByteOrderMark(bytes), folder, options);
 }
 
 // Puts the path before an error, and makes the file's own words printable. A mesh without triangles is an error, too.

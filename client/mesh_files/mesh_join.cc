@@ -25,6 +25,9 @@ absl::Status Transform(const Affine& to_world, Mesh& mesh) {
     }
     position = moved;
   }
+  if (Mirrors(to_world)) {
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
   return absl::OkStatus();
 }
 

@@ -8,7 +8,8 @@
 
 namespace latvox::client {
 
-// Moves the mesh. Errors: INVALID_ARGUMENT naming the first vertex whose new position is not finite.
+// Moves the mesh. A mirror image keeps its outside: the order of corners changes.
+// Errors: INVALID_ARGUMENT naming the first vertex whose new position is not finite.
 absl::Status Transform(const Affine& to_world, Mesh& mesh);
 
 // Appends the moved part with its own vertices. Its parts and materials are numbered after those of the mesh.

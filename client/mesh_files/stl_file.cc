@@ -107,7 +107,7 @@ absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes, const ParseOptions& op
 // Returns the text without zero bytes at its end, or nothing if the bytes are binary. The length alone does not tell:
 // binary files may be cut short or have trailing bytes. The beginning does not either: headers of binary files often
 // begin with "solid".
-std::optional<absl::string_view> TextOf(absl::string_view bytes) {
+std::optional<absl::string_view> StlTextOf(absl::string_view bytes) {
   const absl::string_view head = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
   if (IsBinaryStl(bytes) || !absl::StartsWithIgnoreCase(head, "solid")) return std::nullopt;
   const absl::string_view text = bytes.substr(0, bytes.find('\0'));
@@ -123,7 +123,7 @@ std::optional<absl::string_view> TextOf(absl::string_view bytes) {
 bool IsBinaryStl(absl::string_view bytes) { return bytes.size() >= kHead && bytes.size() == Length(bytes); }
 
 absl::StatusOr<Mesh> ParseStl(absl::string_view bytes, const ParseOptions& options) {
-  const auto text = TextOf(bytes);
+  const auto text = StlTextOf(bytes);
   if (!text) return ParseBinary(bytes, options);
   auto mesh = ParseStlText(*text, options);
   if (mesh.ok() && text->size() < bytes.size()) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <pugixml.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "absl/strings/strip.h"
 #include "client/mesh/affine.h"
 #include "client/mesh/mesh_attributes.h"
+#include "client/mesh_files/bad_elements.h"
 #include "client/mesh_files/mesh_join.h"
 #include "client/mesh_files/number_text.h"
 #include "client/mesh_files/three_mf_part.h"
@@ -33,12 +36,15 @@ constexpr size_t kMaxObjects = size_t{1} << 20;
 constexpr int kMaxDepth = 64;  // nesting of components
 constexpr char kProduction[] = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr char kMaterials[] = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
+// Slices stand beside a mesh, and sets of triangles name some.
+constexpr char kSlices[] = "http://schemas.microsoft.com/3dmanufacturing/slice/2015/07";
+constexpr char kTriangleSets[] = "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07";
 
 absl::Status ReadThreeMfVertex(const ThreeMfPart& part, const pugi::xml_node& node, std::vector<Vec3d>& positions) {
   Vec3d& position = positions.emplace_back();
   for (size_t m = 0; m < 3; ++m) {
     const char* const name = m == 0 ? "x" : m == 1 ? "y" : "z";
-    const absl::string_view word = AttributeOf(node, name).value();
+    const absl::string_view word = TextOf(AttributeOf(node, name));
     if (!ParseDouble(word, position[m]) || !std::isfinite(position[m])) {
       return part.Error(node, name, "=\"", word, "\" of vertex ", positions.size() - 1, " is not a finite number");
     }
@@ -46,7 +52,8 @@ absl::Status ReadThreeMfVertex(const ThreeMfPart& part, const pugi::xml_node& no
   return absl::OkStatus();
 }
 
-absl::Status ReadTriangle(const ThreeMfPart& part, const pugi::xml_node& node, Mesh& mesh) {
+absl::StatusOr<std::array<uint32_t, 3>> ReadTriangle(const ThreeMfPart& part, const pugi::xml_node& node,
+                                                     const Mesh& mesh) {
   std::array<uint32_t, 3> triangle{};
   for (size_t n = 0; n < 3; ++n) {
     const char* const name = n == 0 ? "v1" : n == 1 ? "v2" : "v3";
@@ -56,26 +63,43 @@ absl::Status ReadTriangle(const ThreeMfPart& part, const pugi::xml_node& node, M
                         mesh.positions.size(), " vertices");
     }
   }
-  mesh.triangles.push_back(triangle);
-  return absl::OkStatus();
+  for (const uint32_t vertex : triangle) {
+    if (!IsFinite(mesh.positions[vertex])) return part.Error(node, "has vertex ", vertex, ", which is left out");
+  }
+  return triangle;
 }
 
+struct ThreeMfObject {
+  Mesh mesh;
+  size_t bare = 0;  // triangles without a color
+};
+
 // Reads the mesh of `object`, whose properties are the default of its triangles.
-absl::StatusOr<Mesh> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& object, ThreeMfProperties& properties) {
+absl::StatusOr<ThreeMfObject> ReadMesh(const ThreeMfPart& part, const pugi::xml_node& object,
+                                       ThreeMfProperties& properties, BadElements& bad) {
   const pugi::xml_node node = Child(object, "mesh");
   Mesh mesh;
   for (const pugi::xml_node& vertex : Child(node, "vertices")) {
     if (LocalName(vertex.name()) != "vertex") continue;
-    if (auto status = ReadThreeMfVertex(part, vertex, mesh.positions); !status.ok()) return status;
+    const absl::Status read = ReadThreeMfVertex(part, vertex, mesh.positions);
+    if (read.ok()) continue;
+    if (auto status = bad.Add(read, absl::StrCat("vertex ", mesh.positions.size() - 1)); !status.ok()) return status;
+    mesh.positions.back()[0] = std::numeric_limits<double>::quiet_NaN();
   }
   ThreeMfCarrier carrier(part, object, properties);
   for (const pugi::xml_node& triangle : Child(node, "triangles")) {
     if (LocalName(triangle.name()) != "triangle") continue;
+    const auto read = ReadTriangle(part, triangle, mesh);
+    if (!read.ok()) {
+      if (auto status = bad.Add(read.status(), "a triangle"); !status.ok()) return status;
+      continue;
+    }
     carrier.Begin(triangle, mesh);
-    if (auto status = ReadTriangle(part, triangle, mesh); !status.ok()) return status;
+    mesh.triangles.push_back(*read);
   }
   carrier.Finish(mesh);
-  return mesh;
+  RemoveNotFinite(mesh);
+  return ThreeMfObject{std::move(mesh), carrier.bare()};
 }
 
 // Reads twelve numbers: the rows of a matrix for row vectors, without its last column.
@@ -99,7 +123,7 @@ absl::StatusOr<double> MillimetersOf(const ThreeMfPart& part) {
                                                              {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
   const pugi::xml_attribute unit = AttributeOf(part.root(), "unit");
   for (const auto& [name, millimeters] : kUnits) {
-    if (name == (unit ? unit.value() : "millimeter")) return millimeters;
+    if (name == (unit ? TextOf(unit) : "millimeter")) return millimeters;
   }
   return part.Error(part.root(), "unit \"", unit.value(),
                     "\" is not one of micron millimeter centimeter inch foot meter");
@@ -108,9 +132,9 @@ absl::StatusOr<double> MillimetersOf(const ThreeMfPart& part) {
 // Required extensions are namespaces, and the file chooses their prefixes.
 absl::Status CheckRequiredExtensions(const ThreeMfPart& part) {
   const absl::string_view required = part.root().attribute("requiredextensions").value();
-  for (const absl::string_view prefix : absl::StrSplit(required, ' ', absl::SkipEmpty())) {
+  for (const absl::string_view prefix : absl::StrSplit(required, absl::ByAnyChar(" \t\r\n"), absl::SkipEmpty())) {
     const absl::string_view space = part.root().attribute(absl::StrCat("xmlns:", prefix).c_str()).value();
-    if (space == kProduction || space == kMaterials) continue;
+    if (space == kProduction || space == kMaterials || space == kSlices || space == kTriangleSets) continue;
     return part.Error(part.root(), "requires the extension \"", prefix, "\" (", space, "), which is not read");
   }
   return absl::OkStatus();
@@ -118,7 +142,12 @@ absl::Status CheckRequiredExtensions(const ThreeMfPart& part) {
 
 class Reader {
  public:
-  explicit Reader(ZipArchive archive) : archive_(std::move(archive)) {}
+  Reader(ZipArchive archive, const ParseOptions& options) : archive_(std::move(archive)), bad_(options) {
+    const size_t foreign = archive_.foreign_bytes();
+    if (foreign == 0) return;
+    mesh_.warnings.push_back(
+        {"TRAILING_DATA", absl::StrCat(foreign, " bytes before or after the archive are not read")});
+  }
 
   absl::StatusOr<Mesh> Read() {
     const auto name = ModelName();
@@ -135,6 +164,8 @@ class Reader {
     if (placed_ == 0) return (*part)->Error((*part)->root(), "the build has no item and places no object");
     mesh_.materials = properties_.materials();
     mesh_.material_names = properties_.material_names();
+    FinishColors();
+    bad_.Report(mesh_);
     return std::move(mesh_);
   }
 
@@ -170,7 +201,7 @@ class Reader {
     if (auto status = CheckRequiredExtensions(**part); !status.ok()) return status;
     Model& model = models_[name];
     for (const pugi::xml_node& object : Child((*part)->root(), "resources")) {
-      if (LocalName(object.name()) == "object") model.objects.emplace(object.attribute("id").value(), object);
+      if (LocalName(object.name()) == "object") model.objects.emplace(TextOf(object.attribute("id")), object);
     }
     properties_.Add(**part);
     model.part = *std::move(part);
@@ -182,9 +213,9 @@ class Reader {
     const auto map = ReadTransform(part, reference);
     if (!map.ok()) return map.status();
     const pugi::xml_attribute path = AttributeOf(reference, "path");
-    const auto home = path ? PartNamed(path.value()) : &part;
+    const auto home = path ? PartNamed(TextOf(path)) : &part;
     if (!home.ok()) return home.status();
-    const std::string id = reference.attribute("objectid").value();
+    const std::string id(TextOf(reference.attribute("objectid")));
     const Objects& objects = models_[(*home)->name()].objects;
     const auto object = objects.find(id);
     if (object == objects.end())
@@ -194,6 +225,7 @@ class Reader {
       return absl::ResourceExhaustedError(absl::StrCat("the build places more than ", kMaxObjects, " objects"));
     }
     const pugi::xml_node node = object->second;  // models_ may grow below
+    WarnOf(reference, node);
     const Affine to_world = outer * *map;
     for (const pugi::xml_node& component : Child(node, "components")) {
       if (LocalName(component.name()) != "component") continue;
@@ -206,23 +238,57 @@ class Reader {
   absl::Status AppendObject(const ThreeMfPart& part, const pugi::xml_node& node, const Affine& to_world) {
     auto& read = meshes_[node.internal_object()];
     if (read == nullptr) {
-      auto mesh = ReadMesh(part, node, properties_);
+      auto mesh = ReadMesh(part, node, properties_, bad_);
       if (!mesh.ok()) return mesh.status();
-      SetName(0, AttributeOf(node, "name").value(), mesh->part_names);
-      read = std::make_unique<Mesh>(*std::move(mesh));
+      SetName(0, AttributeOf(node, "name").value(), mesh->mesh.part_names);
+      read = std::make_unique<ThreeMfObject>(*std::move(mesh));
     }
-    if (std::max(mesh_.triangles.size() + read->triangles.size(), mesh_.positions.size() + read->positions.size()) >
+    const Mesh& mesh = read->mesh;
+    if (std::max(mesh_.triangles.size() + mesh.triangles.size(), mesh_.positions.size() + mesh.positions.size()) >
         kMostPlaced) {
       return absl::ResourceExhaustedError(
           absl::StrCat("the build has more than ", kMostPlaced, " triangles or vertices"));
     }
-    const absl::Status status = Append(*read, to_world, mesh_);
+    bare_ += read->bare;
+    const absl::Status status = Append(mesh, to_world, mesh_);
     return status.ok() ? status : part.Error(node, status.message());
   }
 
+  // Warns of what is placed although a printer would not make it, or would make it otherwise, once an object.
+  void WarnOf(const pugi::xml_node& reference, const pugi::xml_node& object) {
+    const std::string element = absl::StrCat("object ", TextOf(object.attribute("id")));
+    const absl::string_view type = TextOf(object.attribute("type")),
+                            printable = TextOf(AttributeOf(reference, "printable"));
+    const auto warn = [&](const char* code, const auto&... words) {
+      if (!warned_.emplace(code, object.internal_object()).second) return;
+      mesh_.warnings.push_back({code, absl::StrCat(element, words...), element});
+    };
+    if (type == "support" || type == "solidsupport" || type == "other") {
+      warn("NOT_A_MODEL", " is of type ", type, ", and is placed like a model");
+    }
+    if (printable == "0" || printable == "false")
+      warn("NOT_PRINTABLE", " is not to be printed, and is placed all the same");
+    if (TextOf(AttributeOf(object, "meshresolution")) == "lowres") {
+      warn("SLICES_NOT_READ", " has finer slices, which are not read");
+    }
+  }
+
+  void FinishColors() {
+    const size_t triangles = mesh_.triangles.size();
+    if (bare_ == triangles || !mesh_.no_color.empty()) {
+      mesh_.colors.clear();
+    } else if (bare_ > 0) {
+      mesh_.warnings.push_back(
+          {"PARTIAL_COLORS", absl::StrCat(bare_, " of ", triangles, " triangles have no color, and are white")});
+    }
+  }
+
   ZipArchive archive_;
+  BadElements bad_;
   absl::flat_hash_map<std::string, Model> models_;
-  absl::flat_hash_map<void*, std::unique_ptr<Mesh>> meshes_;  // keyed by node
+  absl::flat_hash_map<void*, std::unique_ptr<ThreeMfObject>> meshes_;  // keyed by node
+  std::set<std::pair<std::string, void*>> warned_;                     // codes and nodes
+  size_t bare_ = 0;                                                    // triangles without a color
   ThreeMfProperties properties_;
   size_t placed_ = 0;
   Mesh mesh_;
@@ -230,10 +296,10 @@ class Reader {
 
 }  // namespace
 
-absl::StatusOr<Mesh> Parse3mf(absl::string_view bytes) {
+absl::StatusOr<Mesh> Parse3mf(absl::string_view bytes, const ParseOptions& options) {
   auto archive = ZipArchive::Open(bytes, kMaxBytes);
   if (!archive.ok()) return archive.status();
-  return Reader(*std::move(archive)).Read();
+  return Reader(*std::move(archive), options).Read();
 }
 
 }  // namespace latvox::client

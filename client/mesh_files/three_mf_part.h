@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
@@ -22,6 +23,11 @@ inline pugi::xml_attribute AttributeOf(const pugi::xml_node& node, absl::string_
   return node.find_attribute([name](const pugi::xml_attribute& a) { return LocalName(a.name()) == name; });
 }
 
+// Returns the value without white space around it, which numbers and names of 3MF may have.
+inline absl::string_view TextOf(const pugi::xml_attribute& attribute) {
+  return absl::StripAsciiWhitespace(attribute.value());
+}
+
 inline pugi::xml_node Child(const pugi::xml_node& node, absl::string_view name) {
   return node.find_child([name](const pugi::xml_node& child) { return LocalName(child.name()) == name; });
 }
@@ -29,7 +35,7 @@ inline pugi::xml_node Child(const pugi::xml_node& node, absl::string_view name) 
 // One file of the archive. Parsing changes the text, so line ends are counted before.
 class ThreeMfPart {
  public:
-  // Errors: INVALID_ARGUMENT, with name and line.
+  // `text` is UTF-8 or UTF-16. Errors: INVALID_ARGUMENT, with name and line.
   static absl::StatusOr<std::unique_ptr<ThreeMfPart>> Parse(std::string name, std::string text);
 
   pugi::xml_node root() const { return document_.document_element(); }

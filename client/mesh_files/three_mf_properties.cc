@@ -10,6 +10,7 @@
 namespace latvox::client {
 namespace {
 
+constexpr Color kWhite = {255, 255, 255};
 constexpr char kBaseMaterials[] = "basematerials", kColorGroup[] = "colorgroup";
 
 // Parses "#RRGGBB" or "#RRGGBBAA".
@@ -37,7 +38,7 @@ void ThreeMfProperties::Add(const ThreeMfPart& part) {
       if (LocalName(child.name()) == member) group.members.push_back(child);
     }
     group.materials.resize(kind == kBaseMaterials ? group.members.size() : 0);
-    groups_.emplace(std::pair(part.name(), std::string(node.attribute("id").value())), std::move(group));
+    groups_.emplace(std::pair(part.name(), std::string(TextOf(node.attribute("id")))), std::move(group));
   }
 }
 
@@ -57,7 +58,7 @@ absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeM
                       "> ", group);
   }
   const bool is_material = in.kind == kBaseMaterials;
-  const char* const text = AttributeOf(in.members[number], is_material ? "displaycolor" : "color").value();
+  const absl::string_view text = TextOf(AttributeOf(in.members[number], is_material ? "displaycolor" : "color"));
   const auto color = ParseColor(text);
   if (!color) return part.Error(in.members[number], "\"", text, "\" is not a color #RRGGBB or #RRGGBBAA");
   if (is_material && !in.materials[number]) {
@@ -69,7 +70,7 @@ absl::StatusOr<ThreeMfProperties::Property> ThreeMfProperties::Find(const ThreeM
 
 absl::StatusOr<ThreeMfCarrier::Carried> ThreeMfCarrier::ReadCarried(const pugi::xml_node& triangle) {
   const pugi::xml_attribute own = AttributeOf(triangle, "pid");
-  const std::string group = (own ? own : AttributeOf(object_, "pid")).value();
+  const std::string group(TextOf(own ? own : AttributeOf(object_, "pid")));
   pugi::xml_attribute first = AttributeOf(triangle, "p1");
   const bool by_object = !first && !own;
   if (by_object) first = AttributeOf(object_, "pindex");
@@ -95,11 +96,13 @@ void ThreeMfCarrier::Begin(const pugi::xml_node& triangle, Mesh& mesh) {
   const Carried carried = read.ok() ? *read : Carried{};
   if (carried.material != material_) BeginStretch(0, carried.material, mesh);
   material_ = carried.material;
-  if (carried.colors) colors_.push_back(*carried.colors);
+  bare_ += !carried.colors;
+  colors_.push_back(carried.colors.value_or(std::array<Color, 3>{kWhite, kWhite, kWhite}));
 }
 
 void ThreeMfCarrier::Finish(Mesh& mesh) const {
-  if (colors_.size() == mesh.triangles.size()) ColorCorners(colors_, mesh);
+  if (bare_ < colors_.size()) return ColorCorners(colors_, mesh);
+  mesh.colors.assign(mesh.positions.size(), kWhite);
 }
 
 }  // namespace latvox::client

@@ -60,8 +60,11 @@ class ThreeMfCarrier {
   // Call it before the triangle is added to the mesh.
   void Begin(const pugi::xml_node& triangle, Mesh& mesh);
 
-  // Call it after the last triangle. Stores the colors in the mesh if all triangles have some.
+  // Call it after the last triangle. Stores the colors in the mesh.
   void Finish(Mesh& mesh) const;
+
+  // Returns the number of triangles without a color. They are white, because the specification names no default.
+  size_t bare() const { return bare_; }
 
  private:
   struct Carried {
@@ -74,7 +77,8 @@ class ThreeMfCarrier {
   const pugi::xml_node object_;
   ThreeMfProperties& properties_;
   std::optional<uint32_t> material_;          // of the previous triangle
-  std::vector<std::array<Color, 3>> colors_;  // of the triangles with colors
+  std::vector<std::array<Color, 3>> colors_;  // of the triangles
+  size_t bare_ = 0;
 };
 
 }  // namespace latvox::client

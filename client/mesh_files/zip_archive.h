@@ -15,9 +15,13 @@ namespace latvox::client {
 
 class ZipArchive {
  public:
-  // `bytes` must outlive the archive. All entries that are read may together unpack to `max_bytes`. Errors:
-  // INVALID_ARGUMENT (not a zip archive).
+  // `bytes` must outlive the archive. There may be other bytes before and after it, and local headers may disagree with
+  // the directory, as those of streams do: the directory counts. All entries that are read may together unpack to
+  // `max_bytes`. Errors: INVALID_ARGUMENT (not a zip archive).
   static absl::StatusOr<ZipArchive> Open(absl::string_view bytes, uint64_t max_bytes);
+
+  // Returns the number of bytes before and after the archive.
+  size_t foreign_bytes() const { return foreign_; }
 
   // Returns the bytes of the entry. Takes no more memory than the limit leaves, whatever the archive declares.
   // Errors: INVALID_ARGUMENT, with the name: there is no such entry, it is damaged or encrypted; RESOURCE_EXHAUSTED
@@ -30,6 +34,7 @@ class ZipArchive {
   };
 
   std::unique_ptr<zip, Discard> archive_;
+  size_t foreign_ = 0;
   uint64_t max_bytes_ = 0, left_ = 0;
 };
 

@@ -6,7 +6,7 @@ import struct
 import unittest
 
 from harness import latvox, write_obj
-from inputs import GRID, MESH, InputCase, write_gltf
+from inputs import GRID, MESH, InputCase, joined, mapped, write_gltf
 
 
 def parts(path):
@@ -89,28 +89,41 @@ class Gltf(InputCase):
         document["skins"] = [{"joints": [1]}]
         return write_document(path, document, body)
 
-    def test_skins_and_morph_targets_are_not_applied(self):
-        rigged = self.rigged(self.dir / "a.gltf")
-        self.assertEqual(self.digest(rigged), self.expected(MESH))
-        document = json.loads(rigged.read_text())
+    def test_skins_and_morph_targets_are_applied(self):
+        """The file's only joint moves the mesh by (2, 0, 0), and half a target moves it by (0, 3, 0)."""
+        document, body = parts(write_gltf(self.dir / "a.glb", MESH))
+        count = len(MESH[0])
+        body += struct.pack("<6f", 0, 6, 0, 0, 6, 0) * (count // 2) + bytes(4 * count) + b"\xff\0\0\0" * count
+        sizes = [12 * count, 4 * count, 4 * count]
+        for n, size in enumerate(sizes):
+            document["bufferViews"].append({"buffer": 0, "byteOffset": len(body) - sum(sizes[n:]), "byteLength": size})
+        document["accessors"] += [
+            {"bufferView": 2, "componentType": 5126, "count": count, "type": "VEC3"},
+            {"bufferView": 3, "componentType": 5121, "count": count, "type": "VEC4"},
+            {"bufferView": 4, "componentType": 5121, "normalized": True, "count": count, "type": "VEC4"},
+        ]
+        primitive = document["meshes"][0]["primitives"][0]
+        primitive["attributes"] |= {"JOINTS_0": 3, "WEIGHTS_0": 4}
+        primitive["targets"] = [{"POSITION": 2}]
         document["meshes"][0]["weights"] = [0.5]
-        rigged.write_text(json.dumps(document))
-        done = latvox("voxelize", rigged, *GRID, "-o", self.dir / "out.csv", *self.server)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        says = r"^latvox: .*a.gltf: meshes\[0\] has morph targets of weights \[0.5\], which are not applied\n$"
-        self.assertRegex(done.stderr, says)
+        document["nodes"] = [{"mesh": 0, "skin": 0, "translation": [50, 0, 0]}, {"translation": [2, 0, 0]}]
+        document["skins"] = [{"joints": [1]}]
+        path = write_document(self.dir / "a.gltf", document | {"scenes": [{"nodes": [0, 1]}]}, body)
+        self.assertEqual(self.digest(path), self.expected(mapped(MESH, lambda x, y, z: (x + 2, y + 3, z))))
+        write_document(path, document | {"animations": [{}]}, body)
+        self.assert_warns("a.gltf: 1 animations are not applied", path)
 
     def test_a_rig_and_a_refusal_stop_no_other_job(self):
         self.rigged(self.dir / "rigged.gltf")
         document, body = parts(write_gltf(self.dir / "a.glb", MESH))
-        write_document(self.dir / "refused.gltf", document | {"extensionsRequired": ["EXT_mesh_gpu_instancing"]}, body)
+        write_document(self.dir / "refused.gltf", document | {"extensionsRequired": ["ACME_shape"]}, body)
         write_obj(self.dir / "a.obj", MESH)
         job = {"voxel_size": 0.25, "origin": [0, 0, 0], "quantization": 0}
         lines = (json.dumps(job | {"mesh": name, "out": name + ".csv"}) for name in ("refused.gltf", "rigged.gltf", "a.obj"))
         (self.dir / "jobs.jsonl").write_text("\n".join(lines))
         done = latvox("batch", self.dir / "jobs.jsonl", "--out", self.dir, *self.server)
         self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertRegex(done.stderr, "jobs.jsonl:1: .*refused.gltf: extensionsRequired: EXT_mesh_gpu_instancing is not supp")
+        self.assertRegex(done.stderr, "jobs.jsonl:1: .*refused.gltf: extensionsRequired: ACME_shape is not supp")
         self.assertEqual((self.dir / "rigged.gltf.csv").read_text(), (self.dir / "a.obj.csv").read_text())
 
     def test_quantized_positions_in_a_file_beside_it(self):
@@ -178,13 +191,28 @@ class Gltf(InputCase):
         document["materials"] = [{"name": n, "pbrMetallicRoughness": {"baseColorFactor": f}} for n, f in zip("pq", factors)]
         options = ["--attributes", "color,material"]
         self.assertEqual(self.carried(write_document(self.dir / "a.gltf", document, body), *options),
-                         {(64, 255, 0, 0), (255, 128, 191, 1)})  # fmt: skip
+                         {(137, 255, 0, 0), (255, 188, 225, 1)})  # fmt: skip
         document["materials"][1]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
         document |= {"textures": [{"source": 0}], "images": [{"uri": "data:image/png;base64,"}]}
-        says = 'a.gltf: the mesh, or some of it, has no color .material "q" has a texture, and textures are not sampled.'
-        self.assert_refused(3, says, write_document(self.dir / "a.gltf", document, body), *options)
+        textured = write_document(self.dir / "a.gltf", document, body)
+        self.assertEqual(self.carried(textured, *options), {(137, 255, 0, 0), (255, 188, 225, 1)})
+        self.assert_warns('material "q" has a texture, which is not read', textured)
         del primitive["material"]
-        self.assert_refused(3, "has no color", write_document(self.dir / "a.gltf", document, body), *options)
+        partial = write_document(self.dir / "a.gltf", document, body)
+        self.assertEqual(self.carried(partial, *options), {(255, 255, 255, 1), (255, 188, 225, 0)})
+        self.assert_warns("4 of 8 triangles have neither colors nor a material, and are white", partial)
+
+    def test_instances_are_placed(self):
+        """Two instances by an extension that is used, and not required."""
+        document, body = parts(write_gltf(self.dir / "a.glb", MESH))
+        document["nodes"] = [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}}]
+        document["scenes"] = [{"nodes": [0]}]
+        document["bufferViews"].append({"buffer": 0, "byteOffset": len(body), "byteLength": 24})
+        document["accessors"].append({"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"})
+        body += struct.pack("<6f", 0, 0, 0, 5, 1, 0)
+        document["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+        wanted = joined(MESH, mapped(MESH, lambda x, y, z: (x + 5, y + 1, z)))
+        self.assertEqual(self.digest(write_document(self.dir / "a.gltf", document, body)), self.expected(wanted))
 
 
 if __name__ == "__main__":

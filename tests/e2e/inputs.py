@@ -95,6 +95,11 @@ class InputCase(Case):
         lines = (self.dir / "out.csv").read_text().splitlines()[1:]
         return {tuple(map(int, line.split(",")[6:])) for line in lines}
 
+    def assert_warns(self, says, path):
+        done = latvox("voxelize", path, *GRID, "-o", self.dir / "out.csv", *self.server)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, says)
+
     def expected(self, mesh):
         return self.digest(write_obj(self.dir / "expected.obj", mesh))
 

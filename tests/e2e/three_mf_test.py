@@ -1,11 +1,22 @@
 """3MF: objects in their places, units, materials, and the parts of the archive."""
 
+import re
+import struct
 import unittest
+import zipfile
 
-from inputs import MESH, InputCase, joined, mapped, mesh_xml, model, write_3mf
+from harness import write_obj
+from inputs import MESH, RELATIONS, InputCase, joined, mapped, mesh_xml, model, write_3mf
 
 MATERIALS = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
 PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+
+
+class Stream:
+    """A file that cannot seek, so that zipfile writes data descriptors."""
+
+    def __init__(self, file):
+        self.write, self.flush = file.write, file.flush
 
 
 class ThreeMf(InputCase):
@@ -51,6 +62,69 @@ class ThreeMf(InputCase):
         ):
             with self.subTest(says):
                 self.assert_refused(code, f"a.3mf: .*{says}", write_3mf(self.dir / "a.3mf", text))
+
+    def test_numbers_and_names_may_have_white_space_around_them(self):
+        text = model(f'<object id=" 1 ">{mesh_xml(MESH)}</object>', '<item objectid="1\n" transform=" 1 0 0 0 1 0 0 0 1 0 0 0 "/>')
+        padded = re.sub(r'(x|y|z|v1|v2|v3)="([^"]*)"', r'\1="\t\2 "', text)
+        self.assertEqual(self.digest(write_3mf(self.dir / "a.3mf", padded)), self.expected(MESH))
+
+    def test_a_model_may_be_utf_16(self):
+        text = model(f'<object id="1" name="\U0001d11e\u00e4">{mesh_xml(MESH)}</object>', '<item objectid="1"/>')
+        wanted = self.expected(MESH)
+        for encoding in ("utf-16", "utf-16-be", "utf-16-le", "utf-8-sig"):
+            with self.subTest(encoding):
+                declared = f'<?xml version="1.0" encoding="{encoding[:6].upper()}"?>' + text
+                path = write_3mf(self.dir / "a.3mf", declared.encode(encoding))
+                self.assertEqual(self.digest(path), wanted)
+        broken = text.replace('v3="1"', 'v3="4"').encode("utf-16")
+        self.assert_refused(3, 'line 7: <triangle>: v3="4"', write_3mf(self.dir / "a.3mf", broken))
+
+    def test_an_archive_may_be_a_stream_and_have_bytes_around_it(self):
+        """Streams have data descriptors. .NET also writes the unpacked size to the local header."""
+        text = model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/>')
+        wanted = self.expected(MESH)
+        path = self.dir / "a.3mf"
+        with open(path, "wb") as file, zipfile.ZipFile(Stream(file), "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("_rels/.rels", RELATIONS)
+            archive.writestr("3D/3dmodel.model", text)
+        stream = path.read_bytes()
+        sized = bytearray(stream)
+        for name in (b"_rels/.rels", b"3D/3dmodel.model"):
+            at = stream.index(name) - 30
+            self.assertEqual(struct.unpack_from("<I", stream, at + 22), (0,), "not a stream")
+            struct.pack_into("<I", sized, at + 22, len(text))
+        for data, foreign in ((stream, 0), (sized, 0), (stream + bytes(100), 100), (b"\n" + stream + b"PK", 3)):
+            path.write_bytes(data)
+            self.assertEqual(self.digest(path), wanted)
+            if foreign:
+                self.assert_warns(f"{foreign} bytes before or after the archive are not read", path)
+
+    def test_required_extensions_that_leave_the_mesh_alone_are_read(self):
+        slices = "http://schemas.microsoft.com/3dmanufacturing/slice/2015/07"
+        stack = '<s:slicestack id="5"><s:slice ztop="1"/></s:slicestack>'
+        for resolution, says in (("fullres", ""), ("lowres", "object 1 has finer slices, which are not read")):
+            sliced = f'{stack}<object id="1" s:slicestackid="5" s:meshresolution="{resolution}">{mesh_xml(MESH)}</object>'
+            text = model(sliced, '<item objectid="1"/>', f'xmlns:s="{slices}" requiredextensions="\n s"')
+            path = write_3mf(self.dir / "a.3mf", text)
+            self.assertEqual(self.digest(path), self.expected(MESH))
+            if says:
+                self.assert_warns(says, path)
+
+    def test_what_is_not_to_be_printed_is_placed_with_a_warning(self):
+        text = model(f'<object id="1" type="support">{mesh_xml(MESH)}</object>', '<item objectid="1" printable="0"/>')
+        path = write_3mf(self.dir / "a.3mf", text)
+        self.assertEqual(self.digest(path), self.expected(MESH))
+        self.assert_warns("object 1 is of type support, and is placed like a model", path)
+        self.assert_warns("object 1 is not to be printed, and is placed all the same", path)
+
+    def test_mirror_images_keep_their_outside(self):
+        """Beside the object itself, its mirror image fills by the winding rule, too."""
+        text = model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/><item objectid="1" transform="-1 0 0 0 1 0 0 0 1 3 0 0"/>')
+        rule = ["--fill", "solid", "--interior-rule", "winding"]
+        mirrored = mapped(MESH, lambda x, y, z: (3 - x, y, z))
+        turned = mirrored[0], [(a, c, b) for a, b, c in mirrored[1]]
+        self.assertEqual(self.digest(write_3mf(self.dir / "a.3mf", text), *rule),
+                         self.digest(write_obj(self.dir / "a.obj", joined(MESH, turned)), *rule))  # fmt: skip
 
     BASES = '<basematerials id="5"><base name="a" displaycolor="#FF8000"/><base name="b" displaycolor="#0102037F"/>' \
             '<base name="c" displaycolor="red"/></basematerials>'
@@ -98,6 +172,11 @@ class ThreeMf(InputCase):
                 path = self.colored(attributes)
                 self.assert_refused(3, "a.3mf: the mesh, or some of it, has no color.*" + says, path, "--attributes", "color")
                 self.assertEqual(self.carried(path), {()})
+
+    def test_triangles_without_a_color_are_white_beside_others(self):
+        path = self.colored('pid="6" p1="0"')
+        self.assertEqual(self.carried(path, "--attributes", "color"), {(16, 32, 48), (255, 255, 255)})
+        self.assert_warns("6 of 8 triangles have no color, and are white", path)
 
     def test_an_archive_that_is_damaged_is_refused(self):
         text = model(f'<object id="1">{mesh_xml(MESH)}</object>', '<item objectid="1"/>')

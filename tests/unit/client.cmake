@@ -9,6 +9,8 @@ latvox_add_test(client_read_mesh_file_test SOURCES unit/client/mesh_files/read_m
                 LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_gltf_test SOURCES unit/client/mesh_files/gltf_test.cc
                 LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
+latvox_add_test(client_three_mf_test SOURCES unit/client/mesh_files/three_mf_test.cc
+                LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_encoder_test SOURCES unit/client/mesh/encoder_test.cc LIBRARIES latvox::mesh draco::draco GTest::gmock)
 latvox_add_test(client_attributes_test SOURCES unit/client/mesh/attributes_test.cc
                 LIBRARIES latvox::mesh_files draco::draco GTest::gmock)

@@ -77,12 +77,7 @@ TEST(GltfFile, WhatPlacesNoVertexIsNotLookedAt) {
     EXPECT_EQ(mesh->triangles, wanted.triangles);
     EXPECT_THAT(mesh->warnings, IsEmpty());
   };
-  // A skin without inverseBindMatrices, whose joint is an empty node.
-  Json rigged = With(Document(), "/nodes", {{{"mesh", 0}, {"skin", 0}}, Json::object()});
-  rigged["skins"] = {{{"joints", {1}}}};
-  reads(With(rigged, "/scenes/0/nodes", {0, 1}));
   reads(With(Document(), "/nodes/0/camera", 7));
-  reads(With(Document(), "/animations", {{{"channels", Json::array()}}}));
   reads(With(Document(), "/images", {{{"uri", "missing.png"}}}));
   reads(With(Document(), "/meshes/0/primitives/0/attributes/NORMAL", 99));
   reads(With(Document(), "/accessors/0/count", 4.0));
@@ -96,21 +91,20 @@ TEST(GltfFile, IntegersAreDecodedAsQuantizationHasThem) {
         {"bufferView", 2}, {"componentType", type}, {"normalized", normalized}, {"count", 4}, {"type", "VEC3"}};
     document["bufferViews"][2]["byteStride"] = bytes.size() / 4;
     document["extensionsRequired"] = {"KHR_mesh_quantization"};
-    const Vec3d second = Parse(document).value().positions[1];
-    return std::vector<float>(second.begin(), second.end());
+    return Parse(document).value().positions[1];
   };
   const std::string i8 = BytesOf<int8_t>({9, 9, 9, 9, -128, -127, 64, 9, 9, 9, 9, 9, 9, 9, 9, 9});
   const std::string u8 = BytesOf<uint8_t>({9, 9, 9, 9, 255, 0, 51, 9, 9, 9, 9, 9, 9, 9, 9, 9});
   const std::string i16 = BytesOf<int16_t>({9, 9, 9, 9, -32768, 32767, -7, 9, 9, 9, 9, 9, 9, 9, 9, 9});
   const std::string u16 = BytesOf<uint16_t>({9, 9, 9, 9, 65535, 1, 40000, 9, 9, 9, 9, 9, 9, 9, 9, 9});
   EXPECT_THAT(coordinates(5120, false, i8), ElementsAre(-128, -127, 64));
-  EXPECT_THAT(coordinates(5120, true, i8), ElementsAre(-1, -1, 64 / 127.F));
+  EXPECT_THAT(coordinates(5120, true, i8), ElementsAre(-1, -1, 64 / 127.0));
   EXPECT_THAT(coordinates(5121, false, u8), ElementsAre(255, 0, 51));
-  EXPECT_THAT(coordinates(5121, true, u8), ElementsAre(1, 0, 0.2F));
+  EXPECT_THAT(coordinates(5121, true, u8), ElementsAre(1, 0, 0.2));
   EXPECT_THAT(coordinates(5122, false, i16), ElementsAre(-32768, 32767, -7));
-  EXPECT_THAT(coordinates(5122, true, i16), ElementsAre(-1, 1, -7 / 32767.F));
+  EXPECT_THAT(coordinates(5122, true, i16), ElementsAre(-1, 1, -7 / 32767.0));
   EXPECT_THAT(coordinates(5123, false, u16), ElementsAre(65535, 1, 40000));
-  EXPECT_THAT(coordinates(5123, true, u16), ElementsAre(1, 1 / 65535.F, 40000 / 65535.F));
+  EXPECT_THAT(coordinates(5123, true, u16), ElementsAre(1, 1 / 65535.0, 40000 / 65535.0));
 }
 
 TEST(GltfFile, StripsAndFansKeepTheirSenseAndWhatHasNoSurfaceIsCounted) {
@@ -138,6 +132,14 @@ TEST(GltfFile, StripsAndFansKeepTheirSenseAndWhatHasNoSurfaceIsCounted) {
               IsEmpty());
 }
 
+// A cube of floats that a node moves to geocentric coordinates, where floats are half a meter apart.
+TEST(GltfFile, TranslationsAreDoubles) {
+  const Json place = {4395452.3, 1407346.02, -4400722.85};
+  const Mesh mesh = Parse(With(Document(), "/nodes/0/translation", place)).value();
+  EXPECT_THAT(mesh.positions[0], ElementsAre(4395452.3, 1407346.02, -4400722.85));
+  EXPECT_THAT(mesh.positions[3], ElementsAre(4395452.3 + 1, 1407346.02 + 1, -4400722.85));
+}
+
 TEST(GltfFile, NodesPlaceTheirMeshesAndAreTrees) {
   const auto corner = [](const Json& node) { return Parse(With(Document(), "/nodes/0", node)).value().positions[1]; };
   // A quarter turn about z, whose quaternion is not exactly a unit.
@@ -158,24 +160,228 @@ TEST(GltfFile, NodesPlaceTheirMeshesAndAreTrees) {
 
 TEST(GltfFile, ExtensionsThatAReaderMustKnowAreRefusedUnlessTheyLeaveTrianglesAlone) {
   const auto required = [](const char* name) { return With(Document(), "/extensionsRequired", {name}); };
-  for (const char* name : {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_materials_unlit",
-                           "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp", "KHR_lights_punctual"}) {
+  for (const char* name :
+       {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_materials_unlit", "KHR_texture_transform",
+        "KHR_texture_basisu", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_lights_punctual"}) {
     EXPECT_TRUE(Parse(required(name)).ok()) << name;
   }
-  for (const char* name : {"EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_node_visibility", "ACME_shape"}) {
+  for (const char* name : {"EXT_meshopt_compression", "KHR_node_visibility", "ACME_shape"}) {
     EXPECT_EQ(Refusal(required(name)), absl::StrCat("extensionsRequired: ", name, " is not supported"));
   }
-  EXPECT_TRUE(Parse(With(Document(), "/extensionsUsed", {"ACME_shape"})).ok());
+  const auto used = [](const char* name) {
+    return Parse(With(Document(), "/extensionsUsed", {name})).value().warnings;
+  };
+  EXPECT_THAT(
+      used("ACME_shape"),
+      ElementsAre(Warning{"UNKNOWN_EXTENSION",
+                          "extensionsUsed: ACME_shape is not read, and may place or change triangles", "ACME_shape"}));
+  for (const char* name : {"KHR_materials_unlit", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "MSFT_lod"}) {
+    EXPECT_THAT(used(name), IsEmpty()) << name;
+  }
 }
 
-TEST(GltfFile, WeightsOfMorphTargetsMakeAWarning) {
-  const Warning kSays{"MORPH_TARGETS", "meshes[0] has morph targets of weights [0,0.5], which are not applied",
-                      "meshes[0]"};
-  EXPECT_THAT(Parse(With(Document(), "/meshes/0/weights", {0, 0.5})).value().warnings, ElementsAre(kSays));
-  const Json document = With(Document(), "/nodes/0/weights", {0, 0.5});
-  EXPECT_THAT(Parse(With(document, "/meshes/0/weights", {0, 0})).value().warnings, ElementsAre(kSays));
-  EXPECT_THAT(Parse(With(With(Document(), "/meshes/0/weights", {1}), "/nodes/0/weights", {0})).value().warnings,
-              IsEmpty());
+// Returns the document whose node has instances, with accessor 2 on `bytes` as the attribute.
+Json Instanced(const char* attribute, Json accessor, const std::string& bytes) {
+  Json document = Document(bytes);
+  accessor["bufferView"] = 2;
+  document["accessors"].push_back(accessor);
+  document["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"][attribute] = 2;
+  return document;
+}
+
+TEST(GltfFile, InstancesArePlacedWithinTheirNode) {
+  const std::string places = BytesOf<float>({0, 0, 0, 2, 0, 0, 8, 0, 0});
+  const Json document = Instanced("TRANSLATION", {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}, places);
+  const Mesh mesh = Parse(With(document, "/nodes/0/scale", {10, 1, 1})).value();
+  EXPECT_EQ(mesh.triangles.size(), 6);
+  EXPECT_THAT(mesh.positions[1], ElementsAre(10, 0, 0));
+  EXPECT_THAT(mesh.positions[5], ElementsAre(30, 0, 0));
+  EXPECT_THAT(mesh.positions[9], ElementsAre(90, 0, 0));
+  EXPECT_THAT(mesh.stretches, testing::SizeIs(3));
+  EXPECT_TRUE(ParseGltf(document.dump(), "", {}, 12).ok());
+  EXPECT_EQ(ParseGltf(document.dump(), "", {}, 11).status().code(), absl::StatusCode::kResourceExhausted);
+
+  // A quarter turn about z as normalized bytes; the node's children have no instances of their own.
+  Json turned = Instanced("ROTATION", {{"componentType", 5120}, {"normalized", true}, {"count", 1}, {"type", "VEC4"}},
+                          BytesOf<int8_t>({0, 0, 90, 90}));
+  turned["nodes"].push_back({{"mesh", 0}});
+  turned["nodes"][0]["children"] = {1};
+  const Mesh two = Parse(turned).value();
+  EXPECT_THAT(two.positions[1], ElementsAre(0, 1, 0));
+  EXPECT_THAT(two.positions[5], ElementsAre(1, 0, 0));
+}
+
+TEST(GltfFile, AttributesOfInstancesAgree) {
+  const std::string places = BytesOf<float>({0, 0, 0, 2, 0, 0, 0, 0});
+  Json document = Instanced("TRANSLATION", {{"componentType", 5126}, {"count", 2}, {"type", "VEC3"}}, places);
+  document["accessors"].push_back(
+      {{"bufferView", 2}, {"byteOffset", 16}, {"componentType", 5126}, {"count", 1}, {"type", "VEC3"}});
+  const char* const attributes = "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes";
+  EXPECT_THAT(Refusal(With(document, attributes, {{"TRANSLATION", 2}, {"SCALE", 3}})),
+              HasSubstr("nodes[0]: EXT_mesh_gpu_instancing: its attributes have 2 and 1 elements"));
+  EXPECT_THAT(Refusal(With(document, attributes, {{"ROTATION", 3}})), HasSubstr("ROTATION has 3 components, not 4"));
+  EXPECT_THAT(Refusal(With(With(document, attributes, {{"ROTATION", 3}}), "/accessors/3/type", "VEC4")),
+              HasSubstr("EXT_mesh_gpu_instancing: ROTATION 0 is 0"));
+}
+
+// glTF: where the determinant is negative, front faces are clockwise.
+TEST(GltfFile, MirrorImagesKeepTheirOutside) {
+  const auto mesh = Parse(With(Document(), "/nodes/0/scale", {-1, 1, 1})).value();
+  EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 2, 1}, Triangle{2, 3, 1}));
+  EXPECT_THAT(mesh.positions[1], ElementsAre(-1, 0, 0));
+  const auto twice = Parse(With(Document(), "/nodes/0/scale", {-1, -1, 1})).value();
+  EXPECT_THAT(twice.triangles[0], ElementsAre(0, 1, 2));
+  const auto instance =
+      Parse(Instanced("SCALE", {{"componentType", 5126}, {"count", 1}, {"type", "VEC3"}}, BytesOf<float>({1, 1, -1})))
+          .value();
+  EXPECT_THAT(instance.triangles[0], ElementsAre(0, 2, 1));
+}
+
+TEST(GltfFile, TheCenterOfCesiumRtcMovesTheScene) {
+  Json document = With(Document(), "/extensionsRequired", {"CESIUM_RTC"});
+  document["extensions"]["CESIUM_RTC"]["center"] = {6378137.1, 0, -1.5};
+  document["nodes"][0]["scale"] = {2, 2, 2};
+  EXPECT_THAT(Parse(document).value().positions[1], ElementsAre(6378137.1 + 2, 0, -1.5));
+  EXPECT_THAT(Refusal(With(document, "/extensions/CESIUM_RTC/center", {1, 2})),
+              HasSubstr("CESIUM_RTC: center is not 3 numbers"));
+}
+
+TEST(GltfFile, AFileWithoutAnySceneSaysSo) {
+  EXPECT_EQ(Refusal(With(Document(), "/scenes", Json::array())), "the file has no scene");
+  Json document = Document();
+  document.erase("scenes");
+  EXPECT_EQ(Refusal(document), "the file has no scene");
+}
+
+TEST(GltfFile, AnimationsMakeAWarning) {
+  const Json document = With(Document(), "/animations", {{{"channels", Json::array()}}});
+  EXPECT_THAT(Parse(document).value().warnings, ElementsAre(Warning{"ANIMATIONS", "1 animations are not applied"}));
+}
+
+// Linear 0.5 is 188 in sRGB.
+TEST(GltfFile, ColorsAreVertexColorsTimesTheFactorInSrgb) {
+  Json document = Document(BytesOf<uint8_t>({255, 255, 255, 0, 255, 128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+  document["accessors"].push_back(
+      {{"bufferView", 2}, {"componentType", 5121}, {"normalized", true}, {"count", 4}, {"type", "VEC4"}});
+  document["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0.5, 1}}}}}};
+  Json both = With(document, "/meshes/0/primitives/0/attributes/COLOR_0", 2);
+  EXPECT_THAT(Parse(both).value().colors, ElementsAre(Color{255, 255, 255}, Color{255, 188, 0}, Color{}, Color{}));
+  both["meshes"][0]["primitives"][0]["material"] = 0;
+  EXPECT_THAT(Parse(both).value().colors, ElementsAre(Color{255, 0, 188}, Color{255, 0, 0}, Color{}, Color{}));
+  Json factor = With(document, "/meshes/0/primitives/0/material", 0);
+  EXPECT_THAT(Parse(factor).value().colors, testing::Each(Color{255, 0, 188}));
+  EXPECT_THAT(Parse(factor).value().warnings, IsEmpty());
+  EXPECT_THAT(Parse(document).value().colors, IsEmpty());
+}
+
+TEST(GltfFile, TrianglesWithoutAColorAreWhiteBesideOthers) {
+  Json document = Document();
+  Json& primitives = document["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["material"] = 0;
+  document["materials"] = {
+      {{"name", "wood"},
+       {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  const Mesh mesh = Parse(document).value();
+  ASSERT_EQ(mesh.colors.size(), 8);
+  EXPECT_EQ(mesh.colors[0], (Color{255, 255, 255}));
+  EXPECT_EQ(mesh.colors[4], (Color{0, 0, 0}));
+  ASSERT_EQ(mesh.warnings.size(), 2);
+  EXPECT_EQ(mesh.warnings[0].code, "TEXTURE_NOT_READ");
+  EXPECT_EQ(mesh.warnings[0].element, "material \"wood\"");
+  EXPECT_EQ(mesh.warnings[1].code, "PARTIAL_COLORS");
+  EXPECT_THAT(mesh.warnings[1].message, HasSubstr("2 of 4 triangles"));
+}
+
+// Adds an accessor of `count` elements on `bytes`, which the document's accessor 2 and later ones share.
+Json WithAccessor(Json document, int type, int offset, int count, const char* shape) {
+  document["accessors"].push_back(
+      {{"bufferView", 2}, {"byteOffset", offset}, {"componentType", type}, {"count", count}, {"type", shape}});
+  return document;
+}
+
+TEST(GltfFile, MorphTargetsAreAppliedWithTheDefaultWeights) {
+  const std::string moves = BytesOf<float>({0, 0, 4, 0, 0, 8, 0, 0, 0, 0, 0, 0});
+  Json document = WithAccessor(Document(moves), 5126, 0, 4, "VEC3");
+  Json& mesh = document["meshes"][0];
+  mesh["primitives"][0]["targets"] = {{{"NORMAL", 99}}, {{"POSITION", 2}}};
+  EXPECT_THAT(Parse(document).value().positions[1], ElementsAre(1, 0, 0));
+  mesh["weights"] = {1, 0.25};
+  EXPECT_THAT(Parse(document).value().positions[0], ElementsAre(0, 0, 1));
+  EXPECT_THAT(Parse(document).value().positions[1], ElementsAre(1, 0, 2));
+  // One mesh in two poses; the weights of a node count before those of its mesh.
+  document["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"weights", {0, -1}}}};
+  document["scenes"][0]["nodes"] = {0, 1};
+  const Mesh both = Parse(document).value();
+  EXPECT_THAT(both.positions[1], ElementsAre(1, 0, 2));
+  EXPECT_THAT(both.positions[5], ElementsAre(1, 0, -8));
+  EXPECT_THAT(both.warnings, IsEmpty());
+  // A sparse target, which moves one vertex.
+  document["accessors"][2] = {{"componentType", 5126}, {"count", 4}, {"type", "VEC3"}};
+  document["accessors"][2]["sparse"] = {{"count", 1},
+                                        {"indices", {{"bufferView", 1}, {"byteOffset", 2}, {"componentType", 5123}}},
+                                        {"values", {{"bufferView", 2}}}};
+  EXPECT_THAT(Parse(document).value().positions[1], ElementsAre(1, 0, 1));
+  EXPECT_THAT(Refusal(With(document, "/accessors/2/count", 3)),
+              HasSubstr("primitives[0]: targets[1]: POSITION has 3 elements of 3 components, not 4 of 3"));
+}
+
+// The square with two joints: joint 0 moves by (0, 0, 1) and joint 1, its child, by (0, 0, 2) more.
+Json Skinned() {
+  const std::string joints = BytesOf<uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0});
+  const std::string weights = BytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 1, 3, 0, 0, 0, 0, 0, 0});
+  std::vector<float> inverse = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  inverse.insert(inverse.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0, 0, 1});
+  Json document = WithAccessor(Document(joints + weights + BytesOf(inverse)), 5121, 0, 4, "VEC4");
+  document = WithAccessor(WithAccessor(document, 5126, 16, 4, "VEC4"), 5126, 80, 2, "MAT4");
+  document["meshes"][0]["primitives"][0]["attributes"].update({{"JOINTS_0", 2}, {"WEIGHTS_0", 3}});
+  document["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {99, 99, 99}}},
+                       {{"children", {2}}, {"translation", {0, 0, 1}}},
+                       {{"translation", {0, 0, 2}}}};
+  document["scenes"][0]["nodes"] = {0, 1};
+  document["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", 4}}};
+  return document;
+}
+
+TEST(GltfFile, SkinsAreAppliedInTheirDefaultPose) {
+  const Mesh mesh = Parse(Skinned()).value();
+  EXPECT_THAT(mesh.warnings, IsEmpty());
+  EXPECT_THAT(mesh.positions[0], ElementsAre(0, 0, 1));
+  EXPECT_THAT(mesh.positions[1], ElementsAre(11, 0, 3)) << "weights are divided by their sum";
+  EXPECT_THAT(mesh.positions[2], ElementsAre(7.5, 1, 2.5));
+  EXPECT_THAT(mesh.positions[3], ElementsAre(11, 1, 3)) << "without weights, the first joint counts";
+  // Without matrices; joints outside the scene, which have their places all the same.
+  Json bare = Skinned();
+  bare["skins"][0].erase("inverseBindMatrices");
+  bare["scenes"][0]["nodes"] = {0};
+  EXPECT_THAT(Parse(bare).value().positions[1], ElementsAre(1, 0, 3));
+  Json mirrored = With(bare, "/nodes/1/scale", {1, 1, -1});
+  EXPECT_THAT(Parse(mirrored).value().triangles[0], ElementsAre(0, 2, 1));
+}
+
+TEST(GltfFile, ASkinOfAMeshWithoutJointsMakesAWarning) {
+  Json rigged = With(Document(), "/nodes", {{{"mesh", 0}, {"skin", 0}, {"scale", {2, 1, 1}}}, Json::object()});
+  rigged["skins"] = {{{"joints", {1}}}};
+  const Mesh mesh = Parse(With(rigged, "/scenes/0/nodes", {0, 1})).value();
+  EXPECT_THAT(mesh.positions[1], ElementsAre(2, 0, 0));
+  ASSERT_EQ(mesh.warnings.size(), 1);
+  EXPECT_EQ(mesh.warnings[0].code, "SKIN_WITHOUT_WEIGHTS");
+}
+
+TEST(GltfFile, SkinsThatDoNotFitAreRefused) {
+  EXPECT_THAT(Refusal(With(Skinned(), "/skins/0/joints", {1})),
+              HasSubstr("primitives[0]: vertex 1 has joint 1, which is not among the skin's 1"));
+  EXPECT_THAT(Refusal(With(Skinned(), "/accessors/4/count", 1)),
+              HasSubstr("nodes[0]: skins[0]: inverseBindMatrices has 16 numbers, not 16 for each of the 2 joints"));
+  EXPECT_THAT(Refusal(With(Skinned(), "/accessors/3/count", 3)),
+              HasSubstr("WEIGHTS_0 has 3 elements of 4 components, not 4 of 4"));
+  EXPECT_THAT(Refusal(With(Skinned(), "/nodes/2/children", {1})),
+              HasSubstr("skins[0]: nodes[1] is among its own ancestors"));
+  EXPECT_THAT(Refusal(With(Skinned(), "/nodes/0/children", {2})), HasSubstr("nodes[2] has two parents"));
+  EXPECT_THAT(Refusal(With(Skinned(), "/nodes/0/skin", 3)), HasSubstr("nodes[0]: skin 3 is not among the 1 skins"));
+  EXPECT_THAT(
+      Refusal(With(Skinned(), "/nodes/0/extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", Json::object()}}}})),
+      HasSubstr("a skin together with EXT_mesh_gpu_instancing is not defined"));
 }
 
 TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
@@ -196,7 +402,7 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
   says("/meshes/0/primitives/0/material", 5, "primitives[0]: material 5 is not among the 0 materials");
   says("/meshes/0/primitives/0/attributes/COLOR_0", 1, "COLOR_0 has 6 elements of 1 components, not 4 of 3 or 4");
   says("/accessors/0/type", "VEC2", "POSITION has 2 components, not 3");
-  says("/accessors/0/type", "MAT4", "accessors[0]: type \"MAT4\" is not one of SCALAR");
+  says("/accessors/0/type", "MAT3", "accessors[0]: type \"MAT3\" is not one of SCALAR");
   says("/accessors/0/componentType", 5125, "accessors[0]: componentType 5125 is not one of 5120, 5121");
   says("/accessors/0/componentType", 5124, "accessors[0]: componentType 5124 is not one of glTF's");
   says("/accessors/0/count", 5, "accessors[0]: needs bytes 0 to 60 of bufferView 0, which has 48");
@@ -210,7 +416,20 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
   says("/buffers/0/uri", "/dev/zero", "buffers[0]: file \"/dev/zero\" cannot be read");
   says("/buffers/0/uri", "data:,abc", "buffers[0]: its data: URI is not base64");
   says("/nodes/0", {{"mesh", 0}, {"scale", {1e308, 1, 1}}, {"translation", {1e308, 0, 0}}},
-       "meshes[0].primitives[0]: vertex 1 is not finite (inf)");
+       "meshes[0].primitives[0]: vertex 1 is not finite (inf 0 0)");
+}
+
+TEST(GltfFile, BrokenTrianglesAreLeftOutIfAsked) {
+  const auto skipped = [](const Json& document) { return ParseGltf(document.dump(), "", {.skip_bad = true}).value(); };
+  const Mesh three = skipped(With(Document(), "/accessors/0/count", 3));
+  EXPECT_THAT(three.triangles, ElementsAre(Triangle{0, 1, 2}));
+  ASSERT_EQ(three.warnings.size(), 1);
+  EXPECT_EQ(three.warnings[0].code, "BAD_ELEMENTS");
+  EXPECT_THAT(three.warnings[0].message, HasSubstr("vertex index 3 of triangle 1 is not within the 3 vertices"));
+  const Json far = {{"mesh", 0}, {"scale", {1e308, 1, 1}}, {"translation", {1e308, 0, 0}}};
+  const Mesh finite = skipped(With(Document(), "/nodes/0", far));
+  EXPECT_THAT(finite.triangles, IsEmpty());
+  EXPECT_EQ(finite.positions.size(), 2);
 }
 
 // A few bytes may place a mesh many times, or name a primitive many times.
@@ -219,20 +438,20 @@ TEST(GltfFile, ScenesAreOnlySoLarge) {
   placed["nodes"].push_back({{"mesh", 0}});
   placed["nodes"].push_back({{"mesh", 0}});
   placed["scenes"][0]["nodes"] = {0, 1, 2};
-  EXPECT_TRUE(ParseGltf(placed.dump(), "", 12).ok());
-  const absl::Status status = ParseGltf(placed.dump(), "", 11).status();
+  EXPECT_TRUE(ParseGltf(placed.dump(), "", {}, 12).ok());
+  const absl::Status status = ParseGltf(placed.dump(), "", {}, 11).status();
   EXPECT_EQ(status,
             absl::ResourceExhaustedError("meshes[0].primitives[0]: the scene has more than 11 triangles or vertices"));
 
   Json repeated = Document();
   Json& primitives = repeated["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
-  EXPECT_TRUE(ParseGltf(repeated.dump(), "", 8).ok());
-  EXPECT_EQ(ParseGltf(repeated.dump(), "", 7).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(ParseGltf(repeated.dump(), "", {}, 8).ok());
+  EXPECT_EQ(ParseGltf(repeated.dump(), "", {}, 7).status().code(), absl::StatusCode::kResourceExhausted);
 
   // Meshes without triangles do not count and are not kept.
   Json points = With(repeated, "/meshes/0/primitives/0/mode", 0);
-  EXPECT_TRUE(ParseGltf(points.dump(), "", 4).ok());
+  EXPECT_TRUE(ParseGltf(points.dump(), "", {}, 4).ok());
 }
 
 class GltfFiles : public FilesTest {};
@@ -246,6 +465,16 @@ TEST_F(GltfFiles, UrisArePercentEncoded) {
   document["buffers"][0]["uri"] = "a%2520b%25.bin";
   EXPECT_THAT(std::string(ParseGltf(document.dump(), folder).status().message()),
               HasSubstr("buffers[0]: file \"a%2520b%25.bin\" cannot be read"));
+}
+
+TEST_F(GltfFiles, UrisMayHaveBackslashes) {
+  Json document = Document();
+  const std::filesystem::path folder = std::filesystem::path(Write("a.bin", BufferOf(document))).parent_path();
+  for (const char* uri : {".\\a.bin", "x\\..\\a.bin", ".%5Ca.bin"}) {
+    std::filesystem::create_directory(folder / "x");
+    document["buffers"][0]["uri"] = uri;
+    EXPECT_TRUE(ParseGltf(document.dump(), folder).ok()) << uri;
+  }
 }
 
 std::string Chunk(absl::string_view kind, absl::string_view bytes) {
