@@ -13,7 +13,7 @@ namespace latvox::client {
 // The words as given. Parsing writes into them.
 struct MeshWords {
   std::string up_axis, scale, input_format;
-  bool strict = false;  // a warning is an error
+  bool strict = false;    // a warning is an error
   bool skip_bad = false;  // leave out broken elements
 };
 

@@ -1,6 +1,5 @@
 // Packed bricks: the server's encoder, the client's decoder, and the format between them, byte by byte.
 #include "client/internal/brick_codec.h"
-#include "latvox/for_each_voxel.h"
 
 #include <gmock/gmock.h>
 #include <zstd.h>
@@ -17,6 +16,7 @@
 #include "core/lattice/grid.h"
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/voxelizer.h"
+#include "latvox/for_each_voxel.h"
 #include "server/wire/brick_batch.h"
 #include "server/wire/brick_codec.h"
 
