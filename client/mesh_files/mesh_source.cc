@@ -66,7 +66,8 @@ std::string NameOf(const MeshSource& input) {
 bool MayReferToFiles(const MeshSource& input) {
   return std::any_of(input.paths.begin(), input.paths.end(), [&](const std::string& path) {
     const auto format = input.format ? input.format : FormatOfPath(path);
-    return format == MeshFormat::kGlb || format == MeshFormat::kGltf;
+    const bool has_materials = format == MeshFormat::kObj && !input.attributes.empty();  // colors are in .mtl files
+    return format == MeshFormat::kGlb || format == MeshFormat::kGltf || has_materials;
   });
 }
 

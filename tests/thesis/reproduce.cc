@@ -96,7 +96,9 @@ TriangleMesh Read(const std::string& path) {
     std::exit(1);
   }
   TriangleMesh mesh{{}, file->triangles};
-  for (const auto& position : file->positions) mesh.vertices.push_back(position);
+  for (const auto& [x, y, z] : file->positions) {
+    mesh.vertices.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+  }
   return mesh;
 }
 
