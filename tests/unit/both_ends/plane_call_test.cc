@@ -12,6 +12,7 @@
 #include "latvox/client.h"
 #include "latvox/error.h"
 #include "latvox/v1/voxelizer.grpc.pb.h"
+#include "server/base/errors.h"
 #include "server/listen/server.h"
 #include "server/wire/plane_convert.h"
 #include "server/work/pixelization.h"
@@ -286,10 +287,11 @@ TEST(PixelizePolylines, NamesTheFieldOfEveryBadRequest) {
     v1::PixelizeRequest request = GoodProto();
     bad.spoil(request);
     const absl::Status status = PixelizeAlone(request, facts).status();
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    const bool exceeds = std::string(bad.name) == "extent";
+    EXPECT_EQ(status.code(), exceeds ? absl::StatusCode::kResourceExhausted : absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(status.message()), HasSubstr(bad.message));
-    EXPECT_EQ(client::GetErrorDetails(status).field, bad.field);
-    EXPECT_EQ(client::GetErrorDetails(status).reason, "BAD_SPEC");
+    EXPECT_EQ(CauseOf(status)->field, bad.field);
+    EXPECT_EQ(CauseOf(status)->reason, exceeds ? "LIMIT_EXCEEDED" : "BAD_SPEC");
   }
 }
 
@@ -302,7 +304,7 @@ TEST(PixelizePolylines, ChecksLongCurvesAgainstTheLimitBeforeItDigitizes) {
   PixelizationFacts facts;
   const absl::Status status = PixelizeAlone(request, facts).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_EQ(client::GetErrorDetails(status).field, "crossings");
+  EXPECT_EQ(CauseOf(status)->field, "crossings");
   EXPECT_LT(facts.pixelize_ms, 1000);
 }
 
@@ -317,19 +319,18 @@ TEST(PixelizePolylines, ReservesMemoryBeforeItUsesIt) {
 
   const absl::Status never = PixelizePolylines(request, {}, too_little, StopSignal(), facts).status();
   EXPECT_EQ(never.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_EQ(client::GetErrorDetails(never).field, "memory");
-  EXPECT_EQ(client::GetErrorDetails(never).reason, "LIMIT_EXCEEDED");
+  EXPECT_EQ(CauseOf(never)->field, "memory");
+  EXPECT_EQ(CauseOf(never)->reason, "LIMIT_EXCEEDED");
   request.mutable_polylines(0)->mutable_xy()->Resize(20000, 1);
-  EXPECT_EQ(client::GetErrorDetails(PixelizePolylines(request, {}, too_little, StopSignal(), facts).status()).field,
-            "memory")
+  EXPECT_EQ(CauseOf(PixelizePolylines(request, {}, too_little, StopSignal(), facts).status())->field, "memory")
       << "points count by themselves";
 
   MemoryReservation others(budget);
   memory.Shrink(0);
   ASSERT_TRUE(others.Grow(budget.total() - (1 << 10)).ok());
   const absl::Status later = PixelizePolylines(request, {}, memory, StopSignal(), facts).status();
-  EXPECT_EQ(client::GetErrorDetails(later).reason, "MEMORY_IN_USE");
-  EXPECT_NE(client::GetErrorDetails(later).retry_after, std::nullopt);
+  EXPECT_EQ(CauseOf(later)->reason, "MEMORY_IN_USE");
+  EXPECT_NE(RetryDelayOf(later), std::nullopt);
 }
 
 TEST(PixelizePolylines, IsCancelledBeforeItDigitizes) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -167,9 +168,41 @@ TEST_F(ServerTest, RefusesBadMeshes) {
   expect(spec, SphereBytes(), "was declared, but only");
   spec.set_mesh_bytes(SphereBytes().size() - 1);
   expect(spec, SphereBytes(), "was declared, but at least");
-  spec = Spec(9);
+}
+
+TEST_F(ServerTest, RefusesMoreVoxelsAlongAnAxisThanItsLimit) {
+  Start();
+  v1::VoxelizeSpec spec = Spec(9);
   spec.set_voxel_size(1e-6);
-  expect(spec, SphereBytes(), "axis");
+  const Answer answer = Voxelize(*stub_, spec, SphereBytes());
+  EXPECT_EQ(answer.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(answer.status.error_message(), HasSubstr("axis"));
+  EXPECT_EQ(ErrorInfoOf(answer.status).metadata().at("limit_name"), "max_extent");
+}
+
+std::string NumberBytes(const std::vector<double>& positions, const std::vector<uint32_t>& indices) {
+  return std::string(reinterpret_cast<const char*>(positions.data()), positions.size() * sizeof(double)) +
+         std::string(reinterpret_cast<const char*>(indices.data()), indices.size() * sizeof(uint32_t));
+}
+
+TEST_F(ServerTest, TakesPlainArraysAndRefusesBadNumbersBeforeTheRestHasCome) {
+  Start();
+  v1::VoxelizeSpec spec = Spec(9);
+  spec.mutable_raw_mesh()->set_vertices(3);
+  spec.mutable_raw_mesh()->set_triangles(1);
+  spec.mutable_raw_mesh()->set_positions(v1::POSITION_TYPE_FLOAT64);
+  const Answer good = Voxelize(*stub_, spec, NumberBytes({1e7, 0, 0, 1e7 + 1, 0, 0, 1e7, 1, 0}, {0, 1, 2}));
+  EXPECT_TRUE(good.status.ok()) << good.status.error_message();
+  const auto refusal = [&](const std::string& bytes) {
+    return VoxelizeCall(*stub_).Send(SpecMessage(spec)).Send(PieceMessage(bytes)).Receive().status.error_message();
+  };
+  EXPECT_EQ(refusal(NumberBytes({1, 2, HUGE_VAL}, {})), "mesh: vertex 0 is not finite (inf)");
+  EXPECT_EQ(refusal(NumberBytes({1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 3})), "mesh: triangle 0 uses vertex 3 of 3");
+  spec.mutable_raw_mesh()->set_triangles(0);
+  EXPECT_EQ(refusal(""), "raw_mesh.triangles 0 is below 1");
+  spec.mutable_raw_mesh()->set_triangles(1);
+  spec.set_mesh_bytes(9);
+  EXPECT_EQ(refusal(""), "mesh_bytes 9 is not 84, as raw_mesh describes");
 }
 
 TEST_F(ServerTest, HoldsMeshesAgainstItsLimits) {
