@@ -9,7 +9,7 @@ namespace latvox::client {
 
 absl::Status BadElements::Add(const absl::Status& error, const std::string& element) {
   if (!skip_) return error;
-  if (count_++ == 0) first_ = {"BAD_ELEMENTS", std::string(error.message()), element};
+  if (count_++ == 0) first_ = Warning{"BAD_ELEMENTS", std::string(error.message()), element};
   return absl::OkStatus();
 }
 

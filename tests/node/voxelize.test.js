@@ -99,7 +99,7 @@ test('a solid box of side 20 has its volume in voxels, in every encoding', async
     const result = await voxelize(server.client, spec, cube);
     assert.equal((await check(result)).size, 8000);
     const { fill: facts } = result.summary.certificate;
-    assert.deepEqual([facts.rule, facts.surface, facts.unbalancedLines], ['parity', false, '0']);
+    assert.deepEqual([facts.rule, facts.surface, facts.unbalancedLines], ['winding', false, '0']);
   }
 });
 

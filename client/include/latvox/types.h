@@ -156,8 +156,8 @@ struct Solid {
 // The layout of a mesh that is sent as plain arrays instead of a Draco stream: positions, triangles and attributes, one
 // after the other. See RawMesh in the protocol; EncodeRawMesh makes one.
 struct RawMeshLayout {
-  uint64_t vertices = 0;
-  uint64_t triangles = 0;
+  uint64_t vertices = 0;                   // three numbers each
+  uint64_t triangles = 0;                  // three indices of vertices each, uint32
   bool has_doubles = false;                // positions are float64, otherwise float32
   std::vector<Attribute> attributes = {};  // one uint32 for each vertex and attribute
   bool operator==(const RawMeshLayout&) const = default;

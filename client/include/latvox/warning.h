@@ -6,6 +6,7 @@
 
 namespace latvox::client {
 
+// One warning, for programs and for people.
 struct Warning {
   std::string code;          // UPPER_SNAKE_CASE, for programs; client/docs/limits.md lists all codes
   std::string message;       // a sentence for people, which names the element

@@ -19,9 +19,10 @@
 
 namespace latvox::client {
 
+// A mesh as the bytes of its arrays.
 struct RawMesh {
-  RawMeshLayout layout;
-  std::string bytes;  // the arrays, one after the other, little-endian
+  RawMeshLayout layout;  // for VoxelizeRequest::raw_mesh
+  std::string bytes;     // the arrays, one after the other, little-endian
 };
 
 // Positions are float32 if that holds all of them exactly, otherwise doubles. Thread-safe.
