@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <type_traits>
 
 #include "core/snap/mesh_range.h"
 #include "core/voxelizer/world_box.h"
@@ -54,12 +55,13 @@ double SumOver(const TriangleMesh& mesh, StopSignal stop, const F& f) {
   using Part = oneapi::tbb::blocked_range<size_t>;
   constexpr size_t kGrain = 16384;  // triangles for each task
   return VisitVertices(mesh, [&](const auto& vertices) {
+    using Vertex = std::remove_cvref_t<decltype(vertices.front())>;
     return oneapi::tbb::parallel_deterministic_reduce(
         Part(0, mesh.triangles.size(), kGrain), 0.0,
         [&](const Part& part, double sum) {
           for (size_t t = part.begin(); t < part.end() && !stop.Stopped(); ++t) {
             const auto& [a, b, c] = mesh.triangles[t];
-            sum += f(Corners{vertices[a], vertices[b], vertices[c]});
+            sum += f(Corners<Vertex>{vertices[a], vertices[b], vertices[c]});
           }
           return sum;
         },
