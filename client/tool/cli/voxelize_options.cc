@@ -150,7 +150,9 @@ OptionRow OutputFormatRow(VoxelizeWords& words) {
 std::string DefaultOutput(const VoxelizeOptions& options) {
   const std::string& mesh = options.mesh.paths.front();
   if (mesh == kStandardInput) Refuse("--out is required: a mesh from standard input has no name");
-  const std::string name = std::filesystem::path(mesh).stem().string() + "." + kDefaultFormat;
+  std::filesystem::path unpacked = std::filesystem::path(mesh).filename();
+  if (unpacked.extension() == ".gz") unpacked = unpacked.stem();
+  const std::string name = unpacked.stem().string() + "." + kDefaultFormat;
   if (std::filesystem::exists(std::filesystem::path(name))) {
     Refuse("--out: ", name, ", the output's name by default, exists already; -o ", name, " replaces it");
   }

@@ -77,6 +77,49 @@ TEST(ObjFile, RotatedConcaveQuadIsCutInsideInEveryCoordinatePlane) {
   }
 }
 
+double AreaOf(const std::vector<Triangle>& triangles, const std::vector<Vec3d>& positions) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const Vec3d &p = positions[a], &q = positions[b], &r = positions[c];
+    const double twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    EXPECT_GT(twice, 0);
+    sum += twice / 2;
+  }
+  return sum;
+}
+
+// An arc of a band: half of its corners are reflex, and no fan covers it. A search of all corners for each ear takes
+// minutes here.
+TEST(ObjFile, APolygonOfManyReflexCornersIsCutIntoTrianglesOfItsArea) {
+  constexpr uint32_t kSide = 8000;
+  std::vector<Vec3d> positions;
+  std::vector<uint32_t> polygon;
+  double area = 0;
+  for (uint32_t n = 0; n < 2 * kSide; ++n) {
+    const bool outer = n < kSide;
+    const double angle = 3.0 * (outer ? n : 2 * kSide - 1 - n) / kSide, radius = outer ? 2 : 1.9;
+    positions.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    polygon.push_back(n);
+  }
+  for (uint32_t n = 0; n < 2 * kSide; ++n) {
+    const Vec3d &p = positions[n], &q = positions[(n + 1) % (2 * kSide)];
+    area += (p[0] * q[1] - q[0] * p[1]) / 2;
+  }
+  std::vector<Triangle> triangles;
+  Triangulate(polygon, positions, triangles);
+  EXPECT_EQ(triangles.size(), 2 * kSide - 2);
+  EXPECT_NEAR(AreaOf(triangles, positions), area, 1e-9);
+}
+
+TEST(ObjFile, AHoleJoinedToTheRimStaysAHole) {
+  const std::vector<Vec3d> positions = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0},
+                                        {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}};
+  std::vector<Triangle> triangles;
+  Triangulate(std::array<uint32_t, 10>{0, 1, 2, 3, 0, 4, 5, 6, 7, 4}, positions, triangles);
+  EXPECT_EQ(triangles.size(), 8u);
+  EXPECT_EQ(AreaOf(triangles, positions), 12);
+}
+
 TEST(ObjFile, PolygonsWithoutAreaKeepAllTheirCorners) {
   std::vector<Triangle> triangles;
   Triangulate(std::array<uint32_t, 5>{0, 1, 2, 3, 4}, std::vector<Vec3d>(5), triangles);

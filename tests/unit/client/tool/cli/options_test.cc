@@ -256,6 +256,7 @@ TEST(Options, AnOutputThatIsNotGivenHasTheMeshsName) {
     return Interpret(voxelize);
   };
   EXPECT_THAT(parse({"folder/mesh.tar.obj"}).outputs, ElementsAre("mesh.tar.vdb"));
+  EXPECT_THAT(parse({"folder/mesh.obj.gz"}).outputs, ElementsAre("mesh.vdb"));
   EXPECT_THAT(parse({"a.obj", "b.obj"}).outputs, ElementsAre("a.vdb"));
   EXPECT_THAT(parse({"a.obj", "--json"}).outputs, ElementsAre());
   EXPECT_THAT(parse({"a.obj", "--verify"}).outputs, ElementsAre());
