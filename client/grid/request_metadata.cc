@@ -49,6 +49,7 @@ void AddNote(const MeshNote& note, Json& json) {
   if (note.scale) json["scale"] = *note.scale;
   if (!note.input_format.empty()) json["input_format"] = note.input_format;
   if (note.quantization) json["quantization"] = *note.quantization;
+  if (note.skip_bad) json["skip_bad"] = true;
 }
 
 // Everything except the note.

@@ -13,7 +13,7 @@ namespace latvox::client {
 
 // Returns all triangles of the default scene, or of the first scene, in world coordinates.
 // - Transforms of nodes and their instances (EXT_mesh_gpu_instancing) and the center of CESIUM_RTC are applied, in
-//   double. Mirror images keep their outside.
+//   double. The corners of mirrored triangles are reversed, so that the outside stays outside.
 // - Morph targets are applied with the weights of the node, otherwise of the mesh. Then skins are applied in the pose
 // of
 //   the nodes. Animations are not applied, with a warning.

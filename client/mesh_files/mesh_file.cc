@@ -1,5 +1,6 @@
 #include "client/mesh_files/mesh_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -50,6 +51,11 @@ absl::StatusOr<Mesh> Named(const std::string& path, absl::StatusOr<Mesh> mesh) {
     return absl::Status(mesh.status().code(), absl::StrCat(name, ": ", Printable(mesh.status().message())));
   }
   for (Warning& warning : mesh->warnings) warning.message = Printable(warning.message);
+  const auto tells = [](const Warning& warning) { return warning.code == "SKIPPED_ELEMENTS"; };
+  if (mesh->skipped > 0 && std::none_of(mesh->warnings.begin(), mesh->warnings.end(), tells)) {
+    mesh->warnings.push_back(
+        {"SKIPPED_ELEMENTS", absl::StrCat(mesh->skipped, " elements without a surface are left out")});
+  }
   if (mesh->triangles.empty()) return absl::InvalidArgumentError(absl::StrCat(name, ": the mesh has no triangles"));
   return mesh;
 }

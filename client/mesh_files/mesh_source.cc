@@ -49,7 +49,7 @@ absl::StatusOr<MeshOrDraco> ReadOne(const std::string& path, const MeshSource& i
   return ParseMeshFile(path, *bytes, *format, {input.skip_bad});
 }
 
-// Of several files, one whose parts have no names is a part by itself, or some.
+// If there are several files, the parts of a file without names of parts are named like the file.
 void NameAfterFile(const std::string& path, Mesh& mesh) {
   if (path == kStandardInput || !mesh.part_names.empty()) return;
   const std::string name = std::filesystem::path(path).filename().string();

@@ -16,8 +16,8 @@
 namespace latvox::client {
 
 // Several meshes form one, as the union of their triangles. Positions are turned, then multiplied by `scale`, in double
-// as well. Parts and materials are numbered in the order of the paths. Of several files, one that names no part gives
-// its parts its own name.
+// as well. Parts and materials are numbered in the order of the paths. If there are several files, the parts of a file
+// without names of parts are named like the file.
 struct MeshSource {
   std::vector<std::string> paths;    // at least one; "-" is standard input, at most once
   std::optional<MeshFormat> format;  // of all files; absent: by extension, or by the first bytes of standard input

@@ -221,7 +221,8 @@ absl::Status ReadStrips(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   return absl::OkStatus();
 }
 
-absl::Status SkipElement(const PlyElement& element, PlyBody& body) {
+absl::Status SkipElement(const PlyElement& element, PlyBody& body, Mesh& mesh) {
+  mesh.skipped += element.count;
   if (element.properties.empty()) return absl::OkStatus();
   for (uint64_t n = 0; n < element.count; ++n) {
     body.BeginElement();
@@ -245,7 +246,7 @@ absl::StatusOr<Mesh> ParsePly(absl::string_view bytes, const ParseOptions& optio
     absl::Status status = element.name == "vertex"      ? ReadVertices(element, body, mesh)
                           : element.name == "face"      ? ReadPlyFaces(element, body, bad, mesh)
                           : element.name == "tristrips" ? ReadStrips(element, body, mesh)
-                                                        : SkipElement(element, body);
+                                                        : SkipElement(element, body, mesh);
     if (!status.ok()) return status;
   }
   if (!header->unmarked.empty()) {

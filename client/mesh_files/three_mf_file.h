@@ -13,7 +13,8 @@ namespace latvox::client {
 // - Transforms of items and components and the unit of the model are applied in double.
 //   In millimeters and without a transform, positions are the nearest doubles to the text.
 // - Each placed object is a part, as often as it is placed.
-// - Mirror images keep their outside. Numbers and names may have white space around them; parts are UTF-8 or UTF-16.
+// - The corners of mirrored triangles are reversed, so that the outside stays outside.
+// - Numbers and names may have white space around them; parts are UTF-8 or UTF-16.
 // - Objects of all types are placed, with a warning for those that are no models, or are not to be printed.
 // - Base materials are materials, numbered by first use. Colors are the displaycolor of a base material, or those of a
 //   colorgroup. A vertex with several colors becomes several vertices.

@@ -46,6 +46,9 @@ class Input(InputCase):
             obj.write("\nv nan 0 0\nf 1 2\nf 1 2 -1\n")
         self.assert_refused(3, "broken.obj: line .*: a face has 2 corners", path)
         self.assertEqual(self.digest(path, "--skip-bad"), wanted)
+        latvox("voxelize", path, *GRID, "--skip-bad", "-o", self.dir / "kept.vdb", *self.server)
+        told = json.loads(latvox("info", self.dir / "kept.vdb", "--json").stdout)["metadata"]
+        self.assertTrue(json.loads(told["latvox_request"])["skip_bad"])
 
     def test_standard_input_that_is_no_mesh_is_refused(self):
         (self.dir / "text").write_text("this is no mesh\n")

@@ -7,8 +7,11 @@ latvox_add_test(client_tolerance_test SOURCES unit/client/mesh_files/tolerance_t
                 LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_read_mesh_file_test SOURCES unit/client/mesh_files/read_mesh_file_test.cc
                 LIBRARIES latvox::mesh_files GTest::gmock)
-latvox_add_test(client_gltf_test SOURCES unit/client/mesh_files/gltf_test.cc
-                LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
+latvox_add_test(client_polygon_test SOURCES unit/client/mesh_files/polygon_test.cc LIBRARIES latvox::mesh_files)
+foreach(name gltf_test gltf_scene_test)
+  latvox_add_test(client_${name} SOURCES unit/client/mesh_files/${name}.cc
+                  LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
+endforeach()
 latvox_add_test(client_three_mf_test SOURCES unit/client/mesh_files/three_mf_test.cc
                 LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_encoder_test SOURCES unit/client/mesh/encoder_test.cc LIBRARIES latvox::mesh draco::draco GTest::gmock)

@@ -167,13 +167,13 @@ struct RawMeshLayout {
 // exclude each other with INVALID_ARGUMENT; proto/README.md lists them.
 struct VoxelizeRequest {
   std::variant<NamedLattice, Basis> lattice = NamedLattice::kCartesian;  // a sampling scales a Basis uniformly
-  std::optional<double> voxel_size;         // edge of a cube with a Voronoi cell's volume, world units
-  std::optional<uint32_t> resolution;       // voxels along the longest side of the mesh's bounding box
-  std::optional<Vec3d> origin;              // world position of lattice point 0; default: by the placement
-  uint32_t separability = 0;                // k: 0, 1 or 2
-  std::optional<bool> minimal;              // thin the surface to k-minimality; default: wherever that is possible
-  std::optional<IndexBox> region;           // only these voxels, as in the whole
-  std::optional<Shard> shard;               // only this part of the tiles, as in the whole
+  std::optional<double> voxel_size = std::nullopt;    // edge of a cube with a Voronoi cell's volume, world units
+  std::optional<uint32_t> resolution = std::nullopt;  // voxels along the longest side of the mesh's bounding box
+  std::optional<Vec3d> origin = std::nullopt;         // world position of lattice point 0; default: by the placement
+  uint32_t separability = 0;                          // k: 0, 1 or 2
+  std::optional<bool> minimal = std::nullopt;  // thin the surface to k-minimality; default: wherever that is possible
+  std::optional<IndexBox> region = std::nullopt;  // only these voxels, as in the whole
+  std::optional<Shard> shard = std::nullopt;      // only this part of the tiles, as in the whole
   bool verify = false;                      // count tunnels and redundant voxels of the finished set independently
   Algorithm algorithm = Algorithm::kExact;  // the way to find the voxels
   BrickEncoding encoding = BrickEncoding::kPacked;  // their encoding on the wire
@@ -195,6 +195,7 @@ struct MeshNote {
   std::optional<double> scale;      // of its coordinates
   std::string input_format;         // "ply", ...: overrides the file's extension
   std::optional<int> quantization;  // bits of a position on the way to the server; 0: lossless
+  bool skip_bad = false;            // broken elements were left out
   bool operator==(const MeshNote&) const = default;
 };
 

@@ -211,7 +211,6 @@ std::string ToText(const VoxelizeReport& report) {
   std::string text = absl::StrCat(report.mesh_path, ": ", mesh.triangles, " triangles, ",
                                   mesh.closed ? "closed" : "not closed", ", ", bits, "\n");
   if (report.weld) text += WeldText(*report.weld);
-  if (report.skipped > 0) absl::StrAppend(&text, "skipped ", report.skipped, " points and lines without a surface\n");
   const std::string resolution =
       report.default_resolution ? absl::StrCat(" (resolution ", *report.default_resolution, ", the default)") : "";
   absl::StrAppendFormat(&text, "%s lattice, voxel size %.6g%s, %s, placement %s\n", certificate.lattice,

@@ -75,6 +75,7 @@ MeshNote NoteOf(const VoxelizeOptions& options, const VoxelizeWords& words) {
   if (!words.scale.empty()) note.scale = options.mesh.scale;
   note.input_format = words.input_format;
   note.quantization = options.quantization_bits;
+  note.skip_bad = words.skip_bad;
   return note;
 }
 

@@ -240,8 +240,8 @@ TEST(VoxelService, AMethodThatAStandInLacksIsUnimplementedAndNamed) {
 // Returns the arguments of its calls, as errors.
 class Recording final : public VoxelService {
  public:
-  absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_drc, const CallOptions&) override {
-    return absl::DataLossError(absl::StrCat(mesh.bytes, " of ", mesh_drc.size()));
+  absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_bytes, const CallOptions&) override {
+    return absl::DataLossError(absl::StrCat(mesh.bytes, " of ", mesh_bytes.size()));
   }
   absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, const MeshInput& mesh, const VoxelizeHandlers&,
                                    const CallOptions& options) override {
@@ -274,10 +274,10 @@ TEST(VoxelService, SeesNoEmptyMeshAndNoRequestWithTwoSamplings) {
   plane.resolution = 7;
   plane.pixel_size = 0.5;
   const std::vector<std::tuple<const char*, const char*, absl::Status>> refusals = {
-      {"mesh_drc", "mesh_drc: has 0 bytes", client.Voxelize({}, "", {}).status()},
-      {"mesh_drc", "mesh_drc: has 0 bytes", client.VoxelizeAll({}, "").status()},
-      {"mesh_drc", "mesh_drc: has 0 bytes", client.Stream({}, std::string()).Next().status()},
-      {"mesh_drc", "mesh_drc: has 0 bytes", client.PutMesh("").status()},
+      {"mesh_bytes", "mesh_bytes: has 0 bytes", client.Voxelize({}, "", {}).status()},
+      {"mesh_bytes", "mesh_bytes: has 0 bytes", client.VoxelizeAll({}, "").status()},
+      {"mesh_bytes", "mesh_bytes: has 0 bytes", client.Stream({}, std::string()).Next().status()},
+      {"mesh_bytes", "mesh_bytes: has 0 bytes", client.PutMesh("").status()},
       {"resolution", "resolution: 7 not together with voxel_size 0.5", client.Voxelize(request, "mesh", {}).status()},
       {"resolution", "resolution: 7 not together with voxel_size 0.5",
        client.Stream(request, MeshId()).Next().status()},

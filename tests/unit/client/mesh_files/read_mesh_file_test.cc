@@ -53,6 +53,22 @@ TEST_F(MeshFile, WithoutAttributesHasEmptyLists) {
   EXPECT_THAT(mesh->warnings, IsEmpty());
 }
 
+TEST_F(MeshFile, OfElementsWithoutASurfaceMakesAWarningInEveryFormat) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement edge 2\n"
+      "property int vertex1\nproperty int vertex2\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n0 1\n1 2\n3 0 1 2\n";
+  const auto mesh = ReadMeshFile(Write("edges.ply", ply));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->skipped, 2U);
+  ASSERT_EQ(mesh->warnings.size(), 1U);
+  EXPECT_EQ(mesh->warnings[0].code, "SKIPPED_ELEMENTS");
+  EXPECT_THAT(mesh->warnings[0].message, HasSubstr("2 elements without a surface are left out"));
+  const auto obj = ReadMeshFile(Write("line.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n"));
+  ASSERT_EQ(obj->warnings.size(), 1U);
+  EXPECT_EQ(obj->warnings[0].code, "SKIPPED_ELEMENTS");
+}
+
 TEST_F(MeshFile, IsTurnedThenScaled) {
   const std::string path = Write("m.obj", kObj);
   EXPECT_EQ(ReadMeshFile(path, {.up = UpAxis::kY, .scale = 2})->positions[0], (Vec3d{2, -6, 4}));
