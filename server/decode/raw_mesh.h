@@ -37,8 +37,10 @@ class RawMeshCheck {
   absl::Status Add(absl::string_view piece);
 
  private:
-  absl::Status Check(const char* number) const;
-  size_t width() const;  // bytes of the number at `at_`
+  // Checks `count` numbers at `at_`, which are in one section: positions, triangles, or one attribute.
+  absl::Status CheckRun(const char* numbers, uint64_t count) const;
+  size_t width() const;         // bytes of the number at `at_`
+  uint64_t SectionEnd() const;  // the byte after the section at `at_`
 
   const RawMeshLayout layout_;
   uint64_t at_ = 0;    // bytes checked

@@ -30,8 +30,8 @@ struct JobSpec {
   std::optional<RawMeshLayout> raw_mesh = std::nullopt;  // absent: the mesh is Draco-encoded
 };
 
-// Errors, all with an ErrorCause: INVALID_ARGUMENT for a number outside its enumeration, for a missing part, and for
-// every error of MakeRequest and MakeGridRequest; RESOURCE_EXHAUSTED for a mesh over its limits.
+// Both have these errors, all with an ErrorCause: INVALID_ARGUMENT for a number outside its enumeration, for a missing
+// part, and for every error of MakeRequest and MakeGridRequest; RESOURCE_EXHAUSTED for a mesh over its limits.
 absl::StatusOr<RawMeshLayout> RawMeshFromProto(const v1::RawMesh& raw, const Limits& limits);
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::VoxelizeSpec& spec, const Limits& limits);
 

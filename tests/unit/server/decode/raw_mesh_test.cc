@@ -69,8 +69,8 @@ TEST(RawMesh, ABadNumberIsNamedAsSoonAsItHasCome) {
     const char* message;
   };
   const std::vector<Case> cases = {
-      {8, BytesOf<double>({std::numeric_limits<double>::infinity()}), "mesh: vertex 0 is not finite (inf)"},
-      {72, BytesOf<double>({std::nan("")}), "mesh: vertex 3 is not finite (nan)"},
+      {8, BytesOf<double>({std::numeric_limits<double>::infinity()}), "mesh: vertex 0 is not finite"},
+      {72, BytesOf<double>({std::nan("")}), "mesh: vertex 3 is not finite"},
       {triangles + 20, BytesOf<uint32_t>({4}), "mesh: triangle 1 uses vertex 4 of 4"},
       {parts + 4, BytesOf<uint32_t>({0x80000000}),
        "mesh: the part of vertex 1, 2147483648, is not within 0 and 2147483647"},
@@ -92,6 +92,11 @@ TEST(RawMesh, ABadNumberIsNamedAsSoonAsItHasCome) {
         << message;
   }
   EXPECT_TRUE(Check(Bytes() + "more", 5).ok());  // the length is checked elsewhere
+}
+
+TEST(RawMesh, AnIndexOfAMeshWithoutVerticesIsRefused) {
+  const RawMeshLayout none{0, 1, false, {Field::kPart}};
+  EXPECT_EQ(Check(BytesOf<uint32_t>({0, 1, 2}), 12, none).message(), "mesh: triangle 0 uses vertex 0 of 0");
 }
 
 TEST(RawMesh, RefusalsNameTheLengthAndTheAttribute) {
