@@ -69,13 +69,13 @@ absl::StatusOr<Client> Client::StartPrivate(const PrivateServerOptions& server_o
   return Client(std::shared_ptr<VoxelService>(both, both->service.get()));
 }
 
-absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,
+absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, std::string_view mesh_bytes,
                                          const VoxelizeHandlers& handlers, const CallOptions& options) const {
-  if (absl::Status status = CheckMesh(mesh_drc); !status.ok()) return status;
+  if (absl::Status status = CheckMesh(mesh_bytes); !status.ok()) return status;
   if (absl::Status status = CheckRequest(request); !status.ok()) return status;
-  const absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_drc);
+  const absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_bytes);
   if (!mesh.ok()) return mesh.status();
-  return service_->Voxelize(request, {*mesh, mesh_drc}, handlers, options);
+  return service_->Voxelize(request, {*mesh, mesh_bytes}, handlers, options);
 }
 
 absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, const MeshId& mesh,
@@ -84,9 +84,9 @@ absl::StatusOr<Summary> Client::Voxelize(const VoxelizeRequest& request, const M
   return service_->Voxelize(request, {mesh, std::nullopt}, handlers, options);
 }
 
-absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_drc,
+absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_bytes,
                                                  const CallOptions& options) const {
-  return Gather(*this, request, mesh_drc, options);
+  return Gather(*this, request, mesh_bytes, options);
 }
 
 absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
@@ -94,10 +94,10 @@ absl::StatusOr<Voxelization> Client::VoxelizeAll(const VoxelizeRequest& request,
   return Gather(*this, request, mesh, options);
 }
 
-BrickStream Client::Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options) const {
+BrickStream Client::Stream(VoxelizeRequest request, std::string mesh_bytes, const CallOptions& options) const {
   return BrickStream(
-      [service = service_, request, mesh = std::move(mesh_drc)](const VoxelizeHandlers& handlers,
-                                                                const CallOptions& its_options) {
+      [service = service_, request, mesh = std::move(mesh_bytes)](const VoxelizeHandlers& handlers,
+                                                                  const CallOptions& its_options) {
         return Client(service).Voxelize(request, mesh, handlers, its_options);
       },
       options);
@@ -111,11 +111,11 @@ BrickStream Client::Stream(VoxelizeRequest request, const MeshId& mesh, const Ca
       options);
 }
 
-absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_drc, const CallOptions& options) const {
-  if (absl::Status status = CheckMesh(mesh_drc); !status.ok()) return status;
-  absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_drc);
+absl::StatusOr<MeshId> Client::PutMesh(std::string_view mesh_bytes, const CallOptions& options) const {
+  if (absl::Status status = CheckMesh(mesh_bytes); !status.ok()) return status;
+  absl::StatusOr<MeshId> mesh = MeshIdOf(mesh_bytes);
   if (!mesh.ok()) return mesh;
-  if (absl::Status status = service_->PutMesh(*mesh, mesh_drc, options); !status.ok()) return status;
+  if (absl::Status status = service_->PutMesh(*mesh, mesh_bytes, options); !status.ok()) return status;
   return mesh;
 }
 

@@ -21,7 +21,7 @@ absl::StatusOr<Summary> RemoteService::Voxelize(const VoxelizeRequest& request, 
   return VoxelizeCall(*connection_, request, mesh.id, mesh.drc, handlers, options).Run();
 }
 
-absl::Status RemoteService::PutMesh(const MeshId& mesh, std::string_view mesh_drc, const CallOptions& options) {
+absl::Status RemoteService::PutMesh(const MeshId& mesh, std::string_view mesh_bytes, const CallOptions& options) {
   v1::PutMeshRequest first;
   first.mutable_spec()->set_mesh_sha256(mesh.sha256.data(), mesh.sha256.size());
   first.mutable_spec()->set_mesh_bytes(mesh.bytes);
@@ -29,7 +29,7 @@ absl::Status RemoteService::PutMesh(const MeshId& mesh, std::string_view mesh_dr
     Attempt attempt(options, connection_->credentials());
     v1::PutMeshResponse response;
     const auto stream = connection_->endpoint(server).stub->PutMesh(&attempt.context(), &response);
-    MeshPieces<v1::PutMeshRequest> pieces(mesh_drc);
+    MeshPieces<v1::PutMeshRequest> pieces(mesh_bytes);
     // A failed write means that the call is over, for example because the server has the mesh already.
     bool open = stream->Write(first);
     while (open && !pieces.empty()) open = stream->Write(pieces.Next());

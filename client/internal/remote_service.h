@@ -16,7 +16,7 @@ class RemoteService final : public VoxelService {
 
   absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, const MeshInput& mesh,
                                    const VoxelizeHandlers& handlers, const CallOptions& options) override;
-  absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_drc, const CallOptions& options) override;
+  absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_bytes, const CallOptions& options) override;
   absl::StatusOr<Pixelization> Pixelize(const PixelizeRequest& request, const CallOptions& options) override;
   absl::StatusOr<Limits> GetLimits(const CallOptions& options) override;
   absl::StatusOr<bool> Health(const CallOptions& options) override;

@@ -24,10 +24,10 @@ absl::Status CheckSampling(const char* size_name, const std::optional<double>& s
 
 }  // namespace
 
-absl::Status CheckMesh(std::string_view mesh_drc) {
-  if (!mesh_drc.empty()) return absl::OkStatus();
-  return Refused("mesh_drc: has 0 bytes; it is to be a Draco-encoded mesh",
-                 {"BAD_MESH", "mesh_drc", "0", "1 byte at least", std::nullopt});
+absl::Status CheckMesh(std::string_view mesh_bytes) {
+  if (!mesh_bytes.empty()) return absl::OkStatus();
+  return Refused("mesh_bytes: has 0 bytes; it is to be a Draco-encoded mesh",
+                 {"BAD_MESH", "mesh_bytes", "0", "1 byte at least", std::nullopt});
 }
 
 absl::Status CheckRequest(const VoxelizeRequest& request) {

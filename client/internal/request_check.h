@@ -11,7 +11,7 @@
 namespace latvox::client {
 
 // Returns INVALID_ARGUMENT for an empty mesh, because servers take that for the name of a stored mesh.
-absl::Status CheckMesh(std::string_view mesh_drc);
+absl::Status CheckMesh(std::string_view mesh_bytes);
 
 // Returns INVALID_ARGUMENT for both a size and a resolution, because the protocol would carry only the last one set.
 absl::Status CheckRequest(const VoxelizeRequest& request);

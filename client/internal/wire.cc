@@ -160,8 +160,6 @@ Certificate FromProto(const v1::Certificate& certificate) {
       .whole_minimal = certificate.whole_minimal()};
 }
 
-}  // namespace
-
 v1::RawMesh ToProto(const RawMeshLayout& layout) {
   v1::RawMesh raw;
   raw.set_vertices(layout.vertices);
@@ -170,6 +168,8 @@ v1::RawMesh ToProto(const RawMeshLayout& layout) {
   for (const Attribute attribute : layout.attributes) raw.add_attributes(ToProto(attribute));
   return raw;
 }
+
+}  // namespace
 
 v1::VoxelizeSpec ToProto(const VoxelizeRequest& request, const MeshId& mesh, const std::optional<Vec3i>& resume_after) {
   v1::VoxelizeSpec spec;

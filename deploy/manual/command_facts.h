@@ -9,7 +9,7 @@ namespace latvox {
 
 struct OptionFacts {
   std::vector<std::string> names;        // "-o", "--out"; empty for a positional option
-  std::string value;                     // placeholder of its value: "FILE", "N", "a|b"; empty for a flag
+  std::string value;                     // the name of its value: "FILE", "N", "a|b"; empty for a flag
   std::vector<std::string> choices;      // all words that it accepts; empty if there are too many to list
   std::vector<std::string> choice_help;  // of each of `choices`
   std::string description, group, environment;

@@ -39,9 +39,9 @@ struct OptionRow {
   std::string aliases = {};  // further names that are accepted but not shown: "--output"
   OptionTarget target;
   std::string help;
-  std::string value = {};               // placeholder of its value in help: "FILE"; empty: from `words` or the target
-  std::string group = {};               // heading in help and manual; empty: that of the previous row
-  std::vector<std::string> words = {};  // accepted words, in upper or lower case; empty: any
+  std::string value = {};                   // the name of its value in help: "FILE"; empty: from `words` or the target
+  std::string group = {};                   // heading in help and manual; empty: that of the previous row
+  std::vector<std::string> words = {};      // accepted words, in upper or lower case; empty: any
   std::vector<std::string> word_help = {};  // of each of `words`, in their order, for completions
   std::vector<OptionCheck> checks = {};     // applied to each word in this order
   bool is_size = false;                     // accepts "1GiB" as well; the first check sees the word as given

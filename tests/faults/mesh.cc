@@ -27,7 +27,7 @@ int WriteMesh(const Options& options) {
   auto mesh = MeshNamed(options.mesh);
   if (!mesh.ok()) return Fail(mesh.status());
   TriangleMesh fine = Subdivided(*std::move(mesh), options.subdivide);
-  client::Mesh whole{.triangles = fine.triangles};
+  client::Mesh whole{.positions = {}, .triangles = fine.triangles};
   for (const auto& v : fine.vertices) whole.positions.push_back({v[0], v[1], v[2]});
   const auto encoded = client::EncodeMesh(whole, options.bits);
   if (!encoded.ok()) return Fail(encoded.status());

@@ -163,7 +163,7 @@ class Page:
             + ", timing-N.csv and orientation-N.csv for each round N.</p>",
         )
         if d.quick:
-            notes = ["A quick run: few angles and resolutions. What needs more is not tested.", *notes]
+            notes = ["This is a quick run with few angles and resolutions. Claims that need more are not tested.", *notes]
         for note in notes:
             self.add(f"<p class='warning'>{text(note)}</p>")
 

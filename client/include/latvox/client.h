@@ -73,16 +73,17 @@ class LATVOX_EXPORT Client {
   Client& operator=(Client&&) noexcept;  // replaces this one
   ~Client();                             // Precondition: none of its calls runs
 
-  // Voxelizes the Draco-encoded mesh, and blocks until the last brick was handled. Answers arrive while the mesh is
-  // still uploaded. Every answer is checked before it is passed on: sizes, order, no brick twice or outside of
-  // Accepted.index_box, and at the end counts and digest. OK means that all voxels were passed on. Bricks passed on
-  // before an error are correct as far as they were checked, but incomplete. Errors found without a server:
-  // INVALID_ARGUMENT for an empty mesh, and for a request with both voxel_size and resolution.
+  // Voxelizes the mesh, and blocks until the last brick was handled. `mesh_bytes` are a Draco stream, or the arrays
+  // that VoxelizeRequest::raw_mesh describes. Answers arrive while the mesh is still uploaded. Every answer is checked
+  // before it is passed on: sizes, order, no brick twice or outside of Accepted.index_box, and at the end counts and
+  // digest. OK means that all voxels were passed on. Bricks passed on before an error are correct as far as they were
+  // checked, but incomplete. Errors found without a server: INVALID_ARGUMENT for an empty mesh, and for a request with
+  // both voxel_size and resolution.
   //
   // Servers store meshes. So many calls with one mesh upload it once to each server, as long as the server keeps it.
   // This Client remembers which mesh it sent where, and sends the mesh's SHA-256 instead. It sends the mesh again if
   // the server asks for it.
-  absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, std::string_view mesh_drc,
+  absl::StatusOr<Summary> Voxelize(const VoxelizeRequest& request, std::string_view mesh_bytes,
                                    const VoxelizeHandlers& handlers, const CallOptions& options = {}) const;
 
   // Does the same without the bytes. NOT_FOUND if no reachable server has the mesh. A server may drop it at any time,
@@ -92,7 +93,7 @@ class LATVOX_EXPORT Client {
 
   // Voxelizes the mesh in the same way, and returns everything at once. Memory: 80 bytes for each brick, twice that
   // while it grows.
-  absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_drc,
+  absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, std::string_view mesh_bytes,
                                            const CallOptions& options = {}) const;
   // Does the same without the bytes, as above.
   absl::StatusOr<Voxelization> VoxelizeAll(const VoxelizeRequest& request, const MeshId& mesh,
@@ -100,14 +101,14 @@ class LATVOX_EXPORT Client {
 
   // Begins to voxelize in the same way, and returns at once; see latvox/brick_stream.h. The stream owns the bytes: pass
   // them by std::move, or, to several streams, their MeshId.
-  BrickStream Stream(VoxelizeRequest request, std::string mesh_drc, const CallOptions& options = {}) const;
+  BrickStream Stream(VoxelizeRequest request, std::string mesh_bytes, const CallOptions& options = {}) const;
   // Does the same without the bytes, as above.
   BrickStream Stream(VoxelizeRequest request, const MeshId& mesh, const CallOptions& options = {}) const;
 
   // Stores the mesh on one server, which later calls with it prefer. Idempotent. The server does not decode the mesh
   // before its first use. Errors: INVALID_ARGUMENT for an empty mesh; RESOURCE_EXHAUSTED for one over
   // Limits.max_mesh_bytes or mesh_store_bytes.
-  absl::StatusOr<MeshId> PutMesh(std::string_view mesh_drc, const CallOptions& options = {}) const;
+  absl::StatusOr<MeshId> PutMesh(std::string_view mesh_bytes, const CallOptions& options = {}) const;
 
   // Pixelizes polylines. The answer is checked before it is returned: the order of its pixels, and their digest.
   // Errors: INVALID_ARGUMENT also for both pixel_size and resolution.

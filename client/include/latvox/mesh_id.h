@@ -19,7 +19,7 @@ struct MeshId {
 };
 
 // Returns the id of these bytes. Errors: INTERNAL if the machine's libcrypto offers no SHA-256.
-LATVOX_EXPORT absl::StatusOr<MeshId> MeshIdOf(std::string_view mesh_drc);
+LATVOX_EXPORT absl::StatusOr<MeshId> MeshIdOf(std::string_view mesh_bytes);
 
 }  // namespace latvox::client
 

@@ -48,7 +48,7 @@ class LATVOX_EXPORT VoxelService {
                                            const VoxelizeHandlers& handlers, const CallOptions& options);
 
   // As Client::PutMesh; `mesh` is the id of the bytes.
-  virtual absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_drc, const CallOptions& options);
+  virtual absl::Status PutMesh(const MeshId& mesh, std::string_view mesh_bytes, const CallOptions& options);
 
   // As Client::Pixelize.
   virtual absl::StatusOr<Pixelization> Pixelize(const PixelizeRequest& request, const CallOptions& options);

@@ -1,4 +1,5 @@
-// Text in pictures.
+// Text in pictures. The letters are our own lines, because pictures must be the same on every machine, and a font would
+// be one more file for containers and packages.
 #ifndef LATVOX_CLIENT_TOOL_OUTPUT_LETTERING_H_
 #define LATVOX_CLIENT_TOOL_OUTPUT_LETTERING_H_
 
