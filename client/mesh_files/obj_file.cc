@@ -71,7 +71,7 @@ class Skipped {
   void Add(absl::string_view keyword, size_t line) {
     if (first_line_ == 0) first_line_ = line;
     if (IsOneOf(keyword, kElements)) {
-      ++counts_[keyword];
+      ++counts_[std::string(keyword)];
     } else if (unknown_++ == 0) {
       first_unknown_ = absl::StrCat("the first: \"", keyword.substr(0, 20), "\" in line ", line);
     }
@@ -91,7 +91,7 @@ class Skipped {
   }
 
  private:
-  std::map<absl::string_view, uint64_t> counts_;  // of the known keywords
+  std::map<std::string, uint64_t> counts_;  // of the known keywords; a continued statement does not stay
   uint64_t unknown_ = 0;
   std::string first_unknown_;
   size_t first_line_ = 0;

@@ -64,11 +64,15 @@ std::string Archive(absl::string_view model) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
   latvox::client::FormatOfBytes(bytes);
-  Check(latvox::client::ParseObj(bytes));
-  Check(latvox::client::ParsePly(bytes));
-  Check(latvox::client::ParseStl(bytes));
-  Check(latvox::client::Parse3mf(bytes));
-  Check(latvox::client::Parse3mf(Archive(bytes)));
-  Check(latvox::client::ParseGltf(bytes, "/nowhere"));
+  const std::string archive = Archive(bytes);
+  for (const bool skip_bad : {false, true}) {
+    const latvox::client::ParseOptions options{skip_bad};
+    Check(latvox::client::ParseObj(bytes, options));
+    Check(latvox::client::ParsePly(bytes, options));
+    Check(latvox::client::ParseStl(bytes, options));
+    Check(latvox::client::Parse3mf(bytes, options));
+    Check(latvox::client::Parse3mf(archive, options));
+    Check(latvox::client::ParseGltf(bytes, "/nowhere", options));
+  }
   return 0;
 }

@@ -192,5 +192,16 @@ TEST(Decode, UnpacksNoMoreThanTheLimit) {
   EXPECT_EQ(Decode(packed.substr(0, 14), warnings).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+// The text of a continued statement is joined in a buffer, which the next one overwrites.
+TEST(ObjTolerance, ElementsOfContinuedStatementsAreCountedByKind) {
+  const auto mesh = ParseObj(
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl \\\n 1 2\ncurv \\\n 0 1 1 2 3 and so on, beyond any short text\nl 2 "
+      "\\\n3\n");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->skipped, 3u);
+  ASSERT_EQ(mesh->warnings.size(), 1u);
+  EXPECT_THAT(mesh->warnings[0].message, HasSubstr("1 \"curv\", 2 \"l\""));
+}
+
 }  // namespace
 }  // namespace latvox::client
