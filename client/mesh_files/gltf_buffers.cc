@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh_files/bad.h"
+#include "client/mesh_files/gltf_meshopt.h"
 #include "client/mesh_files/input.h"
 
 namespace latvox::client {
@@ -65,28 +67,54 @@ absl::StatusOr<absl::string_view> GltfBuffers::At(uint64_t n) {
     }
     bytes = found->second;
   } else if (n > 0 || bytes.data() == nullptr) {
+    if (const GltfMeshopt meshopt = GltfMeshoptOf(buffer); meshopt.object != nullptr) {
+      return Bad("buffers[", n, "] is a fallback without bytes, for buffer views with ", meshopt.name);
+    }
     return Bad("buffers[", n, "] has no uri, and is not the binary chunk of a .glb");
   }
   if (bytes.size() < *length) return Bad("buffers[", n, "] has ", bytes.size(), " bytes, not ", *length);
   return bytes;
 }
 
-absl::StatusOr<absl::string_view> GltfBuffers::View(const SortedJson& object) {
-  const auto number = GltfIndex(object, "bufferView", document_.root, "bufferViews");
-  if (!number.ok()) return number.status();
-  const SortedJson& view = document_.root.at("bufferViews").at(*number);
-  const auto buffer = GltfIndex(view, "buffer", document_.root, "buffers");
-  const auto begin = GltfNumber(view, "byteOffset", 0), length = GltfNumber(view, "byteLength");
+// Returns the bytes that a buffer view, or its extension, names.
+absl::StatusOr<absl::string_view> GltfBuffers::Range(const SortedJson& object, const std::string& place) {
+  const auto buffer = GltfIndex(object, "buffer", document_.root, "buffers");
+  const auto begin = GltfNumber(object, "byteOffset", 0), length = GltfNumber(object, "byteLength");
   for (const auto* field : {&buffer, &begin, &length}) {
-    if (!field->ok()) return Bad("bufferViews[", *number, "]: ", field->status().message());
+    if (!field->ok()) return Bad(place, ": ", field->status().message());
   }
   const auto bytes = At(*buffer);
   if (!bytes.ok()) return bytes;
   if (*begin + *length > bytes->size()) {
-    return Bad("bufferViews[", *number, "] ends at byte ", *begin + *length, " of buffer ", *buffer, ", which has ",
-               bytes->size());
+    return Bad(place, " ends at byte ", *begin + *length, " of buffer ", *buffer, ", which has ", bytes->size());
   }
   return bytes->substr(*begin, *length);
+}
+
+// Returns the bytes of a compressed buffer view.
+absl::StatusOr<absl::string_view> GltfBuffers::Decoded(uint64_t n) {
+  if (const auto found = decoded_.find(n); found != decoded_.end()) return absl::string_view(found->second);
+  const SortedJson& view = document_.root.at("bufferViews").at(n);
+  const GltfMeshopt meshopt = GltfMeshoptOf(view);
+  const std::string place = absl::StrCat("bufferViews[", n, "].", meshopt.name);
+  const auto stream = Range(*meshopt.object, place);
+  if (!stream.ok()) return stream;
+  const auto required = document_.root.value("extensionsRequired", std::vector<std::string>());
+  const bool is_required = std::find(required.begin(), required.end(), meshopt.name) != required.end();
+  if (!is_required && IsNewerMeshopt(*meshopt.object, *stream))
+    return Range(view, absl::StrCat("bufferViews[", n, "]"));
+  auto bytes = DecodeGltfMeshopt(*meshopt.object, view, *stream, left_);
+  if (!bytes.ok()) return absl::Status(bytes.status().code(), absl::StrCat(place, ": ", bytes.status().message()));
+  left_ -= bytes->size();
+  return absl::string_view(decoded_[n] = *std::move(bytes));
+}
+
+absl::StatusOr<absl::string_view> GltfBuffers::View(const SortedJson& object) {
+  const auto number = GltfIndex(object, "bufferView", document_.root, "bufferViews");
+  if (!number.ok()) return number.status();
+  const SortedJson& view = document_.root.at("bufferViews").at(*number);
+  if (GltfMeshoptOf(view).object != nullptr) return Decoded(*number);
+  return Range(view, absl::StrCat("bufferViews[", *number, "]"));
 }
 
 absl::StatusOr<absl::string_view> GltfBuffers::Bytes(const SortedJson& object, uint64_t size) {

@@ -83,14 +83,13 @@ absl::Status CheckVersion(const SortedJson& root) {
 
 bool IsRead(absl::string_view extension) {
   constexpr absl::string_view kRead[] = {"KHR_draco_mesh_compression", "KHR_mesh_quantization",
-                                         "EXT_mesh_gpu_instancing", "CESIUM_RTC"};
+                                         "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",
+                                         "KHR_meshopt_compression",    "CESIUM_RTC"};
   return std::find(std::begin(kRead), std::end(kRead), extension) != std::end(kRead);
 }
 
 // Returns whether a file has the same triangles without the extension, if it is not required.
-bool HasFallback(absl::string_view extension) {
-  return absl::EndsWith(extension, "_meshopt_compression") || extension == "MSFT_lod";
-}
+bool HasFallback(absl::string_view extension) { return extension == "MSFT_lod"; }
 
 // Refuses required extensions that may place triangles, and warns of others.
 absl::Status CheckExtensions(const SortedJson& root, std::vector<Warning>& warnings) {

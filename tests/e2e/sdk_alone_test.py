@@ -77,7 +77,8 @@ class Kind:
         run("cmake", "--install", self.build, "--prefix", folder / "first", env=self.cached)  # builds what it lacks: all
         (folder / "first").rename(self.prefix)  # programs are built against the moved copy
         shutil.copytree(ROOT / "client/examples", folder / "source")
-        needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco", "pugixml") if shared]
+        needless = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("gRPC", "Protobuf", "draco", "meshoptimizer", "pugixml")
+                    if shared]
         configure(folder / "source", self.examples, f"-DCMAKE_PREFIX_PATH={self.prefix}",
                   "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror", *needless)
         run("cmake", "--build", self.examples, env=self.cached)
@@ -151,9 +152,9 @@ class SdkAlone(harness.Case):
     def test_shared_libraries_bring_what_they_need(self):
         """Link lines of their users have neither gRPC nor Protobuf nor libraries of formats."""
         kind = self.kinds["shared"]
-        self.assertNotRegex(run("ninja", "-C", kind.examples, "-t", "commands"), "grpc|protobuf|draco|zip|pugixml")
+        self.assertNotRegex(run("ninja", "-C", kind.examples, "-t", "commands"), "grpc|protobuf|draco|zip|pugixml|meshopt")
         for package in "latvox-mesh", "latvox-mesh-files":
-            self.assertNotRegex(" ".join(kind.pkg_config("--cflags", "--libs", package)), "grpc|protobuf|draco|zip|pugixml")
+            self.assertNotRegex(" ".join(kind.pkg_config("--cflags", "--libs", package)), "grpc|protobuf|draco|zip|pugixml|meshopt")
         for name in "client", "mesh", "mesh_files":
             library = kind.prefix / f"lib/liblatvox_{name}.so"
             self.assertRegex(run("readelf", "-d", library), rf"soname: \[liblatvox_{name}\.so\.\d+\.\d+\]")

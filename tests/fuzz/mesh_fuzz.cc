@@ -7,6 +7,7 @@
 #include <string>
 
 #include "client/mesh_files/gltf_file.h"
+#include "client/mesh_files/gltf_meshopt.h"
 #include "client/mesh_files/mesh_format.h"
 #include "client/mesh_files/obj_file.h"
 #include "client/mesh_files/ply_file.h"
@@ -60,10 +61,25 @@ std::string Archive(absl::string_view model) {
 }
 
 }  // namespace
+// The bytes as a stream of a glTF file, whose fields the first bytes choose.
+void CheckStream(absl::string_view bytes) {
+  constexpr size_t kFields = 5;
+  constexpr const char* kModes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+  constexpr const char* kFilters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+  if (bytes.size() < kFields) return;
+  const auto field = [&](size_t n) { return static_cast<uint8_t>(bytes[n]); };
+  const uint64_t count = field(2) + 256 * field(3), stride = field(4);
+  const auto decoded = latvox::client::DecodeGltfMeshopt(
+      {{"mode", kModes[field(0) % 3]}, {"filter", kFilters[field(1) % 4]}, {"count", count}, {"byteStride", stride}},
+      {{"byteLength", count * stride}}, bytes.substr(kFields), 1 << 24);
+  if (decoded.ok() && decoded->size() != count * stride) std::abort();
+}
+
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
   latvox::client::FormatOfBytes(bytes);
+  CheckStream(bytes);
   const std::string archive = Archive(bytes);
   for (const bool skip_bad : {false, true}) {
     const latvox::client::ParseOptions options{skip_bad};

@@ -12,6 +12,11 @@ foreach(name gltf_test gltf_scene_test)
   latvox_add_test(client_${name} SOURCES unit/client/mesh_files/${name}.cc
                   LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
 endforeach()
+if(LATVOX_BUILD_MESH_FILES)
+  find_package(meshoptimizer CONFIG REQUIRED)
+endif()
+latvox_add_test(client_gltf_meshopt_test SOURCES unit/client/mesh_files/gltf_meshopt_test.cc
+                LIBRARIES latvox::mesh_files meshoptimizer::meshoptimizer nlohmann_json::nlohmann_json GTest::gmock)
 latvox_add_test(client_three_mf_test SOURCES unit/client/mesh_files/three_mf_test.cc
                 LIBRARIES latvox::mesh_files GTest::gmock)
 latvox_add_test(client_encoder_test SOURCES unit/client/mesh/encoder_test.cc LIBRARIES latvox::mesh draco::draco GTest::gmock)

@@ -5,18 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "client/json/json.h"
 #include "client/mesh_files/gltf_file.h"
 
 namespace latvox::client {
 
-using Json = nlohmann::json;
 using Triangle = std::array<uint32_t, 3>;
 
 template <class T>
@@ -29,10 +28,11 @@ inline std::string Uri(absl::string_view bytes) {
 }
 
 // A square as two triangles in one buffer: positions, indices, and `more`, the content of accessor 2.
-inline Json Document(const std::string& more = "") {
+inline SortedJson Document(const std::string& more = "") {
   const std::string bytes =
       BytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}) + BytesOf<uint16_t>({0, 1, 2, 2, 1, 3}) + more;
-  Json document = Json::parse(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+  SortedJson document =
+      SortedJson::parse(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
                     {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
@@ -42,22 +42,22 @@ inline Json Document(const std::string& more = "") {
   return document;
 }
 
-inline std::string BufferOf(const Json& document) {
+inline std::string BufferOf(const SortedJson& document) {
   const auto uri = document["buffers"][0]["uri"].get<std::string>();
   std::string bytes;
   EXPECT_TRUE(absl::Base64Unescape(absl::string_view(uri).substr(uri.find(',') + 1), &bytes));
   return bytes;
 }
 
-inline absl::StatusOr<Mesh> Parse(const Json& document) { return ParseGltf(document.dump(), ""); }
+inline absl::StatusOr<Mesh> Parse(const SortedJson& document) { return ParseGltf(document.dump(), ""); }
 
 // Returns the document with the value at a path replaced.
-inline Json With(Json document, const char* place, const Json& value) {
-  document[Json::json_pointer(place)] = value;
+inline SortedJson With(SortedJson document, const char* place, const SortedJson& value) {
+  document[SortedJson::json_pointer(place)] = value;
   return document;
 }
 
-inline std::string Refusal(const Json& document) { return std::string(Parse(document).status().message()); }
+inline std::string Refusal(const SortedJson& document) { return std::string(Parse(document).status().message()); }
 
 }  // namespace latvox::client
 

@@ -20,8 +20,8 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 // Returns the document whose node has instances, with accessor 2 on `bytes` as the attribute.
-Json Instanced(const char* attribute, Json accessor, const std::string& bytes) {
-  Json document = Document(bytes);
+SortedJson Instanced(const char* attribute, SortedJson accessor, const std::string& bytes) {
+  SortedJson document = Document(bytes);
   accessor["bufferView"] = 2;
   document["accessors"].push_back(accessor);
   document["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"][attribute] = 2;
@@ -30,7 +30,8 @@ Json Instanced(const char* attribute, Json accessor, const std::string& bytes) {
 
 TEST(GltfFile, InstancesArePlacedWithinTheirNode) {
   const std::string places = BytesOf<float>({0, 0, 0, 2, 0, 0, 8, 0, 0});
-  const Json document = Instanced("TRANSLATION", {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}, places);
+  const SortedJson document =
+      Instanced("TRANSLATION", {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}, places);
   const Mesh mesh = Parse(With(document, "/nodes/0/scale", {10, 1, 1})).value();
   EXPECT_EQ(mesh.triangles.size(), 6);
   EXPECT_THAT(mesh.positions[1], ElementsAre(10, 0, 0));
@@ -41,8 +42,9 @@ TEST(GltfFile, InstancesArePlacedWithinTheirNode) {
   EXPECT_EQ(ParseGltf(document.dump(), "", {}, 11).status().code(), absl::StatusCode::kResourceExhausted);
 
   // A quarter turn about z as normalized bytes; the node's children have no instances of their own.
-  Json turned = Instanced("ROTATION", {{"componentType", 5120}, {"normalized", true}, {"count", 1}, {"type", "VEC4"}},
-                          BytesOf<int8_t>({0, 0, 90, 90}));
+  SortedJson turned =
+      Instanced("ROTATION", {{"componentType", 5120}, {"normalized", true}, {"count", 1}, {"type", "VEC4"}},
+                BytesOf<int8_t>({0, 0, 90, 90}));
   turned["nodes"].push_back({{"mesh", 0}});
   turned["nodes"][0]["children"] = {1};
   const Mesh two = Parse(turned).value();
@@ -52,7 +54,7 @@ TEST(GltfFile, InstancesArePlacedWithinTheirNode) {
 
 TEST(GltfFile, AttributesOfInstancesAgree) {
   const std::string places = BytesOf<float>({0, 0, 0, 2, 0, 0, 0, 0});
-  Json document = Instanced("TRANSLATION", {{"componentType", 5126}, {"count", 2}, {"type", "VEC3"}}, places);
+  SortedJson document = Instanced("TRANSLATION", {{"componentType", 5126}, {"count", 2}, {"type", "VEC3"}}, places);
   document["accessors"].push_back(
       {{"bufferView", 2}, {"byteOffset", 16}, {"componentType", 5126}, {"count", 1}, {"type", "VEC3"}});
   const char* const attributes = "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes";
@@ -77,7 +79,7 @@ TEST(GltfFile, MirrorImagesKeepTheirOutside) {
 }
 
 TEST(GltfFile, TheCenterOfCesiumRtcMovesTheScene) {
-  Json document = With(Document(), "/extensionsRequired", {"CESIUM_RTC"});
+  SortedJson document = With(Document(), "/extensionsRequired", {"CESIUM_RTC"});
   document["extensions"]["CESIUM_RTC"]["center"] = {6378137.1, 0, -1.5};
   document["nodes"][0]["scale"] = {2, 2, 2};
   EXPECT_THAT(Parse(document).value().positions[1], ElementsAre(6378137.1 + 2, 0, -1.5));
@@ -86,36 +88,36 @@ TEST(GltfFile, TheCenterOfCesiumRtcMovesTheScene) {
 }
 
 TEST(GltfFile, AFileWithoutAnySceneSaysSo) {
-  EXPECT_EQ(Refusal(With(Document(), "/scenes", Json::array())), "the file has no scene");
-  Json document = Document();
+  EXPECT_EQ(Refusal(With(Document(), "/scenes", SortedJson::array())), "the file has no scene");
+  SortedJson document = Document();
   document.erase("scenes");
   EXPECT_EQ(Refusal(document), "the file has no scene");
 }
 
 TEST(GltfFile, AnimationsMakeAWarning) {
-  const Json document = With(Document(), "/animations", {{{"channels", Json::array()}}});
+  const SortedJson document = With(Document(), "/animations", {{{"channels", SortedJson::array()}}});
   EXPECT_THAT(Parse(document).value().warnings, ElementsAre(Warning{"ANIMATIONS", "1 animations are not applied"}));
 }
 
 // Linear 0.5 is 188 in sRGB.
 TEST(GltfFile, ColorsAreVertexColorsTimesTheFactorInSrgb) {
-  Json document = Document(BytesOf<uint8_t>({255, 255, 255, 0, 255, 128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+  SortedJson document = Document(BytesOf<uint8_t>({255, 255, 255, 0, 255, 128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
   document["accessors"].push_back(
       {{"bufferView", 2}, {"componentType", 5121}, {"normalized", true}, {"count", 4}, {"type", "VEC4"}});
   document["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0.5, 1}}}}}};
-  Json both = With(document, "/meshes/0/primitives/0/attributes/COLOR_0", 2);
+  SortedJson both = With(document, "/meshes/0/primitives/0/attributes/COLOR_0", 2);
   EXPECT_THAT(Parse(both).value().colors, ElementsAre(Color{255, 255, 255}, Color{255, 188, 0}, Color{}, Color{}));
   both["meshes"][0]["primitives"][0]["material"] = 0;
   EXPECT_THAT(Parse(both).value().colors, ElementsAre(Color{255, 0, 188}, Color{255, 0, 0}, Color{}, Color{}));
-  Json factor = With(document, "/meshes/0/primitives/0/material", 0);
+  SortedJson factor = With(document, "/meshes/0/primitives/0/material", 0);
   EXPECT_THAT(Parse(factor).value().colors, testing::Each(Color{255, 0, 188}));
   EXPECT_THAT(Parse(factor).value().warnings, IsEmpty());
   EXPECT_THAT(Parse(document).value().colors, IsEmpty());
 }
 
 TEST(GltfFile, TrianglesWithoutAColorAreWhiteBesideOthers) {
-  Json document = Document();
-  Json& primitives = document["meshes"][0]["primitives"];
+  SortedJson document = Document();
+  SortedJson& primitives = document["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
   primitives[1]["material"] = 0;
   document["materials"] = {
@@ -133,7 +135,7 @@ TEST(GltfFile, TrianglesWithoutAColorAreWhiteBesideOthers) {
 }
 
 // Adds an accessor of `count` elements on `bytes`, which the document's accessor 2 and later ones share.
-Json WithAccessor(Json document, int type, int offset, int count, const char* shape) {
+SortedJson WithAccessor(SortedJson document, int type, int offset, int count, const char* shape) {
   document["accessors"].push_back(
       {{"bufferView", 2}, {"byteOffset", offset}, {"componentType", type}, {"count", count}, {"type", shape}});
   return document;
@@ -141,8 +143,8 @@ Json WithAccessor(Json document, int type, int offset, int count, const char* sh
 
 TEST(GltfFile, MorphTargetsAreAppliedWithTheDefaultWeights) {
   const std::string moves = BytesOf<float>({0, 0, 4, 0, 0, 8, 0, 0, 0, 0, 0, 0});
-  Json document = WithAccessor(Document(moves), 5126, 0, 4, "VEC3");
-  Json& mesh = document["meshes"][0];
+  SortedJson document = WithAccessor(Document(moves), 5126, 0, 4, "VEC3");
+  SortedJson& mesh = document["meshes"][0];
   mesh["primitives"][0]["targets"] = {{{"NORMAL", 99}}, {{"POSITION", 2}}};
   EXPECT_THAT(Parse(document).value().positions[1], ElementsAre(1, 0, 0));
   mesh["weights"] = {1, 0.25};
@@ -166,12 +168,12 @@ TEST(GltfFile, MorphTargetsAreAppliedWithTheDefaultWeights) {
 }
 
 // The square with two joints: joint 0 moves by (0, 0, 1) and joint 1, its child, by (0, 0, 2) more.
-Json Skinned() {
+SortedJson Skinned() {
   const std::string joints = BytesOf<uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0});
   const std::string weights = BytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 1, 3, 0, 0, 0, 0, 0, 0});
   std::vector<float> inverse = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   inverse.insert(inverse.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0, 0, 1});
-  Json document = WithAccessor(Document(joints + weights + BytesOf(inverse)), 5121, 0, 4, "VEC4");
+  SortedJson document = WithAccessor(Document(joints + weights + BytesOf(inverse)), 5121, 0, 4, "VEC4");
   document = WithAccessor(WithAccessor(document, 5126, 16, 4, "VEC4"), 5126, 80, 2, "MAT4");
   document["meshes"][0]["primitives"][0]["attributes"].update({{"JOINTS_0", 2}, {"WEIGHTS_0", 3}});
   document["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {99, 99, 99}}},
@@ -190,16 +192,17 @@ TEST(GltfFile, SkinsAreAppliedInTheirDefaultPose) {
   EXPECT_THAT(mesh.positions[2], ElementsAre(7.5, 1, 2.5));
   EXPECT_THAT(mesh.positions[3], ElementsAre(11, 1, 3)) << "without weights, the first joint counts";
   // Without matrices; joints outside the scene, which have their places all the same.
-  Json bare = Skinned();
+  SortedJson bare = Skinned();
   bare["skins"][0].erase("inverseBindMatrices");
   bare["scenes"][0]["nodes"] = {0};
   EXPECT_THAT(Parse(bare).value().positions[1], ElementsAre(1, 0, 3));
-  Json mirrored = With(bare, "/nodes/1/scale", {1, 1, -1});
+  SortedJson mirrored = With(bare, "/nodes/1/scale", {1, 1, -1});
   EXPECT_THAT(Parse(mirrored).value().triangles[0], ElementsAre(0, 2, 1));
 }
 
 TEST(GltfFile, ASkinOfAMeshWithoutJointsMakesAWarning) {
-  Json rigged = With(Document(), "/nodes", {{{"mesh", 0}, {"skin", 0}, {"scale", {2, 1, 1}}}, Json::object()});
+  SortedJson rigged =
+      With(Document(), "/nodes", {{{"mesh", 0}, {"skin", 0}, {"scale", {2, 1, 1}}}, SortedJson::object()});
   rigged["skins"] = {{{"joints", {1}}}};
   const Mesh mesh = Parse(With(rigged, "/scenes/0/nodes", {0, 1})).value();
   EXPECT_THAT(mesh.positions[1], ElementsAre(2, 0, 0));
@@ -218,9 +221,9 @@ TEST(GltfFile, SkinsThatDoNotFitAreRefused) {
               HasSubstr("skins[0]: nodes[1] is among its own ancestors"));
   EXPECT_THAT(Refusal(With(Skinned(), "/nodes/0/children", {2})), HasSubstr("nodes[2] has two parents"));
   EXPECT_THAT(Refusal(With(Skinned(), "/nodes/0/skin", 3)), HasSubstr("nodes[0]: skin 3 is not among the 1 skins"));
-  EXPECT_THAT(
-      Refusal(With(Skinned(), "/nodes/0/extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", Json::object()}}}})),
-      HasSubstr("a skin together with EXT_mesh_gpu_instancing is not defined"));
+  EXPECT_THAT(Refusal(With(Skinned(), "/nodes/0/extensions",
+                           {{"EXT_mesh_gpu_instancing", {{"attributes", SortedJson::object()}}}})),
+              HasSubstr("a skin together with EXT_mesh_gpu_instancing is not defined"));
 }
 
 }  // namespace

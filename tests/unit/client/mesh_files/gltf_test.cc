@@ -26,7 +26,7 @@ using testing::StartsWith;
 TEST(GltfFile, WhatPlacesNoVertexIsNotLookedAt) {
   const Mesh wanted = Parse(Document()).value();
   EXPECT_THAT(wanted.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}));
-  const auto reads = [&](const Json& document) {
+  const auto reads = [&](const SortedJson& document) {
     const auto mesh = Parse(document);
     ASSERT_TRUE(mesh.ok()) << mesh.status();
     EXPECT_EQ(mesh->positions, wanted.positions);
@@ -42,7 +42,7 @@ TEST(GltfFile, WhatPlacesNoVertexIsNotLookedAt) {
 
 TEST(GltfFile, IntegersAreDecodedAsQuantizationHasThem) {
   const auto coordinates = [](int type, bool normalized, const std::string& bytes) {
-    Json document = Document(bytes);
+    SortedJson document = Document(bytes);
     document["accessors"][0] = {
         {"bufferView", 2}, {"componentType", type}, {"normalized", normalized}, {"count", 4}, {"type", "VEC3"}};
     document["bufferViews"][2]["byteStride"] = bytes.size() / 4;
@@ -78,28 +78,30 @@ TEST(GltfFile, StripsAndFansKeepTheirSenseAndWhatHasNoSurfaceIsCounted) {
     EXPECT_THAT(in_mode(mode, 6).triangles, IsEmpty());
   }
   // Without indices; without a buffer view, so that all are 0; without positions.
-  Json document = Document();
+  SortedJson document = Document();
   document["meshes"][0]["primitives"][0].erase("indices");
   EXPECT_THAT(Parse(With(document, "/accessors/0/count", 3)).value().triangles, ElementsAre(Triangle{0, 1, 2}));
   document = Document();
   document["accessors"][0].erase("bufferView");
   EXPECT_THAT(Parse(document).value().positions[3], ElementsAre(0, 0, 0));
-  EXPECT_THAT(Parse(With(Document(), "/meshes/0/primitives/0/attributes", Json::object())).value().triangles,
+  EXPECT_THAT(Parse(With(Document(), "/meshes/0/primitives/0/attributes", SortedJson::object())).value().triangles,
               IsEmpty());
 }
 
 // A cube of floats that a node moves to geocentric coordinates, where floats are half a meter apart.
 TEST(GltfFile, TranslationsAreDoubles) {
-  const Json place = {4395452.3, 1407346.02, -4400722.85};
+  const SortedJson place = {4395452.3, 1407346.02, -4400722.85};
   const Mesh mesh = Parse(With(Document(), "/nodes/0/translation", place)).value();
   EXPECT_THAT(mesh.positions[0], ElementsAre(4395452.3, 1407346.02, -4400722.85));
   EXPECT_THAT(mesh.positions[3], ElementsAre(4395452.3 + 1, 1407346.02 + 1, -4400722.85));
 }
 
 TEST(GltfFile, NodesPlaceTheirMeshesAndAreTrees) {
-  const auto corner = [](const Json& node) { return Parse(With(Document(), "/nodes/0", node)).value().positions[1]; };
+  const auto corner = [](const SortedJson& node) {
+    return Parse(With(Document(), "/nodes/0", node)).value().positions[1];
+  };
   // A quarter turn about z, whose quaternion is not exactly a unit.
-  const Json turn = {0, 0, 0.70711, 0.70711};
+  const SortedJson turn = {0, 0, 0.70711, 0.70711};
   EXPECT_THAT(corner({{"mesh", 0}, {"rotation", turn}, {"scale", {3, 1, 1}}}), ElementsAre(0, 3, 0));
   EXPECT_THAT(corner({{"mesh", 0}, {"matrix", {0, 2, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 10, 20, 30, 1}}}),
               ElementsAre(10, 22, 35));
@@ -108,7 +110,7 @@ TEST(GltfFile, NodesPlaceTheirMeshesAndAreTrees) {
   EXPECT_THAT(Refusal(With(Document(), "/nodes", {{{"children", {1}}}, {{"children", {0}}}})),
               HasSubstr("nodes[1]: children 0 is in the scene already"));
   EXPECT_THAT(Refusal(With(Document(), "/scenes/0/nodes", {0, 0})), HasSubstr("scenes[0]: nodes 0 is in the scene"));
-  Json chain = Json::array();
+  SortedJson chain = SortedJson::array();
   for (int n = 1; n < 20000; ++n) chain.push_back({{"children", {n}}, {"translation", {1, 0, 0}}});
   chain.push_back({{"mesh", 0}});
   EXPECT_THAT(Parse(With(Document(), "/nodes", chain)).value().positions[0], ElementsAre(19999, 0, 0));
@@ -116,12 +118,12 @@ TEST(GltfFile, NodesPlaceTheirMeshesAndAreTrees) {
 
 TEST(GltfFile, ExtensionsThatAReaderMustKnowAreRefusedUnlessTheyLeaveTrianglesAlone) {
   const auto required = [](const char* name) { return With(Document(), "/extensionsRequired", {name}); };
-  for (const char* name :
-       {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_materials_unlit", "KHR_texture_transform",
-        "KHR_texture_basisu", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_lights_punctual"}) {
+  for (const char* name : {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_materials_unlit",
+                           "KHR_texture_transform", "KHR_texture_basisu", "EXT_mesh_gpu_instancing", "EXT_texture_webp",
+                           "KHR_lights_punctual", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     EXPECT_TRUE(Parse(required(name)).ok()) << name;
   }
-  for (const char* name : {"EXT_meshopt_compression", "KHR_node_visibility", "ACME_shape"}) {
+  for (const char* name : {"KHR_node_visibility", "ACME_shape"}) {
     EXPECT_EQ(Refusal(required(name)), absl::StrCat("extensionsRequired: ", name, " is not supported"));
   }
   const auto used = [](const char* name) {
@@ -137,14 +139,14 @@ TEST(GltfFile, ExtensionsThatAReaderMustKnowAreRefusedUnlessTheyLeaveTrianglesAl
 }
 
 TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
-  const auto says = [](const char* place, const Json& value, const char* text) {
+  const auto says = [](const char* place, const SortedJson& value, const char* text) {
     const auto status = Parse(With(Document(), place, value)).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << place;
     EXPECT_THAT(std::string(status.message()), HasSubstr(text));
   };
   says("/asset/version", "1.0", "asset.version \"1.0\" is not 2.0");
   says("/asset/minVersion", "2.1", "asset.minVersion \"2.1\" is not 2.0");
-  says("/asset", Json::object(), "key 'version' not found");
+  says("/asset", SortedJson::object(), "key 'version' not found");
   says("/scene", 1, "scene 1 is not among the 1 scenes");
   says("/nodes", "none", "JSON: ");
   says("/nodes/0/mesh", 1, "nodes[0]: mesh 1 is not among the 1 meshes");
@@ -172,13 +174,15 @@ TEST(GltfFile, ErrorsNamePlaceValueAndLimit) {
 }
 
 TEST(GltfFile, BrokenTrianglesAreLeftOutIfAsked) {
-  const auto skipped = [](const Json& document) { return ParseGltf(document.dump(), "", {.skip_bad = true}).value(); };
+  const auto skipped = [](const SortedJson& document) {
+    return ParseGltf(document.dump(), "", {.skip_bad = true}).value();
+  };
   const Mesh three = skipped(With(Document(), "/accessors/0/count", 3));
   EXPECT_THAT(three.triangles, ElementsAre(Triangle{0, 1, 2}));
   ASSERT_EQ(three.warnings.size(), 1);
   EXPECT_EQ(three.warnings[0].code, "BAD_ELEMENTS");
   EXPECT_THAT(three.warnings[0].message, HasSubstr("vertex index 3 of triangle 1 is not within the 3 vertices"));
-  const Json far = {{"mesh", 0}, {"scale", {1e308, 1, 1}}, {"translation", {1e308, 0, 0}}};
+  const SortedJson far = {{"mesh", 0}, {"scale", {1e308, 1, 1}}, {"translation", {1e308, 0, 0}}};
   const Mesh finite = skipped(With(Document(), "/nodes/0", far));
   EXPECT_THAT(finite.triangles, IsEmpty());
   EXPECT_EQ(finite.positions.size(), 2);
@@ -186,7 +190,7 @@ TEST(GltfFile, BrokenTrianglesAreLeftOutIfAsked) {
 
 // A few bytes may place a mesh many times, or name a primitive many times.
 TEST(GltfFile, ScenesAreOnlySoLarge) {
-  Json placed = Document();
+  SortedJson placed = Document();
   placed["nodes"].push_back({{"mesh", 0}});
   placed["nodes"].push_back({{"mesh", 0}});
   placed["scenes"][0]["nodes"] = {0, 1, 2};
@@ -195,21 +199,21 @@ TEST(GltfFile, ScenesAreOnlySoLarge) {
   EXPECT_EQ(status,
             absl::ResourceExhaustedError("meshes[0].primitives[0]: the scene has more than 11 triangles or vertices"));
 
-  Json repeated = Document();
-  Json& primitives = repeated["meshes"][0]["primitives"];
+  SortedJson repeated = Document();
+  SortedJson& primitives = repeated["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
   EXPECT_TRUE(ParseGltf(repeated.dump(), "", {}, 8).ok());
   EXPECT_EQ(ParseGltf(repeated.dump(), "", {}, 7).status().code(), absl::StatusCode::kResourceExhausted);
 
   // Meshes without triangles do not count and are not kept.
-  Json points = With(repeated, "/meshes/0/primitives/0/mode", 0);
+  SortedJson points = With(repeated, "/meshes/0/primitives/0/mode", 0);
   EXPECT_TRUE(ParseGltf(points.dump(), "", {}, 4).ok());
 }
 
 class GltfFiles : public FilesTest {};
 
 TEST_F(GltfFiles, UrisArePercentEncoded) {
-  Json document = Document();
+  SortedJson document = Document();
   const std::string buffer = BufferOf(document);
   const std::filesystem::path folder = std::filesystem::path(Write("a b%.bin", buffer)).parent_path();
   document["buffers"][0]["uri"] = "a%20b%.bin";
@@ -220,7 +224,7 @@ TEST_F(GltfFiles, UrisArePercentEncoded) {
 }
 
 TEST_F(GltfFiles, UrisMayHaveBackslashes) {
-  Json document = Document();
+  SortedJson document = Document();
   const std::filesystem::path folder = std::filesystem::path(Write("a.bin", BufferOf(document))).parent_path();
   for (const char* uri : {".\\a.bin", "x\\..\\a.bin", ".%5Ca.bin"}) {
     std::filesystem::create_directory(folder / "x");
@@ -234,7 +238,7 @@ std::string Chunk(absl::string_view kind, absl::string_view bytes) {
 }
 
 TEST(GltfFile, ContainersHaveOneBinaryChunkAndMayHaveOthers) {
-  Json document = Document();
+  SortedJson document = Document();
   const std::string buffer = BufferOf(document);
   document["buffers"][0].erase("uri");
   const auto parse = [&](uint32_t version, const std::string& chunks) {
@@ -254,8 +258,8 @@ TEST(GltfFile, ContainersHaveOneBinaryChunkAndMayHaveOthers) {
 TEST(GltfFile, DracoStreamsAreDecoded) {
   const Mesh quad = ParseObj("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 0\nf 1 2 3\nf 3 2 4\n").value();
   const std::string drc = EncodeMesh(quad, 0, {Attribute::kColor}).value().drc;
-  Json document = Document(drc);
-  Json& primitive = document["meshes"][0]["primitives"][0];
+  SortedJson document = Document(drc);
+  SortedJson& primitive = document["meshes"][0]["primitives"][0];
   primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 2},
                                                            {"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}};
   document["accessors"][0].erase("bufferView");
