@@ -16,6 +16,7 @@
 #include "client/mesh_files/gltf_file.h"
 #include "client/mesh_files/input.h"
 #include "client/mesh_files/obj_file.h"
+#include "client/mesh_files/off_file.h"
 #include "client/mesh_files/ply_file.h"
 #include "client/mesh_files/stl_file.h"
 #include "client/mesh_files/three_mf_file.h"
@@ -37,6 +38,8 @@ absl::StatusOr<Mesh> Parse(absl::string_view bytes, MeshFormat format, const std
       return Parse3mf(bytes, options);
     case MeshFormat::kStl:
       return ParseStl(WithoutByteOrderMark(bytes), options);
+    case MeshFormat::kOff:
+      return ParseOff(WithoutByteOrderMark(bytes), options);
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
       break;

@@ -6,6 +6,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "client/mesh_files/off_header.h"
 #include "client/mesh_files/stl_file.h"
 
 namespace latvox::client {
@@ -26,8 +27,9 @@ bool IsObj(absl::string_view bytes) {
 
 const std::vector<std::pair<std::string, MeshFormat>>& MeshFormats() {
   static const auto* const kFormats = new std::vector<std::pair<std::string, MeshFormat>>{
-      {"drc", MeshFormat::kDraco}, {"obj", MeshFormat::kObj},   {"ply", MeshFormat::kPly},    {"stl", MeshFormat::kStl},
-      {"glb", MeshFormat::kGlb},   {"gltf", MeshFormat::kGltf}, {"3mf", MeshFormat::kThreeMf}};
+      {"drc", MeshFormat::kDraco}, {"obj", MeshFormat::kObj},    {"ply", MeshFormat::kPly},
+      {"stl", MeshFormat::kStl},   {"off", MeshFormat::kOff},    {"glb", MeshFormat::kGlb},
+      {"gltf", MeshFormat::kGltf}, {"3mf", MeshFormat::kThreeMf}};
   return *kFormats;
 }
 
@@ -61,6 +63,7 @@ std::optional<MeshFormat> FormatOfBytes(absl::string_view bytes) {
   const absl::string_view text = absl::StripLeadingAsciiWhitespace(bytes.substr(0, 1024));
   if (absl::StartsWith(text, "{")) return MeshFormat::kGltf;
   if (absl::StartsWithIgnoreCase(text, "solid")) return MeshFormat::kStl;
+  if (IsOff(bytes)) return MeshFormat::kOff;
   if (IsObj(bytes)) return MeshFormat::kObj;
   return std::nullopt;
 }

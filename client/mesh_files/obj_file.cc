@@ -18,6 +18,7 @@
 #include "client/mesh_files/obj_statements.h"
 #include "client/mesh_files/obj_vertices.h"
 #include "client/mesh_files/polygon.h"
+#include "client/mesh_files/triangle_colors.h"
 
 // No assimp: its decimal parser misses the nearest number for about one number in a hundred. It gives each face corner
 // its own vertex. Its errors name neither line nor index. Exact voxels of the most common text format should not depend
@@ -169,25 +170,18 @@ class Faces {
   }
 
   void ColorByMaterial(const MaterialColors& known) {
-    constexpr Color kWhite{255, 255, 255};
     std::vector<std::optional<Color>> of_material(materials_.size());
     for (const auto& [name, number] : materials_) {
       if (const auto found = known.find(name); found != known.end()) of_material[number] = found->second;
     }
-    std::vector<std::array<Color, 3>> corners;
-    corners.reserve(mesh_.triangles.size());
-    size_t white = 0;
+    std::vector<std::optional<Color>> colors;
+    colors.reserve(mesh_.triangles.size());
     for (size_t s = 0; s <= mesh_.stretches.size(); ++s) {
       const size_t end = s < mesh_.stretches.size() ? mesh_.stretches[s].first : mesh_.triangles.size();
       const auto material = s > 0 ? mesh_.stretches[s - 1].material : std::nullopt;
-      const auto color = material ? of_material[*material] : std::nullopt;
-      if (!color) white += end - corners.size();
-      corners.resize(end, {color.value_or(kWhite), color.value_or(kWhite), color.value_or(kWhite)});
+      colors.resize(end, material ? of_material[*material] : std::nullopt);
     }
-    ColorCorners(corners, mesh_);
-    if (white == 0) return;
-    mesh_.warnings.push_back({"PARTIAL_COLORS", absl::StrCat(white, " of ", mesh_.triangles.size(),
-                                                             " triangles have no color, and are white")});
+    ColorTriangles(colors, mesh_);
   }
 
   absl::string_view text_;

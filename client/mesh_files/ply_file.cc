@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "client/mesh_files/bad.h"
 #include "client/mesh_files/bad_elements.h"
+#include "client/mesh_files/indexed_faces.h"
 #include "client/mesh_files/ply_body.h"
+#include "client/mesh_files/ply_color.h"
 #include "client/mesh_files/ply_header.h"
-#include "client/mesh_files/polygon.h"
+#include "client/mesh_files/triangle_colors.h"
 
 // No assimp: on a file that is cut short its PLY importer crashes or does not return, and it triangulates polygons
 // before anyone could check their indices.
@@ -34,98 +34,32 @@ void SkipProperty(const PlyProperty& property, PlyBody& body) {
 }
 
 using Triangle = std::array<uint32_t, 3>;
-using Names = std::array<const char*, 3>;
-
-// Returns the index of the property in the names. Lists have none.
-std::optional<size_t> PositionOf(const PlyProperty& property, const Names& names) {
-  const auto found = std::find(names.begin(), names.end(), property.name);
-  if (property.count_type || found == names.end()) return std::nullopt;
-  return static_cast<size_t>(found - names.begin());
-}
-
-constexpr Names kAxes{"x", "y", "z"};
-constexpr Names kColorNames[] = {{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}};
-
-// Returns the first name without a scalar property in the element, or null if all exist.
-const char* Missing(const PlyElement& element, const Names& names) {
-  for (const char* name : names) {
-    const auto is = [&](const PlyProperty& property) { return property.name == name && !property.count_type; };
-    if (std::none_of(element.properties.begin(), element.properties.end(), is)) return name;
-  }
-  return nullptr;
-}
-
-const Names* ColorNamesOf(const PlyElement& element) {
-  const auto are = [&](const Names& names) { return Missing(element, names) == nullptr; };
-  const auto* const found = std::find_if(std::begin(kColorNames), std::end(kColorNames), are);
-  return found == std::end(kColorNames) ? nullptr : found;
-}
-
-// Returns the full intensity of a color of this type, or 0 if the type has no known one.
-double FullScalar(PlyScalar type) {
-  switch (type) {
-    case PlyScalar::kUint8:
-      return 255;
-    case PlyScalar::kUint16:
-      return 65535;
-    case PlyScalar::kFloat32:
-    case PlyScalar::kFloat64:
-      return 1;
-    default:
-      return 0;
-  }
-}
-
-// Returns the color component as a byte. Returns nothing, and writes the reason to mesh.no_color, if it is not a valid
-// one.
-uint8_t ToColorPart(double number, const PlyProperty& property, uint64_t vertex, Mesh& mesh) {
-  const double full = FullScalar(property.type);
-  if (full > 0 && number >= 0 && number <= full) return static_cast<uint8_t>(std::nearbyint(number / full * 255));
-  if (mesh.no_color.empty()) {
-    mesh.no_color = full > 0 ? absl::StrCat(property.name, " ", number, " of vertex ", vertex, " is not within 0 and ",
-                                            full, ", the range of type ", NameOf(property.type))
-                             : absl::StrCat("vertices have ", property.name, " as ", NameOf(property.type),
-                                            ", which is not one of uchar, ushort, float, double");
-  }
-  return 0;
-}
+constexpr PlyNames kAxes{"x", "y", "z"};
 
 absl::Status ReadVertices(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   if (const char* axis = Missing(element, kAxes)) return Bad("PLY header: element vertex has no property ", axis);
-  const Names* const color_names = ColorNamesOf(element);
+  PlyColors colors(element);
   for (uint64_t n = 0; n < element.count; ++n) {
     body.BeginElement();
     Vec3d position{};
-    Color color{};
     for (const PlyProperty& property : element.properties) {
       if (const auto axis = PositionOf(property, kAxes)) {
         position[*axis] = body.ReadNumber(property.type);
-      } else if (const auto part = color_names ? PositionOf(property, *color_names) : std::nullopt) {
-        color[*part] = ToColorPart(body.ReadNumber(property.type), property, n, mesh);
-      } else {
+      } else if (!colors.Read(property, n, body)) {
         SkipProperty(property, body);
       }
     }
     if (!body.ok()) return EndsEarly(element, n, body);
     body.EndElement();
     mesh.positions.push_back(position);
-    if (color_names != nullptr && mesh.no_color.empty()) mesh.colors.push_back(color);
+    if (colors.exist() && colors.fault().empty()) mesh.colors.push_back(colors.color());
   }
+  if (mesh.no_color.empty()) mesh.no_color = colors.fault();
   return absl::OkStatus();
 }
 
 bool IsCorners(const PlyProperty& property) {
   return property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
-}
-
-// Returns the vertex that element n of this kind refers to.
-absl::StatusOr<uint32_t> ToVertex(double index, const char* element, uint64_t n, const std::vector<Vec3d>& positions) {
-  if (!(index >= 0 && index < static_cast<double>(positions.size()) && index == std::floor(index)))
-    return Bad("vertex index ", index, " of ", element, " ", n, " is not within the ", positions.size(), " vertices");
-  const auto vertex = static_cast<uint32_t>(index);
-  if (IsFinite(positions[vertex])) return vertex;
-  return Bad("vertex ", vertex, " is not finite (", absl::StrJoin(positions[vertex], " "), "), and ", element, " ", n,
-             " uses it");
 }
 
 void ReadIndices(const PlyProperty& property, PlyBody& body, std::vector<double>& indices) {
@@ -135,47 +69,45 @@ void ReadIndices(const PlyProperty& property, PlyBody& body, std::vector<double>
   }
 }
 
-// Appends the triangles of face n.
-absl::Status AppendFace(const std::vector<double>& indices, uint64_t n, std::vector<uint32_t>& corners, Mesh& mesh) {
-  corners.clear();
-  for (const double index : indices) {
-    const auto vertex = ToVertex(index, "face", n, mesh.positions);
-    if (!vertex.ok()) return vertex.status();
-    corners.push_back(*vertex);
+// The colors of faces, one for each triangle.
+struct FaceColors {
+  std::vector<std::optional<Color>> of_triangles = {};
+  std::string fault = {};  // the reason why they are no colors
+};
+
+// Finishes face n of the element.
+absl::Status FinishFace(const PlyElement& element, uint64_t n, const absl::Status& status, PlyBody& body,
+                        BadElements& bad) {
+  if (body.ended()) return status;
+  if (!status.ok()) {
+    if (auto error = bad.Add(status, absl::StrCat(element.name, " ", n)); !error.ok()) return error;
   }
-  if (corners.size() >= 3) {
-    Triangulate(corners, mesh.positions, mesh.triangles);
-  } else if (mesh.skipped++ == 0) {
-    mesh.warnings.push_back({"SKIPPED_ELEMENTS",
-                             absl::StrCat("faces of fewer than three corners are left out; the ", "first: face ", n),
-                             absl::StrCat("face ", n)});
-  }
+  body.EndElement();
   return absl::OkStatus();
 }
 
-absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, BadElements& bad, Mesh& mesh) {
+absl::Status ReadPlyFaces(const PlyElement& element, PlyBody& body, BadElements& bad, FaceColors& face_colors,
+                          Mesh& mesh) {
   if (std::none_of(element.properties.begin(), element.properties.end(), IsCorners)) {
     return Bad("PLY header: element face has no list vertex_indices");
   }
-  if (ColorNamesOf(element) != nullptr && mesh.colors.empty() && mesh.no_color.empty())
-    mesh.no_color = "colors of faces are not read, only those of vertices";
+  PlyColors colors(element);
   std::vector<double> indices;
-  std::vector<uint32_t> corners;
+  if (colors.exist()) face_colors.of_triangles.resize(mesh.triangles.size());
   for (uint64_t n = 0; n < element.count; ++n) {
     body.BeginElement();
     for (const PlyProperty& property : element.properties) {
       if (IsCorners(property)) {
         ReadIndices(property, body, indices);
-      } else {
+      } else if (!colors.Read(property, n, body)) {
         SkipProperty(property, body);
       }
     }
-    absl::Status status = body.ok() ? AppendFace(indices, n, corners, mesh) : EndsEarly(element, n, body);
-    if (body.ended()) return status;
-    if (!status.ok()) status = bad.Add(status, absl::StrCat("face ", n));
-    if (!status.ok()) return status;
-    body.EndElement();
+    const absl::Status status = body.ok() ? AppendFace(indices, n, mesh) : EndsEarly(element, n, body);
+    if (auto error = FinishFace(element, n, status, body, bad); !error.ok()) return error;
+    if (colors.exist()) face_colors.of_triangles.resize(mesh.triangles.size(), colors.color());
   }
+  if (face_colors.fault.empty()) face_colors.fault = colors.fault();
   return absl::OkStatus();
 }
 
@@ -233,6 +165,14 @@ absl::Status SkipElement(const PlyElement& element, PlyBody& body, Mesh& mesh) {
   return absl::OkStatus();
 }
 
+// Colors of vertices count, if there are both.
+void TakeFaceColors(const FaceColors& colors, Mesh& mesh) {
+  if (colors.of_triangles.empty()) return;
+  if (!mesh.colors.empty() || !mesh.no_color.empty()) return WarnOfFaceColors(mesh);
+  mesh.no_color = colors.fault;
+  if (colors.fault.empty()) ColorTriangles(colors.of_triangles, mesh);
+}
+
 }  // namespace
 
 // No declared count is trusted with an allocation: vectors grow with the bytes that exist.
@@ -241,10 +181,11 @@ absl::StatusOr<Mesh> ParsePly(absl::string_view bytes, const ParseOptions& optio
   if (!header.ok()) return header.status();
   PlyBody body(bytes, header->format, header->lines);
   BadElements bad(options);
+  FaceColors face_colors;
   Mesh mesh;
   for (const PlyElement& element : header->elements) {
     absl::Status status = element.name == "vertex"      ? ReadVertices(element, body, mesh)
-                          : element.name == "face"      ? ReadPlyFaces(element, body, bad, mesh)
+                          : element.name == "face"      ? ReadPlyFaces(element, body, bad, face_colors, mesh)
                           : element.name == "tristrips" ? ReadStrips(element, body, mesh)
                                                         : SkipElement(element, body, mesh);
     if (!status.ok()) return status;
@@ -259,6 +200,7 @@ absl::StatusOr<Mesh> ParsePly(absl::string_view bytes, const ParseOptions& optio
                              absl::StrCat("line ", body.first_longer())});
   }
   if (body.HasMore()) mesh.warnings.push_back({"TRAILING_DATA", "data after the last element are ignored"});
+  TakeFaceColors(face_colors, mesh);
   bad.Report(mesh);
   RemoveNotFinite(mesh);
   return mesh;

@@ -11,11 +11,9 @@ namespace latvox::client {
 
 // Reads a PLY file's bytes: ascii, or binary of either byte order. Reads these properties; other elements and
 // properties are ignored:
-//   vertex      x, y, z in any scalar type, text as the nearest double; red, green and blue, otherwise diffuse_red and
-//   so
-//               on, as uchar, ushort, or float or double from 0 to 1, as the nearest of 256 steps
+//   vertex      x, y, z in any scalar type, text as the nearest double; colors (ply_color.h)
 //   face        vertex_indices (or vertex_index); polygons are triangulated; faces of fewer than three corners are
-//               counted as skipped
+//               counted as skipped; colors, unless vertices have some, which gives IGNORED_COLOR
 //   tristrips   vertex_indices (or vertex_index); -1 ends a strip
 // In text, each element is a line: more values than the header tells give the warning EXTRA_VALUES, fewer are an error.
 // Bytes after the last element give TRAILING_DATA, unmarked comments in the header UNKNOWN_HEADER.

@@ -1,5 +1,6 @@
 #include "client/mesh_files/ply_header.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -66,6 +67,20 @@ absl::Status ParseHeaderLine(absl::string_view line, PlyHeader& header) {
 }
 
 }  // namespace
+
+std::optional<size_t> PositionOf(const PlyProperty& property, const PlyNames& names) {
+  const auto found = std::find(names.begin(), names.end(), property.name);
+  if (property.count_type || found == names.end()) return std::nullopt;
+  return static_cast<size_t>(found - names.begin());
+}
+
+const char* Missing(const PlyElement& element, const PlyNames& names) {
+  for (const char* name : names) {
+    const auto is = [&](const PlyProperty& property) { return property.name == name && !property.count_type; };
+    if (std::none_of(element.properties.begin(), element.properties.end(), is)) return name;
+  }
+  return nullptr;
+}
 
 absl::string_view NameOf(PlyScalar scalar) {
   for (const auto& [text, named] : kNames) {

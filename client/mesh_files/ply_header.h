@@ -2,6 +2,8 @@
 #ifndef LATVOX_CLIENT_MESH_FILES_PLY_HEADER_H_
 #define LATVOX_CLIENT_MESH_FILES_PLY_HEADER_H_
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -34,6 +36,15 @@ struct PlyHeader {
   bool ends_in_cr = false;  // its lines end in CR alone
   std::string unmarked;     // the first line that is a comment without "comment"
 };
+
+// Properties that belong together, such as x, y and z.
+using PlyNames = std::array<const char*, 3>;
+
+// Returns the index of the property in the names. Lists have none.
+std::optional<size_t> PositionOf(const PlyProperty& property, const PlyNames& names);
+
+// Returns the first name without a scalar property in the element, or null if all exist.
+const char* Missing(const PlyElement& element, const PlyNames& names);
 
 // Returns "uchar", "float", ...
 absl::string_view NameOf(PlyScalar scalar);

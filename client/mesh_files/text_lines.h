@@ -41,6 +41,9 @@ class TextLines {
   // Returns the number of the last line, counted from 1.
   size_t number() const { return number_; }
 
+  // Returns what follows the last line.
+  absl::string_view rest() const { return rest_; }
+
  private:
   absl::string_view rest_;
   bool has_cr_;  // a text without any is read faster

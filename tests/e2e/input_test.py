@@ -7,7 +7,7 @@ import unittest
 
 import harness
 from harness import BIN, encode_drc, latvox, write_obj, write_ply, write_stl
-from inputs import GRID, MESH, InputCase, joined, mapped, mesh_xml, model, write_3mf, write_gltf
+from inputs import GRID, MESH, InputCase, joined, mapped, mesh_xml, model, write_3mf, write_gltf, write_off
 
 
 class Input(InputCase):
@@ -19,6 +19,7 @@ class Input(InputCase):
             obj,
             write_ply(self.dir / "mesh.ply", MESH),
             write_stl(self.dir / "mesh.stl", MESH),
+            write_off(self.dir / "mesh.off", MESH),
             encode_drc(self.dir / "mesh.drc", obj),
             write_3mf(self.dir / "mesh.3mf", whole),
         ):

@@ -50,6 +50,12 @@ def write_3mf(path, text, **parts):
     return path
 
 
+def write_off(path, mesh):
+    lines = ["OFF", f"{len(mesh[0])} {len(mesh[1])} 0", *("%.9g %.9g %.9g" % v for v in mesh[0]), *("3 %d %d %d" % t for t in mesh[1])]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
 def write_gltf(path, mesh):
     """Returns a .glb with two nodes: one moves the mesh by (1, 0, 0), the other leaves it in place."""
     body = b"".join(struct.pack("<3f", *v) for v in mesh[0]) + b"".join(struct.pack("<3H", *t) for t in mesh[1])

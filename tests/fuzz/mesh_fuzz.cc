@@ -10,6 +10,7 @@
 #include "client/mesh_files/gltf_meshopt.h"
 #include "client/mesh_files/mesh_format.h"
 #include "client/mesh_files/obj_file.h"
+#include "client/mesh_files/off_file.h"
 #include "client/mesh_files/ply_file.h"
 #include "client/mesh_files/stl_file.h"
 #include "client/mesh_files/three_mf_file.h"
@@ -60,7 +61,6 @@ std::string Archive(absl::string_view model) {
   return bytes;
 }
 
-}  // namespace
 // The bytes as a stream of a glTF file, whose fields the first bytes choose.
 void CheckStream(absl::string_view bytes) {
   constexpr size_t kFields = 5;
@@ -75,6 +75,7 @@ void CheckStream(absl::string_view bytes) {
   if (decoded.ok() && decoded->size() != count * stride) std::abort();
 }
 
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
@@ -84,6 +85,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   for (const bool skip_bad : {false, true}) {
     const latvox::client::ParseOptions options{skip_bad};
     Check(latvox::client::ParseObj(bytes, options));
+    Check(latvox::client::ParseOff(bytes, options));
     Check(latvox::client::ParsePly(bytes, options));
     Check(latvox::client::ParseStl(bytes, options));
     Check(latvox::client::Parse3mf(bytes, options));

@@ -12,6 +12,7 @@ foreach(name gltf_test gltf_scene_test)
   latvox_add_test(client_${name} SOURCES unit/client/mesh_files/${name}.cc
                   LIBRARIES latvox::mesh_files nlohmann_json::nlohmann_json GTest::gmock)
 endforeach()
+latvox_add_test(client_off_test SOURCES unit/client/mesh_files/off_test.cc LIBRARIES latvox::mesh_files GTest::gmock)
 if(LATVOX_BUILD_MESH_FILES)
   find_package(meshoptimizer CONFIG REQUIRED)
 endif()

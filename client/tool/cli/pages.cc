@@ -97,8 +97,8 @@ std::string Introduction() {
          "Cubes of a given size as a table of coordinates. --verify counts tunnels and redundant voxels:\n"
          "  latvox voxelize bunny.obj --voxel-size 0.05 -o bunny.csv --verify\n"
          "\n"
-         "Meshes: .drc .obj .ply .stl .glb .gltf .3mf, or - for standard input. The extension of -o chooses\n"
-         "the output format.\n"
+         "Meshes: .drc .obj .ply .stl .off .glb .gltf .3mf, or - for standard input. The extension of -o\n"
+         "chooses the output format.\n"
          "\n"
          "All commands: latvox --help. Options of a command: latvox voxelize --help. Everything: man latvox.\n";
 }

@@ -69,6 +69,7 @@ constexpr std::pair<absl::string_view, absl::StatusOr<Json> (*)(const std::strin
     {".html", Opened<PageFacts>},
     {".obj", MeshFacts},
     {".stl", MeshFacts},
+    {".off", MeshFacts},
     {".gltf", MeshFacts},
     {".3mf", MeshFacts},
     {".drc", MeshFacts},

@@ -22,6 +22,7 @@ enum class MeshFormat {
   kObj,      // .obj
   kPly,      // .ply, text or binary
   kStl,      // .stl, text or binary
+  kOff,      // .off, text or binary
   kGlb,      // .glb
   kGltf,     // .gltf, with the files that it names
   kThreeMf,  // .3mf

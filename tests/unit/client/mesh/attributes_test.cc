@@ -19,9 +19,11 @@
 namespace latvox::client {
 namespace {
 
+using testing::Each;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 // Returns the numbers of all triangles' first corners.
 std::vector<uint32_t> NumbersOf(const Mesh& mesh, Attribute attribute) {
@@ -103,11 +105,64 @@ TEST(MeshAttributes, OfPlyThatAreNoColorsAreMissedForAReason) {
               HasSubstr("(red nan of vertex 0 is not within 0 and 1, the range of type float)"));
   EXPECT_THAT(refusal("uchar", names, {"-1", "1", "0"}), HasSubstr("(red -1 of vertex 0 is not within 0 and 255"));
   EXPECT_THAT(refusal("int", names, {"0", "0", "0"}),
-              HasSubstr("(vertices have red as int, which is not one of uchar"));
+              HasSubstr("(red of element vertex is int, which is not one of uchar"));
   EXPECT_THAT(refusal("uchar", {"red", "grue", "blue"}, {"0", "0", "0"}), EndsWith("has no color"));
   EXPECT_THAT(refusal("uchar", {"u", "v", "w"}, {"0", "0", "0"},
-                      "property uchar red\nproperty uchar green\nproperty uchar blue\n"),
-              HasSubstr("(colors of faces are not read"));
+                      "property float red\nproperty float green\nproperty float blue\n"),
+              HasSubstr("(red 9 of face 0 is not within 0 and 1, the range of type float)"));
+}
+
+// Two triangles and a quad on four vertices; the colors stand before and after the corners.
+absl::StatusOr<Mesh> PlyOfColoredFaces(const std::string& vertices, const std::string& faces,
+                                       const ParseOptions& options = {}) {
+  return ParsePly("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
+                      vertices + "element face 3\nproperty uchar red\nproperty list uchar int vertex_indices\n" +
+                      "property uchar green\nproperty uchar blue\nend_header\n" +
+                      "0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n0 1 0 1 2 3\n" + faces,
+                  options);
+}
+
+TEST(MeshAttributes, OfPlyMayBeColorsOfFaces) {
+  const std::string faces = "255 3 0 1 2 0 0\n0 4 0 1 2 3 128 0\n0 3 2 1 0 0 7\n";
+  const auto mesh = PlyOfColoredFaces("property int a\nproperty int b\nproperty int c\n", faces);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(NumbersOf(*mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x008000, 0x008000, 0x000007));
+  EXPECT_THAT(mesh->warnings, IsEmpty());
+  EXPECT_EQ(mesh->positions[mesh->triangles[3][0]], (Vec3d{1, 1, 0}));
+  // Those of vertices count.
+  const auto both = PlyOfColoredFaces("property uchar red\nproperty uchar green\nproperty uchar blue\n", faces);
+  ASSERT_TRUE(both.ok()) << both.status();
+  EXPECT_THAT(NumbersOf(*both, Attribute::kColor), Each(0x010203));
+  ASSERT_EQ(both->warnings.size(), 1u);
+  EXPECT_EQ(both->warnings[0].code, "IGNORED_COLOR");
+}
+
+TEST(MeshAttributes, OfBrokenFacesOfPlyAreLeftOutWithThem) {
+  const std::string more = "property int a\nproperty int b\nproperty int c\n";
+  const auto mesh = PlyOfColoredFaces(more, "255 3 0 1 2 0 0\n9 3 0 1 7 9 9\n0 3 2 1 0 0 7\n", {.skip_bad = true});
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(NumbersOf(*mesh, Attribute::kColor), ElementsAre(0xFF0000, 0x000007));
+}
+
+// Strips have no colors, wherever they stand.
+TEST(MeshAttributes, OfPlyWithStripsBesideColoredFacesAreWhiteThere) {
+  const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\n",
+                    faces =
+                        "element face 1\nproperty list int int vertex_indices\nproperty uchar red\n"
+                        "property uchar green\nproperty uchar blue\n",
+                    head =
+                        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                        "property float z\n",
+                    vertices = "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  for (const bool first : {false, true}) {
+    const auto mesh = ParsePly(head + (first ? strips + faces : faces + strips) + vertices +
+                               (first ? "3 0 1 2\n3 1 2 3 9 8 7\n" : "3 1 2 3 9 8 7\n3 0 1 2\n"));
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_THAT(NumbersOf(*mesh, Attribute::kColor),
+                first ? ElementsAre(0xFFFFFF, 0x090807) : ElementsAre(0x090807, 0xFFFFFF));
+    ASSERT_EQ(mesh->warnings.size(), 1u);
+    EXPECT_EQ(mesh->warnings[0].message, "1 of 2 triangles have no color, and are white");
+  }
 }
 
 TEST(MeshAttributes, OfStlAreItsSolids) {
