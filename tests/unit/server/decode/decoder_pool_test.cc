@@ -360,14 +360,14 @@ TEST_F(DecoderPoolTest, ADecodeEndsAtItsCpuLimit) {
   EXPECT_EQ(pool_->facts().killed_for_time, 1);
 }
 
-TEST_F(DecoderPoolTest, AProcessThatDoesNothingIsGivenUp) {
-  options_.cpu_time = absl::Milliseconds(kAddressSanitizer ? 200 : 20);  // what the second decode may use
+TEST_F(DecoderPoolTest, AMeshWhoseProcessDoesNothingGetsAnother) {
+  options_.cpu_time = absl::Milliseconds(kAddressSanitizer ? 200 : 20);  // what the second process may use
   StartStopped();
   LogLines lines;
-  const absl::Status status = Decode(*pool_, Small()).Get().status();
-  EXPECT_EQ(ReasonOf(status), "DECODER_TIME") << status;
-  EXPECT_THAT(lines.End(), ContainsRegex("event=decoder_too_slow pid=[0-9]+ bytes=[0-9]+ request_id=id-7\n"));
   ExpectSame(Decode(*pool_, Small()).Get(), Small());
+  EXPECT_THAT(lines.End(), ContainsRegex("event=decoder_too_slow pid=[0-9]+ bytes=[0-9]+ request_id=id-7\n"));
+  EXPECT_EQ(pool_->facts().killed_for_time, 1);
+  EXPECT_EQ(pool_->facts().crashes, 0);
 }
 
 // 61 bytes that made Draco 1.5.5 take 20 GB: google/draco#1169.
@@ -402,6 +402,13 @@ class ForeignProgram : public DecoderPoolTest {
     options_.program = directory_ / "program";
     std::ofstream(options_.program) << "#!/bin/sh\n" << script;
     chmod(options_.program.c_str(), 0700);
+  }
+
+  // The program does not confine itself, as Start expects it.
+  void Open() {
+    auto pool = DecoderPool::Create(options_);
+    ASSERT_TRUE(pool.ok()) << pool.status();
+    pool_ = *std::move(pool);
   }
 
   TemporaryDirectory directory_;
@@ -439,6 +446,39 @@ TEST_F(ForeignProgram, ThatTalksNonsenseIsKilledAndItsWordNotTaken) {
     ASSERT_TRUE(pool.ok()) << pool.status();
     ExpectSameError(Decode(**pool, Small()).Get().status(), BadMesh("the decoder crashed on it"));
     EXPECT_EQ((*pool)->facts().crashes, 2);
+  }
+}
+
+TEST_F(ForeignProgram, ThatDoesNothingIsReplacedOnce) {
+  options_.cpu_time = absl::Milliseconds(20);
+  Write(Answering("exec sleep 60\n"));
+  Open();
+  const absl::Status status = Decode(*pool_, Small()).Get().status();
+  EXPECT_EQ(ReasonOf(status), "DECODER_TIME") << status;
+  EXPECT_EQ(pool_->facts().killed_for_time, 2);
+}
+
+TEST_F(ForeignProgram, MayTakeTheCpuTimeThatTheMeshDeclares) {
+  const double small = 0.1 + 1e-6 * static_cast<double>(Small().size());
+  const std::pair<std::string, double> limits[] = {
+      {"", small},
+      // 100,000 triangles
+      {"printf '\\7\\0\\0\\0\\020\\0\\0\\0\\240\\206\\1\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&3\n", small + 0.5}};
+  for (const auto& [declaration, seconds] : limits) {
+    Write(Answering(declaration + "while :; do :; done\n"));
+    Open();
+    EXPECT_EQ(Decode(*pool_, Small()).Get().status().message(),
+              absl::StrCat("mesh: decoding takes more than ", seconds, " s"));
+  }
+}
+
+TEST_F(ForeignProgram, ThatDeclaresTwiceOrTooMuchIsKilled) {
+  const std::string small = "printf '\7\0\0\0\020\0\0\0\1\0\0\0\0\0\0\0\1\0\0\0\0\0\0\0' >&3\n";
+  const std::string huge = "printf '\7\0\0\0\020\0\0\0\0\0\0\0\0\0\0\1\1\0\0\0\0\0\0\0' >&3\n";
+  for (const std::string& declarations : {small + small, huge}) {
+    Write(Answering(declarations + "exec sleep 60\n"));
+    Open();
+    ExpectSameError(Decode(*pool_, Small()).Get().status(), BadMesh("the decoder crashed on it"));
   }
 }
 
