@@ -64,12 +64,13 @@ std::vector<pid_t> Children() {
 class Decode {
  public:
   Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {},
-         const FieldList& wanted = {})
+         const FieldList& wanted = {}, const std::string& client = "")
       : result_(promise_.get_future()),
-        decoding_(pool.Start({absl::Cord(bytes), wanted, "id-7"}, limits, std::move(reserve), [this](auto mesh) {
-          ended_ = absl::Now();
-          promise_.set_value(std::move(mesh));
-        })) {}
+        decoding_(
+            pool.Start({absl::Cord(bytes), wanted, "id-7", client}, limits, std::move(reserve), [this](auto mesh) {
+              ended_ = absl::Now();
+              promise_.set_value(std::move(mesh));
+            })) {}
 
   void Cancel() { decoding_->Cancel(); }
   bool over() const { return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
@@ -213,6 +214,24 @@ TEST_F(DecoderPoolTest, SmallMeshesDoNotWaitForLargeOnes) {
   kill(pids[0], SIGCONT);
   ExpectSame(first.Get(), Large());
   ExpectSame(second.Get(), Dense());
+}
+
+TEST_F(DecoderPoolTest, ClientsHaveTurns) {
+  const pid_t pid = StartStopped();
+  std::mutex mutex;
+  std::string order;
+  std::vector<std::unique_ptr<Decode>> decodes;
+  for (const char* const client : {"a", "a", "a", "a", "b", "b", "c"}) {
+    const auto note = [&mutex, &order, client](uint64_t, uint64_t) {
+      const std::lock_guard lock(mutex);
+      order += client;
+      return absl::OkStatus();
+    };
+    decodes.push_back(std::make_unique<Decode>(*pool_, Small(), Limits(), note, FieldList(), client));
+  }
+  kill(pid, SIGCONT);
+  for (const auto& decode : decodes) ExpectSame(decode->Get(), Small());
+  EXPECT_EQ(order, "abcabaa");
 }
 
 TEST_F(DecoderPoolTest, ACancelledDecodeEndsAtOnceAndItsProcessIsReplaced) {
