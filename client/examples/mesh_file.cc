@@ -2,7 +2,7 @@
 #include <latvox/client.h>
 #include <latvox/dense.h>
 #include <latvox/for_each_voxel.h>
-#include <latvox/mesh/encode_mesh.h>
+#include <latvox/mesh/encode_raw_mesh.h>
 #include <latvox/mesh_files/read_mesh_file.h>
 
 #include "example.h"
@@ -12,13 +12,14 @@ namespace lv = latvox::client;
 absl::StatusOr<lv::Voxelization> VoxelizeFile(const std::string& path, uint32_t resolution) {
   const auto mesh = lv::ReadMeshFile(path);
   if (!mesh.ok()) return mesh.status();
-  const auto drc_bytes = lv::EncodeMesh(*mesh);
-  if (!drc_bytes.ok()) return drc_bytes.status();
+  const auto raw = lv::EncodeRawMesh(*mesh);
+  if (!raw.ok()) return raw.status();
   const auto client = lv::Client::StartPrivate();
   if (!client.ok()) return client.status();
   lv::VoxelizeRequest request;
   request.resolution = resolution;
-  return client->VoxelizeAll(request, *drc_bytes);
+  request.raw_mesh = raw->layout;
+  return client->VoxelizeAll(request, raw->bytes);
 }
 
 void DrawMiddleLayer(const lv::DenseVoxels& dense) {

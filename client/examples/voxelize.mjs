@@ -1,12 +1,11 @@
-// A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: encodes an .obj mesh of triangles, prints its voxels.
+// A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: sends an .obj mesh of triangles, prints its voxels.
 //
-// Needs: npm install @grpc/grpc-js @grpc/proto-loader draco3d
+// Needs: npm install @grpc/grpc-js @grpc/proto-loader
 // Usage: node client/examples/voxelize.mjs ADDRESS MESH.obj RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import grpc from '@grpc/grpc-js';
 import loader from '@grpc/proto-loader';
-import draco3d from 'draco3d';
 
 const [address, path, resolution, lattice = 'cartesian'] = process.argv.slice(2);
 if (!(resolution > 0) || !['cartesian', 'bcc', 'fcc', 'hexagonal'].includes(lattice)) {
@@ -18,18 +17,12 @@ const includeDirs = ['../../proto', '../../../latvox/proto'].map((dir) => fileUR
 const proto = loader.loadSync('latvox/v1/voxelizer.proto', { includeDirs, longs: String, defaults: true, oneofs: true });
 const { Voxelizer } = grpc.loadPackageDefinition(proto).latvox.v1;
 
-// Draco without quantization: the positions arrive as they are.
-async function encode(obj) {
+// The vertices as numbers of 32 bits, x, y and z in turn, and the three vertices of each triangle.
+function arraysOf(obj) {
   const rows = obj.split('\n').map((line) => line.trim().split(/\s+/));
-  const positions = rows.filter(([key]) => key === 'v').flatMap((row) => row.slice(1, 4).map(Number));
+  const rowsOf = (key) => rows.filter((row) => row[0] === key).flatMap((row) => row.slice(1, 4));
   const corner = (word) => parseInt(word, 10) - 1; // 12/7/3 is vertex 12
-  const faces = rows.filter(([key]) => key === 'f').flatMap((row) => row.slice(1, 4).map(corner));
-  const draco = await draco3d.createEncoderModule({});
-  const [builder, mesh, out] = [new draco.MeshBuilder(), new draco.Mesh(), new draco.DracoInt8Array()];
-  builder.AddFacesToMesh(mesh, faces.length / 3, new Uint32Array(faces));
-  builder.AddFloatAttributeToMesh(mesh, draco.POSITION, positions.length / 3, 3, new Float32Array(positions));
-  const length = new draco.Encoder().EncodeMeshToDracoBuffer(mesh, out);
-  return Buffer.from(Uint8Array.from({ length }, (_, n) => out.GetValue(n)));
+  return { positions: Float32Array.from(rowsOf('v'), Number), triangles: Uint32Array.from(rowsOf('f'), corner) };
 }
 
 // The voxels of BrickBatch.packed: tiles of bricks of voxels, the latter two as octrees.
@@ -59,10 +52,13 @@ function* voxelsOf(packed) {
   }
 }
 
-const mesh = await encode(fs.readFileSync(path, 'utf8'));
+const { positions, triangles } = arraysOf(fs.readFileSync(path, 'utf8'));
+const mesh = Buffer.concat([positions, triangles].map((numbers) => Buffer.from(numbers.buffer)));
+const rawMesh = { vertices: positions.length / 3, triangles: triangles.length / 3 };
 const named = `NAMED_LATTICE_${lattice.toUpperCase()}`;
 const encoding = 'BRICK_ENCODING_PACKED';
-const spec = { lattice: { named }, resolution: Number(resolution), separability: 2, encoding, meshBytes: mesh.length };
+const grid = { lattice: { named }, resolution: Number(resolution), separability: 2 };
+const spec = { ...grid, encoding, rawMesh, meshBytes: mesh.length };
 const client = new Voxelizer(address, grpc.credentials.createInsecure());
 const stream = client.Voxelize({ deadline: Date.now() + 600_000 });
 console.log('i,j,k');

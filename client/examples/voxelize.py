@@ -1,20 +1,32 @@
 #!/usr/bin/python3
-"""A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: sends a Draco mesh, prints its voxels.
+"""A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: sends an .obj mesh of triangles, prints its voxels.
 
 Needs python3-grpcio, python3-protobuf and, made once in a folder that $PYTHONPATH names (here: PYTHONPATH=.):
     protoc -I proto --python_out=. latvox/v1/voxelizer.proto
-A mesh to begin with: latvox encode /usr/share/glmark2/models/bunny.obj -o bunny.drc
-Usage: client/examples/voxelize.py ADDRESS MESH.drc RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
+Usage: client/examples/voxelize.py ADDRESS MESH.obj RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
 """
 
+import array
 import sys
 
 import grpc
 from latvox.v1 import voxelizer_pb2 as pb
 
 
-def requests(mesh, resolution, lattice):
-    """The specification first, then the mesh in pieces of any size."""
+def arrays(obj):
+    """The vertices as numbers of 32 bits, x, y and z in turn, and the three vertices of each triangle."""
+    positions, triangles = array.array("f"), array.array("I")
+    for key, *words in map(str.split, filter(str.strip, obj)):
+        if key == "v":
+            positions.extend(map(float, words[:3]))
+        elif key == "f":
+            triangles.extend(int(word.split("/")[0]) - 1 for word in words[:3])  # 12/7/3 is vertex 12
+    return positions, triangles
+
+
+def requests(positions, triangles, resolution, lattice):
+    """The specification first, then the arrays in pieces of any size."""
+    mesh = positions.tobytes() + triangles.tobytes()
     named = pb.NamedLattice.Value(f"NAMED_LATTICE_{lattice.upper()}")
     yield pb.VoxelizeRequest(
         spec=pb.VoxelizeSpec(
@@ -22,6 +34,7 @@ def requests(mesh, resolution, lattice):
             resolution=resolution,
             separability=2,
             encoding=pb.BRICK_ENCODING_PACKED,
+            raw_mesh=pb.RawMesh(vertices=len(positions) // 3, triangles=len(triangles) // 3),
             mesh_bytes=len(mesh),
         )
     )
@@ -57,15 +70,15 @@ def voxels(packed):
 
 
 def main(address, path, resolution, lattice="cartesian"):
-    with open(path, "rb") as file, grpc.insecure_channel(address) as channel:
-        mesh = file.read()
+    with open(path) as file, grpc.insecure_channel(address) as channel:
+        positions, triangles = arrays(file)
         call = channel.stream_stream(
             "/latvox.v1.Voxelizer/Voxelize",
             request_serializer=pb.VoxelizeRequest.SerializeToString,
             response_deserializer=pb.VoxelizeResponse.FromString,
         )
         print("i,j,k")
-        for answer in call(requests(mesh, int(resolution), lattice), timeout=600):
+        for answer in call(requests(positions, triangles, int(resolution), lattice), timeout=600):
             for i, j, k in voxels(answer.bricks.packed):
                 print(f"{i},{j},{k}")
         # Only the last answer has a summary; without one, something is missing.

@@ -1,7 +1,5 @@
 #include "client/internal/channel_security.h"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -14,6 +12,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/internal/address.h"
 #include "client/internal/trace_context.h"
 
 namespace latvox::client {
@@ -22,19 +21,6 @@ namespace {
 bool WantsTls(const Credentials& credentials) {
   return credentials.tls || !credentials.tls_ca_file.empty() || !credentials.tls_cert_file.empty() ||
          !credentials.tls_key_file.empty();
-}
-
-bool IsUnixSocket(absl::string_view address) {
-  return absl::StartsWith(address, "unix:") || absl::StartsWith(address, "unix-abstract:");
-}
-
-// Returns whether messages to the address cannot leave this machine. Only the plain forms of local addresses count.
-bool IsLocal(absl::string_view address) {
-  if (IsUnixSocket(address)) return true;
-  const std::string host{address.substr(0, address.rfind(':'))};
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
-  return host == "localhost" || host == "[::1]";
 }
 
 absl::StatusOr<std::string> ReadFile(const std::string& path, absl::string_view what) {
@@ -88,7 +74,7 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials
     if (!IsUnixSocket(address)) return MakeTlsCredentials(credentials);
     return absl::InvalidArgumentError(absl::StrCat("there is no TLS on a Unix socket, which ", address, " is"));
   }
-  if (!credentials.token.empty() && !IsLocal(address)) {
+  if (!credentials.token.empty() && !IsLocalAddress(address)) {
     return absl::InvalidArgumentError(
         absl::StrCat("the token is not sent in plain text to ", address, ", which may be another machine: use TLS"));
   }

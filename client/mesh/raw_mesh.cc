@@ -87,6 +87,14 @@ RawMesh ToRaw(const Mesh& mesh, const std::vector<Attribute>& attributes) {
   return raw;
 }
 
+uint64_t MostRawBytes(const Mesh& mesh, const std::vector<Attribute>& attributes) {
+  const uint64_t triangles = mesh.triangles.size();
+  // Each corner may carry its own numbers.
+  const uint64_t vertices = attributes.empty() ? mesh.positions.size() : 3 * triangles;
+  const uint64_t of_position = 3 * (FitsFloat32(mesh) ? sizeof(float) : sizeof(double));
+  return vertices * (of_position + attributes.size() * sizeof(uint32_t)) + triangles * 3 * sizeof(uint32_t);
+}
+
 bool NeedsDoubles(const Mesh& mesh, int quantization_bits) {
   if (FitsFloat32(mesh)) return false;
   if (quantization_bits == 0) return true;
@@ -98,6 +106,12 @@ bool NeedsDoubles(const Mesh& mesh, int quantization_bits) {
   }
   constexpr int kFloatBits = 24;
   return std::ldexp(farthest, -kFloatBits) > std::ldexp(LongestSide(mesh), -quantization_bits - 1);
+}
+
+std::optional<Warning> WarningOfRounding(const Mesh& mesh, int quantization_bits) {
+  if (!NeedsDoubles(mesh, quantization_bits)) return std::nullopt;
+  return Warning{"POSITIONS_ROUNDED", "Draco rounds the positions to 32 bits, which are coarse so far from 0",
+                 "positions"};
 }
 
 }  // namespace latvox::client

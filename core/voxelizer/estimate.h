@@ -11,21 +11,23 @@ namespace latvox {
 
 // The facts about a mesh that all estimates need.
 struct MeshExtent {
-  Bounds bounds;    // of the vertices of triangles
-  double area = 0;  // of all triangles, world units squared
+  Bounds bounds;       // of the vertices of triangles
+  double area = 0;     // of all triangles, world units squared
+  double longest = 0;  // edge, world units
 };
 
 // Takes one pass over the vertices, and one or two over the triangles. Precondition: CheckMesh(mesh) is OK.
 MeshExtent ExtentOf(const TriangleMesh& mesh, StopSignal stop = {});
 
-// Estimates the number of voxels that a job finds. It is close to the number that the job delivers, but a voxel of
-// several triangles counts once for each.
+// Estimates the number of voxels that a job delivers. A voxel of several triangles counts once for each.
 //
 // A surface of area A has between A / h^2 and 2 A / h^2 voxels, with the voxel size h, for all common lattices and
-// every k. The estimate is the upper bound, limited by the volume of the region and the bounds; a shard gets its part
-// of that. A supercover also has some voxels for every triangle, however small. The interior of a solid counts as large
-// as possible: a ball with that surface, or the mesh's bounding box. For a mesh that is not closed, the box is the only
-// bound. The thesis's algorithms also have some voxels along the edges of triangles without area, whatever the region.
+// every k. Needles, which are thinner than a voxel, have up to 4.5 times as many, but about one for each voxel size of
+// their length. The estimate is the upper bound, limited by the volumes of the region and of the bounds; a shard gets
+// its part of that. A supercover also has some voxels for every triangle, however small. The interior of a solid counts
+// as large as possible: a ball with that surface, or the mesh's bounding box. For a mesh that is not closed, the box is
+// the only bound. The thesis's algorithms also have some voxels along the edges of triangles without area, whatever the
+// region.
 //
 // Takes up to one pass over the triangles. Precondition: CheckMesh(mesh) is OK.
 //   extent   the mesh's
@@ -38,10 +40,11 @@ double EstimateVoxels(const TriangleMesh& mesh, const MeshExtent& extent, const 
 //   brute force   all points in the boxes around triangles
 //   supercover    its voxels, and for each triangle the number that takes as long as its separating axes
 //   attributes    the same with the distance to each triangle
-//   others        about their voxels
+//   others        their voxels, each once for each triangle; for needles the number that takes as long as their rows,
+//                 and, where triangles fill a volume, the number that takes as long as thinning
 //
-//   voxels   the result of EstimateVoxels
-double EstimateVisits(const TriangleMesh& mesh, const Grid& grid, const VoxelRequest& request, double voxels,
+//   extent   the mesh's
+double EstimateVisits(const TriangleMesh& mesh, const MeshExtent& extent, const Grid& grid, const VoxelRequest& request,
                       StopSignal stop = {});
 
 // Estimates the number of crossings of lattice lines along k with the whole mesh: twice the number for a mesh that

@@ -65,6 +65,7 @@ typename Call::GrpcReactor* VoxelizerService::Answer(const char* method, grpc::C
   }
   CallEnvironment environment = environment_;
   environment.limits = LimitsOf(origin.caller, environment_.limits);
+  environment.client = origin.caller.client;
   const auto call = std::make_shared<Call>(context, messages..., std::move(origin), environment);
   call->Begin();
   return call.get();

@@ -60,11 +60,11 @@ Rows DecoderRows(ServerOptions& server) {
                                 "Start even if the system does not allow confining decoder processes (seccomp)");
   unconfined.standard = "";
   return {NumberTo(64, "--decoder-processes", decoder.processes,
-                   "Processes that decode meshes; 0 takes one per thread, at most 4"),
+                   "Processes that decode meshes; 0 takes one per thread, 2 to 4"),
           Bytes("--decoder-memory", decoder.memory,
                 "Maximum memory for decoding one mesh, for example 2GiB. 0: the memory that --max-triangles needs; all "
                 "processes together get at most a third of the default of --memory-budget"),
-          Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Maximum CPU time for decoding one mesh"),
+          Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Maximum CPU time for decoding one mesh; small meshes get less"),
           Switch("--decode-always", server.decode_always,
                  "Decode the mesh of every request, even if it was decoded before"),
           std::move(unconfined)};

@@ -189,14 +189,38 @@ bool DecoderPool::MayBegin(const DecodeJob& job) const {
   return large < std::max(options_.processes - 1, 1);
 }
 
+// Removes from the queue the decode whose turn it is; null if none may begin.
+std::shared_ptr<DecodeJob> DecoderPool::ReleaseNext() {
+  std::map<std::string, int> at_work;
+  for (const auto& slot : slots_) {
+    if (slot->job()) ++at_work[slot->job()->mesh.client];
+  }
+  std::erase_if(last_turns_, [&](const auto& turn) {
+    const auto is_of_client = [&](const auto& job) { return job->mesh.client == turn.first; };
+    return !at_work.contains(turn.first) && std::none_of(queue_.begin(), queue_.end(), is_of_client);
+  });
+  auto next = queue_.end();
+  std::pair<int, uint64_t> least;
+  for (auto job = queue_.begin(); job != queue_.end(); ++job) {
+    const std::string& client = (*job)->mesh.client;
+    const std::pair<int, uint64_t> rank = {at_work[client], last_turns_[client]};
+    if (!MayBegin(**job) || (next != queue_.end() && rank >= least)) continue;
+    next = job;
+    least = rank;
+  }
+  if (next == queue_.end()) return nullptr;
+  std::shared_ptr<DecodeJob> job = std::move(*next);
+  queue_.erase(next);
+  last_turns_[job->mesh.client] = ++turns_;
+  return job;
+}
+
 void DecoderPool::Assign() {
   for (const auto& slot : slots_) {
     if (!slot->idle()) continue;
-    const auto next = std::find_if(queue_.begin(), queue_.end(), [&](const auto& job) { return MayBegin(*job); });
-    if (next == queue_.end()) break;
-    std::shared_ptr<DecodeJob> job = std::move(*next);
-    queue_.erase(next);
-    slot->Begin(std::move(job));
+    std::shared_ptr<DecodeJob> next = ReleaseNext();
+    if (!next) break;
+    slot->Begin(std::move(next));
   }
   const bool hopeless =
       std::all_of(slots_.begin(), slots_.end(), [](const auto& slot) { return slot->failures() >= kHopelessFailures; });

@@ -10,8 +10,10 @@
 #include <cstdint>
 #include <deque>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -32,8 +34,9 @@ struct DecoderFacts {
   double most_memory_bytes = 0;    // that decodes in all processes may take
 };
 
-// Decodes wait in order for a free process. Decodes of large meshes never occupy all of two or more processes, so that
-// small ones do not wait for them.
+// Decodes wait for a free process, and clients have turns: the next decode is that of the client with the fewest
+// decodes at work, and among these of the one whose last turn is the longest ago. Decodes of large meshes never occupy
+// all of two or more processes, so that small ones do not wait for them.
 class DecoderPool final : public MeshDecoder {
  public:
   // Starts the processes, and waits for the first of them. Errors: INVALID_ARGUMENT (no program, process or memory);
@@ -64,6 +67,7 @@ class DecoderPool final : public MeshDecoder {
   void CancelNow(const std::shared_ptr<DecodeJob>& job);
   void ReportFirst();
   void Assign();
+  std::shared_ptr<DecodeJob> ReleaseNext();
   bool MayBegin(const DecodeJob& job) const;
   void EndQueued(const absl::Status& status);
 
@@ -74,6 +78,8 @@ class DecoderPool final : public MeshDecoder {
   DecoderCounters counters_;
   std::vector<std::unique_ptr<DecoderSlot>> slots_;
   std::deque<std::shared_ptr<DecodeJob>> queue_;
+  std::map<std::string, uint64_t> last_turns_;  // of clients in the queue, and of those with a decode at work
+  uint64_t turns_ = 0;
   std::promise<absl::Status> first_;  // set by a slot: its process is ready, or the reason why not
   bool first_is_known_ = false;
 

@@ -20,15 +20,22 @@ constexpr absl::Duration kStartTimeout = absl::Seconds(30);
 constexpr absl::Duration kFirstDelay = absl::Milliseconds(50), kLongestDelay = absl::Seconds(5);
 
 // A process that uses no CPU time, because it was stopped or taken over, is given up after this many times the CPU
-// limit. On a machine under load, an honest one may take long, too.
+// limit, and no sooner than this. On a machine under load, an honest one may take long, too.
 constexpr int kWallPerCpu = 10;
+constexpr absl::Duration kLeastWall = absl::Seconds(10);
+
+// The limits of a decode follow the bytes, and then the counts that they declare. So a small file cannot cost much,
+// whatever Draco believes. A triangle takes Draco up to 0.5 us and 200 bytes, with normals and coordinates of textures.
+constexpr absl::Duration kSmallCpuTime = absl::Milliseconds(100), kCpuTimePerByte = absl::Microseconds(1),
+                         kCpuTimePerElement = absl::Microseconds(5);
+constexpr uint64_t kMemoryPerElement = uint64_t{1} << 10;
 
 // The number of processes that may end during a job. A process killed by someone else may have been the kernel's choice
 // when memory was short. A process that crashed may have been corrupted by the mesh before.
 constexpr int kMostKilled = 5, kMostCrashed = 2;
 
-// The memory limit of a decode grows with the bytes sent to it. So a small file cannot cost much, whatever Draco
-// believes. Real meshes need some hundred bytes for a byte, the densest possible ones 104 KiB.
+// The bound by bytes holds for each mesh before it declares its counts. Real meshes need some hundred bytes of memory
+// for a byte, the densest possible ones 104 KiB.
 constexpr uint64_t kSmallMemory = uint64_t{256} << 20, kMemoryPerByte = uint64_t{128} << 10;
 
 constexpr size_t kReceiveBytes = size_t{256} << 10;
@@ -89,12 +96,30 @@ void DecoderSlot::Begin(std::shared_ptr<DecodeJob> job) {
   unsent_.Append(mesh.bytes);
   receiver_.emplace(job_->limits, job_->reserve, mesh.wanted);
   memory_limit_ = std::min(options_.memory, kSmallMemory + kMemoryPerByte * mesh.bytes.size());
-  if (options_.memory != kNoMemoryLimit && !kAddressSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
   cpu_at_begin_ = process_->CpuTime();
-  check_cpu_at_ = absl::Now() + options_.cpu_time;
-  give_up_at_ = absl::Now() + kWallPerCpu * options_.cpu_time;
+  declared_ = false;
   state_ = State::kBusy;
+  SetLimits(kSmallCpuTime + kCpuTimePerByte * static_cast<double>(mesh.bytes.size()));
   Send();
+}
+
+void DecoderSlot::SetLimits(absl::Duration cpu_time) {
+  if (options_.memory != kNoMemoryLimit && !kAddressSanitizer) process_->LimitAddressSpace(idle_bytes_ + memory_limit_);
+  cpu_limit_ = std::min(options_.cpu_time, cpu_time);
+  check_cpu_at_ = absl::Now() + cpu_limit_;
+  give_up_at_ = absl::Now() + kWallPerCpu * std::min(options_.cpu_time, std::max(kLeastWall / kWallPerCpu, cpu_limit_));
+}
+
+bool DecoderSlot::HandleDeclaration(absl::string_view frame) {
+  DeclarationFrame counts{};
+  if (std::exchange(declared_, true) || frame.size() != sizeof(counts)) return false;
+  std::memcpy(&counts, frame.data(), sizeof(counts));
+  const Limits& limits = job_->limits;
+  if (counts.triangles > limits.max_triangles || counts.points > limits.max_vertices) return false;
+  const uint64_t elements = counts.triangles + counts.points;
+  memory_limit_ = std::min(memory_limit_, kSmallMemory + kMemoryPerElement * elements);
+  SetLimits(cpu_limit_ + kCpuTimePerElement * static_cast<double>(elements));
+  return true;
 }
 
 void DecoderSlot::Abort(const absl::Status& status) {
@@ -193,6 +218,7 @@ bool DecoderSlot::HandleFrame(FrameKind kind, absl::string_view frame) {
     return true;
   }
   if (state_ != State::kBusy) return false;
+  if (kind == FrameKind::kDeclaration) return HandleDeclaration(frame);
   switch (receiver_->Receive(kind, frame)) {
     case MeshReceiver::Progress::kMore:
       return true;
@@ -219,19 +245,26 @@ bool DecoderSlot::HandleFrame(FrameKind kind, absl::string_view frame) {
 void DecoderSlot::CheckTimes() {
   const absl::Time now = absl::Now();
   if (state_ == State::kBusy && now >= check_cpu_at_) {
-    const absl::Duration left = options_.cpu_time - (process_->CpuTime() - cpu_at_begin_);
+    const absl::Duration left = cpu_limit_ - (process_->CpuTime() - cpu_at_begin_);
     // A process with a single thread uses no more CPU time than real time.
     check_cpu_at_ = now + std::max(left, absl::Milliseconds(1));
-    if (left <= absl::ZeroDuration()) give_up_at_ = now;
+    if (left <= absl::ZeroDuration()) return GiveUp(/*used_up=*/true);
   }
   if (now < give_up_at_) return;
   if (state_ == State::kStarting) {
     failure_ = "it does not get ready";
     return Kill();
   }
+  GiveUp(/*used_up=*/false);
+}
+
+// A process that does nothing may have been stopped by someone. So the mesh has a second chance.
+void DecoderSlot::GiveUp(bool used_up) {
   ++counters_.killed_for_time;
   LogTrouble("decoder_too_slow");
-  Abort(TooSlow(options_.cpu_time));
+  stuck_ = !used_up && job_->stuck++ == 0;
+  if (stuck_) return Kill();
+  Abort(TooSlow(cpu_limit_));
 }
 
 // Logs an event of the process, with its current job.
@@ -256,7 +289,9 @@ std::shared_ptr<DecodeJob> DecoderSlot::HandleEnd(const ProcessEnd& end) {
 }
 
 std::shared_ptr<DecodeJob> DecoderSlot::HandleLostJob(bool crashed) {
-  if (crashed) {
+  if (stuck_) {
+    stuck_ = false;
+  } else if (crashed) {
     ++counters_.crashes;
     if (++job_->crashed == kMostCrashed) Finish(BadMesh("the decoder crashed on it"));
   } else if (++job_->killed == kMostKilled) {

@@ -26,8 +26,8 @@ struct DecodeJob {
   MeshDecoder::Reserve reserve;
   MeshDecoder::Done done;
   bool is_large = false;  // takes some 50 ms or more
-  // Processes that ended during this job: killed by someone, and by themselves.
-  int killed = 0, crashed = 0;
+  // Processes that ended during this job: killed by someone, by themselves, and because they did nothing.
+  int killed = 0, crashed = 0, stuck = 0;
 };
 
 // Events since the pool was started.
@@ -80,7 +80,10 @@ class DecoderSlot {
   void Receive();
   bool HandleFrames();
   bool HandleFrame(FrameKind kind, absl::string_view frame);
+  bool HandleDeclaration(absl::string_view frame);
+  void SetLimits(absl::Duration cpu_time);
   void CheckTimes();
+  void GiveUp(bool used_up);
   std::shared_ptr<DecodeJob> HandleEnd(const ProcessEnd& end);
   std::shared_ptr<DecodeJob> HandleLostJob(bool crashed);
   void Finish(absl::StatusOr<DecodedMesh> result);
@@ -94,6 +97,7 @@ class DecoderSlot {
   std::unique_ptr<DecoderProcess> process_;
   std::atomic<pid_t> pid_ = 0;           // for pid()
   bool ready_ = false, killed_ = false;  // the process has said so; this slot has killed it
+  bool stuck_ = false;                   // killed, because it did nothing
   uint64_t idle_bytes_ = 0;              // of address space of the idle process
   absl::Time start_at_ = absl::InfinitePast();
   absl::Time give_up_at_ =
@@ -104,7 +108,9 @@ class DecoderSlot {
   std::shared_ptr<DecodeJob> job_;
   absl::Cord unsent_;
   std::optional<MeshReceiver> receiver_;
+  bool declared_ = false;  // the limits below follow the mesh's declaration
   uint64_t memory_limit_ = 0;
+  absl::Duration cpu_limit_;
   absl::Duration cpu_at_begin_;
   absl::Time check_cpu_at_ = absl::InfiniteFuture();
 

@@ -66,6 +66,10 @@ void SendError(const absl::Status& status) {
 // Sends the mesh on as it is decoded.
 class SendingSink final : public MeshSink {
  public:
+  void Declare(const DeclaredCounts& counts) override {
+    const DeclarationFrame frame{counts.triangles, counts.points};
+    Send(FrameKind::kDeclaration, &frame, sizeof(frame));
+  }
   void Begin(const MeshSize& size) override {
     const MeshFrame frame{size.vertices, size.triangles, size.quantization_bits};
     Send(FrameKind::kMesh, &frame, sizeof(frame));

@@ -16,7 +16,6 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
 #include "server/decode/draco_attributes.h"
-#include "server/decode/draco_header.h"
 
 namespace latvox {
 namespace {
@@ -163,7 +162,9 @@ absl::Status CheckCounts(const draco::Mesh& mesh, const Limits& limits, const Fi
 }
 
 absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, const FieldList& wanted, MeshSink& sink) {
-  if (absl::Status status = CheckDracoHeader(bytes, limits); !status.ok()) return status;
+  const absl::StatusOr<DeclaredCounts> declared = CheckDracoHeader(bytes, limits);
+  if (!declared.ok()) return declared.status();
+  sink.Declare(*declared);
   const absl::StatusOr<std::unique_ptr<draco::Mesh>> mesh = RunDraco(bytes);
   if (!mesh.ok()) return mesh.status();
   if (absl::Status status = CheckCounts(**mesh, limits, wanted); !status.ok()) return status;
@@ -185,6 +186,7 @@ absl::Status DecodeChecked(absl::string_view bytes, const Limits& limits, const 
 class CollectingSink final : public MeshSink {
  public:
   explicit CollectingSink(DecodedMesh& out) : out_(out) {}
+  void Declare(const DeclaredCounts& /*counts*/) override {}
   void Begin(const MeshSize& size) override {
     out_.quantization_bits = size.quantization_bits;
     out_.mesh.vertices.reserve(size.vertices);

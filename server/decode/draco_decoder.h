@@ -12,6 +12,7 @@
 #include "absl/types/span.h"
 #include "core/request/fields.h"
 #include "server/base/limits.h"
+#include "server/decode/draco_header.h"
 #include "server/decode/mesh_decoder.h"
 
 namespace latvox {
@@ -20,12 +21,13 @@ struct MeshSize {
   uint32_t vertices, triangles, quantization_bits;
 };
 
-// Receives a mesh in pieces: Begin, all vertices, all attributes, all triangles. No piece is empty.
+// Receives a mesh in pieces: Declare, Begin, all vertices, all attributes, all triangles. No piece is empty.
 class MeshSink {
  public:
   static constexpr size_t kMaxPiece = 5460;  // elements; 64 KB
 
   virtual ~MeshSink() = default;
+  virtual void Declare(const DeclaredCounts& counts) = 0;  // before the costly part of the decode
   virtual void Begin(const MeshSize& size) = 0;
   virtual void Vertices(absl::Span<const Vec3f> piece) = 0;
   virtual void Attributes(absl::Span<const uint32_t> piece) = 0;  // in the form of TriangleMesh::attributes

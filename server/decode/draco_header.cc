@@ -9,7 +9,6 @@
 
 #include <algorithm>
 
-#include "absl/status/statusor.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/errors.h"
@@ -54,7 +53,7 @@ absl::Status CheckCounts(uint64_t faces, uint64_t points, const Limits& limits) 
   return absl::OkStatus();
 }
 
-absl::Status CheckSequential(draco::DecoderBuffer& buffer, uint64_t size, const Limits& limits) {
+absl::StatusOr<DeclaredCounts> CheckSequential(draco::DecoderBuffer& buffer, uint64_t size, const Limits& limits) {
   uint32_t faces = 0, points = 0;
   constexpr uint16_t kVarintSince = DRACO_BITSTREAM_VERSION(2, 2);
   if (!ReadCount(buffer, kVarintSince, faces) || !ReadCount(buffer, kVarintSince, points)) return Truncated();
@@ -62,10 +61,11 @@ absl::Status CheckSequential(draco::DecoderBuffer& buffer, uint64_t size, const 
   // Draco's own decoder insists on three bytes a face. The cost of points depends on the entropy coding of their
   // attributes.
   if (absl::Status status = CheckProportion("triangles", faces, size / 3); !status.ok()) return status;
-  return CheckProportion("points", points, size * kMaxElementsPerByte);
+  if (absl::Status status = CheckProportion("points", points, size * kMaxElementsPerByte); !status.ok()) return status;
+  return DeclaredCounts{faces, points};
 }
 
-absl::Status CheckEdgebreaker(draco::DecoderBuffer& buffer, uint64_t size, const Limits& limits) {
+absl::StatusOr<DeclaredCounts> CheckEdgebreaker(draco::DecoderBuffer& buffer, uint64_t size, const Limits& limits) {
   uint8_t traversal = 0, extra_attributes = 0;
   uint32_t new_points = 0, points = 0, faces = 0, symbols = 0, splits = 0;
   constexpr uint16_t kVarintSince = DRACO_BITSTREAM_VERSION(2, 0);
@@ -86,7 +86,11 @@ absl::Status CheckEdgebreaker(draco::DecoderBuffer& buffer, uint64_t size, const
   if (absl::Status status = CheckProportion("attributes", extra_attributes, kMaxExtraAttributes); !status.ok()) {
     return status;
   }
-  return CheckProportion("triangles and points", std::max<uint64_t>(faces, all_points), size * kMaxElementsPerByte);
+  const uint64_t most = std::max<uint64_t>(faces, all_points);
+  if (absl::Status status = CheckProportion("triangles and points", most, size * kMaxElementsPerByte); !status.ok()) {
+    return status;
+  }
+  return DeclaredCounts{faces, all_points};
 }
 
 absl::StatusOr<Header> ReadHeader(absl::string_view bytes) {
@@ -102,7 +106,7 @@ absl::StatusOr<Header> ReadHeader(absl::string_view bytes) {
 
 }  // namespace
 
-absl::Status CheckDracoHeader(absl::string_view bytes, const Limits& limits) {
+absl::StatusOr<DeclaredCounts> CheckDracoHeader(absl::string_view bytes, const Limits& limits) {
   const absl::StatusOr<Header> header = ReadHeader(bytes);
   if (!header.ok()) return header.status();
   if (header->type == draco::POINT_CLOUD) return BadMesh("a Draco point cloud, not a triangle mesh");

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "server/base/limits.h"
 
@@ -23,14 +23,18 @@ inline constexpr uint64_t kMaxElementsPerByte = 4096;
 // each.
 inline constexpr uint32_t kMaxExtraAttributes = 16;
 
+// What a Draco mesh declares: its triangles, and the points of its connectivity.
+struct DeclaredCounts {
+  uint64_t triangles = 0, points = 0;
+};
+
 // Checks that `bytes` begin like a Draco triangle mesh, with declared counts within `limits` and in proportion to the
-// number of bytes. Does not check the rest. Errors: INVALID_ARGUMENT (not Draco, not a mesh, truncated, counts out of
-// proportion); RESOURCE_EXHAUSTED (counts over `limits`).
-absl::Status CheckDracoHeader(absl::string_view bytes, const Limits& limits);
+// number of bytes. Returns the counts. Does not check the rest. Errors: INVALID_ARGUMENT (not Draco, not a mesh,
+// truncated, counts out of proportion); RESOURCE_EXHAUSTED (counts over `limits`).
+absl::StatusOr<DeclaredCounts> CheckDracoHeader(absl::string_view bytes, const Limits& limits);
 
 // Returns the number of triangles that a Draco mesh declares in its first kDracoHeadBytes bytes. Returns nothing where
 // metadata come before it, and for bitstreams before 2.2. Reads nothing else, and trusts nothing.
-// before, or in bitstreams before 2.2. Reads nothing else, and believes nothing.
 inline constexpr size_t kDracoHeadBytes = 32;
 std::optional<uint64_t> DeclaredTriangles(absl::string_view head);
 

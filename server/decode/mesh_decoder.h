@@ -26,6 +26,7 @@ struct EncodedMesh {
   absl::Cord bytes;
   FieldList wanted;        // the attributes that the mesh must have
   std::string request_id;  // for the log
+  std::string client;      // clients have turns
 };
 
 // A decode can be interrupted only by ending its process. The header alone does not bound its memory: a hostile file

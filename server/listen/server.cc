@@ -94,12 +94,13 @@ int ThreadsOf(const ServerOptions& options) {
   return share == 0 ? cores : std::min(cores, share);
 }
 
-// As many decoder processes as compute threads, but not many, because one thread receives their meshes. Each may take
-// the memory of the largest mesh. All together may take no more than a third of the default memory budget.
+// As many decoder processes as compute threads, but not many, because one thread receives their meshes. At least two,
+// so that a large mesh does not keep small ones waiting. Each may take the memory of the largest mesh. All together may
+// take no more than a third of the default memory budget.
 DecoderOptions DecodersOf(const ServerOptions& options) {
   constexpr int kMostProcesses = 4;
   DecoderOptions decoder = options.decoder;
-  if (decoder.processes == 0) decoder.processes = std::min(ThreadsOf(options), kMostProcesses);
+  if (decoder.processes == 0) decoder.processes = std::clamp(ThreadsOf(options), 2, kMostProcesses);
   if (decoder.memory == 0) {
     const uint64_t needed = options.limits.max_mesh_bytes + kDecoderBytesPerTriangle * options.limits.max_triangles;
     decoder.memory = std::min(needed, DefaultMemoryOf(options) / 3 / static_cast<uint64_t>(decoder.processes));

@@ -2,6 +2,8 @@
 #ifndef LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_
 #define LATVOX_SERVER_WORK_CALL_ENVIRONMENT_H_
 
+#include <string>
+
 #include "server/base/limits.h"
 
 namespace latvox {
@@ -13,7 +15,7 @@ class MeshDecoder;
 class MeshStore;
 class Metrics;
 
-// The limits are the caller's. The referenced objects must outlive the calls.
+// The limits and the client are the caller's. The referenced objects must outlive the calls.
 struct CallEnvironment {
   Limits limits;
   MeshDecoder& decoder;
@@ -23,6 +25,7 @@ struct CallEnvironment {
   WorkQueue& bulk;   // for longer work
   CallRegistry& registry;
   Metrics& metrics;
+  std::string client = {};  // that the call counts for
 };
 
 }  // namespace latvox

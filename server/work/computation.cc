@@ -21,8 +21,12 @@ constexpr auto kMaxBatchAge = std::chrono::milliseconds(200);
 // The longest time that a computation runs while others wait.
 constexpr auto kSlice = std::chrono::milliseconds(20);
 
-// Returns whether a job takes more than some 50 ms of a core, at 50 ns a triangle and 15 ns a voxel.
-bool LastsLong(uint64_t triangles, double voxels) { return static_cast<double>(triangles) * 50 + voxels * 15 > 50e6; }
+constexpr double kLongMilliseconds = 50;
+
+// Returns whether a job takes more than that on one core, at 50 ns a triangle and 15 ns a visited point.
+bool LastsLong(uint64_t triangles, double visits) {
+  return static_cast<double>(triangles) * 50 + visits * 15 > kLongMilliseconds * 1e6;
+}
 
 absl::Status BadResumePoint(const Vec3i& tile_ijk) {
   const std::string tile = absl::StrJoin(tile_ijk, ",");
@@ -123,7 +127,7 @@ void Computation::Decode(std::function<void(const absl::Status&)> decoded) {
   decode_began_ = Clock::now();
   const std::lock_guard lock(decoding_mu_);
   decoding_ = environment_.decoder.Start(
-      {std::exchange(mesh_, {}), spec_.request.fields, request_id_}, environment_.limits,
+      {std::exchange(mesh_, {}), spec_.request.fields, request_id_, environment_.client}, environment_.limits,
       [this](uint64_t triangles, uint64_t vertices) { return memory_.ReserveDecode(mesh_bytes_, triangles, vertices); },
       [this, decoded = std::move(decoded)](absl::StatusOr<DecodedMesh> mesh) {
         facts_.decode_ms = MillisecondsSince(decode_began_);
@@ -183,12 +187,11 @@ JobEstimate Computation::EstimateJob(const TriangleMesh& mesh, double voxels) co
   return {voxels, crossings, source_.bounds, grid_->lattice.voxel_size()};
 }
 
-absl::Status Computation::CheckVisits(double visits) const {
+absl::Status Computation::CheckVisits(absl::string_view what, double visits) const {
   const uint64_t limit = environment_.limits.max_visited_points;
   if (visits > static_cast<double>(limit)) {
     const auto estimate = static_cast<uint64_t>(std::min(visits, 1e19));
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     absl::StrCat("visited_points (estimated) ", estimate, " exceeds ", limit),
+    return MakeError(absl::StatusCode::kResourceExhausted, absl::StrCat(what, " ", estimate, " exceeds ", limit),
                      {"LIMIT_EXCEEDED", "visited_points", absl::StrCat(estimate), absl::StrCat(limit)});
   }
   return absl::OkStatus();
@@ -207,7 +210,7 @@ absl::Status Computation::CreateJob() {
   if (!grid.ok()) return WithCauseOfCore(grid.status(), spec_.fields);
   grid_ = *std::move(grid);
   const double voxels = EstimateVoxels(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
-  const double visits = EstimateVisits(decoded.mesh, *grid_, spec_.request, voxels, stop_.Signal());
+  const double visits = EstimateVisits(decoded.mesh, decoded.extent, *grid_, spec_.request, stop_.Signal());
   const JobEstimate estimate = EstimateJob(decoded.mesh, voxels);
   VoxelRequest request = spec_.request;
   if (spec_.request.verify) request.part.resume_after.reset();  // verify the whole result
@@ -216,7 +219,7 @@ absl::Status Computation::CreateJob() {
   if (!job.ok()) return WithCauseOfCore(job.status(), spec_.fields);
   job_ = *std::move(job);
   running_ = job_.get();
-  if (absl::Status status = CheckVisits(visits); !status.ok()) return status;
+  if (absl::Status status = CheckVisits("visited_points (estimated)", visits); !status.ok()) return status;
   large_ = LastsLong(facts_.triangles, visits);
   if (absl::Status status = memory_.ReserveJob(estimate); !status.ok()) return status;
   if (spec_.request.part.resume_after && !job_->facts().HasTile(*spec_.request.part.resume_after)) {
@@ -254,6 +257,8 @@ absl::StatusOr<bool> Computation::Advance(const Deliver& deliver, const std::fun
     if (!failure_.ok()) return failure_;
     facts_.voxels = totals().voxels;
     facts_.bricks = totals().bricks;
+    large_ |= facts_.voxelize_ms > kLongMilliseconds;  // whatever the estimate was
+    if (absl::Status status = CheckVisits("voxels", static_cast<double>(facts_.voxels)); !status.ok()) return status;
     paused_at_ = Clock::now();
     if (!*done) return false;
     if (absl::Status status = DeliverSummary(deliver); !status.ok()) return status;

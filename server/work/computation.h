@@ -55,7 +55,8 @@ class Computation {
   // MeshDecoder::Done.
   void Decode(std::function<void(const absl::Status&)> decoded);
 
-  // Whether the next steps will take long. Call it after a successful decode.
+  // Whether the next steps will take long: by the estimate, or because the earlier ones did. Call it after a successful
+  // decode.
   bool IsLarge() const { return large_; }
 
   // Delivers Accepted. Call it once, after a successful decode. Errors: as the contract; CANCELLED after Cancel.
@@ -86,7 +87,7 @@ class Computation {
   absl::Status ReserveForJob(const TriangleMesh& mesh);
   void ShareIfItComesAgain();
   JobEstimate EstimateJob(const TriangleMesh& mesh, double voxels) const;
-  absl::Status CheckVisits(double visits) const;
+  absl::Status CheckVisits(absl::string_view what, double visits) const;
   absl::Status CreateJob();
   bool HandleTile(const TileBricks& tile, const Deliver& deliver);
   bool DeliversTheEndOnly() const;

@@ -59,7 +59,7 @@ class Far(Case):
         gltf(far["gltf"], vertices, triangles, AWAY)
         origin = ",".join(map(repr, AWAY))
         for lattice in ("cartesian", "bcc", "fcc", "hexagonal"):
-            options = ["--lattice", lattice, "--voxel-size", "0.01", "--quantization", "0"]
+            options = ["--lattice", lattice, "--voxel-size", "0.01"]
             wanted = self.voxelize(near, *options, "--origin", "0,0,0")
             for name, path in far.items():
                 with self.subTest(lattice=lattice, format=name):
@@ -76,19 +76,11 @@ class Far(Case):
                 lines += ["v %r %r %r %r %r 0.5" % (x + by[0] + 3 * part, y + by[1], z + by[2], part, n / 5) for n, (x, y, z) in enumerate(vertices)]
                 lines += ["f %d %d %d" % tuple(n + 1 + 6 * part for n in t) for t in triangles]
             (self.dir / f"{name}.obj").write_text("\n".join(lines) + "\n")
-        options = ["--voxel-size", "0.125", "--quantization", "0", "--attributes", "part,color"]
+        options = ["--voxel-size", "0.125", "--attributes", "part,color"]
         near = self.voxelize(self.dir / "near.obj", *options, "--origin=0,0,0")
         far = self.voxelize(self.dir / "far.obj", *options, "--origin=" + ",".join(map(repr, AWAY)))
         self.assertGreater(near["voxels"], 1000)
         self.assertEqual((near["digest"], near["attributes"]), (far["digest"], far["attributes"]))
-
-    def test_far_from_0_doubles_are_sent_by_default_and_near_it_a_small_stream(self):
-        vertices, triangles = bunny()
-        for name, positions, bits in (("far", moved(vertices), 0), ("near", vertices, 16)):
-            path = self.dir / f"{name}.obj"
-            obj(path, positions, triangles)
-            found = self.voxelize(path, "--resolution", "128")
-            self.assertEqual(found["certificate"]["quantization_bits"], bits, name)
 
 
 if __name__ == "__main__":

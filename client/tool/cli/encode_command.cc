@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/mesh/mesh_encoder.h"
+#include "client/mesh/raw_mesh.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/common_options.h"
@@ -57,7 +58,12 @@ absl::StatusOr<std::string> RunEncode(const EncodeWords& words, const MeshSource
   const auto mesh = std::make_shared<const Mesh>(*std::move(read));
   ProgressBar bar;
   const auto say = [&bar](const std::string& line) { bar.Say("latvox: " + line); };
-  if (auto status = Warn(mesh->warnings, words.strict, say); !status.ok()) return status;
+  constexpr int kFineBits = 20;  // half of a step of 2048 voxels' snapping
+  std::vector<Warning> warnings = mesh->warnings;
+  if (auto rounding = WarningOfRounding(*mesh, words.quantization > 0 ? words.quantization : kFineBits)) {
+    warnings.push_back(*std::move(rounding));
+  }
+  if (auto status = Warn(warnings, words.strict, say); !status.ok()) return status;
   const auto encode = [mesh, bits = words.quantization] { return EncodeMesh(*mesh, bits); };
   const auto encoded = DoAbandonably(encode, call);
   if (!encoded.ok()) return encoded.status();

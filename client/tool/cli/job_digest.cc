@@ -106,6 +106,7 @@ absl::StatusOr<std::string> JobDigest(const Job& job) {
   if (input.format) json["input_format"] = static_cast<int>(*input.format);
   if (job.options.output_options.picture_up != UpAxis::kY) json["picture_up"] = "z";
   if (job.options.output_options.dense_npy) json["npy"] = "dense";
+  if (job.options.upload != UploadForm::kAuto) json["upload"] = static_cast<int>(job.options.upload);
   if (job.options.strict) json["strict"] = true;
   if (job.options.weld_report) json["weld_report"] = true;
   // Names may not be UTF-8.

@@ -38,6 +38,7 @@ constexpr std::pair<const char*, Kind> kFields[] = {
     {"band", Kind::kNumberOrText},
     {"signed", Kind::kFlag},
     {"attributes", Kind::kTexts},
+    {"upload", Kind::kText},
     {"quantization", Kind::kNumberOrText},
     {"verify", Kind::kFlag},
     {"region", Kind::kNumbers},

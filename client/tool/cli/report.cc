@@ -163,9 +163,13 @@ Json SummaryJson(const VoxelizeReport& report) {
   if (const auto& shard = summary.certificate.shard) json["shard"] = {{"index", shard->index}, {"count", shard->count}};
   if (const auto& band = summary.certificate.band) json["band"] = BandJson(*band);
   if (const auto& carried = summary.certificate.attributes) json["attributes"] = AttributesJson(*carried, report.names);
-  json["timings_ms"] = {{"encode", report.encode_ms},          {"upload", summary.timings.upload_ms},
-                        {"decode", summary.timings.decode_ms}, {"voxelize", summary.timings.voxelize_ms},
-                        {"stream", summary.timings.stream_ms}, {"total", report.total_ms}};
+  json["timings_ms"] = {{"read", report.read_ms},
+                        {"encode", report.encode_ms},
+                        {"upload", summary.timings.upload_ms},
+                        {"decode", summary.timings.decode_ms},
+                        {"voxelize", summary.timings.voxelize_ms},
+                        {"stream", summary.timings.stream_ms},
+                        {"total", report.total_ms}};
   json["bytes"] = {{"sent", summary.bytes_sent}, {"received", summary.bytes_received}};
   json["resumed"] = summary.resumed;
   json["mesh"] = {{"triangles", mesh.triangles},

@@ -24,7 +24,7 @@ struct VoxelizeReport {
   std::optional<uint32_t> default_resolution;  // if the request states no size
   uint64_t skipped = 0;                        // points and lines of the mesh file
   std::optional<WeldReport> weld;              // if requested
-  double encode_ms = 0;                        // reading and encoding the mesh
+  double read_ms = 0, encode_ms = 0;           // of the mesh
   double total_ms = 0;                         // the whole command
   CarriedNames names;                          // of the attributes that the voxels carry
 };

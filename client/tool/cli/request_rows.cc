@@ -196,11 +196,19 @@ Rows VoxelRows(VoxelizeWords& words) {
 
 Rows TransferRows(VoxelizeWords& words) {
   return {
+      {.names = "--upload",
+       .target = &words.upload,
+       .help = "Form of the mesh on its way to the server; auto is draco where a network is in between, otherwise raw",
+       .group = "Transfer",
+       .words = WordsOf(UploadNames()),
+       .word_help = {"raw for a private server, a Unix socket and loopback", "plain arrays, exact",
+                     "compressed by Draco, for networks"},
+       .standard = "auto"},
       {.names = "--quantization",
        .target = &words.quantization,
-       .help = "Bits of a position's coordinate in the upload, 0 (exact) to 30; auto is fine enough for the resolution",
+       .help = "Bits of a position's coordinate in a Draco stream, 0 (exact) to 30; auto is fine enough for the "
+               "resolution",
        .value = "auto|BITS",
-       .group = "Transfer",
        .checks = {{CheckQuantization}},
        .standard = "auto"},
       {.names = "--encoding",

@@ -34,6 +34,12 @@ const Names<Cover>& CoverNames() {
   return *kNames;
 }
 
+const Names<UploadForm>& UploadNames() {
+  static const auto* const kNames =
+      new Names<UploadForm>{{"auto", UploadForm::kAuto}, {"raw", UploadForm::kRaw}, {"draco", UploadForm::kDraco}};
+  return *kNames;
+}
+
 const Names<BrickEncoding>& EncodingNames() {
   static const auto* const kNames = new Names<BrickEncoding>{{"packed", BrickEncoding::kPacked},
                                                              {"packed-zstd", BrickEncoding::kPackedZstd},

@@ -7,12 +7,16 @@
 
 namespace latvox::client {
 
+// How the mesh goes to the server: as plain arrays, or as a Draco stream. See PrepareUpload.
+enum class UploadForm { kAuto, kRaw, kDraco };
+
 // The first name is the default.
 const Names<NamedLattice>& LatticeNames();
 const Names<Algorithm>& AlgorithmNames();
 const Names<InteriorRule>& RuleNames();
 const Names<Placement>& PlacementNames();  // the default depends on the set
 const Names<Cover>& CoverNames();
+const Names<UploadForm>& UploadNames();
 const Names<BrickEncoding>& EncodingNames();
 
 }  // namespace latvox::client

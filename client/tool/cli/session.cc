@@ -1,13 +1,18 @@
 #include "client/tool/cli/session.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/string_view.h"
+#include "client/internal/address.h"
 
 namespace latvox::client {
 namespace {
@@ -32,6 +37,12 @@ std::string EnvironmentValue(const char* name) {
 }
 
 }  // namespace
+
+bool HasNetwork(const ServerChoice& choice) {
+  if (choice.address.empty()) return false;
+  const std::vector<absl::string_view> addresses = absl::StrSplit(choice.address, ',');
+  return !std::all_of(addresses.begin(), addresses.end(), IsLocalAddress);
+}
 
 absl::Status Session::StartPrivate(const ServerChoice& choice, const CallOptions& options) {
   auto server = PrivateServer::Start({.threads = choice.threads}, options, [this](const std::string& path) {

@@ -24,6 +24,9 @@ struct ServerChoice {
   std::optional<int> retries;  // for a named server; a private one that died does not come back
 };
 
+// Returns whether a network may be between this program and its server: an address is not a Unix socket or loopback.
+bool HasNetwork(const ServerChoice& choice);
+
 class Session {
  public:
   // Connects. Without an address, starts a private server first and prints a line about it on standard error.

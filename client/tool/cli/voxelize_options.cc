@@ -188,6 +188,14 @@ void AddVoxelizeOptions(CommandParser& command, VoxelizeWords& words) {
   AddServerOptions(command, words.options.server);
 }
 
+void InterpretUpload(const VoxelizeWords& words, VoxelizeOptions& options) {
+  options.upload = ValueNamed(UploadNames(), words.upload);
+  if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
+  if (options.upload == UploadForm::kRaw && options.quantization_bits.value_or(0) > 0) {
+    Refuse("--quantization: ", words.quantization, " needs --upload draco; raw positions are exact");
+  }
+}
+
 VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   VoxelizeOptions options = words.options;
   VoxelizeRequest& request = options.request;
@@ -210,7 +218,7 @@ VoxelizeOptions InterpretRequest(const VoxelizeWords& words) {
   if (!words.up_axis.empty()) options.output_options.picture_up = UpAxis::kZ;
   InterpretBand(words, options);
   InterpretAttributes(words, options);
-  if (words.quantization != "auto") ParseNumber(words.quantization, options.quantization_bits.emplace());
+  InterpretUpload(words, options);
   options.output_options.note = NoteOf(options, words);
   options.output_options.make_page = ViewPage;
   if (words.basis.empty() && options.align.empty() && words.voxel_size.empty() && !request.resolution) {

@@ -9,6 +9,7 @@
 
 #include "client/mesh_files/mesh_source.h"
 #include "client/tool/cli/mesh_options.h"
+#include "client/tool/cli/request_words.h"
 #include "client/tool/cli/session.h"
 #include "client/tool/output/output.h"
 #include "deploy/manual/command_parser.h"
@@ -26,6 +27,7 @@ struct VoxelizeOptions {
   OutputOptions output_options;
   VoxelizeRequest request;
   bool has_default_resolution = false;
+  UploadForm upload = UploadForm::kAuto;
   std::optional<int> quantization_bits;  // absent: auto
   std::string align;                     // .vdb file whose grid the request uses; empty: none
   bool strict = false;                   // a warning is an error
@@ -37,8 +39,8 @@ struct VoxelizeOptions {
 struct VoxelizeWords : MeshWords {
   VoxelizeOptions options;  // partly filled by parsing
   std::string lattice, basis, voxel_size, resolution, origin, region, bounds, shard, quantization = "auto";
-  std::string output_format, npy, separability, algorithm, encoding, fill, interior_rule, placement, cover, band,
-      attributes;
+  std::string output_format, npy, separability, algorithm, upload, encoding, fill, interior_rule, placement, cover,
+      band, attributes;
   bool without_surface = false, force_open = false, is_signed = false;
   std::optional<bool> minimal;
 };

@@ -326,7 +326,7 @@ TEST(Band, IsEstimatedFromTheAreaAndTheWidth) {
       const auto voxels = static_cast<double>(Voxelize(mesh, grid, options).totals.voxels);
       const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, *MakeRequest(options));
       EXPECT_NEAR(estimate, voxels, 0.1 * voxels);
-      EXPECT_GT(EstimateVisits(mesh, grid, *MakeRequest(options), estimate), voxels);
+      EXPECT_GT(EstimateVisits(mesh, ExtentOf(mesh), grid, *MakeRequest(options)), voxels);
     }
   }
 }

@@ -264,7 +264,7 @@ TEST(Supercover, IsEstimatedToHaveNoFewerVoxelsThanItHas) {
       const VoxelizeOptions options{.cover = Cover::kSupercover};
       const double voxels = EstimateVoxels(sphere, ExtentOf(sphere), Unscaled(lattice), *MakeRequest(options));
       EXPECT_GE(voxels, static_cast<double>(Cover(sphere, lattice).totals.voxels));
-      EXPECT_GT(EstimateVisits(sphere, Unscaled(lattice), *MakeRequest(options), voxels), voxels);
+      EXPECT_GT(EstimateVisits(sphere, ExtentOf(sphere), Unscaled(lattice), *MakeRequest(options)), voxels);
     }
   }
 }

@@ -1,0 +1,66 @@
+"""The bill of materials: every library of the programs, with version, licenses and package URL."""
+
+import json
+import pathlib
+import re
+import subprocess
+import unittest
+
+from harness import BIN, PATIENCE, Case
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAMS = [BIN / "latvox", BIN / "latvoxd"]
+
+
+def sbom(*words):
+    return subprocess.run([ROOT / "deploy/sbom", *words], capture_output=True, text=True, timeout=PATIENCE)
+
+
+class Sbom(Case):
+    @classmethod
+    def setUpClass(cls):
+        done = sbom("--static", "openvdb=10.0.1=MPL-2.0", *PROGRAMS)
+        assert done.returncode == 0, done.stderr
+        cls.document = json.loads(done.stdout)
+        cls.packages = {package["name"]: package for package in cls.document["packages"]}
+
+    def test_every_library_has_its_package_with_the_installed_version(self):
+        for name, package in self.packages.items():
+            if package["supplier"] != "Organization: Debian":
+                continue
+            version = subprocess.run(["dpkg-query", "-W", "-f=${Version}\n", name], capture_output=True, text=True).stdout
+            self.assertIn(package["versionInfo"], version.split(), name)
+        listed = subprocess.run(["ldd", *PROGRAMS], capture_output=True, text=True, check=True).stdout
+        self.assertGreater(len(self.packages), 20)
+        for library, name in (("libgrpc++", "libgrpc++1.51"), ("libssl", "libssl3"), ("libc.so", "libc6"), ("libtbb", "libtbb12")):
+            self.assertIn(library, listed)
+            self.assertIn(name, self.packages)
+
+    def test_references_and_licenses_are_whole(self):
+        known = {package["SPDXID"] for package in self.document["packages"]} | {"SPDXRef-DOCUMENT"}
+        self.assertEqual(len(known), len(self.document["packages"]) + 1, "two packages have one name")
+        for relation in self.document["relationships"]:
+            self.assertIn(relation["spdxElementId"], known)
+            self.assertIn(relation["relatedSpdxElement"], known)
+        named = set(re.findall(r"LicenseRef-[A-Za-z0-9.-]+", json.dumps(self.document["packages"])))
+        self.assertEqual(named, {info["licenseId"] for info in self.document["hasExtractedLicensingInfos"]})
+        self.assertIn("BSD-3-Clause", self.packages["libprotobuf32"]["licenseDeclared"].split(" AND "))
+
+    def test_what_a_program_holds_in_itself_is_listed(self):
+        three = self.packages["three"]
+        bundle = (ROOT / "client/tool/view/three.js").read_text()
+        self.assertIn(f'"{three["versionInfo"].split(".")[1]}"', bundle)  # the revision that it tells
+        self.assertEqual((three["licenseDeclared"], three["checksums"][0]["algorithm"]), ("MIT", "SHA512"))
+        static = [r["relatedSpdxElement"] for r in self.document["relationships"] if r["relationshipType"] == "STATIC_LINK"]
+        self.assertEqual(static, [self.packages["openvdb"]["SPDXID"]])
+
+    def test_bad_words_are_refused(self):
+        for words, says in (((), "the following arguments are required: programs"), (("nowhere",), "nowhere: no such file"),
+                            (("--static", "x", PROGRAMS[0]), "--static: x is not NAME=VERSION=LICENSE")):
+            done = sbom(*words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(says, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
