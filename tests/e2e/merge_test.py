@@ -175,12 +175,17 @@ class Failures(MergeCase):
             ("lattice", ["--lattice", "fcc", "--resolution", "64"], "other.vdb: the transform is .*, but .* in .*part0.vdb"),
             ("separability", [*self.OPTIONS, "--separability", "2"], "other.vdb: latvox_separability is 2, but 0 in .*part0.vdb"),
             ("origin", [*self.OPTIONS, "--origin", "0,0,0"], "other.vdb: the transform is .*, but .* in .*part0.vdb"),
-            ("bits", [*self.OPTIONS, "--quantization", "9"], "latvox_quantization_bits is 9, but "),
             ("algorithm", [*self.OPTIONS, "--algorithm", "incremental"], "latvox_algorithm is incremental, but exact in "),
         ):
             with self.subTest(name):
                 self.voxelize(BUNNY, *options, out="other.vdb")
                 self.bad(a, b, self.dir / "other.vdb", code=BAD_INPUT, says=says)
+
+    def test_a_part_of_a_rounded_mesh_does_not_belong_to_parts_of_the_mesh(self):
+        grid = ["--voxel-size", "0.04", "--origin", "0,0,0"]
+        a, b = self.parts(slabs(0, 0), *grid)
+        self.voxelize(BUNNY, *grid, "--quantization", "9", out="other.vdb")
+        self.bad(a, b, self.dir / "other.vdb", code=BAD_INPUT, says="latvox_quantization_bits is 9, but ")
 
     def test_shards_that_are_missing_or_given_twice(self):
         paths = self.parts(shards(4), *self.OPTIONS)
