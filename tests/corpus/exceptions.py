@@ -1,10 +1,15 @@
 """The differences that have a reason: the list `exceptions`."""
 
 import dataclasses
-import fnmatch
 import pathlib
+import re
 
 HERE = pathlib.Path(__file__).resolve().parent
+
+
+def matches(pattern, text):
+    """Returns whether they are equal; * stands for any text."""
+    return re.fullmatch(".*".join(re.escape(part) for part in pattern.split("*")), text, re.DOTALL) is not None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -14,10 +19,10 @@ class Entry:
     reason: str
 
     def names(self, file):
-        return fnmatch.fnmatchcase(str(file), self.files)
+        return matches(self.files, str(file))
 
     def explains(self, difference):
-        return difference is not None and fnmatch.fnmatchcase(difference, self.expected)
+        return difference is not None and matches(self.expected, difference)
 
 
 def parse(text):

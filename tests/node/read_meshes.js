@@ -19,7 +19,12 @@ import { readGltf } from './read_gltf.js';
 
 // three.js expects a browser, which has XML and pictures. Pictures don't matter here.
 globalThis.self = globalThis;
-globalThis.DOMParser = DOMParser;
+// A browser finds elements by their names without a prefix, but linkedom by whole names.
+globalThis.DOMParser = class extends DOMParser {
+  parseFromString(text, type) {
+    return super.parseFromString(text.replace(/<(\/?)[\w.-]+:/g, '<$1'), type);
+  }
+};
 THREE.TextureLoader.prototype.load = () => new THREE.Texture();
 for (const level of ['log', 'warn', 'error']) console[level] = () => {};
 
@@ -40,7 +45,8 @@ function readMaterials(text, folder) {
 }
 
 function readObj(bytes, folder) {
-  const text = bytes.toString('latin1');
+  // three.js makes an object with a line or a point lines or points only. They have no triangles, so leave them out.
+  const text = bytes.toString('latin1').replace(/^[ \t]*[lp][ \t].*$/gm, '');
   const materials = readMaterials(text, folder);
   const root = new OBJLoader().setMaterials(materials).parse(text);
   const isColored = (material) => materials.materialsInfo[material.name]?.kd !== undefined;
