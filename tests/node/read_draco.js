@@ -20,11 +20,11 @@ export function decodeDraco(bytes, ids, types) {
     const size = attribute.num_components();
     const count = mesh.num_points() * size;
     const values = new draco.DracoFloat32Array();
-    // Floats lose nothing of bytes and shorts; what is wider has no other use in a glTF file.
+    // Draco scales normalized attributes to floats from 0 to 1. Bytes and shorts lose nothing as floats.
     decoder.GetAttributeFloatForAllPoints(mesh, attribute, values);
-    const Type = types[name] ?? Float32Array;
+    const Type = attribute.normalized() ? Float32Array : types[name] ?? Float32Array;
     const array = Type.from({ length: count }, (_, n) => values.GetValue(n));
-    geometry.setAttribute(name, new THREE.BufferAttribute(array, size, attribute.normalized()));
+    geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
   }
   const triangles = mesh.num_faces();
   const size = triangles * 3 * 4;
