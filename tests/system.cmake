@@ -1,6 +1,7 @@
 # Tests of the finished programs, seen from outside; no C++ here.
 #   arm        the kernels compile for ARM; needs a cross compiler
 #   bench      the interface of latvox_bench that scripts use
+#   corpus     meshes of installed packages, compared with readers of others
 #   layering   who depends on whom
 #   prose      the English of pages and comments
 #   node       an independent client, from the protocol file alone
@@ -24,6 +25,7 @@ endif()
 if(NOT latvox_sanitized)
   latvox_add_system_test(arm "${latvox_python};arm/compile_test.py" SKIP_RETURN_CODE 77 LABELS slow)
   latvox_add_system_test(bench "${latvox_python};bench/bench_test.py")
+  latvox_add_system_test(corpus "${latvox_python};corpus/corpus_test.py")
   latvox_add_system_test(deploy.kubernetes "node;--test;deploy/kubernetes/manifests.test.js")
   latvox_add_system_test(deploy.kustomize "node;deploy/kubernetes/kustomize.test.js" SKIP_RETURN_CODE 77)
   latvox_add_system_test(deploy.scale "${latvox_python};deploy/scale_test.py")

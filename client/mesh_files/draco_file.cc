@@ -7,8 +7,10 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "absl/strings/str_cat.h"
+#include "client/mesh/mesh_attributes.h"
 #include "client/mesh_files/bad.h"
 
 namespace latvox::client {
@@ -34,6 +36,26 @@ absl::StatusOr<DracoNumbers> ReadDracoNumbers(const draco::Mesh& decoded, uint32
     }
   }
   return numbers;
+}
+
+// Reads colors as the server does when it takes the stream as it is.
+void ReadColors(const draco::Mesh& decoded, Mesh& mesh) {
+  const draco::PointAttribute* colors = decoded.GetNamedAttribute(draco::GeometryAttribute::COLOR);
+  if (colors == nullptr) return;
+  if (colors->num_components() < 3) {
+    mesh.no_color = absl::StrCat("colors have ", colors->num_components(), " components, not 3 or more");
+    return;
+  }
+  const auto numbers = ReadDracoNumbers(decoded, colors->unique_id());
+  if (!numbers.ok()) {
+    mesh.no_color = std::string(numbers.status().message());
+    return;
+  }
+  for (size_t at = 0; at < numbers->values.size(); at += numbers->components) {
+    std::array<float, 3> rgb;
+    for (size_t n = 0; n < 3; ++n) rgb[n] = static_cast<float>(numbers->values[at + n] / numbers->full);
+    mesh.colors.push_back(ToColor(rgb.data()));
+  }
 }
 
 absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids, std::vector<DracoNumbers>* numbers) {
@@ -63,6 +85,7 @@ absl::StatusOr<Mesh> FromDraco(const draco::Mesh& decoded, const DracoIds& ids, 
       }
     }
   }
+  if (!ids.positions) ReadColors(decoded, mesh);
   for (const uint32_t id : ids.numbers) {
     auto read = ReadDracoNumbers(decoded, id);
     if (!read.ok()) return read.status();

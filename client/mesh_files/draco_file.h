@@ -25,7 +25,8 @@ struct DracoNumbers {
   std::vector<double> values = {};
 };
 
-// Reads positions and triangles of a Draco mesh, and writes the numbers of ids.numbers, in their order. Draco may take
+// Reads positions and triangles of a Draco mesh, and writes the numbers of ids.numbers, in their order. Without
+// ids.positions, the mesh has the colors that the stream marks as such, clamped to 0 and full intensity. Draco may take
 // much time and memory before it reports a damaged stream. Errors: INVALID_ARGUMENT: not a Draco mesh, positions that
 // are not three floats, a vertex that is not finite or has no number of an attribute, an index out of range;
 // RESOURCE_EXHAUSTED (memory).

@@ -55,7 +55,7 @@ bool LeavesTrianglesAlone(absl::string_view extension) {
                                                "MSFT_packing_",
                                                "KHR_lights_",
                                                "EXT_lights_",
-                                               "KHR_techniques_",
+                                               "KHR_technique",  // and its draft, without the s
                                                "KHR_xmp",
                                                "KHR_animation_pointer",
                                                "EXT_mesh_features",

@@ -21,6 +21,7 @@ namespace latvox::client {
 namespace {
 
 constexpr size_t kHead = 84, kTriangle = 50, kNormal = 12;
+constexpr Color kUncolored{255, 255, 255};
 constexpr uint32_t kMostTriangles = UINT32_MAX / 3;
 
 uint32_t DeclaredTriangles(absl::string_view bytes) {
@@ -38,6 +39,27 @@ bool AreSolids(absl::string_view bytes) {
     bytes.remove_prefix(Length(bytes));
   }
   return bytes.empty();
+}
+
+// The colors of binary files have no specification. These are Materialise Magics' ones, which Autodesk's programs
+// write, too: the header marks them. VisCAM's ones are in the same bits in another order, without a mark.
+std::optional<Color> ColorOfSolid(absl::string_view bytes) {
+  constexpr absl::string_view kMark = "COLOR=";
+  const absl::string_view header = bytes.substr(0, kHead - 4);
+  const size_t at = header.find(kMark);
+  if (at == absl::string_view::npos || at + kMark.size() + 4 > header.size()) return std::nullopt;
+  Color color;
+  std::memcpy(color.data(), header.data() + at + kMark.size(), color.size());
+  return color;
+}
+
+// Returns the triangle's own color, or that of its solid.
+Color ColorOfTriangle(absl::string_view triangle, const Color& of_solid) {
+  uint16_t bits;
+  std::memcpy(&bits, triangle.data() + kTriangle - sizeof(bits), sizeof(bits));
+  if ((bits & 0x8000) != 0) return of_solid;
+  const auto byte = [&](unsigned shift) { return static_cast<uint8_t>((((bits >> shift) & 31U) * 255 + 15) / 31); };
+  return {byte(0), byte(5), byte(10)};
 }
 
 // Appends triangle t, or reports it to `bad`.
@@ -58,10 +80,13 @@ absl::Status ReadTriangle(absl::string_view bytes, uint64_t t, BadElements& bad,
 // Reads the triangles of one solid. Those of the file are counted on from `before`.
 absl::Status ReadSolid(absl::string_view bytes, uint64_t triangles, uint64_t before, BadElements& bad, Mesh& mesh) {
   if (before + triangles > kMostTriangles) return Bad(before + triangles, " triangles exceed ", kMostTriangles);
+  const auto color = ColorOfSolid(bytes);
+  if (color) mesh.colors.resize(mesh.positions.size(), kUncolored);
   for (uint64_t t = 0; t < triangles; ++t) {
     const absl::string_view rest = bytes.substr(std::min<uint64_t>(bytes.size(), kHead + kTriangle * t));
     if (rest.size() < kTriangle) return Bad("ends within triangle ", t, " of ", triangles);
     if (auto status = ReadTriangle(rest, before + t, bad, mesh); !status.ok()) return status;
+    if (color) mesh.colors.resize(mesh.positions.size(), ColorOfTriangle(rest, *color));
   }
   return absl::OkStatus();
 }
@@ -86,9 +111,10 @@ absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes, const ParseOptions& op
     if (auto status = ReadSolid(bytes, *streamed, 0, bad, mesh); !status.ok()) return status;
     bytes = "";
   }
-  size_t solids = 0;
+  size_t solids = 0, bare = 0;
   for (; solids == 0 ? !bytes.empty() : !bytes.empty() && AreSolids(bytes); ++solids) {
     const uint64_t triangles = DeclaredTriangles(bytes);
+    if (!ColorOfSolid(bytes)) bare += triangles;
     if (solids > 0) BeginStretch(NextPart(mesh), std::nullopt, mesh);
     if (auto status = ReadSolid(bytes, triangles, before, bad, mesh); !status.ok()) return status;
     before += triangles;
@@ -99,6 +125,11 @@ absl::StatusOr<Mesh> ParseBinary(absl::string_view bytes, const ParseOptions& op
   }
   if (!bytes.empty()) {
     mesh.warnings.push_back({"TRAILING_DATA", absl::StrCat(bytes.size(), " bytes after the triangles are ignored")});
+  }
+  if (!mesh.colors.empty() && bare > 0) {
+    mesh.colors.resize(mesh.positions.size(), kUncolored);
+    mesh.warnings.push_back(
+        {"PARTIAL_COLORS", absl::StrCat(bare, " of ", before, " triangles have no color, and are white")});
   }
   bad.Report(mesh);
   return mesh;

@@ -15,7 +15,8 @@ bool IsBinaryStl(absl::string_view bytes);
 // Reads an STL file's bytes, binary or text, with one or more solids. A file is text if it begins with "solid", and has
 // words of facets before the first zero byte. Each solid is a part. Each triangle has its own vertices. Positions are
 // the float32 of the file, or the doubles nearest to its decimal text. Normals are ignored, as are unknown words after
-// "endloop" and "endfacet". Warnings:
+// "endloop" and "endfacet". Binary solids have colors if their headers contain "COLOR=" and four bytes. Warnings:
+//   PARTIAL_COLORS    some binary solids have colors, and the others are white
 //   NO_COUNT          binary, with a count of 0 or 2^32 - 1, which the length replaces
 //   SEVERAL_SOLIDS    binary solids behind one another; all are read
 //   NO_END            text without "endsolid"

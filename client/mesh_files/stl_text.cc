@@ -82,8 +82,7 @@ class StlTextReader {
       words_.TakeLine();
     } else if (statement == "facet" || statement == "outer") {
       open_ = true;
-      // Skips the normal, which nothing uses, and "loop".
-      for (int more = statement == "facet" ? 4 : 1; more > 0; --more) words_.Next();
+      SkipUnused(statement == "facet" ? 4 : 1);
       commented_ = words_.line();
     } else if (statement == "vertex") {
       return ReadVertex();
@@ -99,9 +98,19 @@ class StlTextReader {
     return absl::OkStatus();
   }
 
+  // Skips the words of a normal, which nothing uses, or "loop". Some of them may be missing.
+  void SkipUnused(int most) {
+    for (; most > 0; --most) {
+      const absl::string_view word = words_.Next();
+      if (!IsKeyword(word)) continue;
+      words_.PutBack(word);
+      break;
+    }
+  }
+
   static bool IsKeyword(absl::string_view word) {
     const std::string lower = absl::AsciiStrToLower(word);
-    return lower == "vertex" || lower == "endloop" || lower == "endfacet" || lower == "endsolid";
+    return lower == "outer" || lower == "vertex" || lower == "endloop" || lower == "endfacet" || lower == "endsolid";
   }
 
   absl::Status ReadVertex() {

@@ -1,5 +1,6 @@
 """`latvox info` tells the facts of every file that latvox writes and of every mesh that it reads, and refuses others."""
 
+import gzip
 import json
 import resource
 import struct
@@ -107,6 +108,22 @@ class Info(Case):
             self.assertEqual(facts["bounds"], {"min": [-9, -9, -9], "max": [9, 9, 9]}, name)
         self.assertEqual(self.info("m.glb")["triangles"], self.info("a.glb")["triangles"])
         self.assertNotIn("voxels", self.info("m.glb"))
+
+    def test_a_mesh_tells_its_colors_and_warnings(self):
+        corners = ["0 0 0 1 0 0", "1 0 0 0 1 0", "0 1 0 0 0 0.2", "5 5 5 1 1 1"]
+        (self.dir / "c.obj").write_text("".join(f"v {corner}\n" for corner in corners) + "f 1 2 3\nl 1 2\n")
+        facts = self.info("c.obj")
+        self.assertEqual(facts["colors"], {"min": [0, 0, 0], "max": [255, 255, 51]})
+        self.assertEqual(facts["mean_color"], [85, 85, 17])
+        self.assertEqual([warning["code"] for warning in facts["warnings"]], ["SKIPPED_ELEMENTS"])
+        self.assertIn(facts["warnings"][0]["message"], latvox("info", self.dir / "c.obj").stdout)
+        facts = self.info("m.obj")
+        self.assertEqual((facts["colors"], facts["mean_color"], facts["warnings"]), (None, None, []))
+
+    def test_a_mesh_may_have_gzip(self):
+        (self.dir / "m.obj.gz").write_bytes(gzip.compress(self.mesh.read_bytes()))
+        plain, packed = self.info("m.obj"), self.info("m.obj.gz")
+        self.assertEqual((packed["format"], packed["triangles"], packed["bounds"]), ("obj", 8, plain["bounds"]))
 
     def test_others_are_refused(self):
         for name, says in (("x.txt", 'extension ".txt" is not one of .vdb .nvdb .csv .npy .npz'), ("x", 'extension "" is not one of')):

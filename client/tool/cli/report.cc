@@ -4,6 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/json/json.h"
+#include "client/json/warning_json.h"
 #include "client/tool/cli/exit_status.h"
 #include "latvox/error.h"
 
@@ -119,14 +120,6 @@ Json ErrorJson(const absl::Status& error) {
 }
 
 Json BoxJson(const std::optional<IndexBox>& box) { return box ? Json{{"min", box->min}, {"max", box->max}} : Json(); }
-
-Json WarningsJson(const std::vector<Warning>& warnings) {
-  Json list = Json::array();
-  for (const auto& [code, message, element] : warnings) {
-    list.push_back({{"code", code}, {"message", message}, {"element", element}});
-  }
-  return list;
-}
 
 Json WeldJson(const WeldReport& weld) {
   return {{"vertices", weld.vertices},

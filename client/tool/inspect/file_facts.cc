@@ -1,6 +1,8 @@
 #include "client/tool/inspect/file_facts.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -12,7 +14,9 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "client/json/warning_json.h"
 #include "client/mesh_files/mesh_file.h"
+#include "client/mesh_files/mesh_format.h"
 #include "client/tool/inspect/array_facts.h"
 #include "client/tool/inspect/box_facts.h"
 #include "client/tool/inspect/extent.h"
@@ -22,13 +26,37 @@
 namespace latvox::client {
 namespace {
 
-absl::StatusOr<Json> MeshFacts(const std::string& path) {
+// Describes the colors at the corners of triangles, so it does not matter how often a vertex is written.
+struct ColorFacts {
+  explicit ColorFacts(const Mesh& mesh) {
+    if (mesh.colors.size() != mesh.positions.size() || mesh.triangles.empty()) return;
+    Extent<uint8_t> extent;
+    std::array<uint64_t, 3> sums{};
+    for (const auto& triangle : mesh.triangles) {
+      for (const uint32_t vertex : triangle) {
+        const Color& color = mesh.colors[vertex];
+        extent.Add(color);
+        for (size_t n = 0; n < 3; ++n) sums[n] += color[n];
+      }
+    }
+    range = extent.ToJson();
+    mean = Json::array();
+    for (const uint64_t sum : sums) {
+      mean.push_back(static_cast<double>(sum) / static_cast<double>(3 * mesh.triangles.size()));
+    }
+  }
+
+  Json range, mean;  // of sRGB bytes; null without colors
+};
+
+absl::StatusOr<Json> FactsOfMesh(const std::string& path) {
   const auto mesh = ReadMesh(path);
   if (!mesh.ok()) return mesh.status();
   Extent<double> bounds;
   for (const auto& triangle : mesh->triangles) {
     for (const uint32_t vertex : triangle) bounds.Add(mesh->positions[vertex]);
   }
+  const ColorFacts colors(*mesh);
   const uint32_t parts = mesh->stretches.empty() ? 1 : mesh->stretches.back().part + 1;
   return Json{{"triangles", mesh->triangles.size()},
               {"vertices", mesh->positions.size()},
@@ -36,8 +64,10 @@ absl::StatusOr<Json> MeshFacts(const std::string& path) {
               {"part_names", mesh->part_names},
               {"materials", mesh->materials},
               {"material_names", mesh->material_names},
-              {"vertex_colors", mesh->colors.size() == mesh->positions.size()},
-              {"bounds", bounds.ToJson()}};
+              {"colors", colors.range},
+              {"mean_color", colors.mean},
+              {"bounds", bounds.ToJson()},
+              {"warnings", WarningsJson(mesh->warnings)}};
 }
 
 // The content of these formats tells whether it is voxels or a mesh.
@@ -47,7 +77,7 @@ absl::StatusOr<Json> VoxelsOrMesh(const std::string& path) {
   if (!file.ok()) return file.status();
   auto facts = of_voxels(**file);
   if (!facts.ok()) return facts.status();
-  return *facts ? **std::move(facts) : MeshFacts(path);
+  return *facts ? **std::move(facts) : FactsOfMesh(path);
 }
 
 template <absl::StatusOr<Json> (*of_file)(FileSource&)>
@@ -67,12 +97,12 @@ constexpr std::pair<absl::string_view, absl::StatusOr<Json> (*)(const std::strin
     {".binvox", Opened<BinvoxFacts>},
     {".png", Opened<PngFacts>},
     {".html", Opened<PageFacts>},
-    {".obj", MeshFacts},
-    {".stl", MeshFacts},
-    {".off", MeshFacts},
-    {".gltf", MeshFacts},
-    {".3mf", MeshFacts},
-    {".drc", MeshFacts},
+    {".obj", FactsOfMesh},
+    {".stl", FactsOfMesh},
+    {".off", FactsOfMesh},
+    {".gltf", FactsOfMesh},
+    {".3mf", FactsOfMesh},
+    {".drc", FactsOfMesh},
 };
 
 std::string Show(const Json& value) {
@@ -80,6 +110,7 @@ std::string Show(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return absl::StrFormat("%.9g", value.get<double>());
   if (!value.is_structured()) return value.dump();
+  if (value.contains("message")) return value["message"].get<std::string>();
   std::vector<std::string> words;
   for (const Json& each : value) words.push_back(Show(each));
   return absl::StrJoin(words, value.is_array() && !value.empty() && value[0].is_structured() ? "; " : ",");
@@ -105,15 +136,19 @@ std::string ToText(const Json& facts) {
 }  // namespace
 
 absl::StatusOr<FileFacts> ReadFileFacts(const std::string& path) {
-  const std::string extension = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  std::filesystem::path name(path);
+  // gzip hides the content of .ply and .glb; latvox writes no such file of voxels.
+  const bool packed = FormatOfPath(path) && absl::AsciiStrToLower(name.extension().string()) == ".gz";
+  if (packed) name.replace_extension();
+  const std::string extension = absl::AsciiStrToLower(name.extension().string());
   const auto has_it = [&](const auto& format) { return format.first == extension; };
   const auto format = std::find_if(std::begin(kFormats), std::end(kFormats), has_it);
   if (format == std::end(kFormats)) {
-    const auto name = [](std::string* out, const auto& each) { absl::StrAppend(out, each.first); };
+    const auto known = [](std::string* out, const auto& each) { absl::StrAppend(out, each.first); };
     return absl::InvalidArgumentError(absl::StrCat(path, ": extension \"", extension, "\" is not one of .vdb .nvdb ",
-                                                   absl::StrJoin(kFormats, " ", name)));
+                                                   absl::StrJoin(kFormats, " ", known)));
   }
-  const auto found = format->second(path);
+  const auto found = packed ? FactsOfMesh(path) : format->second(path);
   if (!found.ok()) return found.status();
   std::error_code error;
   Json facts = {{"format", extension.substr(1)}, {"bytes", std::filesystem::file_size(path, error)}};

@@ -118,9 +118,10 @@ TEST(GltfFile, NodesPlaceTheirMeshesAndAreTrees) {
 
 TEST(GltfFile, ExtensionsThatAReaderMustKnowAreRefusedUnlessTheyLeaveTrianglesAlone) {
   const auto required = [](const char* name) { return With(Document(), "/extensionsRequired", {name}); };
-  for (const char* name : {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_materials_unlit",
-                           "KHR_texture_transform", "KHR_texture_basisu", "EXT_mesh_gpu_instancing", "EXT_texture_webp",
-                           "KHR_lights_punctual", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+  for (const char* name :
+       {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_materials_unlit", "KHR_texture_transform",
+        "KHR_technique_webgl", "KHR_texture_basisu", "EXT_mesh_gpu_instancing", "EXT_texture_webp",
+        "KHR_lights_punctual", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     EXPECT_TRUE(Parse(required(name)).ok()) << name;
   }
   for (const char* name : {"KHR_node_visibility", "ACME_shape"}) {

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "absl/strings/escaping.h"
+#include "client/mesh/mesh_encoder.h"
+#include "client/mesh_files/draco_file.h"
 #include "client/mesh_files/input.h"
 #include "client/mesh_files/mesh_file.h"
 #include "client/mesh_files/obj_file.h"
@@ -141,6 +143,21 @@ TEST(PlyFile, ErrorsNameVertexFaceAndLimit) {
 }
 
 class MeshFile : public FilesTest {};
+
+TEST(DracoFile, HasTheColorsOfItsVertices) {
+  const Mesh mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                  .triangles = {{0, 1, 2}},
+                  .colors = {{255, 0, 0}, {0, 100, 0}, {1, 2, 3}}};
+  const auto read = ParseDraco(EncodeMesh(mesh, 0, {Attribute::kColor}).value().drc);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->colors.size(), 3u);
+  for (size_t n = 0; n < 3; ++n) {
+    const auto place = std::find(mesh.positions.begin(), mesh.positions.end(), read->positions[n]);
+    ASSERT_NE(place, mesh.positions.end());
+    EXPECT_EQ(read->colors[n], mesh.colors[static_cast<size_t>(place - mesh.positions.begin())]);
+  }
+  EXPECT_THAT(ParseDraco(EncodeMesh(mesh, 0).value().drc)->colors, testing::IsEmpty());
+}
 
 std::string BinaryStl(uint32_t triangles) {
   std::string stl(80, ' ');

@@ -18,6 +18,7 @@
 namespace latvox::client {
 namespace {
 
+using testing::Contains;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -93,11 +94,46 @@ TEST(StlFile, OfSeveralBinarySolidsIsReadWhole) {
   EXPECT_THAT(Codes(ParseStl(BinarySolid(2) + "more")), ElementsAre("TRAILING_DATA"));
 }
 
+// Returns a solid of two triangles: the first has a color of its own, (255, 8, 0), and the second that of the header.
+std::string ColoredSolid() {
+  std::string solid = BinarySolid(2);
+  solid.replace(20, 10, "COLOR=\x01\x02\x03\xff");
+  solid.replace(84 + 48, 2, Bytes(uint16_t{31 | 1 << 5}));
+  solid.replace(84 + 98, 2, Bytes(uint16_t{0x8000}));
+  return solid;
+}
+
+TEST(StlFile, HasTheColorsOfItsFacetsIfTheHeaderHasOne) {
+  const auto mesh = ParseStl(ColoredSolid());
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  const Color own{255, 8, 0}, of_header{1, 2, 3};
+  EXPECT_THAT(mesh->colors, ElementsAre(own, own, own, of_header, of_header, of_header));
+  EXPECT_THAT(mesh->warnings, IsEmpty());
+  EXPECT_THAT(ParseStl(BinarySolid(2))->colors, IsEmpty());
+}
+
+TEST(StlFile, SolidsWithoutColorsAreWhiteBesideColoredOnes) {
+  for (const std::string& bytes : {ColoredSolid() + BinarySolid(2), BinarySolid(2) + ColoredSolid()}) {
+    const auto mesh = ParseStl(bytes);
+    EXPECT_THAT(Codes(mesh), ElementsAre("SEVERAL_SOLIDS", "PARTIAL_COLORS"));
+    ASSERT_EQ(mesh->colors.size(), mesh->positions.size());
+    EXPECT_THAT(mesh->colors, Contains(Color{255, 255, 255}).Times(6));
+  }
+}
+
 TEST(StlFile, WithoutACountIsReadToItsEnd) {
   for (const uint32_t count : {0U, 0xFFFFFFFFU}) {
     const auto mesh = ParseStl(BinarySolid(count));
     EXPECT_EQ(Triangles(mesh), 2u);
     EXPECT_THAT(Codes(mesh), ElementsAre("NO_COUNT"));
+  }
+}
+
+TEST(StlText, MayLackNormals) {
+  for (const char* normal : {"facet normal\n", "facet\n", "facet normal 0 0\n", "facet normal "}) {
+    const std::string facet = absl::StrReplaceAll(kFacet, {{"facet normal 0 0 0\n", normal}});
+    const auto mesh = ParseStl(absl::StrCat("solid s\n", facet, kFacet, "endsolid s\n"));
+    EXPECT_EQ(Triangles(mesh), 2u) << mesh.status();
   }
 }
 
