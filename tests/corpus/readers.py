@@ -26,6 +26,7 @@ READERS = {
     ".gltf": ("three.js",),
     ".3mf": ("three.js",),
     ".drc": ("three.js",),
+    ".off": ("meshio",),
 }
 
 
