@@ -14,6 +14,8 @@
 #include "absl/time/clock.h"
 #include "core/base/kept_memory.h"
 #include "core/base/simd.h"
+#include "deploy/process/exhaustion.h"
+#include "deploy/process/orderly_end.h"
 #include "server/base/log.h"
 #include "server/base/signals.h"
 #include "server/config/configuration_watch.h"
@@ -26,9 +28,11 @@ namespace {
 using latvox::Log;
 using latvox::LogLevel;
 
+constexpr int kFailed = 1;
+
 int Fail(const absl::Status& status) {
   std::fprintf(stderr, "latvoxd: %s\n", std::string{status.message()}.c_str());
-  constexpr int kFailed = 1, kWrongUsage = 2;
+  constexpr int kWrongUsage = 2;
   return absl::IsInvalidArgument(status) ? kWrongUsage : kFailed;
 }
 
@@ -67,6 +71,14 @@ void RaiseFileLimit(bool is_private) {
   Log(LogLevel::kWarning, "few_files", {{"limit", files.rlim_max}});
 }
 
+// Returns the addresses that the threads need if the system limits them: those that compute small and large jobs, and
+// those of gRPC, decoders, metrics and log.
+uint64_t AddressesOfThreads(int threads) {
+  constexpr uint64_t kStack = uint64_t{2} << 20, kOthers = 40;
+  const uint64_t computing = threads > 0 ? static_cast<uint64_t>(threads) : std::thread::hardware_concurrency();
+  return (2 * computing + kOthers) * latvox::SpareStacks(kStack);
+}
+
 int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t first_parent) {
   const latvox::ProgramOptions& options = configuration.options;
   // A program between this process and its parent counts as the parent. Without such a program, the parent ended before
@@ -75,6 +87,8 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
   const pid_t parent = has_parent ? first_parent : options.parent_pid;
   const latvox::StopSignals signals(options.exit_with_parent ? std::optional(parent) : std::nullopt);
   if (const absl::Status forced = latvox::ForceSimd(options.simd); !forced.ok()) return Fail(forced);
+  const absl::Status addresses = latvox::CheckAddresses(AddressesOfThreads(options.server.threads));
+  if (!addresses.ok()) return Fail(addresses);
   latvox::StartLog(options.log_level, options.log_format);
   for (const auto& [name, nearest] : configuration.misspelled) {
     Log(LogLevel::kWarning, "unknown_variable", {{"name", name}, {"nearest", nearest}});
@@ -102,8 +116,13 @@ int Run(const latvox::Configuration& configuration, int argc, char** argv, pid_t
 
 }  // namespace
 
+const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvoxd", kFailed};
+
 int main(int argc, char** argv) {
+  latvox::EndAsUsual();  // in a decoder process, where the sandbox forbids more
   if (const std::optional<int> status = latvox::RunIfDecoderProcess(argc, argv)) return *status;
+  latvox::EndOrderlyWhenExhausted();
+  latvox::SpareAddresses();
   const pid_t parent = getppid();
   const std::variant<latvox::Configuration, int> parsed = latvox::ParseOptions(argc, argv);
   if (const int* status = std::get_if<int>(&parsed)) return *status;

@@ -65,6 +65,8 @@ void DistanceGrid::SetWarnings(const std::vector<Warning>& warnings) { DescribeW
 absl::Status DistanceGrid::Write(const std::string& path) try {
   if (content_->is_level_set) openvdb::tools::signedFloodFill(content_->grid->tree());
   return WriteGridFile({content_->grid}, path);
+} catch (const std::bad_alloc&) {
+  return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to fill the inside"));
 } catch (const std::exception& error) {
   return absl::UnknownError(absl::StrCat(path, ": the inside cannot be filled (", error.what(), ")"));
 }

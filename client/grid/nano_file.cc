@@ -8,6 +8,7 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -73,6 +74,8 @@ absl::Status WriteNanoFile(const openvdb::BoolGrid& grid, const std::string& pat
     return absl::OkStatus();
   } catch (const std::ios_base::failure&) {
     return cannot(std::strerror(errno));
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to write the grid"));
   } catch (const std::exception& error) {
     return cannot(error.what());
   }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -94,6 +95,8 @@ absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& path
     part->ReadFrame();
     part->Rewind();
     return part;
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat(path, ": not enough memory to read it"));
   } catch (const std::ios_base::failure&) {
     why = "it is cut short";
   } catch (const std::exception& error) {
@@ -117,6 +120,8 @@ const Leaf* PartFile::Next() {
     if (read_ == leaves_) return CheckDigest(), nullptr;
     ReadLeaf();
     return &leaf_;
+  } catch (const std::bad_alloc&) {
+    status_ = absl::ResourceExhaustedError(absl::StrCat(path_, ": not enough memory to read it"));
   } catch (const std::ios_base::failure&) {
     status_ = absl::InvalidArgumentError(absl::StrCat(path_, ": cannot be read to its end"));
   } catch (const std::exception& error) {

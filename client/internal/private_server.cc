@@ -28,6 +28,7 @@ namespace {
 
 constexpr absl::Duration kStartLimit = absl::Seconds(20), kEndLimit = absl::Seconds(3);
 constexpr absl::Duration kPoll = absl::Milliseconds(5);
+constexpr char kSocketName[] = "/socket";
 
 std::string FindProgram(const std::string& given) {
   if (!given.empty()) return given;
@@ -105,7 +106,7 @@ absl::StatusOr<std::unique_ptr<PrivateServer>> PrivateServer::Start(
     const std::function<void(const std::string& path)>& on_directory) {
   std::unique_ptr<PrivateServer> server(new PrivateServer);
   if (auto status = server->MakeDirectory(); !status.ok()) return status;
-  if (on_directory) on_directory(server->directory_);
+  if (on_directory) on_directory(server->directory_->path());
   if (auto status = server->Spawn(server_options); !status.ok()) return status;
   if (auto status = server->AwaitReady(options); !status.ok()) return status;
   return server;
@@ -119,28 +120,22 @@ PrivateServer::~PrivateServer() {
       waitpid(pid_, nullptr, 0);
     }
   }
-  RemoveDirectory();
 }
 
-void PrivateServer::RemoveDirectory() {
-  std::error_code ignored;
-  if (!directory_.empty()) std::filesystem::remove_all(directory_, ignored);
-  directory_.clear();
-}
+void PrivateServer::RemoveDirectory() { directory_.reset(); }
 
-std::string PrivateServer::address() const { return absl::StrCat("unix:", SocketPath()); }
-
-std::string PrivateServer::SocketPath() const { return directory_ + "/socket"; }
+std::string PrivateServer::address() const { return absl::StrCat("unix:", socket_path_); }
 
 absl::Status PrivateServer::MakeDirectory() {
   int error_number = 0;
   for (const char* parent : {static_cast<const char*>(std::getenv("XDG_RUNTIME_DIR")), "/tmp"}) {
     if (parent == nullptr || *parent == '\0') continue;
-    std::string pattern = absl::StrCat(parent, "/latvox-XXXXXX");
     // A deep runtime directory may exceed the short limit of a socket's path.
-    if (pattern.size() + std::strlen("/socket") >= sizeof(sockaddr_un::sun_path)) continue;
-    if (mkdtemp(pattern.data()) != nullptr) {
-      directory_ = pattern;
+    constexpr size_t kMore = ProcessDirectory::kNameBytes + std::char_traits<char>::length(kSocketName);
+    if (std::strlen(parent) + kMore >= sizeof(sockaddr_un::sun_path)) continue;
+    directory_ = ProcessDirectory::Make(parent);
+    if (directory_) {
+      socket_path_ = directory_->path() + kSocketName;
       return absl::OkStatus();
     }
     error_number = errno;
@@ -176,7 +171,7 @@ absl::Status PrivateServer::Spawn(const PrivateServerOptions& options) {
 
 absl::Status PrivateServer::AwaitReady(const CallOptions& options) {
   const absl::Time give_up = absl::Now() + kStartLimit;
-  while (!Accepts(SocketPath())) {
+  while (!Accepts(socket_path_)) {
     int wait_status = 0;
     if (waitpid(pid_, &wait_status, WNOHANG) == pid_) {
       pid_ = -1;

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/internal/process_directory.h"
 #include "latvox/call_options.h"
 #include "latvox/private_server_options.h"
 
@@ -43,9 +44,9 @@ class PrivateServer {
   absl::Status MakeDirectory();
   absl::Status Spawn(const PrivateServerOptions& options);
   absl::Status AwaitReady(const CallOptions& options);
-  std::string SocketPath() const;
 
-  std::string program_, directory_;
+  std::string program_, socket_path_;
+  std::unique_ptr<ProcessDirectory> directory_;
   pid_t pid_ = -1;  // -1: no server to end
 };
 

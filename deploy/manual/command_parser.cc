@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
-#include <istream>
 #include <iterator>
 #include <map>
 #include <set>
@@ -19,6 +18,8 @@
 #include "absl/strings/strip.h"
 #include "deploy/manual/help.h"
 #include "deploy/manual/nearest_word.h"
+#include "deploy/manual/option_values.h"
+#include "deploy/manual/toml_file.h"
 
 namespace latvox {
 namespace {
@@ -26,21 +27,6 @@ namespace {
 using Words = std::vector<std::string>;
 
 constexpr char kHelpNames[] = "-h,--help", kHelp[] = "Print this help and exit";
-
-// The library lets the file win over the environment.
-class FileBelow : public CLI::ConfigTOML {
- public:
-  explicit FileBelow(std::function<bool(const std::string&)> is_above) : is_above_(std::move(is_above)) {}
-
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::vector<CLI::ConfigItem> settings = CLI::ConfigTOML::from_config(input);
-    std::erase_if(settings, [this](const CLI::ConfigItem& item) { return is_above_(item.name); });
-    return settings;
-  }
-
- private:
-  const std::function<bool(const std::string&)> is_above_;
-};
 
 std::string AllNames(const OptionRow& row) {
   return absl::StrCat(row.names, row.aliases.empty() ? "" : ",", row.aliases);
@@ -89,19 +75,6 @@ struct Adder {
   CLI::Option* Take(CLI::callback_t take) const { return app.add_option(AllNames(row), std::move(take), row.help); }
 };
 
-// Returns the placeholder of a value that has neither a name nor a list of words.
-struct Placeholder {
-  std::string operator()(bool*) const { return ""; }
-  std::string operator()(std::optional<bool>*) const { return ""; }
-  std::string operator()(std::string*) const { return "TEXT"; }
-  std::string operator()(std::vector<std::string>*) const { return "TEXT"; }
-  std::string operator()(const std::function<void(const std::string&)>&) const { return "TEXT"; }
-  template <class T>
-  std::string operator()(T*) const {
-    return "N";
-  }
-};
-
 CLI::Validator Checked(const OptionCheck& check) {
   return CLI::Validator([wrong = check.wrong](const std::string& word) { return wrong(word); }, "");
 }
@@ -117,15 +90,38 @@ CLI::Validator OneOf(const Words& words) {
   return CLI::Validator(choose, "");
 }
 
+// Replaces "1GiB" with its number of bytes.
+CLI::Validator Size(uint64_t most) {
+  const auto convert = [most, in_bytes = CLI::AsSizeValue(false)](std::string& word) -> std::string {
+    const std::string given = word;
+    uint64_t number = 0;
+    try {
+      if (!in_bytes(word).empty() || !absl::SimpleAtoi(word, &number)) number = UINT64_MAX;
+    } catch (const CLI::ValidationError& error) {
+      constexpr absl::string_view kOverflow = "overflow";
+      if (!absl::StrContains(error.what(), kOverflow)) {
+        return absl::StrCat("\"", given, "\" is not a number of bytes, such as 1073741824 or 1GiB");
+      }
+      number = UINT64_MAX;
+    }
+    return number <= most ? "" : absl::StrCat(given, " exceeds ", SizeText(absl::StrCat(most)));
+  };
+  return CLI::Validator(convert, "");
+}
+
 CLI::Option* AddRow(CLI::App& app, const OptionRow& row) {
   CLI::Option* option = std::visit(Adder{app, row}, row.target);
   if (row.required) option->required();
   if (row.delimiter != 0) option->delimiter(row.delimiter);
   if (!row.words.empty()) option->transform(OneOf(row.words));
   // Transforms run in the reverse order of their addition.
-  if (row.is_size) option->transform(CLI::AsSizeValue(false));
+  const uint64_t most = MostOf(row);
+  if (row.is_size) option->transform(Size(most));
   if (row.is_size && !row.checks.empty()) option->transform(Checked(row.checks.front()));
   for (const OptionCheck& check : row.checks) option->check(Checked(check));
+  if (most != 0) option->check(Checked({[most](const std::string& word) { return AboveMost(word, most); }}));
+  if (!row.environment.empty() && std::holds_alternative<bool*>(row.target))
+    option->transform(CLI::Validator(ToTruth, ""));
   if (!row.environment.empty()) option->envname(row.environment);
   if (!row.standard.empty()) option->default_str(row.standard);
   if (!row.in_file) option->configurable(false);
@@ -144,35 +140,6 @@ std::vector<std::string> NamesOf(const CLI::App& app, const std::set<CLI::Option
     if (std::any_of(options.begin(), options.end(), is_it)) names.push_back(LongName(*option));
   }
   return names;
-}
-
-// "268435456" as "256MiB", in the largest unit that divides it.
-std::string SizeText(const std::string& bytes) {
-  uint64_t number = 0;
-  if (!absl::SimpleAtoi(bytes, &number) || number == 0) return bytes;
-  size_t unit = 0;
-  constexpr const char* kUnits[] = {"", "KiB", "MiB", "GiB", "TiB"};
-  for (; number % 1024 == 0 && unit + 1 < std::size(kUnits); number /= 1024) ++unit;
-  return absl::StrCat(number, kUnits[unit]);
-}
-
-std::string StandardOf(const OptionRow& row) {
-  absl::string_view text = row.standard;
-  if (absl::ConsumePrefix(&text, "[")) absl::ConsumeSuffix(&text, "]");
-  return row.is_size ? SizeText(std::string(text)) : std::string(text);
-}
-
-void DescribeValue(const OptionRow& row, OptionFacts& facts) {
-  facts.choices = row.words;
-  facts.choice_help = row.word_help;
-  facts.value = !row.words.empty()   ? absl::StrJoin(row.words, "|")
-                : !row.value.empty() ? row.value
-                : row.is_size        ? "SIZE"
-                                     : std::visit(Placeholder{}, row.target);
-  facts.standard = StandardOf(row);
-  for (const OptionCheck& check : row.checks) {
-    if (!check.range.empty()) facts.range = check.range;
-  }
 }
 
 OptionFacts DescribeOption(const CLI::App& app, const CLI::Option& option, const OptionRow* row) {
@@ -236,6 +203,36 @@ struct CommandParser::Library {
   std::unique_ptr<CLI::App> own;
   CLI::App& app;
   std::map<const CLI::Option*, OptionRow> rows = {};
+  std::map<std::string, FileSetting> settings = {};  // of the configuration file, by their keys
+};
+
+// Reads the configuration file.
+class CommandParser::File : public CLI::ConfigTOML {
+ public:
+  File(Library& library, std::function<bool(const std::string&)> is_above)
+      : library_(library), is_above_(std::move(is_above)) {}
+
+  // The library opens the file, but only its own reader uses the stream, and lets the file win over the environment.
+  std::vector<CLI::ConfigItem> from_config(std::istream&) const override {
+    RowsOfKeys rows;
+    for (const auto& [option, row] : library_.rows) {
+      if (!option->get_lnames().empty()) rows.emplace(option->get_lnames().front(), &row);
+    }
+    std::vector<CLI::ConfigItem> items;
+    for (FileSetting& setting : ReadSettings(library_.app.get_config_ptr()->as<std::string>(), rows)) {
+      if (!is_above_(setting.key)) {
+        CLI::ConfigItem& item = items.emplace_back();
+        item.name = setting.key;
+        item.inputs = setting.words;
+      }
+      library_.settings.emplace(setting.key, std::move(setting));
+    }
+    return items;
+  }
+
+ private:
+  Library& library_;
+  const std::function<bool(const std::string&)> is_above_;
 };
 
 CommandParser::CommandParser(const std::string& description, const std::string& name) {
@@ -279,7 +276,7 @@ void CommandParser::ReadFile(const std::string& option, const std::string& path,
   app.set_config(option, path, help, /*config_required=*/!path.empty());
   app.get_config_ptr()->type_name("FILE");
   app.allow_config_extras(CLI::config_extras_mode::error);
-  app.config_formatter(std::make_shared<FileBelow>(std::move(is_above)));
+  app.config_formatter(std::make_shared<File>(*library_, std::move(is_above)));
 }
 
 CommandParser& CommandParser::AddCommand(const std::string& name, const std::string& description) {
@@ -330,6 +327,21 @@ void CommandParser::RefuseUnknownWord() const {
                                         : absl::StrCat("see ", PathOf(command), " --help")));
 }
 
+// The library names the option alone, wherever its value comes from.
+std::string CommandParser::WithPlace(const std::string& error) const {
+  for (const auto& [option, row] : library_->rows) {
+    const std::string name = absl::StrCat(option->get_name(), ": ");
+    if (!absl::StartsWith(error, name)) continue;
+    const std::string wrong = error.substr(name.size());
+    const OptionState::Source source = SourceOf(library_->app, *option);
+    if (source == OptionState::Source::kEnvironment) return absl::StrCat(row.environment, ": ", wrong);
+    const auto setting = library_->settings.find(option->get_lnames().front());
+    if (source != OptionState::Source::kFile || setting == library_->settings.end()) break;
+    return absl::StrCat(file(), ":", setting->second.line, ": ", setting->first, ": ", wrong);
+  }
+  return error;
+}
+
 std::string CommandParser::Parse(std::vector<std::string> words) try {
   std::reverse(words.begin(), words.end());  // as the library wants vectors
   library_->app.parse(std::move(words));
@@ -341,9 +353,12 @@ std::string CommandParser::Parse(std::vector<std::string> words) try {
   std::ostringstream page;
   library_->app.exit(wanted, page, page);
   return page.str();
+} catch (const UsageError&) {  // of the configuration file
+  RefuseUnknownWord();
+  throw;
 } catch (const CLI::ParseError& error) {
   RefuseUnknownWord();
-  throw UsageError(error.what());
+  throw UsageError(WithPlace(error.what()));
 }
 
 bool CommandParser::was_given() const { return library_->app.parsed(); }
@@ -356,9 +371,13 @@ std::string CommandParser::file() const {
 std::vector<OptionState> CommandParser::States() const {
   const CLI::App& app = library_->app;
   std::vector<OptionState> states;
+  const auto is_text = [this](const CLI::Option* option) {
+    const auto row = library_->rows.find(option);
+    return row == library_->rows.end() || IsText(row->second);
+  };
   for (const CLI::Option* option : app.get_options()) {
     if (option == app.get_config_ptr()) continue;
-    states.push_back({option->get_single_name(), ValuesOf(*option), option->get_expected_max() > 1,
+    states.push_back({option->get_single_name(), ValuesOf(*option), option->get_expected_max() > 1, is_text(option),
                       SourceOf(app, *option), option->get_envname()});
   }
   return states;

@@ -18,6 +18,7 @@ struct OptionState {
   std::string name;                 // without dashes
   std::vector<std::string> values;  // as given, or the default
   bool is_list = false;             // takes several
+  bool is_text = false;             // neither a number nor a switch
   Source source = Source::kDefault;
   std::string environment;  // variable that sets it
 };
@@ -37,7 +38,8 @@ class CommandParser {
   void SetFooter(const std::string& text);
   // Adds --version, which prints this text.
   void SetVersion(const std::string& text);
-  // Adds an option for a configuration file: TOML, with the options' long names as keys.
+  // Adds an option for a configuration file: TOML, with the options' long names as keys, and their values in TOML's own
+  // types. Errors of the file name its path, the line, the key and the value; those of a variable name the variable.
   //   path       default path of the file, which must exist; empty: no file
   //   is_above   whether another source overrides the file for this option, named without dashes
   void ReadFile(const std::string& option, const std::string& path, const std::string& help,
@@ -60,11 +62,14 @@ class CommandParser {
 
  private:
   struct Library;
+  class File;
   explicit CommandParser(std::unique_ptr<Library> library);
   const CommandParser* GivenCommand() const;               // after Parse; null: none
   std::string PathOf(const CommandParser* command) const;  // "latvox voxelize", or "latvox" if null
   // Throws UsageError for the first word that the command line has and the tables do not.
   void RefuseUnknownWord() const;
+  // Returns the error of an option with the file or variable that its value comes from.
+  std::string WithPlace(const std::string& error) const;
 
   std::unique_ptr<Library> library_;
   std::vector<std::unique_ptr<CommandParser>> commands_;

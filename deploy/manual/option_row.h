@@ -45,6 +45,8 @@ struct OptionRow {
   std::vector<std::string> word_help = {};  // of each of `words`, in their order, for completions
   std::vector<OptionCheck> checks = {};     // applied to each word in this order
   bool is_size = false;                     // accepts "1GiB" as well; the first check sees the word as given
+  bool is_number = false;                   // the words of a function are numbers
+  uint64_t most = 0;                        // largest value of a whole number; 0: that of the target
   bool required = false;
   bool one_each_time = false;    // may be repeated, with one word each time
   char delimiter = 0;            // separates several values in one word

@@ -1,5 +1,6 @@
 #include "server/config/option_kinds.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "absl/strings/ascii.h"
@@ -25,6 +26,11 @@ std::string CheckWithoutSign(const std::string& text) {
   return is_number && !is_octal_or_hexadecimal ? "" : absl::StrCat("\"", text, "\" is not a whole number from 0 on");
 }
 
+std::string CheckDigits(const std::string& text) {
+  const auto is_digit = [](char c) { return absl::ascii_isdigit(static_cast<uint8_t>(c)); };
+  return std::all_of(text.begin(), text.end(), is_digit) ? "" : absl::StrCat("\"", text, "\" is not a whole number");
+}
+
 std::string CheckAtLeastOne(const std::string& text) { return text == "0" ? "0 is below 1" : ""; }
 
 std::string NotInRange(const std::string& text, const std::string& low, const std::string& high) {
@@ -42,7 +48,7 @@ OptionRow Row(const std::string& flag, OptionTarget target, const std::string& h
 template <class T>
 OptionRow NumberRow(const std::string& flag, T& value, const std::string& help) {
   OptionRow row = Row(flag, &value, help, absl::StrCat(value));
-  row.checks = {{CheckWithoutSign}};
+  row.checks = {{CheckWithoutSign}, {CheckDigits}};  // the second one sees sizes as numbers
   return row;
 }
 
@@ -97,6 +103,7 @@ OptionRow NumberTo(int most, const std::string& flag, int& value, const std::str
 OptionRow Bytes(const std::string& flag, uint64_t& value, const std::string& help) {
   OptionRow row = NumberRow(flag, value, help);
   row.is_size = true;
+  row.most = uint64_t{1} << 47;  // 128 TiB, the addresses of a process
   return row;
 }
 
@@ -118,6 +125,7 @@ OptionRow Seconds(const std::string& flag, double least, absl::Duration& value, 
   };
   OptionRow row = Row(flag, set, help, absl::StrCat(absl::ToDoubleSeconds(value)));
   row.value = "SECONDS";
+  row.is_number = true;
   row.checks = {{check_range, absl::StrCat(least, " to ", kMost)}};
   return row;
 }

@@ -1,7 +1,10 @@
 #include "server/config/settings.h"
 
 #include <algorithm>
+#include <charconv>
+#include <iterator>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -24,22 +27,37 @@ Reload ReloadOf(const std::string& name) {
   return Reload::kNo;
 }
 
-std::string Literal(const std::string& text) {
+// Returns a basic string of TOML.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (absl::ascii_iscntrl(static_cast<uint8_t>(c))) {
+      absl::StrAppendFormat(&quoted, "\\u%04X", static_cast<unsigned>(c));
+    } else {
+      if (c == '"' || c == '\\') quoted += '\\';
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+// A flag or variable may have given a number as .5 or 1., which TOML does not know.
+std::string Number(const std::string& text) {
   double number = 0;
-  if (text == "true" || text == "false" || absl::SimpleAtod(text, &number)) return text;
-  // The reader of the configuration file knows no escapes, but two kinds of quotes.
-  const char* quote = absl::StrContains(text, '"') ? "'" : "\"";
-  return absl::StrCat(quote, text, quote);
+  const bool is_whole = absl::StrContains("0123456789", text.back()) && !absl::StrContains(text, '.');
+  if (is_whole || !absl::SimpleAtod(text, &number)) return text;
+  char digits[64];
+  return {digits, std::to_chars(digits, std::end(digits), number).ptr};
 }
 
 std::string ValueOf(const OptionState& option) {
   const std::vector<std::string>& values = option.values;
   if (option.is_list) {
-    return absl::StrCat(
-        "[", absl::StrJoin(values, ", ", [](std::string* out, const std::string& value) { *out += Literal(value); }),
-        "]");
+    const auto append = [](std::string* out, const std::string& value) { *out += Quoted(value); };
+    return absl::StrCat("[", absl::StrJoin(values, ", ", append), "]");
   }
-  return values.empty() || values.front().empty() ? "" : Literal(values.front());
+  if (values.empty() || values.front().empty()) return "";
+  return option.is_text ? Quoted(values.front()) : Number(values.front());
 }
 
 std::string SourceOf(const OptionState& option, const std::string& file) {

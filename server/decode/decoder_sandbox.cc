@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -23,8 +24,11 @@ namespace {
 // Standard input, output and error, which lead nowhere, and the channel.
 constexpr rlim_t kOpenFiles = 4;
 
+// Sets the limit, or keeps a lower one, which only a privileged process may raise.
 bool SetLimit(__rlimit_resource resource, rlim_t limit) {
-  const rlimit both{limit, limit};
+  rlimit both{};
+  if (getrlimit(resource, &both) != 0) return false;
+  both.rlim_cur = both.rlim_max = std::min(limit, both.rlim_max);
   return setrlimit(resource, &both) == 0;
 }
 

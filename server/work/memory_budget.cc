@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "deploy/process/exhaustion.h"
 #include "server/base/control_group.h"
 #include "server/base/errors.h"
 
@@ -47,7 +48,7 @@ void MemoryReservation::Shrink(uint64_t bytes) {
 uint64_t DefaultMemoryBudget() {
   const uint64_t machine =
       static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-  return std::min(machine, LimitsOfControlGroups().memory_bytes) / 4 * 3;
+  return std::min({machine, LimitsOfControlGroups().memory_bytes, AddressLimit()}) / 4 * 3;
 }
 
 }  // namespace latvox

@@ -206,7 +206,7 @@ class Jobs(Batch):
         jobs = self.jobs(LONG, *self.small(5))
         client = self.start(jobs, "--jobs", "1")
         deadline = time.monotonic() + harness.PATIENCE
-        while not list(self.out.glob(".long.csv.*.part")) or list(self.out.glob(".long.csv.*.part"))[0].stat().st_size == 0:
+        while not any(harness.unfinished_files(client.pid, self.out)):
             self.assertLess(time.monotonic(), deadline, "the long job does not begin")
             time.sleep(0.05)
         tasks = pathlib.Path(f"/proc/{client.pid}/task").iterdir()

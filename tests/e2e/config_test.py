@@ -112,6 +112,139 @@ class CheckConfig(Case):
         self.assertIn("max-jobs = 3", done.stdout)
 
 
+# By the placeholder of an option's value in the help: TOML that its key does not take.
+NOT_A_NUMBER = ["true", "[1]", "{a = 1}", "1979-05-27", '"many"', '"3"', "2.5", "-1", "99999999999999999999"]
+WRONG = {
+    "": ["1", '"true"', '"yes"', "[true]"],
+    "N": NOT_A_NUMBER,
+    "SIZE": ["true", "[1]", "2.5", "-1", '"999PiB"', "999999999999999999", "99999999999999999999", '"99999999999999999999"',
+             '"99999999999EiB"', '"1XB"', '"GiB"', '"1.5GiB"', '""', '"-1GiB"'],
+    "SECONDS": ["true", '"1"', "[1]", "-1", "nan", "inf", "86401", "99999999999999999999"],
+    "TEXT": ["1", "true", "[]", "[1]", '"a\\u0000b"'],
+    "words": ["1", "true", '["info"]', '"no such word"', '""'],
+}  # fmt: skip
+WRONG["FILE"] = WRONG["ADDRESS"] = WRONG["TEXT"]
+# The same for variables and flags.
+WRONG_WORDS = {
+    "": ["maybe", "2"],
+    "N": ["many", "-1", "2.5", "1x", "0x10", "99999999999999999999", "1,2"],
+    "SIZE": ["many", "-1", "2.5", "999PiB", "99999999999EiB", "99999999999999999999", "1XB", "GiB", "1.5GiB", "1GiB,1"],
+    "SECONDS": ["many", "-1", "nan", "inf", "86401", "1s", "1,2"],
+    "words": ["no such word"],
+}
+# What is no TOML at all, and the line of the error.
+NO_TOML = [
+    (b'listen = ["127.0.0.1:1"', 1),
+    (b'log-level = "info"\nlisten = ["127.0.0.1:1",\n"127.0.0.1:2"\n', 3),
+    (b'log-level = "info\n', 1),
+    (b"log-level = info\n", 1),
+    (b"max-jobs\n", 1),
+    (b"max-jobs =\n", 1),
+    (b"= 3\n", 1),
+    (b"max-jobs = 3 4\n", 1),
+    (b"max-jobs = 3\nthreads = 1\nmax-jobs = 4\n", 3),
+    (b"max-jobs = 3\n\0threads = 1\n", 2),
+    (b'log-level = "in\0fo"\n', 1),
+    (b'log-level = "info" # \xff\n', 1),
+    (b'tls-cert = "\xc3\x28"\n', 1),
+    (b"\x7fELF\x02\x01\x01\0\0\0\0", 1),
+    (b"\xff\xfem\0a\0x\0", 1),
+    (b"max-jobs = 3\n[limits]\nthreads = 1\n", 2),
+    (b"limits.threads = 1\n", 1),
+]
+
+
+class WrongValues(Case):
+    """Each option, with each wrong value that its kind has."""
+
+    def check(self, *arguments, **environment):
+        command = [BIN / "latvoxd", "--check-config", *arguments]
+        return subprocess.run(command, capture_output=True, env=os.environ | environment, cwd=self.dir, errors="replace")
+
+    def options(self):
+        """Returns flag -> kind, from the help."""
+        text = subprocess.run([BIN / "latvoxd", "--help"], capture_output=True, text=True).stdout
+        found = dict(re.findall(r"^  (--[a-z-]+)(?: (\S+))?(?:\s\s|$)", text, re.M))
+        for flag in ("--man", "--config", "--check-config", "--parent-pid"):
+            del found[flag]
+        return {flag: "words" if "|" in value else value for flag, value in found.items()}
+
+    def assert_refused(self, done, *says):
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        first = done.stderr.splitlines()[0]
+        for text in says:
+            self.assertIn(text, first)
+
+    def test_in_a_file(self):
+        self.assertGreater(len(self.options()), 30)
+        for flag, kind in self.options().items():
+            for value in WRONG[kind]:
+                with self.subTest(f"{flag} = {value}"):
+                    (self.dir / "l.toml").write_text(f"# a comment\n\n{flag[2:]} = {value}\n")
+                    done = self.check("--config", "l.toml")
+                    self.assert_refused(done, "l.toml:3: ")
+                    if value not in ("99999999999999999999", "1979-05-27", "{a = 1}"):  # the reader of TOML does not say
+                        self.assert_refused(done, flag[2:])
+
+    def test_in_a_variable_and_on_the_command_line(self):
+        for flag, kind in self.options().items():
+            variable = "LATVOX_" + flag[2:].upper().replace("-", "_")
+            for word in WRONG_WORDS.get(kind, []):
+                with self.subTest(f"{flag} {word}"):
+                    self.assert_refused(self.check(**{variable: word}), variable + ": ", word.partition(",")[0])
+                    self.assert_refused(self.check(f"{flag}={word}"), flag, word.partition(",")[0])
+
+    def test_an_error_names_the_limit(self):
+        for line, says in (
+            ('memory-budget = "999PiB"', "l.toml:1: memory-budget: 999PiB exceeds 128TiB"),
+            ("max-visited-points = 99999999999999999999", "l.toml:1: "),
+            ("max-jobs = 4294967296", "l.toml:1: max-jobs: 4294967296 exceeds 4294967295"),
+            ("threads = 1025", "l.toml:1: threads: Value 1025 not in range 0 to 1024"),
+            ("grace = 86401", "l.toml:1: grace: Value 86401 not in range 0"),
+            ('log-level = "loud"', "l.toml:1: log-level: \"loud\" is not one of debug, info"),
+            ("max-jobs = 0", "l.toml:1: max-jobs: 0 is below 1"),
+            ('max-jobs = "3"', "l.toml:1: max-jobs: 3 is a text, not a whole number"),
+            ("insecure = 1", "l.toml:1: insecure: 1 is a whole number, not true or false"),
+            ("max-jbs = 1", 'l.toml:1: unknown key "max-jbs"; did you mean max-jobs?'),
+            ("frobnicate = 1", 'l.toml:1: unknown key "frobnicate"'),
+            ("check-config = true", "l.toml:1: check-config: may only stand on the command line"),
+            ("parent-pid = 1", "l.toml:1: parent-pid: may only stand on the command line"),
+        ):
+            with self.subTest(line):
+                (self.dir / "l.toml").write_text(line)
+                self.assert_refused(self.check("--config", "l.toml"), says)
+
+    def test_what_is_no_toml_is_refused_with_its_line(self):
+        for content, line in NO_TOML:
+            with self.subTest(content):
+                (self.dir / "l.toml").write_bytes(content)
+                self.assert_refused(self.check("--config", "l.toml"), f"l.toml:{line}: ")
+
+    def test_files_that_cannot_be_read(self):
+        (self.dir / "large.toml").write_text("# comment\n" * 200_000)
+        for path, says in (("large.toml", "large.toml: exceeds 1048576"), ("/dev/zero", "/dev/zero: exceeds 1048576"),
+                           ("missing.toml", "missing.toml"), (".", ".")):  # fmt: skip
+            with self.subTest(path):
+                self.assert_refused(self.check("--config", path), says)
+
+    def test_a_flag_twice_is_refused(self):
+        for flag, kind in self.options().items():
+            value = {"N": "2", "SIZE": "1GiB", "SECONDS": "5"}.get(kind)
+            if value:
+                self.assert_refused(self.check(flag, value, flag, value), flag)
+
+    def test_a_file_of_everything_that_is_right_is_read(self):
+        (self.dir / "l.toml").write_text(
+            "\ufeff# a byte order mark\nmax-jobs = 1_0\n\"max-triangles\" = 0x10\ngrace = 2.5\nstall-timeout = 5\n"
+            'listen = [\n  "127.0.0.1:1", # one\n  \'unix:a b\',\n]\nmemory-budget = "4GiB"\ninsecure = true\n'
+        )
+        done = self.check("--config", "l.toml")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for line in ("max-jobs = 10 ", "max-triangles = 16 ", "grace = 2.5 ", 'listen = ["127.0.0.1:1", "unix:a b"]',
+                     "memory-budget = 4294967296 ", "insecure = true "):  # fmt: skip
+            self.assertIn(line, done.stdout)
+
+
 class RunningServer(Case):
     def log(self):
         return (self.dir / "latvoxd.log").read_text()

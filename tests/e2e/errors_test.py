@@ -194,9 +194,9 @@ class Interruptions(Case):
         client.send_signal(signal.SIGINT)
         self.assert_stopped(client, STOPPED)
 
-    def await_files(self, count):
+    def await_output(self, client):
         deadline = time.monotonic() + harness.PATIENCE
-        while len(list(self.dir.iterdir())) < count:
+        while not harness.unfinished_files(client.pid, self.dir):
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.01)
 
@@ -215,7 +215,7 @@ class Interruptions(Case):
         command = [BIN / "latvox", "voxelize", self.dir / "in.obj", "--resolution", "9", "-o", self.dir / "out.vdb"]
         client = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         self.addCleanup(client.kill)
-        self.await_files(2)
+        self.await_output(client)
         client.send_signal(signal.SIGTERM)
         self.assertEqual((client.communicate(timeout=15)[1], client.returncode), ("latvox: cancelled\n", STOPPED))
         self.assertEqual([path.name for path in self.dir.iterdir()], ["in.obj"])
@@ -241,7 +241,7 @@ class Interruptions(Case):
         client = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(client.stdin.close)
         self.addCleanup(client.kill)
-        self.await_files(1)
+        self.await_output(client)
         client.send_signal(signal.SIGINT)
         self.assertEqual(client.wait(timeout=15), STOPPED)
         self.assertEqual(client.stderr.read(), "latvox: cancelled\n")
@@ -259,12 +259,12 @@ class Interruptions(Case):
         with (self.dir / "stderr").open("w") as stderr:  # not a pipe, which the server would hold open
             client = subprocess.Popen(command, stderr=stderr, env=environment, cwd=self.dir)
         self.addCleanup(client.kill)
-        self.await_files(5)
+        self.await_output(client)
         while not (self.dir / "pid").exists():
             time.sleep(0.01)
         self.addCleanup(os.kill, int((self.dir / "pid").read_text()), signal.SIGKILL)
         self.assertEqual(len(list(runtime.iterdir())), 1)
-        self.assertEqual(len(list(self.dir.glob(".out.vdb.*.part"))), 1)
+        self.assertEqual(harness.unfinished_files(client.pid, self.dir), [0])
         client.send_signal(signal.SIGINT)
         client.send_signal(signal.SIGHUP)  # follows at once, and does not count
         time.sleep(0.5)
@@ -272,7 +272,7 @@ class Interruptions(Case):
         client.send_signal(signal.SIGTERM)
         self.assertEqual(client.wait(timeout=15), STOPPED)
         self.assertEqual(list(runtime.iterdir()), [])
-        self.assertEqual(list(self.dir.glob(".out.vdb.*.part")), [])
+        self.assertEqual([path for path in self.dir.iterdir() if path.suffix == ".part"], [])
         self.assertEqual((self.dir / "stderr").read_text(), "latvox: cancelled\n")
 
     def test_commands_without_a_server_end_with_6_on_sigint(self):

@@ -61,6 +61,18 @@ def children():
     return living
 
 
+def unfinished_files(pid, directory):
+    """Returns the sizes of the files without a name that a process has open in a directory."""
+    sizes, fds = [], []
+    with contextlib.suppress(OSError):  # the process has ended
+        fds = list(pathlib.Path(f"/proc/{pid}/fd").iterdir())
+    for fd in fds:
+        with contextlib.suppress(OSError):
+            if os.readlink(fd).startswith(f"{directory}/#") and os.stat(fd).st_nlink == 0:
+                sizes.append(os.stat(fd).st_size)
+    return sizes
+
+
 @contextlib.contextmanager
 def server(directory, *options):
     """Runs a latvoxd on a socket in `directory`. It ends with SIGTERM, and must then exit with 0."""

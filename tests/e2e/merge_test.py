@@ -247,6 +247,7 @@ class Kill(MergeCase):
         begun = time.monotonic()
         self.assertEqual(self.start(paths).wait(60), OK)
         seconds = time.monotonic() - begun
+        killed_at_work = 0
         for old in (b"what was here before", None):
             for n in range(12):
                 self.merged.unlink(missing_ok=True)
@@ -254,21 +255,22 @@ class Kill(MergeCase):
                     self.merged.write_bytes(old)
                 process = self.start(paths)
                 time.sleep(seconds * n / 12)
+                at_work = bool(harness.unfinished_files(process.pid, self.dir))
                 process.send_signal(signal.SIGKILL)
                 if process.wait() == OK:
                     continue
+                killed_at_work += at_work
                 found = self.merged.read_bytes() if self.merged.exists() else None
                 if found != old:  # killed between its last step and its end
                     self.assertIn(whole["digest"], latvox("info", self.merged).stdout)
-        left = {path for path in self.dir.iterdir() if path.suffix == ".part"}
-        self.assertTrue(left, "no merge was killed at work")
-        self.assertEqual({path for path in left if not path.name.startswith(".merged.vdb.")}, set())
+        self.assertGreater(killed_at_work, 0, "no merge was killed at work")
+        self.assertEqual([path for path in self.dir.iterdir() if path.suffix == ".part"], [])
         self.assertEqual(self.merge(*paths)["digest"], whole["digest"])
 
     def test_an_interrupted_merge_leaves_nothing(self):
         paths = self.parts(shards(3), "--lattice", "cartesian", "--separability", "2", "--resolution", "2048")
         process = self.start(paths)
-        while not any(path.suffix == ".part" for path in self.dir.iterdir()):
+        while not harness.unfinished_files(process.pid, self.dir):
             self.assertIsNone(process.poll(), "the merge has ended already")
         process.send_signal(signal.SIGTERM)
         self.assertEqual(process.wait(60), STOPPED)

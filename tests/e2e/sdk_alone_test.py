@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 ALONE = [f"-D{name}=OFF" for name in ("LATVOX_BUILD_SERVER", "LATVOX_BUILD_TOOL", "LATVOX_BUILD_GRID", "BUILD_TESTING")]
 # Dependencies of the rest of the repository, as names of CMake packages, and as parts of file names.
 FOREIGN = ("Boost", "CLI11", "OpenVDB", "PNG", "TBB", "hwy", "prometheus-cpp", "spdlog")
-FOREIGN_FILE = r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|prometheus|spdlog|/fmt/"
+FOREIGN_FILE = r"boost|CLI/|CLI11|openvdb|nanovdb|Imath|libpng|png\.h|tbb|hwy|prometheus|spdlog|toml\+\+|/fmt/"
 MODULES = ("libxxhash", "libzip", "libzstd", "re2")  # of pkg-config; gRPC's package requires the last one
 KINDS = ("static", "shared")
 

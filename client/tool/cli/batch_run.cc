@@ -4,7 +4,6 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
-#include <new>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -16,6 +15,8 @@
 #include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/job_digest.h"
 #include "client/tool/cli/voxelize_command.h"
+#include "client/tool/output/temporary_name.h"
+#include "deploy/process/exhaustion.h"
 
 namespace latvox::client {
 namespace {
@@ -85,10 +86,8 @@ void BatchRun::Work() {
     result.line = line->number;
     try {
       Do(parser, *line, result);
-    } catch (const std::bad_alloc&) {
-      result.error = absl::ResourceExhaustedError("out of memory");
     } catch (const std::exception& error) {
-      result.error = absl::UnknownError(error.what());
+      result.error = StatusOf(error);
     }
     if (!result.error.ok()) result.outcome = JobResult::Outcome::kFailed;
     result.ended_unix_ms = static_cast<uint64_t>(absl::ToUnixMillis(absl::Now()));
@@ -110,6 +109,7 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
   result.error = CheckPlaces(*job);
   if (result.error.ok()) result.error = Align(job->options);
   if (!result.error.ok()) return;
+  RemoveAbandoned(job->options.outputs);
   // Computed before the mesh is read for sending: if the mesh changes in between, the next run repeats the job.
   auto digest = DoAbandonably([job = *job] { return JobDigest(job); }, call);
   result.error = digest.status();
@@ -122,6 +122,17 @@ void BatchRun::Do(JobParser& parser, const JobLine& line, JobResult& result) {
     Voxelize(*job, call, result);
   }
   if (result.outcome != JobResult::Outcome::kFailed) Measure(job->options.outputs, result);
+}
+
+void BatchRun::RemoveAbandoned(const std::vector<std::string>& outputs) {
+  for (const std::string& output : outputs) {
+    const std::string directory = std::filesystem::path(output).parent_path().string();
+    {
+      const std::lock_guard lock(mutex_);
+      if (!searched_.insert(directory).second) continue;
+    }
+    RemoveAbandonedFiles(directory);
+  }
 }
 
 void BatchRun::Voxelize(const Job& job, const CallOptions& call, JobResult& result) {

@@ -5,7 +5,9 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -40,6 +42,8 @@ class BatchRun {
   // Runs on each worker's thread.
   void Work();
   void Do(JobParser& parser, const JobLine& line, JobResult& result);
+  // Removes what killed batches left in the outputs' directories: once in each, because it may hold a million files.
+  void RemoveAbandoned(const std::vector<std::string>& outputs);
   void Voxelize(const Job& job, const CallOptions& call, JobResult& result);
   absl::StatusOr<SharedSession> Connect();
   void Disconnect(const SharedSession& session);
@@ -68,6 +72,7 @@ class BatchRun {
   SharedSession session_;  // null before the first one, and after its server was lost
   absl::Status stop_;      // not OK: the reason to begin no further job
   BatchReport report_;
+  std::set<std::string> searched_;  // directories
 };
 
 }  // namespace latvox::client

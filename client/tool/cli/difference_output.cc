@@ -153,7 +153,9 @@ absl::StatusOr<std::vector<std::unique_ptr<AtomicFile>>> WriteDifferences(const 
     if (!file.ok()) return file.status();
     if (absl::EndsWithIgnoreCase(path, ".vdb")) {
       const GridDifference difference = DifferenceOf(all, words, is_band);
-      if (auto status = WriteDifferenceFile(difference, transform, (*file)->temporary()); !status.ok()) return status;
+      if (auto status = WriteDifferenceFile(difference, transform, (*file)->temporary()); !status.ok()) {
+        return (*file)->Named(status);
+      }
     } else {
       const auto png = Draw(all, transform, cancellation);
       if (!png.ok()) return png.status();

@@ -15,7 +15,7 @@ enum class ExitStatus {
   kWrongUsage = 2,
   kBadInput = 3,
   kUnreachable = 4,
-  kRefused = 5,    // by a limit, by overload, or without a valid token
+  kRefused = 5,    // by a limit, by overload, without a valid token, or by the system: no memory, no thread
   kCancelled = 6,  // or timed out
 };
 

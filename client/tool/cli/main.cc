@@ -31,6 +31,8 @@
 #include "client/tool/output/standard_output.h"
 #include "deploy/manual/command_parser.h"
 #include "deploy/manual/completions.h"
+#include "deploy/process/exhaustion.h"
+#include "deploy/process/orderly_end.h"
 
 namespace latvox::client {
 namespace {
@@ -249,6 +251,8 @@ class Program {
 };
 
 ExitStatus Main(int argc, char** argv) {
+  EndOrderlyWhenExhausted();
+  SpareAddresses();
   // Writing to a closed pipe shall fail that write, not end the process.
   signal(SIGPIPE, SIG_IGN);
   // gRPC repeats its log lines in its statuses, so standard error does not need them.
@@ -259,12 +263,14 @@ ExitStatus Main(int argc, char** argv) {
     Tell(error.what());
     return ExitStatus::kWrongUsage;
   } catch (const std::exception& error) {
-    return Fail(absl::UnknownError(error.what()));
+    return Fail(StatusOf(error));
   }
 }
 
 }  // namespace
 }  // namespace latvox::client
+
+const latvox::OrderlyEnd latvox::kOrderlyEnd = {"latvox", static_cast<int>(latvox::client::ExitStatus::kRefused)};
 
 int main(int argc, char** argv) {
   const int status = static_cast<int>(latvox::client::Main(argc, argv));

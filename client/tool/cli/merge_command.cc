@@ -47,7 +47,7 @@ absl::StatusOr<std::string> RunMerge(const MergeWords& words, const Cancellation
   bar.Stage("merging");
   const auto merged = MergeParts(words.parts, (*file)->temporary(), cancellation,
                                  [&bar](double share, uint64_t bricks) { bar.Show(share, "bricks", bricks); });
-  if (!merged.ok()) return merged.status();
+  if (!merged.ok()) return (*file)->Named(merged.status());
   if (auto status = (*file)->Sync(); !status.ok()) return status;
   if (cancellation.cancelled()) return absl::CancelledError("cancelled");
   if (auto status = (*file)->Commit(); !status.ok()) return status;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kExitStatus[] =
     "0 done; 1 other error; 2 wrong usage; 3 bad input; 4 server not reached;\n"
-    "5 refused; 6 cancelled or timed out";
+    "5 refused, or no memory; 6 cancelled or timed out";
 
 // Examples of each command. The tests run them in this order in a directory with bunny.obj.
 constexpr std::pair<const char*, const char*> kExamples[] = {

@@ -13,6 +13,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
 #include "client/internal/address.h"
+#include "deploy/process/exhaustion.h"
 
 namespace latvox::client {
 namespace {
@@ -57,6 +58,8 @@ absl::Status Session::StartPrivate(const ServerChoice& choice, const CallOptions
 }
 
 absl::StatusOr<Session> Session::Open(const ServerChoice& choice, const CallOptions& options) {
+  constexpr uint64_t kForThreadsOfGrpc = uint64_t{128} << 20;
+  if (absl::Status status = CheckAddresses(kForThreadsOfGrpc); !status.ok()) return status;
   Session session;
   std::string address = choice.address;
   if (address.empty()) {

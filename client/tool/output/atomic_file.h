@@ -11,20 +11,30 @@
 
 namespace latvox::client {
 
-// A temporary file beside its target. Commit moves it to the target. Without Commit, the destructor removes it, and the
-// target stays as it was. Not thread-safe.
-// Errors: FAILED_PRECONDITION, with the target and the message of the system.
+// An unfinished file on the file system of its target. Commit moves it to the target. Without Commit, the target stays
+// as it was, and the file disappears, even if the process is killed. Not thread-safe. Errors: FAILED_PRECONDITION, with
+// the target and the message of the system.
 class AtomicFile {
  public:
+  // How the file exists before Commit.
+  enum class Form {
+    kUnnamed,  // without a name, if the file system has such files; otherwise kNamed
+    kNamed,    // under the name of client/tool/output/temporary_name.h
+  };
+
   // Errors: the directory is missing or not writable, or the target is a directory, a pipe or anything else that is not
-  // a regular file.
-  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target);
+  // a regular file, or its name is too long.
+  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::string& target, Form form = Form::kUnnamed);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   const std::string& target() const { return target_; }
-  const std::string& temporary() const { return temporary_; }  // for libraries that write by name
+  // A path of the unfinished file, for libraries that open files by name. They must not replace it.
+  const std::string& temporary() const { return temporary_; }
+
+  // Returns the error of a library with the target's name in place of temporary().
+  absl::Status Named(const absl::Status& error) const;
 
   // Appends bytes. They are buffered: a later call may report the error.
   absl::Status Append(std::string_view bytes);
@@ -35,15 +45,17 @@ class AtomicFile {
   // Writes everything to the disk.
   absl::Status Sync();
 
-  // Renames the file to the target. Precondition: Sync succeeded.
+  // Gives the file the target's name. Precondition: Sync succeeded.
   absl::Status Commit();
 
  private:
-  AtomicFile(std::string target, std::string temporary, int fd);
+  AtomicFile(std::string target, std::string temporary, Form form, int fd);
   absl::Status Flush();
   absl::Status Error(int error_number) const;
+  bool GiveName();  // false: errno is set
 
   std::string target_, temporary_, buffer_;
+  const Form form_;
   int fd_;
   bool committed_ = false;
 };
@@ -60,8 +72,8 @@ class TemporaryDirectoryMark {
   const std::string path_;
 };
 
-// Removes the temporary files of all live objects, and marked directories with their content. It is for a process that
-// ends without destructors.
+// Removes the named temporary files of all live objects, and marked directories with their content. It is for a process
+// that ends without destructors.
 void RemoveTemporaryFiles();
 
 // Writes these bytes to a file at the target.

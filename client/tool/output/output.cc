@@ -53,7 +53,7 @@ class GridOutput final : public Output {
     grid_->SetCertificate(summary.certificate);
     if constexpr (std::is_same_v<Grid, AttributeGrids>) grid_->SetNames(names_);
     grid_->SetWarnings(summary.warnings);
-    if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return Named(status);
+    if (auto status = write_(*grid_, file_->temporary()); !status.ok()) return file_->Named(status);
     return file_->Sync();
   }
   absl::Status Commit() override { return file_->Commit(); }

@@ -5,9 +5,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -27,22 +26,20 @@ absl::Status WriteToStandardOutput(std::string_view bytes) {
   return absl::OkStatus();
 }
 
-StandardOutputFile::StandardOutputFile(const std::string& directory, const std::string& extension)
-    : directory_(directory), path_(absl::StrCat(directory, "/output", extension)), mark_(directory) {}
+StandardOutputFile::StandardOutputFile(std::unique_ptr<ProcessDirectory> directory, const std::string& extension)
+    : directory_(std::move(directory)),
+      path_(absl::StrCat(directory_->path(), "/output", extension)),
+      mark_(directory_->path()) {}
 
 absl::StatusOr<std::unique_ptr<StandardOutputFile>> StandardOutputFile::Create(const std::string& extension) {
-  const char* const parent = std::getenv("TMPDIR");
-  std::string directory = absl::StrCat(parent != nullptr && *parent != '\0' ? parent : "/tmp", "/latvox-XXXXXX");
-  if (mkdtemp(directory.data()) == nullptr) {
+  const char* const given = std::getenv("TMPDIR");
+  const std::string parent = given != nullptr && *given != '\0' ? given : "/tmp";
+  auto directory = ProcessDirectory::Make(parent);
+  if (!directory) {
     return absl::FailedPreconditionError(
-        absl::StrCat("TMPDIR: the directory ", directory, " cannot be made: ", std::strerror(errno)));
+        absl::StrCat("TMPDIR: a directory in ", parent, " cannot be made: ", std::strerror(errno)));
   }
-  return std::unique_ptr<StandardOutputFile>(new StandardOutputFile(directory, extension));
-}
-
-StandardOutputFile::~StandardOutputFile() {
-  std::error_code ignored;
-  std::filesystem::remove_all(directory_, ignored);
+  return std::unique_ptr<StandardOutputFile>(new StandardOutputFile(std::move(directory), extension));
 }
 
 absl::Status StandardOutputFile::Send() const {

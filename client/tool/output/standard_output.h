@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/internal/process_directory.h"
 #include "client/tool/output/atomic_file.h"
 
 namespace latvox::client {
@@ -22,7 +23,6 @@ class StandardOutputFile {
  public:
   // Errors: FAILED_PRECONDITION, with the directory and the message of the system.
   static absl::StatusOr<std::unique_ptr<StandardOutputFile>> Create(const std::string& extension);
-  ~StandardOutputFile();
   StandardOutputFile(const StandardOutputFile&) = delete;
   StandardOutputFile& operator=(const StandardOutputFile&) = delete;
 
@@ -32,9 +32,10 @@ class StandardOutputFile {
   absl::Status Send() const;
 
  private:
-  StandardOutputFile(const std::string& directory, const std::string& extension);
+  StandardOutputFile(std::unique_ptr<ProcessDirectory> directory, const std::string& extension);
 
-  const std::string directory_, path_;
+  const std::unique_ptr<ProcessDirectory> directory_;
+  const std::string path_;
   const TemporaryDirectoryMark mark_;
 };
 

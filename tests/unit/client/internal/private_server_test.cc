@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include <thread>
 
 #include "absl/time/clock.h"
+#include "client/internal/process_directory.h"
 #include "latvox/client.h"
 #include "tests/unit/client/files.h"
 #include "tests/unit/server/meshes.h"
@@ -87,6 +89,27 @@ TEST_F(Private, FilesOfThisProgramAreNotOpenInTheServer) {
   EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(Read("fake.files"), Not(HasSubstr("\n" + std::to_string(inherited) + "\n")));
   close(inherited);
+}
+
+TEST_F(Private, TheDirectoryOfADeadProcessIsRemovedAndThatOfALivingOneStays) {
+  Be("exit 7\n");
+  const auto living = ProcessDirectory::Make(Path("run"));
+  ASSERT_NE(living, nullptr);
+  std::filesystem::create_directory(Path("run/latvox-01234567-abcdef"));  // of another kernel
+  const pid_t child = fork();
+  if (child == 0) {
+    const auto dead = ProcessDirectory::Make(Path("run"));
+    if (dead != nullptr) std::filesystem::create_directory(dead->path() + "/more");
+    kill(getpid(), SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  const auto count = [&] {
+    return std::distance(std::filesystem::directory_iterator(Path("run")), std::filesystem::directory_iterator());
+  };
+  EXPECT_EQ(count(), 3);
+  EXPECT_EQ(PrivateServer::Start({}, {}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(count(), 2);
+  EXPECT_TRUE(std::filesystem::exists(living->path()));
 }
 
 // Returns the children of this process, as text.

@@ -141,6 +141,21 @@ TEST(DecoderSandbox, LimitsMemoryAndFiles) {
             0);
 }
 
+TEST(DecoderSandbox, KeepsALowerLimitOfTheSystem) {
+  const pid_t parent = getpid();
+  EXPECT_EQ(InChild([&] {
+              // Without its privileges, the process cannot raise a hard limit.
+              const rlimit low{AddressSpaceInUse() + kMemory / 2, AddressSpaceInUse() + kMemory / 2};
+              if (setrlimit(RLIMIT_AS, &low) != 0) return 1;
+              if (geteuid() == 0 && setuid(65534) != 0) return 2;
+              if (!LimitSelf(parent, kMemory).ok()) return 3;
+              rlimit limit{};
+              getrlimit(RLIMIT_AS, &limit);
+              return limit.rlim_max == low.rlim_max && limit.rlim_cur == low.rlim_cur ? 0 : 4;
+            }),
+            0);
+}
+
 TEST(DecoderSandbox, EndsWithItsServer) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);

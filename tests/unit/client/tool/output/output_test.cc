@@ -1,11 +1,17 @@
 #include "client/tool/output/output.h"
 
 #include <gmock/gmock.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstring>
+#include <functional>
 
+#include "client/internal/liveness.h"
 #include "client/tool/output/atomic_file.h"
+#include "client/tool/output/temporary_name.h"
 #include "latvox/grid/voxel_grid.h"
 #include "tests/unit/client/files.h"
 
@@ -184,11 +190,87 @@ TEST_F(OutputFile, PlacesThatCannotBeWrittenAreFoundOnOpening) {
 }
 
 TEST_F(OutputFile, ATemporaryFileThatVanishesIsAnErrorThatNamesTheTarget) {
-  const auto file = AtomicFile::Create(Path("x.csv"));
+  const auto file = AtomicFile::Create(Path("x.csv"), AtomicFile::Form::kNamed);
   ASSERT_TRUE(file.ok());
   std::filesystem::remove((*file)->temporary());
-  EXPECT_THAT(std::string((*file)->Sync().message()), HasSubstr("x.csv"));
   EXPECT_THAT(std::string((*file)->Commit().message()), HasSubstr("x.csv"));
+}
+
+std::vector<std::string> NamesIn(const std::string& directory) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) names.push_back(entry.path().filename());
+  return names;
+}
+
+TEST_F(OutputFile, FilesOfBothFormsReplaceTheTargetAndLeaveNothing) {
+  for (const auto form : {AtomicFile::Form::kUnnamed, AtomicFile::Form::kNamed}) {
+    Write("x.csv", "old");
+    for (const bool commits : {false, true}) {
+      auto file = AtomicFile::Create(Path("x.csv"), form);
+      ASSERT_TRUE(file.ok());
+      ASSERT_TRUE((*file)->Append("new").ok());
+      ASSERT_TRUE((*file)->Sync().ok());
+      EXPECT_EQ(Read("x.csv"), "old");
+      if (commits) ASSERT_TRUE((*file)->Commit().ok());
+      file->reset();
+      EXPECT_EQ(Read("x.csv"), commits ? "new" : "old");
+      EXPECT_THAT(NamesIn(Path("")), ElementsAre("x.csv"));
+    }
+  }
+}
+
+// Runs in a child process, which is killed then.
+void KillIn(const std::function<void()>& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    work();
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+}
+
+TEST_F(OutputFile, WhatAKilledProcessLeavesGoesWithTheNextFileOfTheSameTarget) {
+  for (int n = 0; n < 3; ++n) {
+    KillIn([&] {
+      const auto first = AtomicFile::Create(Path("x.csv"), AtomicFile::Form::kNamed);
+      const auto second = AtomicFile::Create(Path("x.csv"), AtomicFile::Form::kNamed);
+      if (!first.ok() || !second.ok()) _exit(1);
+      kill(getpid(), SIGKILL);
+    });
+    EXPECT_EQ(NamesIn(Path("")).size(), 2u);
+  }
+  for (int n = 0; n < 2; ++n) KillIn([&] { const auto file = AtomicFile::Create(Path("x.csv")).value()->Commit(); });
+  ASSERT_TRUE(AtomicFile::Create(Path("x.csv"), AtomicFile::Form::kNamed).value()->Commit().ok());
+  RemoveAbandonedFiles(Path(""));
+  EXPECT_THAT(NamesIn(Path("")), ElementsAre("x.csv"));
+}
+
+TEST_F(OutputFile, TheFilesOfLivingProcessesAndOfOthersStay) {
+  const auto file = AtomicFile::Create(Path("x.csv"), AtomicFile::Form::kNamed);
+  ASSERT_TRUE(file.ok());
+  const std::string name = std::filesystem::path((*file)->temporary()).filename();
+  std::string of_another_kernel = name;
+  of_another_kernel.replace(name.find(KernelTag()), KernelTag().size(), "01234567");
+  for (const std::string& foreign : {of_another_kernel, std::string(".latvox-notes"), std::string(".x.csv.part")}) {
+    Write(foreign, "");
+  }
+  std::filesystem::create_directory(Path(name + ".part"));
+  RemoveAbandonedFiles(Path(""));
+  const auto other = AtomicFile::Create(Path("x.csv"), AtomicFile::Form::kNamed);
+  ASSERT_TRUE(other.ok());
+  EXPECT_NE((*other)->temporary(), (*file)->temporary());
+  EXPECT_EQ(NamesIn(Path("")).size(), 6u);
+}
+
+TEST_F(OutputFile, NamesOf255BytesCanBeWrittenInBothForms) {
+  const std::string name(255, 'n'), too_long(256, 'n');
+  for (const auto form : {AtomicFile::Form::kUnnamed, AtomicFile::Form::kNamed}) {
+    ASSERT_TRUE(AtomicFile::Create(Path(name), form).value()->Commit().ok());
+    EXPECT_THAT(std::string(AtomicFile::Create(Path(too_long), form).status().message()),
+                HasSubstr("File name too long"));
+  }
 }
 
 TEST_F(OutputFile, ReplacingASymbolicLinkChangesTheFileThatItLeadsTo) {
