@@ -73,7 +73,7 @@ absl::Status CancellationOf(const grpc::CallbackServerContext& context) {
 absl::Status StalledClient(absl::Duration patience) {
   return WithRetry(
       MakeError(absl::StatusCode::kUnavailable,
-                absl::StrCat("the client has neither sent nor taken anything for ", absl::FormatDuration(patience)),
+                absl::StrCat("the client has sent and taken next to nothing for ", absl::FormatDuration(patience)),
                 {"CLIENT_STALLED", "", "", absl::FormatDuration(patience)}),
       absl::ZeroDuration());
 }

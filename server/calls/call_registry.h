@@ -24,7 +24,7 @@ class LiveCall {
   virtual void Stop(const absl::Status& status) = 0;
   // The call's turn has come, the first or another. Returns at once.
   virtual void Work() = 0;
-  // Called regularly. Ends the call if its client has neither sent nor taken anything for `patience`.
+  // Called regularly. Ends the call if its client has sent and taken next to nothing for `patience`.
   virtual void EndIfStalled(absl::Duration patience) = 0;
 };
 

@@ -10,7 +10,7 @@ PixelizeReactor::PixelizeReactor(grpc::CallbackServerContext& context, const v1:
       request_(request),
       response_(response),
       bytes_in_(request.ByteSizeLong()),
-      memory_(environment.memory) {}
+      memory_(environment.memory, environment.client) {}
 
 void PixelizeReactor::Work() {
   if (!BeginTask(began_)) return;

@@ -10,7 +10,9 @@ namespace latvox {
 
 PutMeshReactor::PutMeshReactor(grpc::CallbackServerContext& context, v1::PutMeshResponse& response, CallOrigin origin,
                                const CallEnvironment& environment)
-    : UploadCall(context, std::move(origin), environment), response_(response), memory_(environment.memory) {
+    : UploadCall(context, std::move(origin), environment),
+      response_(response),
+      memory_(environment.memory, environment.client) {
   response_.set_request_id(origin_.request_id);
 }
 

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/base/errors.h"
+#include "server/base/milliseconds.h"
 #include "server/calls/call_state.h"
 #include "server/work/mesh_upload.h"
 
@@ -22,11 +23,10 @@ class UploadCall : public CallReactor<Reactor> {
  public:
   void OnReadDone(bool ok) final {
     if (!ok) return FinishReading();
-    const uint64_t before = bytes_in_;
     const absl::StatusOr<bool> more = ReceiveRequest();
     if (!more.ok() || !*more) return End(more.status());
     const std::lock_guard lock(mu_);
-    if (bytes_in_ > before || request_.has_spec()) heard_of_client_ = CallState::Clock::now();
+    NoteProgress();
     if (!HasEnded()) Read();
   }
 
@@ -58,9 +58,19 @@ class UploadCall : public CallReactor<Reactor> {
   // Used by the reading callback, then by the task.
   Request request_;
   std::optional<MeshUpload> upload_;
-  uint64_t bytes_in_ = 0;
+  uint64_t bytes_in_ = 0, heard_bytes_ = 0;  // the latter at heard_of_client_
 
  private:
+  // Under mu_. A trickle of bytes is no sign of life, because it would keep place and memory for ever.
+  void NoteProgress() {
+    constexpr double kLeastBytesPerMillisecond = 1;
+    const double least = kLeastBytesPerMillisecond * MillisecondsSince(heard_of_client_);
+    const uint64_t bytes = bytes_in_ - heard_bytes_;
+    if (!request_.has_spec() && (bytes == 0 || static_cast<double>(bytes) < least)) return;
+    heard_of_client_ = CallState::Clock::now();
+    heard_bytes_ = bytes_in_;
+  }
+
   void Read() {
     MarkUnread(request_);
     this->StartRead(&request_);

@@ -292,7 +292,10 @@ void Server::Watch() {
   std::unique_lock lock(stop_mu_);
   while (!stopped_.wait_for(lock, interval, [this] { return stopping_; })) {
     lock.unlock();
-    registry_.EndStalled(options_.stall_timeout);
+    // Clients that do not take their answers keep memory from others no longer than this.
+    constexpr absl::Duration kShortPatience = absl::Seconds(2);
+    registry_.EndStalled(memory_.WasShort() ? std::min(kShortPatience, options_.stall_timeout)
+                                            : options_.stall_timeout);
     lock.lock();
   }
 }

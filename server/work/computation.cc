@@ -61,7 +61,7 @@ Computation::Computation(JobSpec spec, std::string request_id, const CallEnviron
     : spec_(std::move(spec)),
       request_id_(std::move(request_id)),
       environment_(environment),
-      memory_(spec_.request, environment.bulk.threads(), environment.memory),
+      memory_(spec_.request, environment.bulk.threads(), environment.memory, environment.client),
       batcher_(spec_.encoding) {}
 
 absl::Status Computation::CheckCancelled() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "core/solid/interior.h"
 
@@ -34,8 +35,8 @@ uint64_t ToBytes(double bytes) { return static_cast<uint64_t>(std::min(bytes, 1e
 
 }  // namespace
 
-JobMemory::JobMemory(const VoxelRequest& request, int threads, MemoryBudget& budget)
-    : request_(request), threads_(static_cast<uint64_t>(threads)), memory_(budget) {}
+JobMemory::JobMemory(const VoxelRequest& request, int threads, MemoryBudget& budget, std::string client)
+    : request_(request), threads_(static_cast<uint64_t>(threads)), memory_(budget, std::move(client)) {}
 
 absl::Status JobMemory::ReserveUpload(uint64_t bytes) { return memory_.Grow(bytes); }
 

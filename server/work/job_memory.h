@@ -3,6 +3,7 @@
 #define LATVOX_SERVER_WORK_JOB_MEMORY_H_
 
 #include <cstdint>
+#include <string>
 
 #include "absl/status/status.h"
 #include "core/mesh/mesh.h"
@@ -30,7 +31,8 @@ class JobMemory {
   //   request   must outlive this
   //   threads   that scan at the same time
   //   budget    must outlive this
-  JobMemory(const VoxelRequest& request, int threads, MemoryBudget& budget);
+  //   client    that the job counts for
+  JobMemory(const VoxelRequest& request, int threads, MemoryBudget& budget, std::string client = "");
 
   // Reserves for an encoded mesh of so many bytes in all.
   absl::Status ReserveUpload(uint64_t bytes);

@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "deploy/process/exhaustion.h"
 #include "server/base/control_group.h"
 #include "server/base/errors.h"
@@ -12,24 +14,52 @@
 namespace latvox {
 namespace {
 
-constexpr absl::Duration kRetryDelay = absl::Seconds(1);
+constexpr absl::Duration kRetryDelay = absl::Seconds(1), kConsideration = absl::Seconds(10);
 
 }  // namespace
 
-bool MemoryBudget::Reserve(uint64_t bytes) {
-  uint64_t reserved = reserved_;
-  do {
-    if (bytes > total_ - reserved) return false;
-  } while (!reserved_.compare_exchange_weak(reserved, reserved + bytes));
-  return true;
+uint64_t MemoryBudget::reserved() const {
+  const std::lock_guard lock(mu_);
+  return reserved_;
+}
+
+bool MemoryBudget::WasShort() {
+  const std::lock_guard lock(mu_);
+  return std::exchange(was_short_, false);
+}
+
+uint64_t MemoryBudget::Reserve(const std::string& client, uint64_t bytes) {
+  const std::lock_guard lock(mu_);
+  const auto found = of_clients_.find(client);
+  const uint64_t has = found == of_clients_.end() ? 0 : found->second;
+  const bool in_the_way = has > 0 && refused_ != client && absl::Now() - refused_at_ < kConsideration;
+  const bool fits = bytes <= total_ - reserved_;
+  if (fits && !(in_the_way && has + bytes > total_ / 2)) {
+    reserved_ += bytes;
+    of_clients_[client] += bytes;
+    return 0;
+  }
+  was_short_ = true;
+  if (fits) return has;
+  refused_ = client;
+  refused_at_ = absl::Now();
+  return reserved_;
+}
+
+void MemoryBudget::Release(const std::string& client, uint64_t bytes) {
+  const std::lock_guard lock(mu_);
+  reserved_ -= bytes;
+  const auto found = of_clients_.find(client);
+  found->second -= bytes;
+  if (found->second == 0) of_clients_.erase(found);
 }
 
 absl::Status MemoryReservation::Grow(uint64_t bytes) {
   if (bytes <= bytes_) return absl::OkStatus();
   if (bytes > budget_->total()) return LimitExceeded("memory", bytes, budget_->total());
-  if (!budget_->Reserve(bytes - bytes_)) {
-    const std::string message = absl::StrCat("memory: ", bytes, " bytes are needed, and others have ",
-                                             budget_->reserved() - bytes_, " of ", budget_->total(), "; try again");
+  if (const uint64_t in_use = budget_->Reserve(client_, bytes - bytes_); in_use > 0) {
+    const std::string message = absl::StrCat("memory: ", bytes, " bytes are needed, and others have ", in_use - bytes_,
+                                             " of ", budget_->total(), "; try again");
     return WithRetry(MakeError(absl::StatusCode::kResourceExhausted, message,
                                {"MEMORY_IN_USE", "memory", absl::StrCat(bytes), absl::StrCat(budget_->total()),
                                 "memory_budget_bytes"}),
@@ -41,7 +71,7 @@ absl::Status MemoryReservation::Grow(uint64_t bytes) {
 
 void MemoryReservation::Shrink(uint64_t bytes) {
   if (bytes >= bytes_) return;
-  budget_->reserved_ -= bytes_ - bytes;
+  budget_->Release(client_, bytes_ - bytes);
   bytes_ = bytes;
 }
 

@@ -1,16 +1,23 @@
-// The budget of memory for all jobs together.
+// The budget of memory for all jobs together, and each client's share of it.
 #ifndef LATVOX_SERVER_WORK_MEMORY_BUDGET_H_
 #define LATVOX_SERVER_WORK_MEMORY_BUDGET_H_
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
+#include <mutex>
+#include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "absl/time/time.h"
 
 namespace latvox {
 
+// A client may have the whole budget, until it is in the way of another one: for ten seconds after another client was
+// refused, no client's jobs may grow beyond half of the budget together. So memory that it gives back is there for
+// others.
+//
 // Thread-safe, and cheap enough for gRPC's callbacks. Must outlive its reservations.
 class MemoryBudget {
  public:
@@ -19,28 +26,41 @@ class MemoryBudget {
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
   uint64_t total() const { return total_; }
-  uint64_t reserved() const { return reserved_; }
+  uint64_t reserved() const;
+
+  // Returns whether a reservation was refused since the last call, although the budget has so much.
+  bool WasShort();
 
  private:
   friend class MemoryReservation;
 
-  bool Reserve(uint64_t bytes);
+  // Returns the bytes that stand in the way; 0: it is reserved.
+  uint64_t Reserve(const std::string& client, uint64_t bytes);
+  void Release(const std::string& client, uint64_t bytes);
 
   const uint64_t total_;
-  std::atomic<uint64_t> reserved_ = 0;
+  mutable std::mutex mu_;
+  // All below is guarded by mu_.
+  uint64_t reserved_ = 0;
+  std::unordered_map<std::string, uint64_t> of_clients_;  // those that have some
+  std::string refused_;                                   // the last client that was refused
+  absl::Time refused_at_ = absl::InfinitePast();
+  bool was_short_ = false;
 };
 
 // A job's share. Threads: one at a time.
 class MemoryReservation {
  public:
-  explicit MemoryReservation(MemoryBudget& budget) : budget_(&budget) {}
+  //   client   that the job counts for
+  explicit MemoryReservation(MemoryBudget& budget, std::string client = "")
+      : budget_(&budget), client_(std::move(client)) {}
   ~MemoryReservation() { Shrink(0); }
   MemoryReservation(MemoryReservation&& other) noexcept
-      : budget_(other.budget_), bytes_(std::exchange(other.bytes_, 0)) {}
+      : budget_(other.budget_), client_(other.client_), bytes_(std::exchange(other.bytes_, 0)) {}
   MemoryReservation& operator=(MemoryReservation&&) = delete;
 
   // Raises the reservation to `bytes` in all, if it is less. Errors: RESOURCE_EXHAUSTED, without a retry delay if that
-  // exceeds the whole budget, and with one if other jobs have it.
+  // exceeds the whole budget, and with one if other jobs have it, or the client has its share.
   absl::Status Grow(uint64_t bytes);
 
   // Gives back all above `bytes`.
@@ -50,6 +70,7 @@ class MemoryReservation {
 
  private:
   MemoryBudget* budget_;
+  std::string client_;
   uint64_t bytes_ = 0;
 };
 

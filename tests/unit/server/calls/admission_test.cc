@@ -272,6 +272,21 @@ TEST(MemoryBudget, IsSharedAndGivenBack) {
   EXPECT_EQ(budget.reserved(), 10);
 }
 
+TEST(MemoryBudget, AClientThatIsInTheWayOfAnotherGetsNoMoreThanHalf) {
+  MemoryBudget budget(100);
+  MemoryReservation first(budget, "a"), second(budget, "a"), other(budget, "b");
+  EXPECT_TRUE(first.Grow(80).ok()) << "alone";
+  EXPECT_FALSE(budget.WasShort());
+  EXPECT_FALSE(other.Grow(30).ok());
+  EXPECT_TRUE(budget.WasShort());
+  EXPECT_FALSE(budget.WasShort());
+  first.Shrink(40);
+  EXPECT_FALSE(second.Grow(20).ok()) << "the other client waits";
+  EXPECT_TRUE(other.Grow(30).ok());
+  EXPECT_TRUE(second.Grow(10).ok());
+  EXPECT_EQ(budget.reserved(), 80);
+}
+
 TEST(MemoryBudget, RefusesSizesThatWouldWrapAround) {
   MemoryBudget budget(100);
   MemoryReservation a(budget), b(budget);
