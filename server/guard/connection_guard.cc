@@ -13,9 +13,9 @@
 namespace latvox {
 namespace {
 
-// Nanoseconds of a core in a second. A connection may cause a tenth of a core, a host a quarter of the machine.
+// Nanoseconds of a core in a second. A connection may cause a tenth of a core, a host an eighth of the machine.
 constexpr Work kSecond = 1'000'000'000;
-constexpr Work kConnectionsOfACore = 10, kHostsOfAMachine = 4;
+constexpr Work kConnectionsOfACore = 10, kHostsOfAMachine = 8;
 
 // Files for the other needs of the process, and more connections than any machine serves.
 constexpr double kOtherFiles = 256, kMostConnections = 50'000;

@@ -11,8 +11,8 @@ namespace {
 // What gRPC needs for a new connection, and what OpenSSL needs for a handshake.
 constexpr Work kAcceptWork = 200'000, kHandshakeWork = 1'500'000;
 
-// A connection begins with the work of half a second.
-constexpr Work kBurstsInASecond = 2;
+// A connection may cause the work of so long at once.
+constexpr Work kBurstsInASecond = 5;
 
 // The host of the descriptor that this thread read last. gRPC decrypts on the thread that has read, before it reads
 // again. If it did not, work would count for another host.
@@ -25,12 +25,12 @@ GuardedStream::GuardedStream(const GuardLimits& limits, std::shared_ptr<HostBudg
 
 std::optional<Offense> GuardedStream::Receive(absl::string_view bytes) {
   if (offense_) return offense_;
-  Work work = 0;
+  FrameWork work;
   offense_ = frames_.Receive(bytes, work);
-  if (offense_ || work == 0) return offense_;
+  if (offense_ || work.all == 0) return offense_;
   const absl::Time now = absl::Now();
-  if (!budget_.Spend(work, now)) offense_ = Offense::kFlood;
-  if (host_ && !host_->Spend(work, now)) offense_ = Offense::kHost;
+  if (!budget_.Spend(work.unasked, now)) offense_ = Offense::kFlood;
+  if (host_ && !host_->SpendOnFrames(work.all, now)) offense_ = Offense::kHost;
   return offense_;
 }
 
@@ -41,7 +41,7 @@ std::optional<Offense> GuardedConnection::Receive(absl::string_view bytes) {
   if (bytes.empty()) return std::nullopt;
   if (kind_ == Kind::kUnknown) {
     kind_ = bytes.front() == 'P' ? Kind::kPlain : Kind::kTls;
-    if (kind_ == Kind::kTls && host_ && !host_->Spend(kHandshakeWork, absl::Now())) return Offense::kHost;
+    if (kind_ == Kind::kTls && host_ && !host_->SpendOnArrival(kHandshakeWork, absl::Now())) return Offense::kHost;
   }
   return kind_ == Kind::kPlain ? stream_.Receive(bytes) : std::nullopt;
 }
@@ -54,7 +54,7 @@ std::optional<Offense> Connections::Add(int fd, const sockaddr_storage& address)
   const std::string key = HostKey(address);
   auto host = key.empty() ? nullptr : hosts_.Of(key, now);
   if (static_cast<size_t>(fd) >= slots_.size() || count_ >= limits_.connections) return Offense::kHost;
-  if (host && !host->Spend(kAcceptWork, now)) return Offense::kHost;
+  if (host && !host->SpendOnArrival(kAcceptWork, now)) return Offense::kHost;
   // Each connection holds its host twice, with TLS three times.
   if (host && static_cast<size_t>(host.use_count()) > limits_.connections) return Offense::kHost;
   const GuardedConnection* const before = slots_[fd].exchange(new GuardedConnection(limits_, std::move(host), now));

@@ -15,8 +15,13 @@ constexpr uint32_t kPriorityBytes = 5;
 constexpr uint32_t kFieldBytes = 32;
 // gRPC parses an unfinished block again with each read: so long for a byte, if it is compressed, and for the read.
 constexpr Work kParsedByte = 8, kParsedRead = 1000;
-// For a call. Only the first calls of a connection count, because the others wait for answers of earlier ones.
+// For a call. After the first calls of a connection, each waits for the answer of an earlier one.
 constexpr Work kCall = 60'000;
+
+void Add(Work more, FrameWork& work) {
+  work.all += more;
+  work.unasked += more;
+}
 
 enum FrameType : uint8_t {
   kData,
@@ -83,7 +88,7 @@ FrameGuard::FrameGuard() = default;
 FrameGuard::~FrameGuard() = default;
 FrameGuard::FrameGuard(FrameGuard&&) noexcept = default;
 
-std::optional<Offense> FrameGuard::Receive(absl::string_view bytes, Work& work) {
+std::optional<Offense> FrameGuard::Receive(absl::string_view bytes, FrameWork& work) {
   if (preface_ < kPreface.size()) {
     if (auto offense = ReceivePreface(bytes)) return offense;
   }
@@ -98,7 +103,7 @@ std::optional<Offense> FrameGuard::Receive(absl::string_view bytes, Work& work) 
     }
     if (auto offense = ReceivePayload(bytes)) return offense;
   }
-  if (in_block_) work += kParsedRead + kParsedByte * block_bytes_;
+  if (in_block_) Add(kParsedRead + kParsedByte * block_bytes_, work);
   return std::nullopt;
 }
 
@@ -111,11 +116,11 @@ std::optional<Offense> FrameGuard::ReceivePreface(absl::string_view& bytes) {
 }
 
 // Judges the head of a frame. Frames in the wrong order are left to gRPC, except within a header block.
-std::optional<Offense> FrameGuard::BeginFrame(Work& work) {
+std::optional<Offense> FrameGuard::BeginFrame(FrameWork& work) {
   payload_left_ = static_cast<uint32_t>(head_[0]) << 16 | static_cast<uint32_t>(head_[1]) << 8 | head_[2];
   type_ = head_[3];
   flags_ = head_[4];
-  work += WorkOf(type_, payload_left_);
+  Add(WorkOf(type_, payload_left_), work);
   if (in_block_ != (type_ == kContinuation)) return Offense::kHeaderBlock;
   if (type_ == kSettings && (flags_ & kAcknowledged) != 0) acknowledged_ = true;
   if (type_ == kHeaders) return BeginHeaders(work);
@@ -127,11 +132,13 @@ std::optional<Offense> FrameGuard::BeginFrame(Work& work) {
 }
 
 // gRPC takes padding for a part of the block, so both would read different fields.
-std::optional<Offense> FrameGuard::BeginHeaders(Work& work) {
+std::optional<Offense> FrameGuard::BeginHeaders(FrameWork& work) {
   if (streams_ < kMostStreams) {
     ++streams_;
-    work += kCall;
-  } else if (!acknowledged_) {
+    Add(kCall, work);
+  } else if (acknowledged_) {
+    work.all += kCall;
+  } else {
     return Offense::kNoSettings;
   }
   if ((flags_ & kPadded) != 0) return Offense::kHeaderBlock;

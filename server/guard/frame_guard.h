@@ -34,6 +34,11 @@ inline constexpr int kMostHeaderFields = 256;
 // Streams that a client may open before it acknowledges the settings. They are the streams that it may have open later.
 inline constexpr uint32_t kMostStreams = 256;
 
+struct FrameWork {
+  Work all = 0;
+  Work unasked = 0;  // without calls that wait for answers of earlier calls
+};
+
 // Not thread-safe.
 class FrameGuard {
  public:
@@ -41,16 +46,16 @@ class FrameGuard {
   ~FrameGuard();
   FrameGuard(FrameGuard&&) noexcept;
 
-  // Judges the next bytes of the stream, in any pieces, and adds the work that they cause to `work`. Messages and most
-  // calls count nothing, because they have limits elsewhere. After an offense the connection is over.
-  std::optional<Offense> Receive(absl::string_view bytes, Work& work);
+  // Judges the next bytes of the stream, in any pieces, and adds the work that they cause to `work`. Messages count
+  // nothing, because they have limits elsewhere. After an offense the connection is over.
+  std::optional<Offense> Receive(absl::string_view bytes, FrameWork& work);
 
  private:
   struct Inflater;
 
   std::optional<Offense> ReceivePreface(absl::string_view& bytes);
-  std::optional<Offense> BeginFrame(Work& work);
-  std::optional<Offense> BeginHeaders(Work& work);
+  std::optional<Offense> BeginFrame(FrameWork& work);
+  std::optional<Offense> BeginHeaders(FrameWork& work);
   std::optional<Offense> ReceivePayload(absl::string_view& bytes);
   std::optional<Offense> ReceiveHeaderBlock(absl::string_view piece);
 

@@ -33,7 +33,7 @@ std::shared_ptr<HostBudget> HostBudgets::Of(const std::string& host, absl::Time 
     std::erase_if(hosts_, [now](const auto& item) { return item.second.use_count() == 1 && item.second->Full(now); });
     forget_at_ = std::max(kFewHosts, 2 * hosts_.size());
   }
-  return hosts_[host] = std::make_shared<HostBudget>(per_second_, per_second_, now);
+  return hosts_[host] = std::make_shared<HostBudget>(per_second_, now);
 }
 
 }  // namespace latvox

@@ -22,20 +22,31 @@ std::string HostKey(const sockaddr_storage& address);
 // Thread-safe.
 class HostBudget {
  public:
-  HostBudget(Work per_second, Work most, absl::Time now) : budget_(per_second, most, now) {}
+  // `per_second`: for frames. New connections have half of that, in larger bursts, because clients start together.
+  HostBudget(Work per_second, absl::Time now)
+      : arrivals_(per_second / 2, per_second, now), frames_(per_second, per_second / kFrameBurstsInASecond, now) {}
 
-  bool Spend(Work work, absl::Time now) {
+  // Each returns whether the budget covers the work.
+  bool SpendOnArrival(Work work, absl::Time now) {
     const std::lock_guard lock(mu_);
-    return budget_.Spend(work, now);
+    return arrivals_.Spend(work, now);
   }
+  bool SpendOnFrames(Work work, absl::Time now) {
+    const std::lock_guard lock(mu_);
+    return frames_.Spend(work, now);
+  }
+
   bool Full(absl::Time now) {
     const std::lock_guard lock(mu_);
-    return budget_.Full(now);
+    return arrivals_.Full(now) && frames_.Full(now);
   }
 
  private:
+  // gRPC works in the order of arrival, so calls of others wait for a whole burst.
+  static constexpr Work kFrameBurstsInASecond = 16;
+
   std::mutex mu_;
-  WorkBudget budget_;
+  WorkBudget arrivals_, frames_;  // guarded by mu_
 };
 
 // Thread-safe. It forgets a host that has no connection, once its budget is full again.

@@ -19,18 +19,12 @@ class WorkBudget {
   WorkBudget(Work per_second, Work most, absl::Time now)
       : per_second_(per_second), most_(most), left_(most), filled_(now) {}
 
-  // Returns whether the budget covers the work. It may fall below zero by the last piece of work.
+  // Returns whether the budget covers the work, and takes it from the budget if so.
   bool Spend(Work work, absl::Time now) {
     Refill(now);
-    if (left_ <= 0) return false;
+    if (left_ < work) return false;
     left_ -= work;
     return true;
-  }
-
-  // Returns whether anything is left.
-  bool Allows(absl::Time now) {
-    Refill(now);
-    return left_ > 0;
   }
 
   // Returns whether the budget is as good as new.

@@ -21,7 +21,7 @@ ORDER = {
         "base lattice mesh brick request snap tile digitize thin triangles plane scan supercover verify solid thesis tree tiny"
         " band attributes block voxelizer"
     ).split(),
-    "server": "base access decode wire work calls listen config main.cc".split(),
+    "server": "base guard access decode wire work calls listen config main.cc".split(),
     "client": "include internal mesh json mesh_files grid tool/curve tool/output tool/inspect tool/view tool/cli".split(),
 }
 
