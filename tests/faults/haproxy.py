@@ -23,6 +23,7 @@ defaults
     option redispatch
 frontend calls
     bind 127.0.0.1:{port} proto h2
+{rules}
     default_backend servers
 backend servers
     balance roundrobin
@@ -32,6 +33,16 @@ backend servers
     tcp-check expect binary {answer}
     default-server proto h2 check inter 200ms fall 1 rise 1
 """
+
+
+# Against clients that attack; also in deploy/haproxy/haproxy.cfg.
+RULES = [
+    "stick-table type ipv6 size 100k expire 30s store conn_cur,conn_rate(10s),http_req_rate(1s)",
+    "tcp-request connection track-sc0 src",
+    "tcp-request connection reject if { sc_conn_cur(0) gt 1000 } or { sc_conn_rate(0) gt 2000 }",
+    "http-request deny deny_status 429 if { sc_http_req_rate(0) gt 500 }",
+    "http-request del-header -bin -m end",
+]
 
 
 def health_check():
@@ -48,7 +59,7 @@ def haproxy(directory, servers):
     """Starts haproxy, and yields its address."""
     port = free_port()
     question, answer = health_check()
-    lines = [CONFIG.format(port=port, question=question, answer=answer)]
+    lines = [CONFIG.format(port=port, rules="\n".join("    " + rule for rule in RULES), question=question, answer=answer)]
     lines += [f"    server s{n} {server.address}\n" for n, server in enumerate(servers)]
     config = directory / "haproxy.cfg"
     config.write_text("".join(lines))

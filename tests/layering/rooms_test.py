@@ -30,7 +30,7 @@ ORDER = {
 Limits = collections.namedtuple("Limits", "rooms most_rooms arrows most_arrows upward")
 LIMITS = {
     "core": Limits(rooms=22, most_rooms=26, arrows=110, most_arrows=115, upward=0),
-    "server": Limits(rooms=9, most_rooms=10, arrows=23, most_arrows=30, upward=0),
+    "server": Limits(rooms=10, most_rooms=10, arrows=25, most_arrows=30, upward=0),
     "client": Limits(rooms=11, most_rooms=22, arrows=31, most_arrows=55, upward=0),
 }
 
