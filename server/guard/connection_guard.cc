@@ -22,22 +22,6 @@ constexpr double kOtherFiles = 256, kMostConnections = 50'000;
 
 std::atomic<Connections*> guarded = nullptr;
 
-// gRPC 1.53.2, 1.54.3 and 1.55.2 have the fix of CVE-2023-33953 as well, and so have all later versions.
-bool HasFix(const std::string& version) {
-  int major = 0, minor = 0, patch = 0;
-  if (std::sscanf(version.c_str(), "%d.%d.%d", &major, &minor, &patch) != 3) return false;
-  if (major != 1) return major > 1;
-  switch (minor) {
-    case 53:
-    case 55:
-      return patch >= 2;
-    case 54:
-      return patch >= 3;
-    default:
-      return minor > 55;
-  }
-}
-
 }  // namespace
 
 GuardLimits DefaultGuardLimits(int cores, double files) {
@@ -59,18 +43,33 @@ GuardFacts ReadGuardFacts() {
   return started == nullptr ? GuardFacts{} : started->facts();
 }
 
-bool IsDefended(std::string* why) {
-  if (SystemCallsAreReplaced() || HasFix(grpc::Version())) return true;
-  *why = absl::StrCat("gRPC ", grpc::Version(), " parses unfinished headers again and again (CVE-2023-33953), and ",
-                      "latvoxd was built without its guard");
-  return false;
+// gRPC 1.53.2, 1.54.3 and 1.55.2 have the fix as well, and so have all later versions.
+bool HasFix(const std::string& version) {
+  int major = 0, minor = 0, patch = 0;
+  if (std::sscanf(version.c_str(), "%d.%d.%d", &major, &minor, &patch) != 3) return false;
+  if (major != 1) return major > 1;
+  switch (minor) {
+    case 53:
+    case 55:
+      return patch >= 2;
+    case 54:
+      return patch >= 3;
+    default:
+      return minor > 55;
+  }
 }
 
-absl::Status CheckExposed(const std::string& address, bool behind_proxy, bool mutual_tls) {
-  std::string why;
-  if (behind_proxy || mutual_tls || IsLocal(address) || IsDefended(&why)) return absl::OkStatus();
+std::string LackOfDefense() {
+  if (SystemCallsAreReplaced() || HasFix(grpc::Version())) return "";
+  return absl::StrCat(
+      "gRPC ", grpc::Version(),
+      " parses an unfinished header again with each frame (CVE-2023-33953), and this build has no guard");
+}
+
+absl::Status CheckExposed(const std::string& address, const std::string& lack, bool behind_proxy, bool mutual_tls) {
+  if (lack.empty() || behind_proxy || mutual_tls || IsLocal(address)) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
-      "refusing to listen on ", address, ", because one connection can stop this server: ", why,
+      "refusing to listen on ", address, ", because one connection can stop this server: ", lack,
       "; give --tls-client-ca, so that only clients with a certificate can, or --behind-proxy, if others reach the "
       "address only through a proxy that closes such connections, such as haproxy"));
 }

@@ -36,13 +36,16 @@ struct GuardFacts {
 };
 GuardFacts ReadGuardFacts();
 
-// Returns whether gRPC cannot be stopped by an anonymous connection: the guard is in effect, or this version of gRPC
-// does not need it. If not, `why` says what is missing.
-bool IsDefended(std::string* why);
+// Returns whether this version of gRPC has the fix of CVE-2023-33953, and needs no guard against it.
+bool HasFix(const std::string& version);
 
-// Returns INVALID_ARGUMENT, naming address and options, unless the server is defended, the address is local, a proxy
-// protects it (`behind_proxy`), or clients show certificates before they can send a frame (`mutual_tls`).
-absl::Status CheckExposed(const std::string& address, bool behind_proxy, bool mutual_tls);
+// Returns why an anonymous connection can stop this process, or nothing if the guard or gRPC's fix is in effect.
+std::string LackOfDefense();
+
+// Returns INVALID_ARGUMENT, naming address and options, unless nothing is lacking (`lack` is empty), the address is
+// local, a proxy protects it (`behind_proxy`), or clients show certificates before they can send a frame
+// (`mutual_tls`).
+absl::Status CheckExposed(const std::string& address, const std::string& lack, bool behind_proxy, bool mutual_tls);
 
 }  // namespace latvox
 

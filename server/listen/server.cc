@@ -20,6 +20,7 @@
 #include "server/access/access.h"
 #include "server/base/control_group.h"
 #include "server/base/endpoint.h"
+#include "server/base/log.h"
 #include "server/base/process_facts.h"
 #include "server/base/unix_socket.h"
 #include "server/calls/call_registry.h"
@@ -92,13 +93,13 @@ absl::Status CheckAddresses(const ServerOptions& options) {
 
 // A client certificate protects no address without TLS, which are those of the health service and Unix sockets.
 absl::Status CheckAllExposed(const ServerOptions& options) {
-  const bool behind_proxy = options.access.behind_proxy;
+  const std::string lack = LackOfDefense();
+  const bool behind_proxy = options.access.behind_proxy, mutual_tls = !options.access.tls.client_ca.empty();
   for (const std::string& address : options.listen) {
-    const bool mutual_tls = !options.access.tls.client_ca.empty();
-    if (absl::Status status = CheckExposed(address, behind_proxy, mutual_tls); !status.ok()) return status;
+    if (absl::Status status = CheckExposed(address, lack, behind_proxy, mutual_tls); !status.ok()) return status;
   }
   if (options.health_listen.empty()) return absl::OkStatus();
-  return CheckExposed(options.health_listen, behind_proxy, false);
+  return CheckExposed(options.health_listen, lack, behind_proxy, false);
 }
 
 // The control groups would stop more threads than their share of the cores, all together for a part of each period.
@@ -269,6 +270,7 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
 absl::Status Server::Listen() {
   if (absl::Status status = access_.Open(options_.listen); !status.ok()) return status;
   if (absl::Status status = CheckAllExposed(options_); !status.ok()) return status;
+  if (const std::string lack = LackOfDefense(); !lack.empty()) Log(LogLevel::kWarning, "no_guard", {{"reason", lack}});
   StartGuard(DefaultGuardLimits(threads_, MaxOpenFiles()));
   grpc::ServerBuilder builder;
   Configure(builder);

@@ -171,9 +171,8 @@ class GuardedServer {
 };
 
 TEST(Guard, StandsBeforeGrpc) {
-  std::string why;
   EXPECT_TRUE(SystemCallsAreReplaced());
-  EXPECT_TRUE(IsDefended(&why)) << why;
+  EXPECT_EQ(LackOfDefense(), "");
   const GuardedServer server;
   const int fd =
       server.Connect(http2::Preface() + http2::Call(1) + http2::Frame(http2::kHeaders, http2::kPadded, 3, "x"));
@@ -209,7 +208,24 @@ TEST(Guard, GoesOnListeningAfterFilesRanOut) {
   EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
 }
 
-TEST(Exposure, IsAllowedWithTheGuard) { EXPECT_EQ(CheckExposed("0.0.0.0:50151", false, false), absl::OkStatus()); }
+TEST(Exposure, OfAServerThatLacksDefenseNeedsAProxyOrCertificates) {
+  const absl::Status refused = CheckExposed("0.0.0.0:50151", "no guard", false, false);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  for (const char* word : {"0.0.0.0:50151", "no guard", "--tls-client-ca", "--behind-proxy"}) {
+    EXPECT_THAT(std::string{refused.message()}, HasSubstr(word));
+  }
+  EXPECT_TRUE(CheckExposed("0.0.0.0:50151", "no guard", true, false).ok());
+  EXPECT_TRUE(CheckExposed("0.0.0.0:50151", "no guard", false, true).ok());
+  EXPECT_TRUE(CheckExposed("127.0.0.1:50151", "no guard", false, false).ok());
+  EXPECT_TRUE(CheckExposed("0.0.0.0:50151", "", false, false).ok());
+}
+
+TEST(GrpcVersion, HasTheFixOrNot) {
+  for (const char* fixed : {"1.53.2", "1.54.3", "1.55.2", "1.56.0", "1.70.1", "2.0.0"})
+    EXPECT_TRUE(HasFix(fixed)) << fixed;
+  for (const char* open : {"1.51.1", "1.53.1", "1.54.2", "1.55.1", "1.9.0", "", "x"})
+    EXPECT_FALSE(HasFix(open)) << open;
+}
 
 }  // namespace
 }  // namespace latvox
