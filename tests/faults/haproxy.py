@@ -48,7 +48,7 @@ RULES = [
 def health_check():
     """A call of grpc.health.v1.Health.Check as bytes of HTTP/2, and the answer's body for SERVING. haproxy's own HTTP
     checks cannot send a gRPC message, because it begins with zeros."""
-    call = frame(HEADERS, END_HEADERS, 1, call_fields(b"/grpc.health.v1.Health/Check"))
+    call = frame(HEADERS, END_HEADERS, 1, call_fields(b"/grpc.health.v1.Health/Check", b"haproxy"))
     empty = bytes(5)  # an empty message asks about the whole server
     question = PREFACE + call + frame(DATA, END_STREAM, 1, empty)
     return question.hex(), bytes([0, 0, 0, 0, 2, 8, 1]).hex()
@@ -59,7 +59,8 @@ def haproxy(directory, servers):
     """Starts haproxy, and yields its address."""
     port = free_port()
     question, answer = health_check()
-    lines = [CONFIG.format(port=port, rules="\n".join("    " + rule for rule in RULES), question=question, answer=answer)]
+    rules = "\n".join(f"    {rule}" for rule in RULES)
+    lines = [CONFIG.format(port=port, rules=rules, question=question, answer=answer)]
     lines += [f"    server s{n} {server.address}\n" for n, server in enumerate(servers)]
     config = directory / "haproxy.cfg"
     config.write_text("".join(lines))

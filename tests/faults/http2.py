@@ -27,12 +27,12 @@ PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(SETTINGS, 0, 0)
 ACKNOWLEDGMENT = frame(SETTINGS, ACKNOWLEDGED, 0)
 
 
-def call_fields(path):
+def call_fields(path, authority=b"latvox"):
     headers = {
         b":method": b"POST",
         b":scheme": b"http",
         b":path": path,
-        b":authority": b"latvox",
+        b":authority": authority,
         b"te": b"trailers",
         b"content-type": b"application/grpc",
     }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -53,7 +54,6 @@ TEST(FrameGuard, RefusesAnUnfinishedValueAtOnce) {
 }
 
 TEST(FrameGuard, BoundsABlockByItsFrames) {
-  // Padding of the block without any field: a change of the table's size may stand at its beginning only.
   std::string block = Frame(kHeaders, 0, 1, Field("a", std::string(16'000, 'y')));
   EXPECT_EQ(Judge(Start() + block).offense, std::nullopt);
   block += Frame(kContinuation, 0, 1, Field("b", std::string(16'000, 'y')));
