@@ -49,6 +49,10 @@ std::optional<Offense> GuardedConnection::Receive(absl::string_view bytes) {
 Connections::Connections(const GuardLimits& limits)
     : limits_(limits), hosts_(limits.work_per_host), slots_(2 * limits.connections) {}
 
+Connections::~Connections() {
+  for (const auto& slot : slots_) delete slot.load();
+}
+
 std::optional<Offense> Connections::Add(int fd, const sockaddr_storage& address) {
   const absl::Time now = absl::Now();
   const std::string key = HostKey(address);

@@ -59,6 +59,7 @@ class GuardedConnection {
 class Connections {
  public:
   explicit Connections(const GuardLimits& limits);
+  ~Connections();
 
   // Returns an offense if the new connection must be closed at once. Otherwise it is guarded until `Remove`.
   std::optional<Offense> Add(int fd, const sockaddr_storage& address);

@@ -169,7 +169,9 @@ int SslRead(SSL* session, void* buffer, int size) {
 
 extern "C" {
 
-int accept4(int fd, sockaddr* address, socklen_t* size, int flags) { return latvox::Accept(fd, address, size, flags); }
+int accept4(int fd, sockaddr* addr, socklen_t* addr_len, int flags) {
+  return latvox::Accept(fd, addr, addr_len, flags);
+}
 
 ssize_t recvmsg(int fd, msghdr* message, int flags) { return latvox::Receive(fd, message, flags); }
 
@@ -179,7 +181,7 @@ int close(int fd) {
   return latvox::Close(fd);
 }
 
-int SSL_read(SSL* session, void* buffer, int size) { return latvox::SslRead(session, buffer, size); }
+int SSL_read(SSL* ssl, void* buf, int num) { return latvox::SslRead(ssl, buf, num); }
 
 }  // extern "C"
 
