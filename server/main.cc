@@ -60,8 +60,8 @@ int StopServer(latvox::VoxelServer& server, const latvox::StopSignals& signals, 
   return 0;
 }
 
-// Each connection takes one file. A login usually has 1024 files, although it may have more. When no file is left, gRPC
-// accepts no new connections, even after others have closed. A private server has a handful of connections.
+// Each connection takes one file. A login usually has 1024 files, although it may have more. The guard refuses
+// connections beyond them. A private server has a handful of connections.
 void RaiseFileLimit(bool is_private) {
   constexpr rlim_t kFew = 4096;
   rlimit files{};

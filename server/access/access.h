@@ -18,9 +18,10 @@
 namespace latvox {
 
 struct AccessOptions {
-  TlsFiles tls;            // for all addresses except Unix sockets
-  bool insecure = false;   // plain text also for other machines
-  std::string token_file;  // tokens of callers, see server/access/token_set.h; empty: everybody may call
+  TlsFiles tls;               // for all addresses except Unix sockets
+  bool insecure = false;      // plain text also for other machines
+  bool behind_proxy = false;  // other machines reach the addresses only through a proxy that checks HTTP/2
+  std::string token_file;     // tokens of callers, see server/access/token_set.h; empty: everybody may call
 };
 
 // Thread-safe.

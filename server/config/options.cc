@@ -89,6 +89,9 @@ Rows AccessRows(AccessOptions& access) {
       File("--tls-client-ca", access.tls.client_ca,
            "Roots (PEM); each client must show a certificate that leads to one of them"),
       Switch("--insecure", access.insecure, "Serve other machines in plain text"),
+      Switch("--behind-proxy", access.behind_proxy,
+             "Serve other machines although this build has no defense against hostile connections, because they reach "
+             "it only through a proxy such as haproxy; other builds do not need it"),
       File("--token-file", access.token_file,
            "File of bearer tokens, one per line: NAME TOKEN [max-jobs=N] [max-mesh-bytes=N] [max-triangles=N]; "
            "TOKEN has 16 to 512 characters, or is sha256:HEX; without the file, everybody may call"),

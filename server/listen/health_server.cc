@@ -13,12 +13,15 @@
 #include "latvox/v1/voxelizer.grpc.pb.h"
 #include "server/base/endpoint.h"
 #include "server/base/unix_socket.h"
+#include "server/guard/frame_guard.h"
 
 namespace latvox {
 namespace {
 
 constexpr auto kProbesCloseTimeout = std::chrono::milliseconds(500);
 constexpr int kMostRequestBytes = 4096;
+// Probes are quick. Others shall not hold files.
+constexpr int kHandshakeMs = 10'000, kKeepaliveMs = 10'000;
 
 // Reflection is a plugin of every server that is built, but not of this one.
 class WithoutPlugins final : public grpc::ServerBuilderOption {
@@ -59,6 +62,12 @@ absl::Status ProbedServer::Listen(const std::string& address) {
   // Like the server; requests for a service's health are small.
   WithoutCompression(builder);
   builder.SetMaxReceiveMessageSize(kMostRequestBytes);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(kMostStreams));
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, static_cast<int>(kMostHeaderBytes));
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   int port = -1;
   builder.AddListeningPort(ProvisionalAddress(address), grpc::InsecureServerCredentials(), &port);
   server_ = builder.BuildAndStart();

@@ -20,12 +20,15 @@
 #include "server/access/access.h"
 #include "server/base/control_group.h"
 #include "server/base/endpoint.h"
+#include "server/base/log.h"
+#include "server/base/process_facts.h"
 #include "server/base/unix_socket.h"
 #include "server/calls/call_registry.h"
 #include "server/calls/metrics.h"
 #include "server/calls/service.h"
 #include "server/decode/decoder_pool.h"
 #include "server/decode/mesh_store.h"
+#include "server/guard/connection_guard.h"
 #include "server/listen/health_server.h"
 #include "server/listen/metrics_server.h"
 #include "server/work/memory_budget.h"
@@ -42,7 +45,8 @@ constexpr auto kCloseTimeout = std::chrono::milliseconds(500);
 
 int ToMilliseconds(absl::Duration duration) { return static_cast<int>(absl::ToInt64Milliseconds(duration)); }
 
-constexpr int kMaxStreams = 256;
+// For a TLS handshake and the first frame. A client that takes longer holds a file for nothing.
+constexpr absl::Duration kHandshakeTimeout = absl::Seconds(20);
 constexpr int kReflectionThreads = 16;
 
 // Parts of the memory: gRPC's quota, and the most for kept meshes; the process's other needs besides jobs.
@@ -85,6 +89,17 @@ absl::Status CheckAddresses(const ServerOptions& options) {
     if (absl::Status status = CheckAddress(address); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+// A client certificate protects no address without TLS, which are those of the health service and Unix sockets.
+absl::Status CheckAllExposed(const ServerOptions& options) {
+  const std::string lack = LackOfDefense();
+  const bool behind_proxy = options.access.behind_proxy, mutual_tls = !options.access.tls.client_ca.empty();
+  for (const std::string& address : options.listen) {
+    if (absl::Status status = CheckExposed(address, lack, behind_proxy, mutual_tls); !status.ok()) return status;
+  }
+  if (options.health_listen.empty()) return absl::OkStatus();
+  return CheckExposed(options.health_listen, lack, behind_proxy, false);
 }
 
 // The control groups would stop more threads than their share of the cores, all together for a part of each period.
@@ -147,6 +162,7 @@ class Server final : public VoxelServer {
 
  private:
   void AddMetrics();
+  void AddGuardMetrics();
   absl::Status ListenBesides();
   void Configure(grpc::ServerBuilder& builder) const;
   void Watch();
@@ -208,6 +224,18 @@ void Server::AddMetrics() {
         &DecoderFacts::killed_for_time);
   count("latvox_decoder_out_of_memory_total", "Decodes that came to the end of their memory.",
         &DecoderFacts::killed_for_memory);
+  AddGuardMetrics();
+}
+
+void Server::AddGuardMetrics() {
+  metrics_.AddGauge("latvox_connections", "Connections of clients, with those to the health port.",
+                    [] { return static_cast<double>(ReadGuardFacts().connections); });
+  for (int n = 0; n < kOffenses; ++n) {
+    metrics_.AddCounter("latvox_connections_closed_total",
+                        "Connections that were refused or closed because they attack the server.",
+                        [n] { return static_cast<double>(ReadGuardFacts().closed[static_cast<size_t>(n)]); },
+                        {{"offense", std::string{ToWord(static_cast<Offense>(n))}}});
+  }
 }
 
 void Server::Configure(grpc::ServerBuilder& builder) const {
@@ -233,11 +261,18 @@ void Server::Configure(grpc::ServerBuilder& builder) const {
   // Otherwise, a second server would share the port silently.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // For one connection; further calls of a gRPC client wait. It bounds the cost of clients that leave calls open.
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreams);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(kMostStreams));
+  // Beyond its limit, gRPC 1.51 loses track of the client's table of fields (CVE-2023-32731). The guard has this limit,
+  // too, so gRPC never sees more.
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, static_cast<int>(kMostHeaderBytes));
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, ToMilliseconds(kHandshakeTimeout));
 }
 
 absl::Status Server::Listen() {
   if (absl::Status status = access_.Open(options_.listen); !status.ok()) return status;
+  if (absl::Status status = CheckAllExposed(options_); !status.ok()) return status;
+  if (const std::string lack = LackOfDefense(); !lack.empty()) Log(LogLevel::kWarning, "no_guard", {{"reason", lack}});
+  StartGuard(DefaultGuardLimits(threads_, MaxOpenFiles()));
   grpc::ServerBuilder builder;
   Configure(builder);
   builder.RegisterService(&service_);
@@ -333,7 +368,8 @@ bool Server::Stop(absl::Duration grace) {
 absl::Status VoxelServer::Check(const ServerOptions& options) {
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   if (absl::Status status = WithMemoryShared(options).status(); !status.ok()) return status;
-  return Access(options.access).Open(options.listen);
+  if (absl::Status status = Access(options.access).Open(options.listen); !status.ok()) return status;
+  return CheckAllExposed(options);
 }
 
 absl::StatusOr<std::unique_ptr<VoxelServer>> VoxelServer::Start(const ServerOptions& options) {

@@ -25,6 +25,12 @@ class Haproxy(unittest.TestCase):
         expected = re.findall(r"^ *tcp-check expect binary (\w+)", text, re.M)
         self.assertEqual((sent, expected), (haproxy.health_check()[0], [haproxy.health_check()[1]]))
 
+    def test_the_rules_against_hostile_clients_are_those_of_the_fault_suite(self):
+        lines = [line.strip() for line in CONFIG.read_text().splitlines()]
+        start = lines.index(haproxy.RULES[0])
+        rules = [line for line in lines[start : lines.index("default_backend servers")] if not line.startswith("#")]
+        self.assertEqual(rules, haproxy.RULES)
+
     def test_no_stream_is_cut_because_its_server_is_down_to_the_checks(self):
         self.assertNotIn("shutdown-sessions", CONFIG.read_text())
 

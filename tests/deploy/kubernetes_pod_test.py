@@ -14,15 +14,16 @@ from harness import BIN, BUNNY, Case, latvox
 OVERLAYS = ROOT / "deploy" / "kubernetes" / "overlays"
 OPTIONS = ["--lattice", "bcc", "--resolution", "64"]
 TOKEN = "0123456789abcdef0123"
+HAPROXY = "localhost/latvox-test-haproxy"  # from Debian; no registry is needed
 
 
 def pod_of(path, kind):
     """Makes the Pod that an object of this kind creates, adapted to this machine's size."""
     made = next(document for document in yaml.safe_load_all(path.read_text()) if document["kind"] == kind)
     template = made["spec"]["template"]
-    container = template["spec"]["containers"][0]
-    container["image"] = IMAGE
-    container["resources"] = {"limits": {"cpu": "1", "memory": "1Gi"}}
+    for container in template["spec"]["containers"]:
+        container["image"] = HAPROXY if container["name"] == "haproxy" else IMAGE
+        container["resources"] = {"limits": {"cpu": "1", "memory": "1Gi"}}
     for volume in template["spec"]["volumes"]:
         if "secret" in volume:
             volume["secret"]["optional"] = False  # the default; podman 4.3 crashes without it
@@ -35,7 +36,7 @@ class Pods(Case):
         self.inside = self.enterContext(containers.network_namespace())
 
     def play(self, pod, *others):
-        """Plays the Pod, and returns its only container. It uses a file, not standard input, because `--down` needs it,
+        """Plays the Pod, and returns its first container. It uses a file, not standard input, because `--down` needs it,
         too."""
         file = self.dir / "pod.yaml"
         file.write_text("---\n".join(json.dumps(document, indent=1) + "\n" for document in (*others, pod)))
@@ -71,6 +72,8 @@ class Pods(Case):
         self.addCleanup(run, "podman", kind, "rm", name, check=False)
 
     def test_the_services_pod_serves_with_tls_and_tokens_and_tells_its_health_and_metrics(self):
+        if not containers.exists(HAPROXY):
+            containers.debian(HAPROXY, "--include=haproxy", change=["USER haproxy"])
         certificate, key, token = (self.dir / name for name in ("certificate.pem", "key.pem", "alice.token"))
         request = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost"]
         run(*request, "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate)
@@ -78,10 +81,14 @@ class Pods(Case):
         token.chmod(0o600)
         self.secret("latvox-tls", **{"tls.crt": certificate.read_text(), "tls.key": key.read_text()})
         self.secret("latvox-tokens", tokens=f"alice sha256:{hashlib.sha256(TOKEN.encode()).hexdigest()}\n")
-        text = (OVERLAYS / "service" / "latvoxd.toml").read_text()
         self.remove_later("volume", "latvoxd")
-        configuration = {"apiVersion": "v1", "kind": "ConfigMap", "metadata": {"name": "latvoxd"}, "data": {"latvoxd.toml": text}}
-        container = self.play(pod_of(OVERLAYS / "service" / "deployment.yaml", "Deployment"), configuration)
+        self.remove_later("volume", "haproxy")
+        files = {"latvoxd": "latvoxd.toml", "haproxy": "haproxy.cfg"}
+        configurations = [
+            {"apiVersion": "v1", "kind": "ConfigMap", "metadata": {"name": name}, "data": {file: (OVERLAYS / "service" / file).read_text()}}
+            for name, file in files.items()
+        ]
+        container = self.play(pod_of(OVERLAYS / "service" / "deployment.yaml", "Deployment"), *configurations)
 
         def client(*words):
             return run(*self.inside, BIN / "latvox", *words, check=False)

@@ -5,6 +5,7 @@ import socket
 import subprocess
 import time
 
+from http2 import DATA, END_HEADERS, END_STREAM, HEADERS, PREFACE, call_fields, frame
 from stage import free_port, harness
 
 # Streams may be silent for half an hour, while a job computes or its client stands still. A call is tried again at
@@ -22,6 +23,7 @@ defaults
     option redispatch
 frontend calls
     bind 127.0.0.1:{port} proto h2
+{rules}
     default_backend servers
 backend servers
     balance roundrobin
@@ -33,29 +35,22 @@ backend servers
 """
 
 
-def frame(kind, flags, stream, payload):
-    return len(payload).to_bytes(3, "big") + bytes([kind, flags]) + stream.to_bytes(4, "big") + payload
-
-
-def header(name, value):
-    return b"\0" + bytes([len(name)]) + name + bytes([len(value)]) + value
+# Against clients that attack; also in deploy/haproxy/haproxy.cfg.
+RULES = [
+    "stick-table type ipv6 size 100k expire 30s store conn_cur,conn_rate(10s),http_req_rate(1s)",
+    "tcp-request connection track-sc0 src",
+    "tcp-request connection reject if { sc_conn_cur(0) gt 1000 } or { sc_conn_rate(0) gt 2000 }",
+    "http-request deny deny_status 429 if { sc_http_req_rate(0) gt 500 }",
+    "http-request del-header -bin -m end",
+]
 
 
 def health_check():
     """A call of grpc.health.v1.Health.Check as bytes of HTTP/2, and the answer's body for SERVING. haproxy's own HTTP
     checks cannot send a gRPC message, because it begins with zeros."""
-    headers = {
-        b":method": b"POST",
-        b":scheme": b"http",
-        b":path": b"/grpc.health.v1.Health/Check",
-        b":authority": b"haproxy",
-        b"te": b"trailers",
-        b"content-type": b"application/grpc",
-    }
-    fields = b"".join(header(*pair) for pair in headers.items())
+    call = frame(HEADERS, END_HEADERS, 1, call_fields(b"/grpc.health.v1.Health/Check", b"haproxy"))
     empty = bytes(5)  # an empty message asks about the whole server
-    preface = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(4, 0, 0, b"")
-    question = preface + frame(1, 4, 1, fields) + frame(0, 1, 1, empty)
+    question = PREFACE + call + frame(DATA, END_STREAM, 1, empty)
     return question.hex(), bytes([0, 0, 0, 0, 2, 8, 1]).hex()
 
 
@@ -64,7 +59,8 @@ def haproxy(directory, servers):
     """Starts haproxy, and yields its address."""
     port = free_port()
     question, answer = health_check()
-    lines = [CONFIG.format(port=port, question=question, answer=answer)]
+    rules = "\n".join(f"    {rule}" for rule in RULES)
+    lines = [CONFIG.format(port=port, rules=rules, question=question, answer=answer)]
     lines += [f"    server s{n} {server.address}\n" for n, server in enumerate(servers)]
     config = directory / "haproxy.cfg"
     config.write_text("".join(lines))

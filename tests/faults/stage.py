@@ -158,9 +158,11 @@ class Server:
 
 
 @contextlib.contextmanager
-def server(directory, *options, name="latvoxd"):
-    """Runs a server that must be alive in the end, and exit with 0 when told to stop."""
+def server(directory, *options, name="latvoxd", healthy_at=None):
+    """Runs a server that must be alive in the end, and exit with 0 when told to stop. `healthy_at`: one of its addresses
+    in plain text, if the first has TLS."""
     running = Server(directory, *options, name=name)
+    running.process.address = healthy_at or running.address
     try:
         harness.wait_until_healthy(running.process)
         yield running

@@ -34,6 +34,8 @@ latvox_add_test(server_resume_test SOURCES unit/server/calls/resume_test.cc
 latvox_add_test(server_access_test SOURCES unit/server/access/access_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_access_call_test SOURCES unit/server/access/access_call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
+latvox_add_test(server_frame_guard_test SOURCES unit/server/guard/frame_guard_test.cc LIBRARIES latvox::server)
+latvox_add_test(server_guard_test SOURCES unit/server/guard/connections_test.cc LIBRARIES latvox::server GTest::gmock)
 latvox_add_test(server_call_test SOURCES unit/server/calls/call_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 latvox_add_test(server_message_test SOURCES unit/server/calls/message_test.cc

@@ -11,6 +11,7 @@ import { typeErrors } from './types.js';
 
 const load = (overlay) => written(`overlays/${overlay}`);
 const find = (objects, kind) => objects.find((object) => object.kind === kind);
+const named = (objects, kind, name) => objects.find((object) => object.kind === kind && object.metadata.name === name);
 
 for (const overlay of OVERLAYS) {
   test(`${overlay}: as written, it has the right types, its names lead somewhere, its pods have few rights`, () => check(load(overlay)));
@@ -20,7 +21,7 @@ const names = (objects) => objects.map(({ kind, metadata }) => `${kind}/${metada
 
 test('each overlay has all of its objects', () => {
   const base = ['Namespace/latvox', 'NetworkPolicy/deny', 'ServiceAccount/latvox'];
-  assert.deepEqual(names(load('service')), [...base, 'ConfigMap/latvoxd', 'Deployment/latvox', 'HorizontalPodAutoscaler/latvox',
+  assert.deepEqual(names(load('service')), [...base, 'ConfigMap/haproxy', 'ConfigMap/latvoxd', 'Deployment/latvox', 'HorizontalPodAutoscaler/latvox',
     'NetworkPolicy/latvoxd', 'PodDisruptionBudget/latvox', 'Service/latvox', 'ServiceMonitor/latvox'].sort());
   assert.deepEqual(names(load('batch')), [...base, 'Job/latvox-batch', 'PersistentVolumeClaim/latvox-meshes',
     'PersistentVolumeClaim/latvox-results'].sort());
@@ -64,10 +65,29 @@ test('service: latvoxd takes its configuration, which has the ports and the time
   assert.equal(Object.keys(found).length, text.match(/^[a-z-]+ = /gm).length, 'every line of it counts');
   const { terminationGracePeriodSeconds, containers: [container] } = find(objects, 'Deployment').spec.template.spec;
   const ports = Object.fromEntries(container.ports.map(({ name, containerPort }) => [name, `0.0.0.0:${containerPort}`]));
-  assert.deepEqual(ports, { grpc: found.listen, health: found['health-listen'], metrics: found['metrics-listen'] });
+  assert.deepEqual(ports, { health: found['health-listen'], metrics: found['metrics-listen'] });
   assert.equal(container.readinessProbe.grpc.port, Number(found['health-listen'].split(':')[1]), 'probes know no TLS');
   const lastResort = 15;  // seconds that latvoxd may take after --grace
   assert.ok(terminationGracePeriodSeconds >= Number(found.grace) + container.lifecycle.preStop.sleep.seconds + lastResort);
+});
+
+test('service: haproxy takes its configuration, serves its port, finds its files, and leads to latvoxd', () => {
+  const objects = load('service');
+  const text = named(objects, 'ConfigMap', 'haproxy').data['haproxy.cfg'];
+  const { terminationGracePeriodSeconds, containers: [, container], volumes } = find(objects, 'Deployment').spec.template.spec;
+  const [, port, file] = text.match(/bind :(\d+) ssl crt (\S+) /);
+  assert.equal(Number(port), container.ports[0].containerPort);
+  const { name } = container.volumeMounts.find(({ mountPath }) => mountPath === path.dirname(file));
+  const keys = volumes.find((volume) => volume.name === name).secret.items.map((item) => item.path);
+  assert.deepEqual(keys, [path.basename(file), `${path.basename(file)}.key`]);
+  assert.equal(text.match(/server latvoxd (\S+) /)[1], settings(named(objects, 'ConfigMap', 'latvoxd').data['latvoxd.toml']).listen);
+  assert.ok(terminationGracePeriodSeconds >= Number(text.match(/hard-stop-after (\d+)s/)[1]) + container.lifecycle.preStop.sleep.seconds);
+  withFiles((run, directory) => {
+    run('cp', 'certificate.pem', 'server.pem');
+    run('cp', 'key.pem', 'server.pem.key');
+    writeFileSync(path.join(directory, 'haproxy.cfg'), text.replace(file, path.join(directory, 'server.pem')));
+    run('haproxy', '-c', '-f', 'haproxy.cfg');
+  });
 });
 
 // The tests find mistakes that are put into the manifests.
@@ -96,15 +116,15 @@ test('names that lead nowhere are found', () => {
     ['there is no ConfigMap latvoxd', 'service', 'ConfigMap', (map) => { map.metadata.name = 'other'; }],
     ['no volume has /etc/latvox/latvoxd.toml', 'service', 'ConfigMap', (map) => { map.data = { other: '' }; }],
     ['no volume has /x/y', 'service', 'ConfigMap', ({ data }) => { data['latvoxd.toml'] += 'tls-client-ca = "/x/y"\n'; }],
-    ['there is no Secret latvox-tlss', 'service', 'Deployment', (o) => { podOf(o).volumes[1].secret.secretName = 'latvox-tlss'; }],
+    ['there is no Secret latvox-tlss', 'service', 'Deployment', (o) => { podOf(o).volumes[2].secret.secretName = 'latvox-tlss'; }],
     ['a probe asks port 1', 'service', 'Deployment', (o) => { podOf(o).containers[0].livenessProbe.grpc.port = 1; }],
-    ['does not mount tls', 'service', 'Deployment', (o) => { podOf(o).containers[0].volumeMounts.splice(1, 1); }],
+    ['does not mount tls', 'service', 'Deployment', (o) => { podOf(o).containers[1].volumeMounts.splice(1, 1); }],
     ['there is no ServiceAccount', 'service', 'ServiceAccount', ({ metadata }) => { metadata.name = 'other'; }],
     ['Service latvox selects no pod', 'service', 'Service', ({ spec }) => { spec.selector = { app: 'latvox' }; }],
     ['ServiceMonitor latvox selects no Service', 'service', 'Service', ({ metadata }) => { delete metadata.labels; }],
     ['PodDisruptionBudget latvox selects', 'service', 'PodDisruptionBudget', ({ spec }) => { spec.selector.matchLabels.x = 'y'; }],
     ['there is no Deployment other', 'service', 'HorizontalPodAutoscaler', ({ spec }) => { spec.scaleTargetRef.name = 'other'; }],
-    ['NetworkPolicy: there is no port grpc', 'service', 'Deployment', (o) => { podOf(o).containers[0].ports[0].name = 'rpc'; }],
+    ['NetworkPolicy: there is no port grpc', 'service', 'Deployment', (o) => { podOf(o).containers[1].ports[0].name = 'rpc'; }],
     ['ServiceMonitor: there is no port metrics', 'service', 'Service', ({ spec }) => { spec.ports.pop(); }],
     ['there is no PersistentVolumeClaim latvox-meshes', 'batch', 'PersistentVolumeClaim', ({ metadata }) => { metadata.name = 'x'; }],
     ['no volume has /results', 'batch', 'Job', (o) => { podOf(o).containers[0].volumeMounts[1].mountPath = '/result'; }],

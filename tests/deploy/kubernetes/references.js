@@ -39,7 +39,7 @@ function filesOf({ pod }, container, objects, secrets) {
   return container.volumeMounts.map((mount) => {
     const { configMap, secret } = pod.volumes.find((volume) => volume.name === mount.name) ?? {};
     const map = configMap && named(objects, 'ConfigMap').find(({ metadata }) => metadata.name === configMap.name);
-    return { at: mount.mountPath, keys: map ? Object.keys(map.data) : secret ? secrets[secret.secretName] ?? [] : null };
+    return { at: mount.mountPath, keys: map ? Object.keys(map.data) : secret ? secret.items?.map((item) => item.path) ?? secrets[secret.secretName] ?? [] : null };
   });
 }
 
@@ -59,8 +59,9 @@ function brokenPaths(template, objects, secrets) {
 function brokenProbes({ name, pod }) {
   return pod.containers.flatMap(({ ports = [], startupProbe, readinessProbe, livenessProbe }) =>
     [startupProbe, readinessProbe, livenessProbe].filter(Boolean)
-      .filter(({ grpc }) => !ports.some(({ containerPort }) => containerPort === grpc.port))
-      .map(({ grpc }) => `${name}: a probe asks port ${grpc.port}, which no container has`));
+      .map(({ grpc, tcpSocket }) => (grpc ?? tcpSocket).port)
+      .filter((port) => !ports.some(({ containerPort }) => containerPort === port))
+      .map((port) => `${name}: a probe asks port ${port}, which no container has`));
 }
 
 function brokenSelectors(objects, pods) {
