@@ -90,6 +90,10 @@ void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openv
   grid.insertMeta("latvox_request", openvdb::StringMetadata(RequestText(request, note)));
   if (request.region) grid.insertMeta("latvox_region", openvdb::StringMetadata(Corners(*request.region)));
   if (request.bounds) grid.insertMeta("latvox_bounds", openvdb::StringMetadata(Corners(*request.bounds)));
+  if (const auto& facts = note.facts) {
+    grid.insertMeta("latvox_mesh_triangles", openvdb::Int64Metadata(static_cast<int64_t>(facts->triangles)));
+    grid.insertMeta("latvox_mesh_box", openvdb::StringMetadata(Corners(WorldBox{facts->min, facts->max})));
+  }
 }
 
 }  // namespace latvox::client

@@ -13,8 +13,8 @@ namespace latvox::client {
 // describes the whole, but not the part of it, nor the encoding of voxels.
 std::string RequestText(const VoxelizeRequest& request, const MeshNote& note);
 
-// Writes the metadata latvox_request, RequestText; and, if the request has them, latvox_region and latvox_bounds, six
-// numbers each.
+// Writes the metadata latvox_request, RequestText; and, if the request or the note has them, latvox_region,
+// latvox_bounds and latvox_mesh_box, six numbers each, and latvox_mesh_triangles.
 void DescribeRequest(const VoxelizeRequest& request, const MeshNote& note, openvdb::GridBase& grid);
 
 }  // namespace latvox::client

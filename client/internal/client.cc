@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_split.h"
+#include "client/internal/address.h"
 #include "client/internal/connection.h"
 #include "client/internal/printable.h"
 #include "client/internal/private_server.h"
@@ -47,7 +48,7 @@ absl::StatusOr<Client> Client::Connect(const std::string& addresses, const CallO
 absl::StatusOr<Client> Client::Connect(const std::vector<std::string>& addresses, const CallOptions& options,
                                        const ConnectionOptions& connection_options) {
   for (const std::string& address : addresses) {
-    if (address.empty()) return absl::InvalidArgumentError("address: one is empty; it is HOST:PORT or unix:PATH");
+    if (absl::Status status = CheckAddress(address); !status.ok()) return PrintableStatus(status);
   }
   if (addresses.empty()) return absl::InvalidArgumentError("addresses: there is none to connect to");
   auto connection = Connection::Open(addresses, options, connection_options);

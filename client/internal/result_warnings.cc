@@ -104,9 +104,9 @@ std::vector<Warning> WarningsOf(const VoxelizeRequest& request, const Accepted& 
   }
   const double side = LongestSide(accepted.mesh);
   if (!request.resolution && side < kFew * accepted.grid.voxel_size) {
-    warnings.push_back(
-        {"FEW_VOXELS", absl::StrCat("the mesh is small: its longest side, ", side, ", is below ", kFew,
-                                    " voxel sizes of ", accepted.grid.voxel_size, "; a scale changes its unit")});
+    warnings.push_back({"FEW_VOXELS", absl::StrCat("the mesh is small: its longest side, ", side, ", is below ", kFew,
+                                                   " voxel sizes of ", accepted.grid.voxel_size,
+                                                   "; if its unit is another one, a scale converts it")});
   }
   return warnings;
 }

@@ -96,7 +96,7 @@ absl::StatusOr<DeclaredCounts> CheckEdgebreaker(draco::DecoderBuffer& buffer, ui
 absl::StatusOr<Header> ReadHeader(absl::string_view bytes) {
   if (bytes.substr(0, kMagic.size()) != kMagic) {
     return BadMesh(absl::StrCat("not a Draco file (", bytes.size(), " bytes, beginning with \"",
-                                absl::CHexEscape(bytes.substr(0, kMagic.size())), "\")"));
+                                absl::CHexEscape(bytes.substr(0, kMagic.size())), "\"); plain arrays need raw_mesh"));
   }
   if (bytes.size() < kHeaderBytes) return Truncated();
   const auto byte = [&](size_t at) { return static_cast<uint8_t>(bytes[at]); };

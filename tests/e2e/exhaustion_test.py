@@ -44,7 +44,6 @@ class Exhaustion(Case):
             "view": ["view", self.vdb, "-o", "v.html"],
             "compare": ["compare", self.vdb, self.vdb],
             "info": ["info", self.vdb],
-            "health": ["health"],
             "limits": ["limits"],
         }
 
@@ -82,7 +81,7 @@ class Exhaustion(Case):
 
             return become
 
-        for command in (["--version"], ["voxelize", BUNNY, "--resolution", "30", "--json"], ["health"]):
+        for command in (["--version"], ["voxelize", BUNNY, "--resolution", "30", "--json"], ["limits"]):
             for count in (1, 2, 4, 6, 8, 12, 16, 64):
                 with self.subTest(command[0], threads=count):
                     done = subprocess.run([BIN / "latvox", *command], capture_output=True, text=True,

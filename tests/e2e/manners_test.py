@@ -76,6 +76,18 @@ class Manners(Case):
         texts = {self.run_here(word)[0] for word in ("-V", "--version", "version")}
         self.assertEqual(len(texts), 1)
 
+    def test_health_needs_a_server_to_ask(self):
+        done = latvox("health")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stderr.splitlines()[0], "latvox: --server is required")
+
+    def test_an_address_without_a_port_is_refused(self):
+        for address, why in (("localhost", "has no port"), ("127.0.0.1:99999", "has no port from 1 to 65535"),
+                             ("https://localhost:50151", "is a URL"), ("127.0.0.1:1,", "is empty")):
+            done = latvox("health", "--server", address)
+            self.assertEqual(done.returncode, 3, address)
+            self.assertIn(f"{why}; it is HOST:PORT or unix:PATH", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -14,7 +14,7 @@ import numpy
 import pyopenvdb
 
 import harness
-from harness import BIN, BUNNY, Case, latvox, rows
+from harness import BIN, BUNNY, Case, latvox, octahedron, rows, write_obj
 
 OK, OTHER, USAGE, BAD_INPUT, UNREACHABLE, REFUSED, STOPPED = range(7)
 FAR = 100000
@@ -186,6 +186,13 @@ class Failures(MergeCase):
         a, b = self.parts(slabs(0, 0), *grid)
         self.voxelize(BUNNY, *grid, "--quantization", "9", out="other.vdb")
         self.bad(a, b, self.dir / "other.vdb", code=BAD_INPUT, says="latvox_quantization_bits is 9, but ")
+
+    def test_grids_of_two_meshes_are_no_parts_of_one(self):
+        grid = ["--voxel-size", "0.04", "--origin", "0,0,0"]
+        write_obj(self.dir / "other.obj", octahedron(1))
+        for name, mesh in (("a", BUNNY), ("b", self.dir / "other.obj")):
+            self.voxelize(mesh, *grid, out=f"{name}.vdb")
+        self.bad(self.dir / "a.vdb", self.dir / "b.vdb", code=BAD_INPUT, says="b.vdb: latvox_mesh_.* is .*, but .* in .*a.vdb")
 
     def test_shards_that_are_missing_or_given_twice(self):
         paths = self.parts(shards(4), *self.OPTIONS)

@@ -54,6 +54,16 @@ class Sbom(Case):
         static = [r["relatedSpdxElement"] for r in self.document["relationships"] if r["relationshipType"] == "STATIC_LINK"]
         self.assertEqual(static, [self.packages["openvdb"]["SPDXID"]])
 
+    def test_the_build_of_the_image_has_the_files_that_it_reads(self):
+        kept = {line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")}
+        dockerfile = (ROOT / "deploy/Dockerfile").read_text()
+        read = set(re.findall(r"\bdeploy/[\w./-]+", dockerfile.split("FROM packages AS openvdb")[1])) - {"deploy/docs/image.md"}
+        read |= {"tests/node/package-lock.json"}  # of deploy/sbom
+        read |= {f"deploy/{name}" for name in re.findall(r"add_subdirectory\(deploy/(\w+)", (ROOT / "CMakeLists.txt").read_text())}
+        self.assertIn("deploy/sbom", read)
+        for path in read:
+            self.assertTrue(kept & {str(place) for place in [pathlib.Path(path), *pathlib.Path(path).parents]}, path)
+
     def test_bad_words_are_refused(self):
         for words, says in (((), "the following arguments are required: programs"), (("nowhere",), "nowhere: no such file"),
                             (("--static", "x", PROGRAMS[0]), "--static: x is not NAME=VERSION=LICENSE")):

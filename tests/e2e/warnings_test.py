@@ -117,6 +117,21 @@ class Warnings(Case):
         done = latvox("voxelize", drc, "--resolution", "9", "--quantization", "5", "--json")
         self.assertEqual([warning["code"] for warning in json.loads(done.stdout)["warnings"]], ["QUANTIZATION_IGNORED"])
 
+    def test_a_mesh_of_very_many_voxels_is_told_before_the_work(self):
+        mesh = self.dir / "sliver.obj"
+        mesh.write_text("v 0 0 0\nv 30 0 0\nv 0 0.002 0\nf 1 2 3\n")
+        out = self.dir / "out.csv"
+        done = latvox("voxelize", mesh, "--voxel-size", "0.001", "--json", "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("the mesh is 30000 voxels long", done.stderr)
+        self.assertEqual([warning["code"] for warning in json.loads(done.stdout)["warnings"]], ["MANY_VOXELS"])
+        out.unlink()
+        done = latvox("voxelize", mesh, "--voxel-size", "0.001", "--strict", "-o", out)
+        self.assertEqual((done.returncode, out.exists()), (3, False))
+        self.assertIn("MANY_VOXELS", done.stderr)
+        done = latvox("voxelize", mesh, "--resolution", "30000", "--json", "-o", out)
+        self.assertEqual(json.loads(done.stdout)["warnings"], [])
+
 
 if __name__ == "__main__":
     unittest.main()

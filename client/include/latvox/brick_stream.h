@@ -7,7 +7,7 @@
 //   }
 //   Use(stream.summary());
 //
-// A program that leaves the loop early, or destroys the handle, cancels the rest.
+// Destroying the handle cancels the rest. A program that leaves the loop early may go on with another loop before that.
 #ifndef LATVOX_LATVOX_BRICK_STREAM_H_
 #define LATVOX_LATVOX_BRICK_STREAM_H_
 

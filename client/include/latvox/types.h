@@ -188,17 +188,6 @@ struct VoxelizeRequest {
   std::optional<Placement> placement = std::nullopt;
 };
 
-// The way in which a mesh was read and encoded, as far as it is not the default. Grids record it with the request, so
-// that the request can be repeated. The names are those of fields in a line of `latvox batch`.
-struct MeshNote {
-  std::string up_axis;              // "x", "y" or "z": the axis of the file that became z
-  std::optional<double> scale;      // of its coordinates
-  std::string input_format;         // "ply", ...: overrides the file's extension
-  std::optional<int> quantization;  // bits of a position on the way to the server; 0: lossless
-  bool skip_bad = false;            // broken elements were left out
-  bool operator==(const MeshNote&) const = default;
-};
-
 // World positions of lattice coordinates: world = origin + i*a + j*b + k*c.
 struct GridTransform {
   Basis basis;            // scaled, world units
@@ -227,6 +216,18 @@ struct MeshFacts {
   Vec3d min{};                        // bounding box of all triangles, world: the low corner
   Vec3d max{};                        // and the high one
   bool operator==(const MeshFacts&) const = default;
+};
+
+// The way in which a mesh was read and encoded, as far as it is not the default. Grids record it with the request, so
+// that the request can be repeated. The names are those of fields in a line of `latvox batch`.
+struct MeshNote {
+  std::string up_axis;                            // "x", "y" or "z": the axis of the file that became z
+  std::optional<double> scale;                    // of its coordinates
+  std::string input_format;                       // "ply", ...: overrides the file's extension
+  std::optional<int> quantization;                // bits of a position on the way to the server; 0: lossless
+  bool skip_bad = false;                          // broken elements were left out
+  std::optional<MeshFacts> facts = std::nullopt;  // as the server found them: they tell the parts of two meshes apart
+  bool operator==(const MeshNote&) const = default;
 };
 
 // The request as it will be carried out: the first answer.

@@ -208,8 +208,11 @@ class Program {
       AddServerOptions(command, server_);
       return command;
     };
-    add_call("health", "Ask a server whether it accepts requests",
-             [this](const Cancellation& cancellation) { return RunHealth(server_, cancellation); });
+    add_call("health", "Ask a server whether it accepts requests", [this](const Cancellation& cancellation) {
+      // A private server is always healthy: a probe that forgets the address would never fail.
+      if (server_.address.empty()) Refuse("--server is required");
+      return RunHealth(server_, cancellation);
+    });
     add_call("limits", "Ask a server for its limits", [this](const Cancellation& cancellation) {
       return RunLimits(server_, json_, cancellation);
     }).Add({JsonRow("Print a JSON object", json_)});

@@ -11,7 +11,8 @@ OptionRow MeshRow(MeshSource& mesh) {
   return {
       .names = "mesh",
       .target = &mesh.paths,
-      .help = "Mesh file: .drc .obj .ply .stl .off .glb .gltf .3mf, or - for standard input; several files form one mesh",
+      .help =
+          "Mesh file: .drc .obj .ply .stl .off .glb .gltf .3mf, or - for standard input; several files form one mesh",
       .value = "MESH",
       .required = true};
 }

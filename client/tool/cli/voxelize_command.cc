@@ -59,7 +59,7 @@ absl::Status WithMesh(const absl::Status& status, const MeshSource& mesh) {
 
 // Runs the call and writes its results to the outputs.
 absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, const CallOptions& call,
-                  const JobHooks& hooks, Outputs& outputs, VoxelizeReport& report) {
+                  const JobHooks& hooks, Outputs& outputs, std::vector<Warning>& warnings, VoxelizeReport& report) {
   hooks.on_stage("connecting");
   const absl::StatusOr<const Client*> client = hooks.connect();
   if (!client.ok()) return client.status();
@@ -68,6 +68,10 @@ absl::Status Call(const VoxelizeOptions& options, const MeshUpload& upload, cons
   handlers.on_accepted = [&](const Accepted& accepted) {
     hooks.on_stage("voxelizing");
     report.accepted = accepted;
+    if (auto large = WarningOfSize(accepted, options.request)) {
+      if (auto status = Warn({*large}, options.strict, hooks.say); !status.ok()) return status;
+      warnings.push_back(*std::move(large));
+    }
     return ForEach(outputs, [&](Output& output) { return output.Begin(accepted); });
   };
   uint64_t bricks = 0;
@@ -119,7 +123,7 @@ absl::StatusOr<VoxelizeReport> RunJob(const VoxelizeOptions& options, const Call
   report.read_ms = upload->read_ms;
   report.encode_ms = upload->encode_ms;
   if (auto status = CheckTime(call); !status.ok()) return status;
-  if (auto status = Call(options, *upload, call, hooks, *outputs, report); !status.ok()) return status;
+  if (auto status = Call(options, *upload, call, hooks, *outputs, warnings, report); !status.ok()) return status;
   std::vector<Warning>& all = report.summary.warnings;
   if (auto status = Warn(all, options.strict, hooks.say); !status.ok()) return status;
   all.insert(all.begin(), warnings.begin(), warnings.end());

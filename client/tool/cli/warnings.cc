@@ -1,5 +1,9 @@
 #include "client/tool/cli/warnings.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 
@@ -21,6 +25,21 @@ absl::Status Warn(const std::vector<Warning>& warnings, bool strict,
   if (!strict || codes.empty()) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("strict: no warning is allowed, and there is ", absl::StrJoin(codes, ", ")));
+}
+
+std::optional<Warning> WarningOfSize(const Accepted& accepted, const VoxelizeRequest& request) {
+  constexpr double kMany = 20000;
+  if (request.resolution || request.region || request.bounds || request.shard) return std::nullopt;
+  double voxels = 0;
+  for (size_t m = 0; m < 3; ++m) {
+    voxels = std::max(voxels, (accepted.mesh.max[m] - accepted.mesh.min[m]) / accepted.grid.voxel_size);
+  }
+  if (voxels <= kMany) return std::nullopt;
+  return Warning{"MANY_VOXELS",
+                 absl::StrCat("the mesh is ", std::llround(voxels),
+                              " voxels long, and may have billions of them; if its "
+                              "unit is another one, --scale converts it"),
+                 "voxel_size"};
 }
 
 }  // namespace latvox::client

@@ -3,10 +3,12 @@
 #define LATVOX_CLIENT_TOOL_CLI_WARNINGS_H_
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "latvox/types.h"
 #include "latvox/warning.h"
 
 namespace latvox::client {
@@ -15,6 +17,10 @@ namespace latvox::client {
 // there are any, except notes.
 absl::Status Warn(const std::vector<Warning>& warnings, bool strict,
                   const std::function<void(const std::string& line)>& say);
+
+// Returns MANY_VOXELS if the whole of a mesh is so long, in voxels of a given size, that its unit is perhaps another
+// one, and the result may fill memory and disk. A resolution says how long it is.
+std::optional<Warning> WarningOfSize(const Accepted& accepted, const VoxelizeRequest& request);
 
 }  // namespace latvox::client
 

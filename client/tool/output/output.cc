@@ -44,11 +44,13 @@ class GridOutput final : public Output {
   absl::Status Begin(const Accepted& accepted) override {
     if (auto status = CheckGridTransform(accepted.grid); !status.ok()) return Named(status);
     grid_.emplace(new_grid_(accepted.grid));
+    note_.facts = accepted.mesh;
     request_.placement = accepted.placement;  // the metadata state it, whatever a later version's default is
     return absl::OkStatus();
   }
   absl::Status Add(const BrickBatch& batch) override { return grid_->Add(batch); }
   absl::Status Finish(const Summary& summary) override {
+    if (!note_.quantization) note_.quantization = static_cast<int>(summary.certificate.quantization_bits);
     grid_->SetRequest(request_, note_);
     grid_->SetCertificate(summary.certificate);
     if constexpr (std::is_same_v<Grid, AttributeGrids>) grid_->SetNames(names_);
@@ -68,7 +70,7 @@ class GridOutput final : public Output {
 
   std::unique_ptr<AtomicFile> file_;
   VoxelizeRequest request_;
-  const MeshNote note_;
+  MeshNote note_;
   const NewGrid new_grid_;
   const Write write_;
   CarriedNames names_;

@@ -43,7 +43,7 @@ class LATVOX_EXPORT VoxelGrid {
 
   // Writes the request into the grid's metadata: latvox_request, a JSON object with the fields of a line of `latvox
   // batch`, and latvox_region and latvox_bounds if it has them. With the note about the mesh, such a line and the same
-  // mesh repeat the whole.
+  // mesh repeat the whole. With its facts, latvox_mesh_triangles and latvox_mesh_box tell what mesh it was.
   void SetRequest(const VoxelizeRequest& request, const MeshNote& note = {});
 
   // Writes the certificate into the grid's metadata.
