@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, BUNNY, PATIENCE, Case, octahedron, write_obj
+from harness import BIN, BUNNY, PATIENCE, Case, latvox, octahedron, write_obj
 
 
 class Manners(Case):
