@@ -1,6 +1,7 @@
 // A client of latvoxd from proto/latvox/v1/voxelizer.proto alone: sends an .obj mesh of triangles, prints its voxels.
 //
-// Needs: npm install @grpc/grpc-js @grpc/proto-loader
+// Needs: npm install @grpc/grpc-js @grpc/proto-loader, in a folder above this file. A copy elsewhere finds the protocol
+// in the folder that LATVOX_PROTO names, for example: LATVOX_PROTO=latvox/proto
 // Usage: node client/examples/voxelize.mjs ADDRESS MESH.obj RESOLUTION [cartesian|bcc|fcc|hexagonal] >voxels.csv
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -13,7 +14,8 @@ if (!(resolution > 0) || !['cartesian', 'bcc', 'fcc', 'hexagonal'].includes(latt
   process.exit(2);
 }
 // In the repository, or as `cmake --install` installs it.
-const includeDirs = ['../../proto', '../../../latvox/proto'].map((dir) => fileURLToPath(new URL(dir, import.meta.url)));
+const places = ['../../proto', '../../../latvox/proto'].map((dir) => fileURLToPath(new URL(dir, import.meta.url)));
+const includeDirs = process.env.LATVOX_PROTO ? [process.env.LATVOX_PROTO] : places;
 const proto = loader.loadSync('latvox/v1/voxelizer.proto', { includeDirs, longs: String, defaults: true, oneofs: true });
 const { Voxelizer } = grpc.loadPackageDefinition(proto).latvox.v1;
 
@@ -22,6 +24,8 @@ function arraysOf(obj) {
   const rows = obj.split('\n').map((line) => line.trim().split(/\s+/));
   const rowsOf = (key) => rows.filter((row) => row[0] === key).flatMap((row) => row.slice(1, 4));
   const corner = (word) => parseInt(word, 10) - 1; // 12/7/3 is vertex 12
+  const other = rows.find((row) => row[0] === 'f' && (row.length !== 4 || row.some((word) => word.startsWith('-'))));
+  if (other) throw new Error(`${other.join(' ')}: this example reads triangles with numbers from 1 on`);
   return { positions: Float32Array.from(rowsOf('v'), Number), triangles: Uint32Array.from(rowsOf('f'), corner) };
 }
 

@@ -20,7 +20,10 @@ def arrays(obj):
         if key == "v":
             positions.extend(map(float, words[:3]))
         elif key == "f":
-            triangles.extend(int(word.split("/")[0]) - 1 for word in words[:3])  # 12/7/3 is vertex 12
+            corners = [int(word.split("/")[0]) - 1 for word in words]  # 12/7/3 is vertex 12
+            if len(corners) != 3 or min(corners) < 0:
+                sys.exit(f"f {' '.join(words)}: this example reads triangles with numbers from 1 on")
+            triangles.extend(corners)
     return positions, triangles
 
 

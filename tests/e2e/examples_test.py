@@ -47,6 +47,20 @@ class Examples(Case):
                     found = self.run_example(example, latvoxd.address, BUNNY, 60, lattice, PYTHONPATH=str(self.dir))
                     self.assertEqual(found, self.expected(latvoxd.address, BUNNY, lattice))
 
+    def test_polygons_are_refused(self):
+        (self.dir / "quad.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        protoc = ["protoc", "-I", ROOT / "proto", f"--python_out={self.dir}", "latvox/v1/voxelizer.proto"]
+        subprocess.run(protoc, check=True, timeout=PATIENCE)
+        (self.dir / "node_modules").symlink_to(ROOT / "tests/node/node_modules")
+        copy = self.dir / "voxelize.mjs"
+        copy.write_bytes((ROOT / "client/examples/voxelize.mjs").read_bytes())
+        places = {"PYTHONPATH": str(self.dir), "LATVOX_PROTO": str(ROOT / "proto")}
+        for command in ([ROOT / "client/examples/voxelize.py"], ["node", copy]):
+            done = subprocess.run([*map(str, command), "127.0.0.1:1", self.dir / "quad.obj", "9"], capture_output=True,
+                                  text=True, timeout=PATIENCE, env=os.environ | places)  # fmt: skip
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("f 1 2 3 4: this example reads triangles with numbers from 1 on", done.stderr)
+
     def test_node(self):
         # Node searches for packages in the folders above the program.
         example = self.dir / "client/examples/voxelize.mjs"
