@@ -30,6 +30,7 @@ CONTENTS = [
     ]),
     ("Measurements", [
         "tests/bench/README.md", ("Notes on performance", ["tests/bench/notes/*.md"]), "tests/thesis/README.md",
+        "tests/corpus/README.md",
     ]),
     ("Contributing", [
         ".github/CONTRIBUTING.md", ".github/SECURITY.md", "deploy/RELEASE.md", "tests/README.md",
