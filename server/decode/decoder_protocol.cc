@@ -90,6 +90,7 @@ MeshReceiver::Progress MeshReceiver::Receive(FrameKind kind, absl::string_view f
       error_ = DecodeError(frame);
       return Progress::kDone;
     case FrameKind::kReady:
+    case FrameKind::kDeclaration:  // sets limits, and is no part of the mesh
       break;
   }
   return Progress::kBroken;

@@ -26,8 +26,8 @@ constexpr absl::Duration kLeastWall = absl::Seconds(10);
 
 // The limits of a decode follow the bytes, and then the counts that they declare. So a small file cannot cost much,
 // whatever Draco believes. A triangle takes Draco up to 0.5 us and 200 bytes, with normals and coordinates of textures.
-constexpr absl::Duration kSmallCpuTime = absl::Milliseconds(100), kCpuTimePerByte = absl::Microseconds(1),
-                         kCpuTimePerElement = absl::Microseconds(5);
+constexpr absl::Duration kSmallCpuTime = kAddressSanitizer ? absl::Seconds(1) : absl::Milliseconds(100),
+                         kCpuTimePerByte = absl::Microseconds(1), kCpuTimePerElement = absl::Microseconds(5);
 constexpr uint64_t kMemoryPerElement = uint64_t{1} << 10;
 
 // The number of processes that may end during a job. A process killed by someone else may have been the kernel's choice

@@ -13,7 +13,7 @@ inline constexpr uint8_t kAcknowledged = 1, kEndHeaders = 4, kPadded = 8, kPrior
 
 inline std::string BigEndian(uint32_t value, int bytes) {
   std::string text;
-  for (int n = bytes - 1; n >= 0; --n) text.push_back(static_cast<char>(value >> (8 * n)));
+  for (int n = bytes - 1; n >= 0; --n) text.push_back(static_cast<char>(uint64_t{value} >> (8 * n)));
   return text;
 }
 
