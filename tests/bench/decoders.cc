@@ -37,7 +37,7 @@ void Time(Times& times, const F& work) {
 
 absl::StatusOr<DecodedMesh> DecodeThrough(DecoderPool& pool, const absl::Cord& bytes) {
   std::promise<absl::StatusOr<DecodedMesh>> result;
-  pool.Start({bytes, {}, {}}, {}, {}, [&](absl::StatusOr<DecodedMesh> mesh) { result.set_value(std::move(mesh)); });
+  pool.Start({bytes, {}, {}, {}}, {}, {}, [&](absl::StatusOr<DecodedMesh> mesh) { result.set_value(std::move(mesh)); });
   return result.get_future().get();
 }
 

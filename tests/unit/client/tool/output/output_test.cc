@@ -211,7 +211,9 @@ TEST_F(OutputFile, FilesOfBothFormsReplaceTheTargetAndLeaveNothing) {
       ASSERT_TRUE((*file)->Append("new").ok());
       ASSERT_TRUE((*file)->Sync().ok());
       EXPECT_EQ(Read("x.csv"), "old");
-      if (commits) ASSERT_TRUE((*file)->Commit().ok());
+      if (commits) {
+        ASSERT_TRUE((*file)->Commit().ok());
+      }
       file->reset();
       EXPECT_EQ(Read("x.csv"), commits ? "new" : "old");
       EXPECT_THAT(NamesIn(Path("")), ElementsAre("x.csv"));
