@@ -64,7 +64,8 @@ Rows DecoderRows(ServerOptions& server) {
           Bytes("--decoder-memory", decoder.memory,
                 "Maximum memory for decoding one mesh, for example 2GiB. 0: the memory that --max-triangles needs; all "
                 "processes together get at most a third of the default of --memory-budget"),
-          Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time, "Maximum CPU time for decoding one mesh; small meshes get less"),
+          Seconds("--decoder-cpu-seconds", 0.001, decoder.cpu_time,
+                  "Maximum CPU time for decoding one mesh; small meshes get less"),
           Switch("--decode-always", server.decode_always,
                  "Decode the mesh of every request, even if it was decoded before"),
           std::move(unconfined)};

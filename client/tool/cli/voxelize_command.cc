@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client/mesh_files/mesh_source.h"
+#include "client/tool/cli/abandoned_work.h"
 #include "client/tool/cli/mesh_upload.h"
 #include "client/tool/cli/progress_bar.h"
 #include "client/tool/cli/warnings.h"
