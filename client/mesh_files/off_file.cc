@@ -42,7 +42,7 @@ void WarnOfMaps(const IgnoredElements& faces, OffMesh& mesh) {
              absl::StrCat("face ", faces.first)});
 }
 
-// Returns red, green and blue of 3 or 4 words. What is not a number becomes NaN, which is no color.
+// Returns red, green and blue of 3 or 4 words. A word that is no number becomes NaN, which no color has.
 OffColor ColorOf(OffWords words) {
   OffColor color{.is_integers = true};
   for (size_t n = 0; n < color.rgb.size(); ++n) {

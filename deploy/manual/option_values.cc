@@ -75,7 +75,7 @@ const OptionRow& RowOf(const std::string& key, const RowsOfKeys& rows, const std
                                 nearest ? absl::StrCat("; did you mean ", *nearest, "?") : ""));
 }
 
-// Returns the placeholder of a value that has neither a name nor a list of words.
+// Returns the name that help gives to a value, such as N, where its row has neither a name nor a list of words.
 struct Placeholder {
   std::string operator()(bool*) const { return ""; }
   std::string operator()(std::optional<bool>*) const { return ""; }

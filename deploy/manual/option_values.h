@@ -25,7 +25,7 @@ std::string ToTruth(std::string& word);
 // "268435456" as "256MiB", in the largest unit that divides it.
 std::string SizeText(const std::string& bytes);
 
-// Fills in what help and pages say about the values: placeholder, words, range, default.
+// Fills in what help and pages say about the values: their name, such as N, words, range, default.
 void DescribeValue(const OptionRow& row, OptionFacts& facts);
 
 // Whether the values of the row are texts, neither numbers nor switches.

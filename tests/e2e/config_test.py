@@ -112,7 +112,7 @@ class CheckConfig(Case):
         self.assertIn("max-jobs = 3", done.stdout)
 
 
-# By the placeholder of an option's value in the help: TOML that its key does not take.
+# By the name that help gives to an option's value: TOML that its key does not take.
 NOT_A_NUMBER = ["true", "[1]", "{a = 1}", "1979-05-27", '"many"', '"3"', "2.5", "-1", "99999999999999999999"]
 WRONG = {
     "": ["1", '"true"', '"yes"', "[true]"],
