@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "core/base/stop_signal.h"
-#include "core/voxelizer/estimate.h"
 #include "tests/unit/core/exact.h"
 #include "tests/unit/core/sphere.h"
 #include "tests/unit/dose.h"
@@ -302,54 +301,6 @@ TEST(Pipeline, HugeLatticeCostsWhatTheRegionCosts) {
       Voxelize(mesh, Unscaled(Lattice::Named(NamedLattice::kCartesian)), {.separability = 2, .region = region});
   EXPECT_GT(result.tiles.size(), 50U);
   EXPECT_LE(result.tiles.size(), 1331U);
-}
-
-TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
-  const TriangleMesh mesh = Sphere(40, 150);
-  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
-    for (const int k : {0, 2}) {
-      const Grid grid = Unscaled(Lattice::Named(lattice));
-      const auto voxels = static_cast<double>(Voxelize(mesh, grid, {.separability = k}).totals.voxels);
-      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, {.separability = k});
-      EXPECT_GE(estimate, voxels);
-      EXPECT_LE(estimate, 3 * voxels);
-    }
-  }
-  const IndexBox box = {{0, 0, 0}, {10, 20, 30}};
-  EXPECT_EQ(EstimateVoxels(mesh, ExtentOf(mesh), Unscaled(Lattice::Named(NamedLattice::kCartesian)),
-                           {.part = {.region = box}}),
-            6000);
-}
-
-// Triangles with a random corner, and others next to a second one.
-TriangleMesh Needles(uint32_t count, float side, float thickness) {
-  constexpr unsigned kSeed = 7;
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<float> coordinate(0, side), near(-thickness, thickness);
-  TriangleMesh mesh;
-  for (uint32_t n = 0; n < count; ++n) {
-    const Vec3f end = {coordinate(random), coordinate(random), coordinate(random)};
-    mesh.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
-    mesh.vertices.push_back(end);
-    mesh.vertices.push_back({end[0] + near(random), end[1] + near(random), end[2] + near(random)});
-    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
-  }
-  return mesh;
-}
-
-TEST(EstimateVoxels, CountsNeedlesByTheirLength) {
-  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
-    const Grid grid = Unscaled(Lattice::Named(lattice));
-    for (const float thickness : {0.03F, 0.1F, 0.5F}) {
-      const TriangleMesh few = Needles(50, 60, thickness), many = Needles(20000, 60, thickness);
-      const auto voxels = static_cast<double>(Voxelize(few, grid, {}).totals.voxels);
-      const double estimate = EstimateVoxels(few, ExtentOf(few), grid, {});
-      EXPECT_GE(2 * estimate, voxels) << thickness;
-      EXPECT_LE(estimate, 3 * voxels) << thickness;
-      // A needle costs a visit for each of its rows, at least.
-      EXPECT_GT(EstimateVisits(many, ExtentOf(many), grid, {}), 20000 * 30) << thickness;
-    }
-  }
 }
 
 // Large triangles, which Verify scans once for each place, and small ones.

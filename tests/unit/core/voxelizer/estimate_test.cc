@@ -1,0 +1,75 @@
+// The estimates of a job's cost.
+#include "core/voxelizer/estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/voxelizer/voxelizer.h"
+#include "tests/unit/core/exact.h"
+#include "tests/unit/core/sphere.h"
+
+namespace latvox {
+namespace {
+
+// Triangles with a random corner, and others next to a second one.
+TriangleMesh Needles(uint32_t count, float side, float thickness) {
+  constexpr unsigned kSeed = 7;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> coordinate(0, side), near(-thickness, thickness);
+  TriangleMesh mesh;
+  for (uint32_t n = 0; n < count; ++n) {
+    const Vec3f end = {coordinate(random), coordinate(random), coordinate(random)};
+    mesh.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
+    mesh.vertices.push_back(end);
+    mesh.vertices.push_back({end[0] + near(random), end[1] + near(random), end[2] + near(random)});
+    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
+  }
+  return mesh;
+}
+
+TEST(EstimateVoxels, IsBetweenOneAndThreeTimesTheVoxelsOfASurface) {
+  const TriangleMesh mesh = Sphere(40, 150);
+  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
+    for (const int k : {0, 2}) {
+      const Grid grid = Unscaled(Lattice::Named(lattice));
+      const auto voxels = static_cast<double>(Voxelize(mesh, grid, {.separability = k}).totals.voxels);
+      const double estimate = EstimateVoxels(mesh, ExtentOf(mesh), grid, {.separability = k});
+      EXPECT_GE(estimate, voxels);
+      EXPECT_LE(estimate, 3 * voxels);
+    }
+  }
+  const IndexBox box = {{0, 0, 0}, {10, 20, 30}};
+  EXPECT_EQ(EstimateVoxels(mesh, ExtentOf(mesh), Unscaled(Lattice::Named(NamedLattice::kCartesian)),
+                           {.part = {.region = box}}),
+            6000);
+}
+
+TEST(EstimateVoxels, CountsNeedlesByTheirLength) {
+  for (const NamedLattice lattice : {NamedLattice::kCartesian, NamedLattice::kBcc, NamedLattice::kFcc}) {
+    const Grid grid = Unscaled(Lattice::Named(lattice));
+    for (const float thickness : {0.03F, 0.1F, 0.5F}) {
+      const TriangleMesh few = Needles(50, 60, thickness), many = Needles(20000, 60, thickness);
+      const auto voxels = static_cast<double>(Voxelize(few, grid, {}).totals.voxels);
+      const double estimate = EstimateVoxels(few, ExtentOf(few), grid, {});
+      EXPECT_GE(2 * estimate, voxels) << thickness;
+      EXPECT_LE(estimate, 3 * voxels) << thickness;
+      // A needle costs a visit for each of its rows, at least.
+      EXPECT_GT(EstimateVisits(many, ExtentOf(many), grid, {}), 20000 * 30) << thickness;
+    }
+  }
+}
+
+TEST(EstimateVisits, CountThinningWhereTrianglesFillAVolume) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const auto visits = [&](const TriangleMesh& mesh, bool minimal) {
+    return EstimateVisits(mesh, ExtentOf(mesh), grid, *MakeRequest({.minimal = minimal}));
+  };
+  const TriangleMesh sphere = Sphere(40, 150), full = Needles(20000, 60, 30);
+  EXPECT_LT(visits(sphere, true), 1.1 * visits(sphere, false));
+  // Twenty visits, at least, for each lattice point of the box.
+  EXPECT_GT(visits(full, true), visits(full, false) + 20 * 60 * 60 * 60);
+}
+
+}  // namespace
+}  // namespace latvox
