@@ -218,16 +218,16 @@ class CommandParser::File : public CLI::ConfigTOML {
     for (const auto& [option, row] : library_.rows) {
       if (!option->get_lnames().empty()) rows.emplace(option->get_lnames().front(), &row);
     }
-    std::vector<CLI::ConfigItem> items;
+    std::vector<CLI::ConfigItem> found;
     for (FileSetting& setting : ReadSettings(library_.app.get_config_ptr()->as<std::string>(), rows)) {
       if (!is_above_(setting.key)) {
-        CLI::ConfigItem& item = items.emplace_back();
+        CLI::ConfigItem& item = found.emplace_back();
         item.name = setting.key;
         item.inputs = setting.words;
       }
       library_.settings.emplace(setting.key, std::move(setting));
     }
-    return items;
+    return found;
   }
 
  private:

@@ -13,6 +13,7 @@ latvox_add_test(server_decoder_protocol_test SOURCES unit/server/decode/decoder_
 latvox_add_test(server_decoder_sandbox_test UNSANITIZED SOURCES unit/server/decode/decoder_sandbox_test.cc
                 LIBRARIES latvox::server ${LATVOX_SECCOMP} GTest::gmock)
 latvox_add_test(server_decoder_pool_test SOURCES unit/server/decode/decoder_pool_test.cc
+                                                 unit/server/decode/foreign_decoder_test.cc
                 LIBRARIES latvox::server latvox_server_meshes GTest::gmock)
 target_compile_definitions(
   server_decoder_pool_test

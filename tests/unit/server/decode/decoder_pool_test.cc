@@ -1,20 +1,13 @@
 // Meshes decoded in processes of their own, and all that can become of these.
 #include "server/decode/decoder_pool.h"
 
-#include <dirent.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
 #include <fstream>
-#include <functional>
-#include <future>
 #include <iterator>
 #include <mutex>
 #include <string>
@@ -25,10 +18,9 @@
 #include "absl/time/clock.h"
 #include "server/base/errors.h"
 #include "server/decode/draco_decoder.h"
-#include "tests/unit/server/decoders.h"
+#include "tests/unit/server/decode/decoder_pool.h"
 #include "tests/unit/server/log_lines.h"
 #include "tests/unit/server/meshes.h"
-#include "tests/unit/temporary_directory.h"
 
 namespace latvox {
 namespace {
@@ -36,128 +28,13 @@ namespace {
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
-// With AddressSanitizer, processes of the lowest priority (see StartStopped) take their time on a busy machine.
-constexpr auto kPatience = std::chrono::seconds(kAddressSanitizer ? 200 : 30);
 constexpr absl::Duration kAtOnce = absl::Milliseconds(50);
-
-bool Eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
-
-// This process's children, the oldest first.
-std::vector<pid_t> Children() {
-  std::vector<pid_t> pids;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream file(thread.path() / "children");
-    std::copy(std::istream_iterator<pid_t>(file), {}, std::back_inserter(pids));
-  }
-  std::sort(pids.begin(), pids.end());
-  return pids;
-}
-
-// A decode whose end can be waited for.
-class Decode {
- public:
-  Decode(DecoderPool& pool, const std::string& bytes, const Limits& limits = {}, MeshDecoder::Reserve reserve = {},
-         const FieldList& wanted = {}, const std::string& client = "")
-      : result_(promise_.get_future()),
-        decoding_(
-            pool.Start({absl::Cord(bytes), wanted, "id-7", client}, limits, std::move(reserve), [this](auto mesh) {
-              ended_ = absl::Now();
-              promise_.set_value(std::move(mesh));
-            })) {}
-
-  void Cancel() { decoding_->Cancel(); }
-  bool over() const { return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
-  absl::StatusOr<DecodedMesh> Get() {
-    if (result_.wait_for(kPatience) != std::future_status::ready) return absl::UnknownError("the decode does not end");
-    return result_.get();
-  }
-  absl::Time ended() const { return ended_; }
-
- private:
-  absl::Time ended_;
-  std::promise<absl::StatusOr<DecodedMesh>> promise_;
-  std::future<absl::StatusOr<DecodedMesh>> result_;
-  std::shared_ptr<MeshDecoder::Decoding> decoding_;
-};
-
-void ExpectSame(const absl::StatusOr<DecodedMesh>& result, const std::string& bytes) {
-  const auto expected = DecodeDraco(bytes, {});
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_TRUE(result->mesh.vertices == expected->mesh.vertices);
-  EXPECT_TRUE(result->mesh.triangles == expected->mesh.triangles);
-  EXPECT_EQ(result->quantization_bits, expected->quantization_bits);
-}
-
-// Code, message and cause; the bytes of the cause may come in any order.
-void ExpectSameError(const absl::Status& status, const absl::Status& expected) {
-  EXPECT_EQ(status.code(), expected.code());
-  EXPECT_EQ(status.message(), expected.message());
-  EXPECT_TRUE(CauseOf(status) == CauseOf(expected)) << status;
-}
-
-const std::string& Small() {
-  static const auto& bytes = *new std::string(EncodeDraco(Sphere(20), {}));
-  return bytes;
-}
-
-// Takes some 100 MB and 0.1 s to decode, and more than a socket holds to send.
-const std::string& Large() {
-  static const auto& bytes = *new std::string(EncodeDraco(Sphere(500), {.quantization_bits = 0}));
-  return bytes;
-}
 
 // Half a million triangles in some kilobytes.
 const std::string& Dense() {
   static const auto& bytes = *new std::string(EncodeDraco(FlatGrid(512), {.quantization_bits = 10, .speed = 0}));
   return bytes;
 }
-
-class DecoderPoolTest : public testing::Test {
- protected:
-  void Start() {
-    auto pool = DecoderPool::Create(options_);
-    ASSERT_TRUE(pool.ok()) << pool.status();
-    pool_ = *std::move(pool);
-    // All of them run their program.
-    ASSERT_TRUE(Eventually([&] { return static_cast<int>(Running().size()) == options_.processes; }));
-  }
-
-  // Processes that are ready: they are confined, or, in a build with AddressSanitizer, have done the rest of it.
-  static std::vector<pid_t> Running() {
-    const char* const ready = kAddressSanitizer ? "NoNewPrivs:\t1" : "Seccomp:\t2";
-    std::vector<pid_t> pids = Children();
-    std::erase_if(pids, [ready](pid_t pid) {
-      std::ifstream file(absl::StrCat("/proc/", pid, "/status"));
-      const std::string status(std::istreambuf_iterator<char>(file), {});
-      return status.find(ready) == std::string::npos || status.find("State:\tZ") != std::string::npos;
-    });
-    return pids;
-  }
-
-  // A pool of one process, which does nothing.
-  // Those that follow on it have the lowest priority, as the pool's thread has, so that they can be stopped before they
-  // have decoded anything.
-  pid_t StartStopped() {
-    options_.processes = 1;
-    const int priority = getpriority(PRIO_PROCESS, 0);  // this thread's, in spite of its name
-    setpriority(PRIO_PROCESS, 0, 19);
-    Start();
-    setpriority(PRIO_PROCESS, 0, priority);
-    const pid_t pid = Running().at(0);
-    kill(pid, SIGSTOP);
-    return pid;
-  }
-
-  DecoderOptions options_ = TestDecoders();
-  std::unique_ptr<DecoderPool> pool_;
-};
 
 TEST_F(DecoderPoolTest, GivesTheMeshesThatDracoGivesHere) {
   Start();
@@ -410,109 +287,6 @@ TEST_F(DecoderPoolTest, NoProcessIsLeft) {
   pool_.reset();
   EXPECT_TRUE(decode.over());
   EXPECT_TRUE(Children().empty());
-}
-
-// A program of a test's own in the place of latvoxd.
-class ForeignProgram : public DecoderPoolTest {
- protected:
-  ~ForeignProgram() override { pool_.reset(); }
-
-  void Write(const std::string& script) {
-    options_.program = directory_ / "program";
-    std::ofstream(options_.program) << "#!/bin/sh\n" << script;
-    chmod(options_.program.c_str(), 0700);
-  }
-
-  // The program does not confine itself, as Start expects it.
-  void Open() {
-    auto pool = DecoderPool::Create(options_);
-    ASSERT_TRUE(pool.ok()) << pool.status();
-    pool_ = *std::move(pool);
-  }
-
-  TemporaryDirectory directory_;
-};
-
-TEST_F(ForeignProgram, ThatDoesNotStartIsNamed) {
-  const auto expect = [&](const std::string& why) {
-    const auto pool = DecoderPool::Create(options_);
-    ASSERT_FALSE(pool.ok());
-    EXPECT_EQ(pool.status().code(), absl::StatusCode::kUnavailable);
-    EXPECT_THAT(std::string(pool.status().message()), HasSubstr(why));
-  };
-  options_.program = "/nonexistent/latvoxd";
-  expect("/nonexistent/latvoxd: No such file or directory");
-  Write("exit 3");
-  expect("status 3");
-  options_.program = "";
-  EXPECT_EQ(DecoderPool::Create(options_).status().code(), absl::StatusCode::kInvalidArgument);
-}
-
-// ReadyFrame with its header, then an answer to whatever comes.
-std::string Answering(const std::string& answer) {
-  return "printf '\\0\\0\\0\\0\\010\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&3\nhead -c 100 <&3 >/dev/null\n" + answer;
-}
-
-TEST_F(ForeignProgram, ThatTalksNonsenseIsKilledAndItsWordNotTaken) {
-  const std::string nonsense[] = {
-      "printf 'nonsense, and more of it' >&3\nsleep 60\n",  // a huge frame
-      "printf '\\1\\0\\0\\0\\014\\0\\0\\0\\377\\377\\377\\377\\1\\0\\0\\0\\0\\0\\0\\0' >&3\nsleep 60\n",  // a huge mesh
-      "printf '\\4\\0\\0\\0\\0\\0\\0\\0' >&3\nsleep 60\n",  // done, without a mesh
-  };
-  for (const std::string& answer : nonsense) {
-    Write(Answering(answer));
-    auto pool = DecoderPool::Create(options_);
-    ASSERT_TRUE(pool.ok()) << pool.status();
-    ExpectSameError(Decode(**pool, Small()).Get().status(), BadMesh("the decoder crashed on it"));
-    EXPECT_EQ((*pool)->facts().crashes, 2);
-  }
-}
-
-TEST_F(ForeignProgram, ThatDoesNothingIsReplacedOnce) {
-  options_.cpu_time = absl::Milliseconds(20);
-  Write(Answering("exec sleep 60\n"));
-  Open();
-  const absl::Status status = Decode(*pool_, Small()).Get().status();
-  EXPECT_EQ(ReasonOf(status), "DECODER_TIME") << status;
-  EXPECT_EQ(pool_->facts().killed_for_time, 2);
-}
-
-TEST_F(ForeignProgram, MayTakeTheCpuTimeThatTheMeshDeclares) {
-  const double small = (kAddressSanitizer ? 1 : 0.1) + 1e-6 * static_cast<double>(Small().size());
-  const std::pair<std::string, double> limits[] = {
-      {"", small},
-      // 100,000 triangles
-      {"printf '\\7\\0\\0\\0\\020\\0\\0\\0\\240\\206\\1\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&3\n", small + 0.5}};
-  for (const auto& [declaration, seconds] : limits) {
-    Write(Answering(declaration + "while :; do :; done\n"));
-    Open();
-    EXPECT_EQ(Decode(*pool_, Small()).Get().status().message(),
-              absl::StrCat("mesh: decoding takes more than ", seconds, " s"));
-  }
-}
-
-TEST_F(ForeignProgram, ThatDeclaresTwiceOrTooMuchIsKilled) {
-  const std::string small = "printf '\7\0\0\0\020\0\0\0\1\0\0\0\0\0\0\0\1\0\0\0\0\0\0\0' >&3\n";
-  const std::string huge = "printf '\7\0\0\0\020\0\0\0\0\0\0\0\0\0\0\1\1\0\0\0\0\0\0\0' >&3\n";
-  for (const std::string& declarations : {small + small, huge}) {
-    Write(Answering(declarations + "exec sleep 60\n"));
-    Open();
-    ExpectSameError(Decode(*pool_, Small()).Get().status(), BadMesh("the decoder crashed on it"));
-  }
-}
-
-TEST_F(ForeignProgram, ThatIsGoneLaterFailsDecodesInTheEndAndIsTriedAgain) {
-  Write(absl::StrCat("exec ", LATVOXD, " \"$@\"\n"));
-  options_.processes = 1;
-  auto pool = DecoderPool::Create(options_);
-  ASSERT_TRUE(pool.ok()) << pool.status();
-  std::filesystem::rename(options_.program, options_.program + "2");
-  for (const pid_t pid : Children()) kill(pid, SIGKILL);
-  const absl::Status status = Decode(**pool, Small()).Get().status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable) << status;
-  EXPECT_TRUE(RetryDelayOf(status));
-  std::filesystem::rename(options_.program + "2", options_.program);
-  EXPECT_TRUE(Eventually([&] { return Decode(**pool, Small()).Get().ok(); }));
 }
 
 }  // namespace
