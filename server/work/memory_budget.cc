@@ -28,7 +28,7 @@ bool MemoryBudget::WasShort() {
   return std::exchange(was_short_, false);
 }
 
-uint64_t MemoryBudget::Reserve(const std::string& client, uint64_t bytes) {
+std::optional<MemoryBudget::Obstacle> MemoryBudget::Reserve(const std::string& client, uint64_t bytes) {
   const std::lock_guard lock(mu_);
   const auto found = of_clients_.find(client);
   const uint64_t has = found == of_clients_.end() ? 0 : found->second;
@@ -37,13 +37,13 @@ uint64_t MemoryBudget::Reserve(const std::string& client, uint64_t bytes) {
   if (fits && !(in_the_way && has + bytes > total_ / 2)) {
     reserved_ += bytes;
     of_clients_[client] += bytes;
-    return 0;
+    return std::nullopt;
   }
   was_short_ = true;
-  if (fits) return has;
+  if (fits) return Obstacle{has, total_ / 2};
   refused_ = client;
   refused_at_ = absl::Now();
-  return reserved_;
+  return Obstacle{reserved_, total_};
 }
 
 void MemoryBudget::Release(const std::string& client, uint64_t bytes) {
@@ -57,9 +57,11 @@ void MemoryBudget::Release(const std::string& client, uint64_t bytes) {
 absl::Status MemoryReservation::Grow(uint64_t bytes) {
   if (bytes <= bytes_) return absl::OkStatus();
   if (bytes > budget_->total()) return LimitExceeded("memory", bytes, budget_->total());
-  if (const uint64_t in_use = budget_->Reserve(client_, bytes - bytes_); in_use > 0) {
-    const std::string message = absl::StrCat("memory: ", bytes, " bytes are needed, and others have ", in_use - bytes_,
-                                             " of ", budget_->total(), "; try again");
+  if (const auto obstacle = budget_->Reserve(client_, bytes - bytes_)) {
+    const bool is_share = obstacle->limit < budget_->total();
+    const std::string message = absl::StrCat(
+        "memory: ", bytes, " bytes are needed, and ", is_share ? "other jobs of this client have " : "others have ",
+        obstacle->reserved - bytes_, " of ", is_share ? "its share of " : "", obstacle->limit, "; try again");
     return WithRetry(MakeError(absl::StatusCode::kResourceExhausted, message,
                                {"MEMORY_IN_USE", "memory", absl::StrCat(bytes), absl::StrCat(budget_->total()),
                                 "memory_budget_bytes"}),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -34,8 +35,12 @@ class MemoryBudget {
  private:
   friend class MemoryReservation;
 
-  // Returns the bytes that stand in the way; 0: it is reserved.
-  uint64_t Reserve(const std::string& client, uint64_t bytes);
+  struct Obstacle {
+    uint64_t reserved = 0, limit = 0;  // of all clients and the budget, or of this client and its share
+  };
+
+  // Returns what stands in the way; nothing: it is reserved.
+  std::optional<Obstacle> Reserve(const std::string& client, uint64_t bytes);
   void Release(const std::string& client, uint64_t bytes);
 
   const uint64_t total_;

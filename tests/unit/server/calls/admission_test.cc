@@ -281,7 +281,8 @@ TEST(MemoryBudget, AClientThatIsInTheWayOfAnotherGetsNoMoreThanHalf) {
   EXPECT_TRUE(budget.WasShort());
   EXPECT_FALSE(budget.WasShort());
   first.Shrink(40);
-  EXPECT_FALSE(second.Grow(20).ok()) << "the other client waits";
+  EXPECT_EQ(second.Grow(20).message(),
+            "memory: 20 bytes are needed, and other jobs of this client have 40 of its share of 50; try again");
   EXPECT_TRUE(other.Grow(30).ok());
   EXPECT_TRUE(second.Grow(10).ok());
   EXPECT_EQ(budget.reserved(), 80);
