@@ -245,8 +245,8 @@ class Health(TlsCase):
     def test_the_health_port_says_not_serving_while_the_server_drains(self):
         address = f"unix:{self.dir}/socket"
         command = [BIN / "latvoxd", "--listen", address, "--health-listen", "127.0.0.1:0", "--grace", "30"]
-        with open(self.dir / "latvoxd.log", "wb") as log, subprocess.Popen(command, stderr=log) as server:
-            self.addCleanup(server.kill)
+        with open(self.dir / "latvoxd.log", "wb") as log, subprocess.Popen(command, stderr=log) as server, contextlib.ExitStack() as stack:
+            stack.callback(server.kill)  # before the end of `with` waits for it
             probe = ["--server", self.await_log(r"event=health address=(\S+)")]
             with self.long_job(address):
                 server.send_signal(signal.SIGTERM)
@@ -265,7 +265,7 @@ class Health(TlsCase):
         with subprocess.Popen([BIN / "latvox", *map(str, command)], stderr=subprocess.DEVNULL) as process:
             try:
                 deadline = time.monotonic() + harness.PATIENCE
-                while not any(part.stat().st_size for part in self.dir.glob(".long.csv.*")):
+                while not any(harness.unfinished_files(process.pid, self.dir)):
                     self.assertLess(time.monotonic(), deadline, "the job does not begin")
                     time.sleep(0.05)
                 yield
