@@ -31,6 +31,8 @@ class StopSource {
   StopSource& operator=(const StopSource&) = delete;
 
   void Stop() { stopped_ = true; }
+  // Lets work go on that begins later. Precondition: no work runs.
+  void Reset() { stopped_ = false; }
   bool Stopped() const { return stopped_; }
   StopSignal Signal() const { return StopSignal(stopped_); }
 

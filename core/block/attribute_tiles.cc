@@ -21,7 +21,7 @@ void AttributeTiles::Add(std::span<const uint32_t> triangles, std::span<TileBric
   if (!context_) return;
   std::unique_ptr<AttributeScan> scan = scans_.Reserve();
   for (TileBricks& tile : tiles) scan->Find(*context_, triangles, tile);
-  scans_.Release(std::move(scan));
+  if (!context_->stop.Stopped()) scans_.Release(std::move(scan));
 }
 
 }  // namespace latvox

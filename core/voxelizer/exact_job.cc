@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/cpu_meter.h"
 #include "core/block/solid_tiles.h"
 #include "core/voxelizer/unit_scan.h"
 #include "core/voxelizer/unit_scheduler.h"
@@ -17,6 +18,8 @@ namespace {
 
 // The result of one unit, prepared so that the pipeline's last, serial stage has little to do.
 struct FinishedUnit {
+  TileNode unit;
+  bool complete = false;  // it was not interrupted
   std::vector<TileBricks> tiles;
   std::vector<JobTotals> totals;  // for each tile
 };
@@ -26,28 +29,34 @@ class ExactJob final : public VoxelizeJob {
   explicit ExactJob(std::unique_ptr<ExactPlan> plan)
       : plan_(std::move(plan)),
         units_(*plan_, std::exchange(plan_->kept, std::nullopt), stop_.Signal()),
-        scan_(*plan_, units_, stop_.Signal()) {}
-  ~ExactJob() override {
-    if (!stop_.Stopped()) scan_.LeaveMemory();
-  }
+        scan_(*plan_, units_, scan_stop_.Signal()) {}
+  ~ExactJob() override { scan_.LeaveMemory(); }
   ExactJob(const ExactJob&) = delete;
   ExactJob& operator=(const ExactJob&) = delete;
 
   const JobFacts& facts() const override { return plan_->facts; }
   const JobTotals& totals() const override { return totals_; }
-  void Cancel() override { stop_.Stop(); }
+  void Cancel() override {
+    stop_.Stop();
+    scan_stop_.Stop();
+  }
+  void Interrupt() override { scan_stop_.Stop(); }
   absl::Status Prepare() override;
   absl::StatusOr<bool> Advance(const Sink& sink) override;
+  double CpuSeconds() const override { return cpu_.Seconds(); }
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
+    const CpuMeter::Scope scope(cpu_);
     return CountTunnels(plan_->input.mesh, plan_->input.frames, voxels, stop_.Signal());
   }
 
  private:
   size_t UnitsInFlight() const;
-  FinishedUnit Finish(const TileNode& unit) const;
+  FinishedUnit Finish(TileNode unit) const;
   bool Deliver(FinishedUnit unit, const Sink& sink);
 
-  StopSource stop_;
+  StopSource stop_;       // by Cancel
+  StopSource scan_stop_;  // by Cancel or Interrupt
+  mutable CpuMeter cpu_;
   const std::unique_ptr<ExactPlan> plan_;
   UnitScheduler units_;
   const UnitScan scan_;
@@ -57,6 +66,7 @@ class ExactJob final : public VoxelizeJob {
 
 absl::Status ExactJob::Prepare() {
   if (!plan_->solid || interior_) return absl::OkStatus();
+  const CpuMeter::Scope scope(cpu_);
   JobFacts& facts = plan_->facts;
   auto interior = MakeInterior(plan_->input.mesh, *plan_->solid, facts.closed, plan_->input.region, stop_.Signal(),
                                facts.interior_rule, facts.unbalanced_lines);
@@ -76,8 +86,11 @@ size_t ExactJob::UnitsInFlight() const {
   return per_thread * static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency());
 }
 
-FinishedUnit ExactJob::Finish(const TileNode& unit) const {
-  FinishedUnit finished{scan_.Scan(unit, interior_.get()), {}};
+FinishedUnit ExactJob::Finish(TileNode unit) const {
+  const CpuMeter::Scope scope(cpu_);
+  FinishedUnit finished{.unit = std::move(unit), .complete = false, .tiles = {}, .totals = {}};
+  finished.tiles = scan_.Scan(finished.unit, interior_.get());
+  finished.complete = !scan_stop_.Stopped();
   finished.totals.resize(finished.tiles.size());
   for (size_t n = 0; n < finished.tiles.size(); ++n) finished.totals[n].Add(finished.tiles[n]);
   return finished;
@@ -96,25 +109,33 @@ bool ExactJob::Deliver(FinishedUnit unit, const Sink& sink) {
   return more;
 }
 
-// Units enter and leave the pipeline in order, so the stream is a function of the request. The pipeline's tokens bound
-// the number of tiles in flight.
+// Units enter and leave the pipeline in order, so the stream is a function of the request: behind an incomplete unit,
+// all go back. The pipeline's tokens bound the number of tiles in flight.
 absl::StatusOr<bool> ExactJob::Advance(const Sink& sink) {
   using oneapi::tbb::filter_mode;
   using oneapi::tbb::flow_control;
   using oneapi::tbb::make_filter;
+  scan_stop_.Reset();
+  if (stop_.Stopped()) scan_stop_.Stop();  // after Reset, so that no Cancel is lost
   if (absl::Status status = Prepare(); !status.ok()) return status;
   std::atomic<bool> paused = false;
+  std::vector<TileNode> returned;
   oneapi::tbb::parallel_pipeline(
       UnitsInFlight(), make_filter<void, TileNode>(filter_mode::serial_in_order, [&](flow_control& flow) {
-                         auto unit = paused ? std::nullopt : units_.Next();
+                         auto unit = paused || scan_stop_.Stopped() ? std::nullopt : units_.Next();
                          if (unit) return *std::move(unit);
                          flow.stop();
                          return TileNode{};
-                       }) & make_filter<TileNode, FinishedUnit>(filter_mode::parallel, [&](const TileNode& node) {
-                         return Finish(node);
+                       }) & make_filter<TileNode, FinishedUnit>(filter_mode::parallel, [&](TileNode node) {
+                         return Finish(std::move(node));
                        }) & make_filter<FinishedUnit, void>(filter_mode::serial_in_order, [&](FinishedUnit unit) {
-                         if (!Deliver(std::move(unit), sink)) paused = true;
+                         if (!unit.complete || !returned.empty()) {
+                           returned.push_back(std::move(unit.unit));
+                         } else if (!Deliver(std::move(unit), sink)) {
+                           paused = true;
+                         }
                        }));
+  units_.PutBack(std::move(returned));
   if (stop_.Stopped()) return absl::CancelledError("voxelization cancelled");
   return units_.Done();
 }

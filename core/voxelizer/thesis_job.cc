@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/cpu_meter.h"
 #include "core/base/sort.h"
 #include "core/brick/tile_order.h"
 #include "core/thesis/thesis.h"
@@ -55,7 +56,9 @@ class ThesisJob : public VoxelizeJob {
   const JobFacts& facts() const override { return facts_; }
   const JobTotals& totals() const override { return totals_; }
   void Cancel() override { stop_.Stop(); }
+  double CpuSeconds() const override { return cpu_.Seconds(); }
   absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const override {
+    const CpuMeter::Scope scope(cpu_);
     return CountTunnels(mesh_, lattice_.frames(request_.separability), voxels, stop_.Signal());
   }
 
@@ -73,6 +76,7 @@ class ThesisJob : public VoxelizeJob {
 
  private:
   absl::Status Compute() {
+    const CpuMeter::Scope scope(cpu_);
     if (facts_.index_box) {
       const auto voxels =
           VoxelizeByThesis(mesh_, lattice_, request_.separability, request_.algorithm(), stop_.Signal());
@@ -87,6 +91,7 @@ class ThesisJob : public VoxelizeJob {
   const Lattice lattice_;
   const VoxelRequest request_;
   StopSource stop_;
+  mutable CpuMeter cpu_;
   bool computed_ = false;
   std::vector<TileBricks> tiles_;  // in canonical order; a delivered tile is moved away
   size_t delivered_ = 0;

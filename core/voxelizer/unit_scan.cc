@@ -8,9 +8,9 @@
 namespace latvox {
 namespace {
 
-std::optional<BandContext> MakeBandContext(ExactPlan& plan, StopSignal job) {
+std::optional<BandContext> MakeBandContext(ExactPlan& plan, StopSignal stop) {
   if (!plan.input.band) return std::nullopt;
-  return BandContext{plan.input.mesh, *plan.input.band, plan.input.region, std::move(plan.corner_lines), job};
+  return BandContext{plan.input.mesh, *plan.input.band, plan.input.region, std::move(plan.corner_lines), stop};
 }
 
 // Removes voxels outside of the bounds from the tiles from `first` on.
@@ -21,12 +21,12 @@ void Clip(const WorldBox& bounds, size_t first, std::vector<TileBricks>& tiles) 
 
 }  // namespace
 
-UnitScan::UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal job)
+UnitScan::UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal stop)
     : plan_(plan),
       units_(units),
-      context_(plan.Context(job)),
-      attributes_(plan.input.mesh, std::move(plan.input.attributes), job),
-      band_(MakeBandContext(plan, job)) {}
+      context_(plan.Context(stop)),
+      attributes_(plan.input.mesh, std::move(plan.input.attributes), stop),
+      band_(MakeBandContext(plan, stop)) {}
 
 std::vector<TileBricks> UnitScan::Scan(const TileNode& unit, const Interior* interior) const {
   std::vector<TileBricks> tiles;
@@ -47,18 +47,19 @@ void UnitScan::Process(const TileNode& node, const Interior* interior, std::vect
   attributes_.Add(node.triangles, std::span(out).subspan(first));
 }
 
+// A scan that was stopped in the middle of a block is not used again.
 void UnitScan::ScanLeaf(const TileNode& node, const Interior* interior, std::vector<TileBricks>& out) const {
   if (band_) {
     std::unique_ptr<BandScan> scan = band_scans_.Reserve();
     TileBricks tile = scan->Scan(*band_, node.tile_ijk, node.triangles);
-    band_scans_.Release(std::move(scan));
+    if (!context_.stop.Stopped()) band_scans_.Release(std::move(scan));
     tile.progress = std::min(1.0, node.progress + node.share);
     if (!tile.bricks.empty()) out.push_back(std::move(tile));
     return;
   }
   std::unique_ptr<BlockScan> scan = scans_.Reserve();
   DigitizeBlock(context_, node, interior, !plan_.solid || plan_.solid->surface, *scan, out);
-  scans_.Release(std::move(scan));
+  if (!context_.stop.Stopped()) scans_.Release(std::move(scan));
 }
 
 }  // namespace latvox

@@ -25,14 +25,14 @@ namespace latvox {
 class UnitScan {
  public:
   //   plan   must outlive it, as must `units`; its attributes and corner lines are moved away
-  //   job    once stopped, tiles are missing
-  UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal job);
+  //   stop   while stopped, tiles are missing
+  UnitScan(ExactPlan& plan, const UnitScheduler& units, StopSignal stop);
 
   // Returns the unit's tiles that are delivered, in canonical order, in global coordinates.
   //   interior   null, or that of a solid
   std::vector<TileBricks> Scan(const TileNode& unit, const Interior* interior) const;
 
-  // Leaves the memory of blocks to later jobs. Precondition: the job was not stopped, and no Scan runs.
+  // Leaves the memory of blocks to later jobs. Precondition: no Scan runs.
   void LeaveMemory() const { scans_.Leave(); }
 
  private:

@@ -103,6 +103,10 @@ std::optional<TileNode> UnitScheduler::Next() {
   return std::nullopt;
 }
 
+void UnitScheduler::PutBack(std::vector<TileNode> units) {
+  std::move(units.rbegin(), units.rend(), std::back_inserter(todo_));
+}
+
 // Replaces the next nodes that are no units, as many as there are threads, by their children.
 void UnitScheduler::SplitNext() {
   const size_t count = std::min(todo_.size(), static_cast<size_t>(oneapi::tbb::this_task_arena::max_concurrency()));

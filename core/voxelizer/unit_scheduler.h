@@ -18,7 +18,7 @@ namespace latvox {
 // unit, left out as a whole, or replaced by its children in order. So every tile of the part comes once, whatever the
 // number of threads. The number of threads decides which tiles form a unit, but not their voxels: see ExactPlan.
 //
-// Threads: Next and AddInterior, one at a time; the rest, any thread.
+// Threads: Next, PutBack and AddInterior, one at a time; the rest, any thread.
 class UnitScheduler {
  public:
   //   plan   must outlive it
@@ -32,6 +32,8 @@ class UnitScheduler {
 
   // The next unit; nullopt if none is left.
   std::optional<TileNode> Next();
+  // Puts the last units that Next has returned back, in their order.
+  void PutBack(std::vector<TileNode> units);
   bool Done() const { return todo_.empty(); }  // after a call of Next
 
   // Whether none of a node's tiles is delivered.

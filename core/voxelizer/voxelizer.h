@@ -46,10 +46,11 @@ struct JobTotals {
 // The voxelization of one mesh. Tiles come in canonical order (see BrickBatch in the protocol), and are the same for
 // any number of threads and any order of triangles.
 //
-// Threads: methods of one object must not run at the same time, except Cancel. Compute runs in the oneTBB arena of the
-// calling thread. Memory: the snapped mesh, or a shared one and its snapped vertices; the results of Create; and a
-// bounded number of tiles. The thesis's algorithms (core/voxelizer/thesis_job.h) keep the same promises, but hold the
-// whole set. Ended jobs leave up to 32 MiB of a process to later ones: see core/base/kept_memory.h.
+// Threads: methods of one object must not run at the same time, except Cancel, Interrupt and CpuSeconds. Compute runs
+// in the oneTBB arena of the calling thread. Memory: the snapped mesh, or a shared one and its snapped vertices; the
+// results of Create; and a bounded number of tiles. The thesis's algorithms (core/voxelizer/thesis_job.h) keep the same
+// promises, but hold the whole set. Ended jobs leave up to 32 MiB of a process to later ones: see
+// core/base/kept_memory.h.
 class VoxelizeJob {
  public:
   // Snaps the mesh, and finds its facts. For a fine mesh, with triangles smaller than voxels, the same pass finds the
@@ -80,7 +81,7 @@ class VoxelizeJob {
   using Sink = std::function<bool(TileBricks&&)>;
 
   // Computes further tiles and gives them to `sink`, until all are done (true) or the sink has paused (false; a few
-  // more tiles may follow the pause). Errors: CANCELLED after Cancel.
+  // more tiles may follow the pause) or Interrupt was called. Errors: CANCELLED after Cancel.
   virtual absl::StatusOr<bool> Advance(const Sink& sink) = 0;
 
   // Totals of the tiles that the sink has received.
@@ -89,6 +90,13 @@ class VoxelizeJob {
   // Counts tunnels and redundant voxels of `voxels` for this job's mesh and separability, without tiles or thinning.
   // Precondition: the request has no band, region, bounds or shard. Errors: CANCELLED.
   virtual absl::StatusOr<Verdict> Verify(const VoxelSet& voxels) const = 0;
+
+  // Makes a running Advance return soon, even in the middle of a tile. The next one finds again what is lost. Calls at
+  // other times have no effect. The thesis's algorithms go on. Any thread.
+  virtual void Interrupt() {}
+
+  // The CPU time of all scans so far, and of the threads that led the other work of Advance and Verify. Any thread.
+  virtual double CpuSeconds() const = 0;
 
   // Makes Advance and Verify return CANCELLED soon. Any thread, at any time.
   virtual void Cancel() = 0;

@@ -1,4 +1,4 @@
-// Cancelled jobs end soon at every stage, even where very many triangles or lines meet.
+// Cancelled and interrupted jobs end soon at every stage, even where very many triangles or lines meet.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -44,6 +44,18 @@ INSTANTIATE_TEST_SUITE_P(Cancelling, EveryKindOfJob, testing::ValuesIn(JobKinds(
   std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
   return name;
 });
+
+struct Interrupting : Digitizing {
+  void Cancel() { job->Interrupt(); }
+};
+
+TEST(Interrupting, StopsInTheMiddleOfATile) {
+  const auto heap = [](uint32_t tetrahedra) { return HeapOfTetrahedra(tetrahedra); };
+  const auto digitizing = [](const TriangleMesh& mesh) {
+    return std::make_unique<Interrupting>(Digitizing{JobKind{"", 0, {}}.Job(mesh)});
+  };
+  EXPECT_LT(MostToStop(40000, heap, digitizing), kPromised);
+}
 
 struct Verifying : Digitizing {
   const VoxelSet voxels = {};

@@ -1,0 +1,76 @@
+// The CPU time of one job, whichever threads it runs on.
+#ifndef LATVOX_CORE_BASE_CPU_METER_H_
+#define LATVOX_CORE_BASE_CPU_METER_H_
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <ctime>
+#include <mutex>
+#include <vector>
+
+namespace latvox {
+
+// Adds up the CPU time of scopes. It does not depend on how busy the machine is. Threads: any.
+class CpuMeter {
+ public:
+  // Counts what this thread does from here to the scope's end. Scopes of one meter do not nest.
+  class Scope {
+   public:
+    explicit Scope(CpuMeter& meter) : meter_(meter), clock_(ClockOfThread()) { meter_.Begin(clock_); }
+    ~Scope() { meter_.End(clock_); }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    CpuMeter& meter_;
+    const clockid_t clock_;
+  };
+
+  // Includes the scopes that have begun.
+  double Seconds() const {
+    const std::lock_guard lock(mutex_);
+    double seconds = ended_;
+    for (const Running& running : running_) seconds += Read(running.clock) - running.begun;
+    return seconds;
+  }
+
+ private:
+  struct Running {
+    clockid_t clock;
+    double begun;
+  };
+
+  static clockid_t ClockOfThread() {
+    clockid_t clock = CLOCK_THREAD_CPUTIME_ID;
+    pthread_getcpuclockid(pthread_self(), &clock);
+    return clock;
+  }
+  static double Read(clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+  }
+  void Begin(clockid_t clock) {
+    const double now = Read(clock);
+    const std::lock_guard lock(mutex_);
+    running_.push_back({clock, now});
+  }
+  void End(clockid_t clock) {
+    const double now = Read(clock);
+    const std::lock_guard lock(mutex_);
+    const auto mine =
+        std::find_if(running_.begin(), running_.end(), [&](const Running& r) { return r.clock == clock; });
+    ended_ += now - mine->begun;
+    *mine = running_.back();
+    running_.pop_back();
+  }
+
+  mutable std::mutex mutex_;
+  double ended_ = 0;              // seconds; guarded by mutex_, as is the next
+  std::vector<Running> running_;  // one for each thread at work
+};
+
+}  // namespace latvox
+
+#endif  // LATVOX_CORE_BASE_CPU_METER_H_
