@@ -57,13 +57,13 @@ void SurfaceScan::AddRim(const TileContext& context, const Candidates& candidate
   surface.Find(candidates.rim.view(), false, memory_.positions);
   FindPairs(candidates, candidates.rim, memory_.positions, &Candidates::Run::rim_end, memory_.pairs);
   added_.clear();
-  ForEachStar(context, voxels_.where().layout, memory_.pairs, surface, false,
-              [&](uint32_t voxel, const StarLinks& star) {
-                if (star.nearer == 0 || surface.Test(voxel)) return;
-                surface.Set(voxel);
-                added_.push_back(voxel);
-                rim_only_.push_back({voxel, star});
-              });
+  const auto is_new = [&](uint32_t voxel) { return !surface.Test(voxel); };
+  ForEachStar(context, voxels_.where().layout, memory_.pairs, is_new, [&](uint32_t voxel, const StarLinks& star) {
+    if (star.nearer == 0 || surface.Test(voxel)) return;
+    surface.Set(voxel);
+    added_.push_back(voxel);
+    rim_only_.push_back({voxel, star});
+  });
   voxels_.MarkDirty(added_);
 }
 

@@ -176,11 +176,14 @@ void Thinner::FindInUndecided(const NumberList& voxels) {
   undecided_.FindFew(voxels.view(), list_, memory_.positions);
 }
 
-// Asks the triangles of pairs whose voxels are undecided when their turn comes.
+// Asks the triangles of pairs whose voxels are undecided when their turn comes. Once all links of a voxel are known,
+// they all end in the surface, and no further triangle matters: that spares most questions where triangles fill a
+// volume.
 void Thinner::AskPairs(const TileContext& context, BlockVoxels& voxels) {
   const BlockBox& where = voxels.where();
   const TileBits& surface = voxels.bits();
-  ForEachStar(context, where.layout, memory_.pairs, undecided_, true, [&](uint32_t z, const StarLinks& star) {
+  const auto is_open = [this](uint32_t voxel) { return undecided_.Test(voxel) && !links_.IsFull(voxel); };
+  ForEachStar(context, where.layout, memory_.pairs, is_open, [&](uint32_t z, const StarLinks& star) {
     for (uint32_t bits = star.nearer; bits != 0; bits &= bits - 1) {
       const auto n = static_cast<size_t>(std::countr_zero(bits));
       const uint32_t end = where.EndOf(z, star, n);

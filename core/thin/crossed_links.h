@@ -53,6 +53,12 @@ class CrossedLinks {
     Add(voxel, bit / 2, bit % 2 != 0);
   }
 
+  // Whether all links of a voxel are in the set.
+  bool IsFull(uint32_t voxel) const {
+    const uint32_t all = (uint32_t{1} << count_) - 1;
+    return (Get(voxel) & all) == all;
+  }
+
   size_t Bytes() const { return BytesOf(rows_) + BytesOf(words_) + BytesOf(touched_); }
 
   // Prefetches the entry that At reads first.

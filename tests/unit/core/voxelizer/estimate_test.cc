@@ -71,5 +71,17 @@ TEST(EstimateVisits, CountThinningWhereTrianglesFillAVolume) {
   EXPECT_GT(visits(full, true), visits(full, false) + 20 * 60 * 60 * 60);
 }
 
+TEST(EstimateVisits, CountAllTrianglesOfAPart) {
+  const Grid grid = Unscaled(Lattice::Named(NamedLattice::kCartesian));
+  const IndexBox box = {{26, 26, 26}, {34, 34, 34}};
+  const TriangleMesh full = Needles(20000, 60, 30);
+  const double whole = EstimateVisits(full, ExtentOf(full), grid, {});
+  const double part = EstimateVisits(full, ExtentOf(full), grid, {.part = {.region = box}});
+  EXPECT_GT(part, whole / 10000);  // it has 512 of some 120^3 points
+  EXPECT_LT(part, whole / 1000);
+  const TriangleMesh sphere = Sphere(40, 150);
+  EXPECT_LE(EstimateVisits(sphere, ExtentOf(sphere), grid, {.part = {.region = box}}), 512);
+}
+
 }  // namespace
 }  // namespace latvox
